@@ -9,6 +9,17 @@ pub fn launched() -> Option<usize> {
     ranks_by(|name| env::var(name).ok())
 }
 
+/// The number of this process among those, as the launcher gives it, if it does. A program that cannot start MPI can say why once.
+pub fn launched_rank() -> Option<usize> {
+    launched()?;
+    rank_by(|name| env::var(name).ok())
+}
+
+fn rank_by(variable: impl Fn(&str) -> Option<String>) -> Option<usize> {
+    let names = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID"];
+    names.into_iter().find_map(|name| variable(name)?.trim().parse().ok())
+}
+
 fn ranks_by(variable: impl Fn(&str) -> Option<String>) -> Option<usize> {
     let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
     // Open MPI; MPICH and Intel MPI (Hydra); MVAPICH; Slurm, for which the variable of a step is set by `srun` and not by `sbatch`.
@@ -31,6 +42,14 @@ mod tests {
         assert_eq!(with(&[("OMPI_COMM_WORLD_SIZE", "4"), ("OMPI_COMM_WORLD_RANK", "1")]), Some(4));
         assert_eq!(with(&[("PMI_SIZE", "3")]), Some(3));
         assert_eq!(with(&[("SLURM_PROCID", "1"), ("SLURM_STEP_NUM_TASKS", "8")]), Some(8));
+    }
+
+    #[test]
+    fn launchers_number_their_processes() {
+        let with = |name| rank_by(|set| (set == name).then(|| "3".to_owned()));
+        assert_eq!(with("OMPI_COMM_WORLD_RANK"), Some(3));
+        assert_eq!(with("SLURM_PROCID"), Some(3));
+        assert_eq!(with("HOME"), None);
     }
 
     #[test]

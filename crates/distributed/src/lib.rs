@@ -64,5 +64,5 @@ mod wire;
 
 pub use communicator::{Communicator, Halo, Message, Port};
 pub use error::Error;
-pub use launcher::launched;
+pub use launcher::{launched, launched_rank};
 pub use search::{DistributedSearch, Shapes, Statistics};

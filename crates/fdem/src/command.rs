@@ -51,7 +51,7 @@ use clap::Parser;
 
 use args::{Arguments, ContactsArguments, Task};
 use failure::Failure;
-use ranks::Ranks;
+use ranks::{Ranks, is_another_rank};
 pub use tables::network_file;
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
@@ -63,10 +63,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
+        // All ranks have the same arguments, so one of them answers.
+        Err(error) if is_another_rank() => return error.exit_code() as u8,
         Err(error) => return help_or_refusal(&error),
     };
     let ranks = match Ranks::start() {
         Ok(ranks) => ranks,
+        Err(failure) if is_another_rank() => return failure.exit_code(),
         Err(failure) => return refusal(&failure),
     };
     let code = carry_out(arguments, &ranks);

@@ -105,4 +105,16 @@ timeout 60 mpirun -n 3 "$fdem" run "$work/none.toml" --output "$work/none" --qui
 test "$code" = 2
 test "$(grep -c 'has 1 error' "$work/errors")" = 1
 test ! -e "$work/none"
+
+# More ranks than elements, and arguments that are none: one message each.
+printf '[model]\nend_time = 1e-5\n[[body]]\nname = "a"\nmaterial = "m"\nrectangle = { min = [0, 0], max = [1, 1] }\nmesh_size = 2\n[[material]]\nname = "m"\ndensity = 2700\nyoungs_modulus = 30e9\npoissons_ratio = 0.2\n' >"$work/tiny.toml"
+refused() {
+    local code=0
+    timeout 60 mpirun -n 8 "$fdem" "${@:2}" 2>"$work/errors" || code=$?
+    test "$code" = 2
+    test "$(grep -c "$1" "$work/errors")" = 1
+}
+refused "8 ranks are more than the 2 elements of the model" run "$work/tiny.toml" --output "$work/none" --quiet
+refused "unexpected argument" run "$work/tiny.toml" --treads 3
+test ! -e "$work/none"
 echo "runs are the same on all numbers of ranks, and after ranks were killed"

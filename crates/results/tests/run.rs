@@ -492,7 +492,9 @@ fn ranks_are_drawn_as_levels() {
     let [floor, low, high] = [308.0, heights[0], heights[2]];
     assert_eq!((heights[0], heights[2]), (heights[1], heights[3]), "{first}");
     assert!(((floor - high) / (floor - low) - 2.0).abs() < 0.01, "{first}");
-    assert!(messages.svg.contains("bytes in a step") && messages.png(None).is_ok());
+    assert!(
+        messages.svg.contains("sent (B)") && !messages.svg.contains(">0.5<") && messages.png(None).is_ok()
+    );
 }
 
 #[test]

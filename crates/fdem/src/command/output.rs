@@ -220,8 +220,15 @@ pub(crate) fn end(code: i32) {
 fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), io::Error> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP, SIGQUIT])?;
-    let watch = move || signals.forever().for_each(|signal| clean_up(128 + signal));
-    std::thread::Builder::new().spawn(watch).map(drop)
+    let (begin, begun) = std::sync::mpsc::channel();
+    let watch = move || {
+        // The other end waits for it.
+        let _ = begin.send(());
+        signals.forever().for_each(|signal| clean_up(128 + signal));
+    };
+    std::thread::Builder::new().spawn(watch)?;
+    // The standard library ends a program that has no memory for the beginning of a thread. The work that begins now may take all memory.
+    begun.recv().map_err(io::Error::other)
 }
 
 #[cfg(not(unix))]

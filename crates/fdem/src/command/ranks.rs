@@ -1,6 +1,6 @@
 //! Processes that an MPI launcher has started together: how they start, and how they agree on a failure.
 
-use fdem_distributed::{Communicator, launched};
+use fdem_distributed::{Communicator, launched, launched_rank};
 
 use crate::command::failure::Failure;
 
@@ -43,6 +43,11 @@ impl Ranks {
         let advice = "start it without the launcher";
         Err(Failure::Unusable(format!("fdem {task} runs in one process, not on {ranks} ranks: {advice}")))
     }
+}
+
+/// Whether a launcher has started this process as another rank than the first: also known before MPI is started, and without it.
+pub(crate) fn is_another_rank() -> bool {
+    launched_rank().is_some_and(|rank| rank > 0)
 }
 
 #[cfg(not(feature = "mpi"))]

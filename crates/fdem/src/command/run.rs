@@ -89,6 +89,7 @@ where
     let path = &arguments.model;
     let progress = Progress::new(arguments.options.quiet);
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
+    lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&prepared)?;
@@ -171,6 +172,7 @@ where
     let Checkpoint::<D, N> { frames, history, intervals, account, state, .. } = checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
+    lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     let (simulation, _) = progress
         .step("preparing the run", None, |_| Simulation::resume(prepared.model.clone(), state, lead.threads));
     let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
@@ -305,6 +307,10 @@ where
             End::Interrupted(_) => "interrupted".to_owned(),
             End::Stopped(stop) => format!("stopped: {stop}"),
         };
+        if let End::Interrupted(_) = end {
+            // A launcher may give little time: this is said before the drawings.
+            self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
+        }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
         let fragments = self.observer.fragments(&self.run)?;

@@ -78,7 +78,9 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
     {
         let mut ends = [0, 0];
         for kilobytes in (least..least + 300_000).step_by(step) {
-            let line = format!("ulimit -v {kilobytes} && exec {fdem} contacts gas.npy -q {drawing}");
+            let line = format!(
+                "ulimit -v {kilobytes} && RUST_BACKTRACE=0 exec {fdem} contacts gas.npy -q {drawing}"
+            );
             let run = std::process::Command::new("sh")
                 .args(["-c", &line])
                 .current_dir(bench.folder.path())

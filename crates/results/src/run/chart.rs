@@ -80,6 +80,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) up: Axis<'a>,
     /// Whether the axis across is logarithmic. Values must be above 0 then; others leave gaps.
     pub(crate) logarithmic: bool,
+    /// Whether the axis across counts: only whole numbers from 0 on are named.
+    pub(crate) whole: bool,
     pub(crate) curves: Vec<Curve<'a>>,
 }
 
@@ -177,7 +179,8 @@ impl Chart<'_> {
             ));
             svg.label([LEFT - 7.0, y + 4.0], 11.0, Anchor::End, INK, &tick_text(tick));
         }
-        for tick in across.ticks(6) {
+        let named = |tick: &f64| !self.whole || (*tick >= 0.0 && tick.fract() == 0.0);
+        for tick in across.ticks(6).into_iter().filter(named) {
             let [x, _] = place([tick / across.factor, 0.0]);
             if self.logarithmic {
                 svg.put(format_args!(

@@ -72,7 +72,7 @@ pub fn plots(history: &History) -> Vec<Plot> {
         let curves: Vec<Curve<'_>> = curves.iter().filter_map(curve).collect();
         let description = described(&curves, "time");
         let across = Axis { name: "time", unit: "s" };
-        Chart { name, description, across, up, logarithmic: false, curves }.svg()
+        Chart { name, description, across, up, logarithmic: false, whole: false, curves }.svg()
     };
     let plot = |name: &str, svg: String| Plot { name: name.to_owned(), svg };
     let cracked = match history.column("crack_area") {
@@ -134,6 +134,7 @@ pub fn fragment_sizes(sizes: &SizeDistribution) -> Option<Plot> {
         across: Axis { name: "equivalent diameter", unit: "m" },
         up: Axis { name: "passing, share of the mass", unit: "%" },
         logarithmic: true,
+        whole: false,
         curves,
     };
     Some(Plot { name: "fragment_sizes".to_owned(), svg: chart.svg() })
@@ -150,37 +151,32 @@ pub struct RankLoad {
     pub bytes: f64,
 }
 
-/// Plots the elements of each rank, and the bytes that it sends in a step.
+/// Plots the elements of each rank at the end, and the bytes that it sends in a step.
 pub fn rank_loads(ranks: &[RankLoad]) -> [Plot; 2] {
-    // A level for each rank.
-    let across: Vec<f64> = (0..ranks.len()).flat_map(|rank| [rank as f64, rank as f64 + 1.0]).collect();
+    // A level for each rank, around its number.
+    let across: Vec<f64> = (0..ranks.len()).flat_map(|rank| [rank as f64 - 0.5, rank as f64 + 0.5]).collect();
     let levels =
         |of: fn(&RankLoad) -> f64| -> Vec<f64> { ranks.iter().flat_map(|rank| [of(rank); 2]).collect() };
-    let [all, own, halo, bytes] = [
-        levels(|rank| rank.own + rank.halo),
-        levels(|rank| rank.own),
-        levels(|rank| rank.halo),
-        levels(|rank| rank.bytes),
-    ];
+    let [own, halo, bytes] = [levels(|rank| rank.own), levels(|rank| rank.halo), levels(|rank| rank.bytes)];
     let plot = |name: &str, title, up, curves: Vec<Curve<'_>>| {
         let description = described(&curves, "rank");
         let across = Axis { name: "rank", unit: "" };
-        let chart = Chart { name: title, description, across, up, logarithmic: false, curves };
+        let chart = Chart { name: title, description, across, up, logarithmic: false, whole: true, curves };
         Plot { name: name.to_owned(), svg: chart.svg() }
     };
     let curve = |name, levels| Curve::plain(name, &across, levels);
     [
         plot(
             "ranks_elements",
-            "Elements of each rank",
+            "Elements of each rank at the end",
             Axis { name: "elements", unit: "" },
-            vec![curve("all", &all), curve("own", &own), curve("halo", &halo)],
+            vec![curve("own", &own), curve("halo", &halo)],
         ),
         plot(
             "ranks_messages",
-            "Bytes that each rank sends in a step",
-            Axis { name: "bytes in a step", unit: "B" },
-            vec![curve("bytes", &bytes)],
+            "What each rank sends in a step, in the mean",
+            Axis { name: "sent", unit: "B" },
+            vec![curve("sent", &bytes)],
         ),
     ]
 }
@@ -248,7 +244,9 @@ fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
             let description = described(&curves, "time");
             let across = Axis { name: "time", unit: "s" };
             let up = Axis { name: one, unit };
-            let svg = Chart { name: &title, description, across, up, logarithmic: false, curves }.svg();
+            let svg =
+                Chart { name: &title, description, across, up, logarithmic: false, whole: false, curves }
+                    .svg();
             let name = format!("histories_{several}");
             // Several parts of a unit have the same name, and so have units of unknown quantities.
             let number = 1 + plots.iter().filter(|plot| plot.name.starts_with(&name)).count();
@@ -283,6 +281,7 @@ fn load_displacement(history: &History) -> Option<Plot> {
         across: Axis { name: &across, unit: "m" },
         up: Axis { name: &up, unit: "N" },
         logarithmic: false,
+        whole: false,
         curves,
     };
     Some(Plot { name: "load_displacement".to_owned(), svg: chart.svg() })

@@ -85,7 +85,7 @@ pub(crate) struct ResumeArguments {
 #[derive(Debug, Args)]
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
-    /// Number of threads; 0 is one per processor. Results do not depend on it.
+    /// Number of threads; 0 is one per processor, and on ranks under `mpirun` one thread for each rank. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: usize,
 

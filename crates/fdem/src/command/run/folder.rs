@@ -180,6 +180,15 @@ impl Folder {
         FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))
     }
 
+    /// Removes plots, as far as there are any.
+    pub(crate) fn remove_plots(&self, names: &[&str]) -> Result<(), Failure> {
+        let files = names.iter().flat_map(|name| ["svg", "png"].map(|end| format!("{PLOTS}/{name}.{end}")));
+        files.map(|name| self.path(&name)).try_for_each(|path| match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
+            _ => Ok(()),
+        })
+    }
+
     /// Makes a subfolder.
     pub(crate) fn make(&self, name: &str) -> Result<(), Failure> {
         let path = self.path(name);

@@ -3,7 +3,7 @@
 use fdem_distributed::Communicator;
 use fdem_io::numbers::grouped;
 use fdem_results::{Plot, RankLoad, rank_loads};
-use fdem_simulation::{Simulation, Traffic, dismiss, follow};
+use fdem_simulation::{ModelError, Simulation, Traffic, dismiss, follow};
 
 use crate::command::args::RunOptions;
 use crate::command::failure::Failure;
@@ -35,6 +35,14 @@ impl<'c> Lead<'c> {
             return Ok(None);
         }
         Ok(Some(Self { ranks, threads, followed: false }))
+    }
+
+    /// Refuses more ranks than a model has elements.
+    pub(super) fn check(&self, elements: usize) -> Result<(), String> {
+        match self.ranks.map(Communicator::size) {
+            Some(ranks) if ranks > elements => Err(ModelError::Ranks { ranks, elements }.to_string()),
+            _ => Ok(()),
+        }
     }
 
     /// Distributes a simulation among the ranks.
@@ -79,14 +87,14 @@ pub(super) fn in_ranks(traffic: &[Traffic]) -> Option<String> {
     let own = sum(|rank| rank.own as u64).max(1.0);
     let each = first.steps.max(1) as f64;
     Some(format!(
-        "{} ranks; the halo is {:.1} % of the elements; the busiest has {:.1} % more than the mean; up to {} neighbours; \
-         {} bytes and {:.1} messages a step and rank; divided {} times",
+        "{} ranks; the halo is {:.1} % of the elements; the rank with most elements has {:.1} % more than the mean; at most {} neighbours; \
+         in a step each rank sends {} bytes in {:.1} messages; divided {}",
         traffic.len(),
         100.0 * sum(|rank| rank.halo as u64) / own,
         100.0 * (most(|rank| rank.own as u64) * traffic.len() as f64 / own - 1.0),
         most(|rank| rank.neighbours as u64),
         grouped((sum(|rank| rank.bytes) / each / traffic.len() as f64) as u64),
         sum(|rank| rank.messages) / each / traffic.len() as f64,
-        first.spreads + 1
+        if first.spreads == 0 { "once".to_owned() } else { format!("{} times", grouped(first.spreads + 1)) }
     ))
 }

@@ -263,6 +263,10 @@ where
         let place =
             drawn.iter().position(|plot| plot.name == "fragments").map_or(drawn.len().min(3), |at| at + 1);
         drawn.splice(place..place, fragment_sizes(&fragments.sizes()));
+        if more.is_empty() {
+            // An earlier part of the run may have been on ranks.
+            self.folder.remove_plots(&["ranks_elements", "ranks_messages"])?;
+        }
         drawn.extend(more);
         let frames = self.read_frames(done)?;
         let drawings = <[[f64; D]; N]>::draw(
