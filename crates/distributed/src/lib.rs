@@ -24,8 +24,9 @@
 //!
 //! A search first sends each element to its owner. Each rank counts its elements by cells of a coarse grid, which are divided along Hilbert's curve so that all ranks get about as many elements; a
 //! few sums over all ranks suffice, and no rank sees the keys of others. A cell is divided by finer keys if a splitter falls into it and the cell is too large for one rank. Elements arrive in runs of
-//! neighbouring cells, which keeps the search in cache. Couples are divided in the same way, by ids. Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large elements do not attract all small ones; sizes are
-//! compared by powers of two. Between elements of one power of two, one of the two ranks gets the ghosts. So every couple is found on exactly one rank.
+//! neighbouring cells, which keeps the search in cache. Couples are divided in the same way, by ids.
+//!
+//! Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large elements do not attract all small ones; sizes are compared by powers of two. Between elements of one power of two, one of the two ranks gets the ghosts. So every couple is found on exactly one rank.
 //!
 //! In a periodic box, wrapped elements have owners, and ghosts are displaced by whole edges. A displaced ghost is widened by more than all rounding, and each couple with it is decided anew by the comparison
 //! of [`PeriodicSearch`](fdem_contact::PeriodicSearch): the element with the smaller id, against the image of the other.

@@ -43,7 +43,7 @@ pub use history::{History, HistoryError, HistoryWriter, Row, kept};
 pub use names::Names;
 pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
-pub use plots::{Plot, RankLoad, fragment_sizes, plots, rank_loads};
+pub use plots::{Plot, RANK_PLOTS, RankLoad, fragment_sizes, plots, rank_loads};
 pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
 
 /// A snapshot that contradicts itself.

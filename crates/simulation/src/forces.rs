@@ -56,7 +56,7 @@ pub(crate) struct OwnForces<const D: usize> {
     /// Forces of broken joints that are closed.
     joints: Vec<ContactForce<D>>,
     /// Force of all boundaries on each node on which one acts, N, by the code of the first corner of the node.
-    pub(crate) reactions: Vec<(u32, Point<D>)>,
+    reactions: Vec<(u32, Point<D>)>,
 }
 
 wire!([const D: usize] OwnForces<D> { contacts, joints, reactions });

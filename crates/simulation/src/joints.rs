@@ -38,7 +38,7 @@ use crate::vector::{Point, add, dot, length, minus};
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Break {
     joint: u32,
-    pub(crate) time: f64,
+    time: f64,
     /// Damage by opening and by sliding.
     pub(crate) modes: [f64; 2],
 }
@@ -83,11 +83,6 @@ pub(crate) struct Seen<'a, const D: usize> {
 }
 
 impl<const D: usize> Moving<D> {
-    /// Code of its facet.
-    pub(crate) fn facet(&self) -> u32 {
-        self.joint.facet
-    }
-
     /// Looks up its nodes. `node_at`: the node of a corner, by its code.
     pub(crate) fn find_nodes(&mut self, node_at: impl Fn(u32) -> u32) {
         let corners = self.corners;

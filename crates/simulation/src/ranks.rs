@@ -348,6 +348,12 @@ where
     }
 }
 
+/// Sorts a list, and leaves each value in it once.
+fn once_each<T: Ord>(list: &mut Vec<T>) {
+    list.sort_unstable();
+    list.dedup();
+}
+
 /// Numbers the fragments of elements that hang together by these pairs, from 0 in the order of their first elements.
 fn united(elements: usize, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
     // Every element points to one before it, or to itself if it is the first of its fragment.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::elastic::Moduli;
 use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
+use crate::ranks::wire::wire;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
@@ -27,6 +28,8 @@ pub(crate) struct Node<const D: usize = 2> {
     /// Velocity half a step before the position, m/s.
     pub(crate) velocity: Point<D>,
 }
+
+wire!([const D: usize] Node<D> { position, velocity });
 
 /// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,54 +8,38 @@
 use std::sync::Mutex;
 
 use fdem_distributed::threads;
-use fdem_simulation::{Distributed, Insertion, Material, Mesh, Model, Simulation, Strength};
+use fdem_simulation::{Distributed, Material, Model, Simulation, Strength};
+
+#[path = "suite/common.rs"]
+#[allow(dead_code, reason = "the other tests use more of it")]
+mod common;
+use common::{granite, rectangle, rock};
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// A strip, so long that the borders between ranks are as long on any number of them. It is drawn apart, and breaks.
-fn strip(length: u32) -> Model {
-    let height = 4;
-    let node = |x: u32, y: u32| x * (height + 1) + y;
-    let places = (0..=length).flat_map(|x| (0..=height).map(move |y| [f64::from(x), f64::from(y)]));
-    let nodes: Vec<[f64; 2]> = places.map(|place| place.map(|x| 1e-3 * x)).collect();
-    let squares = (0..length).flat_map(|x| (0..height).map(move |y| (x, y)));
-    let halves = squares.flat_map(|(x, y)| {
-        let [a, b, c, d] = [node(x, y), node(x + 1, y), node(x + 1, y + 1), node(x, y + 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    let elements: Vec<[u32; 3]> = halves.collect();
-    let material = Material {
-        name: "rock".to_owned(),
-        density: 2700.0,
-        youngs_modulus: 50e9,
-        poissons_ratio: 0.25,
-        damping: 0.0,
-        strength: Some(Strength {
-            tensile: 5e6,
-            cohesion: 10e6,
-            friction: 0.6,
-            energy_i: 1.0,
-            energy_ii: 4.0,
-            weibull_modulus: None,
-            seed: 0,
-        }),
-        friction: 0.5,
-    };
-    let (count, middle) = (elements.len(), 5e-4 * f64::from(length));
-    let velocities = nodes.iter().map(|[x, _]| [20.0 * (x / middle - 1.0) * f64::from(length) / 100.0, 0.0]);
-    let mut model = Model {
+/// A strip, so long that the borders between ranks are as long on any number of them. It is drawn apart, and breaks in many places in one step.
+fn strip(length: usize) -> Model {
+    let mesh = rectangle([0.0; 2], [4e-3, 1e-3 * length as f64], 4, length);
+    let strength =
+        Strength { tensile: 5e6, cohesion: 10e6, friction: 0.6, energy_i: 1.0, energy_ii: 4.0, ..rock() };
+    let middle = 5e-4 * length as f64;
+    let velocities = mesh.nodes.iter().map(|[_, y]| [0.0, 20.0 * (y / middle - 1.0) * length as f64 / 100.0]);
+    Model {
         velocities: velocities.collect(),
-        mesh: Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] },
-        materials: vec![material],
+        mesh,
+        materials: vec![Material {
+            strength: Some(strength),
+            friction: 0.5,
+            poissons_ratio: 0.25,
+            ..granite()
+        }],
         ..Model::default()
-    };
-    model.fracture.insertion = Insertion::Adaptive;
-    model
+    }
 }
 
 /// Memory of all ranks together, in bytes per element: what they hold after they have advanced the run and divided it anew, and the most that they held meanwhile.
-fn held(size: usize, length: u32) -> [f64; 2] {
+fn held(size: usize, length: usize) -> [f64; 2] {
     let model = strip(length);
     let elements = model.mesh.elements.len();
     let profiler = Mutex::new(None);
@@ -87,7 +71,7 @@ fn held(size: usize, length: u32) -> [f64; 2] {
 
 fn main() {
     // The same number of elements on each rank. A rank with four bytes for each element of the whole would add 96 bytes for each element on 32 ranks, more than on 8.
-    let [few, many] = [8, 32].map(|size| held(size, 150 * size as u32));
+    let [few, many] = [8, 32].map(|size| held(size, 150 * size));
     println!("{few:.0?} bytes for an element on 8 ranks, {many:.0?} on 32, and the most meanwhile");
     for (few, many) in few.into_iter().zip(many) {
         assert!(many - few < 48.0, "the memory of a rank has grown with the whole");

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use super::spread::Spread;
 use crate::error::Error;
 
+/// Memory that a thread needs when it begins, besides its stack, bytes: more than enough. The standard library and the C library end the program if there is less.
+const BEGINNING: usize = 1 << 18;
+
 /// All threads except the caller's. The caller works too, because waking one thread fewer is faster.
 #[derive(Debug)]
 pub(super) struct Others {
@@ -18,12 +21,18 @@ impl Others {
     /// Starts all but one of `threads` threads, of which there are at least two.
     pub(super) fn new(threads: usize) -> Result<Self, Error> {
         let count = threads - 1;
+        let no_threads = |reason| Error::NoThreads { threads, reason };
+        let mut kept = Vec::<u8>::new();
+        kept.try_reserve_exact(count * BEGINNING).map_err(|error| no_threads(error.to_string()))?;
         let spread = Arc::new(Spread::new(count));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).start_handler({
             let spread = spread.clone();
             move |index| spread.enter(index)
         });
-        let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
+        let pool = pool.build().map_err(|error| no_threads(error.to_string()))?;
+        drop(kept);
+        // They have begun when they have done something, and the caller may take all memory then.
+        pool.broadcast(|_| ());
         Ok(Self { pool: Arc::new(pool), count, spread: Some(spread) })
     }
 

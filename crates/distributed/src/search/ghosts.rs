@@ -4,7 +4,8 @@
 //! small ones does not attract all of them. Sizes are compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
 //!
 //! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
-//! group. Elements come in runs along the curve, so groups need no sorting, except where elements crowd. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
+//! group. Elements come in runs along the curve, so groups need no sorting, except where elements crowd. An element goes to the ranks that have a group of its level
+//! or a lower one whose box it overlaps.
 
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 

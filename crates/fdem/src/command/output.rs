@@ -226,8 +226,11 @@ fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), i
         let _ = begin.send(());
         signals.forever().for_each(|signal| clean_up(128 + signal));
     };
+    // The standard library ends a program that has no memory for the beginning of a thread, which is kept here. The work that begins now may take all memory.
+    let mut kept = Vec::<u8>::new();
+    kept.try_reserve_exact(1 << 18)?;
     std::thread::Builder::new().spawn(watch)?;
-    // The standard library ends a program that has no memory for the beginning of a thread. The work that begins now may take all memory.
+    drop(kept);
     begun.recv().map_err(io::Error::other)
 }
 

@@ -181,7 +181,7 @@ fn any_limit_of_memory_ends_in_an_answer_or_an_error() {
     let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
     let mut ends = [0, 0];
     let least = crate::least_memory();
-    for kilobytes in (least..least + 48_000).step_by(2_000) {
+    for kilobytes in (least..least + 48_000).step_by(500) {
         let line = format!("ulimit -v {kilobytes} && RUST_BACKTRACE=0 exec {fdem} contacts gas.npy --count");
         let run =
             std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();

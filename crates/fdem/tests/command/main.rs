@@ -49,8 +49,7 @@ fn least_memory() -> u32 {
         let line = format!("ulimit -v {kilobytes} && RUST_BACKTRACE=0 exec {fdem} generate gas -n 1");
         Command::new("sh").args(["-c", &line]).output().unwrap().status.success()
     };
-    // Two steps more: the first may leave no room for the stack, or for what the C library keeps of each thread, without which it ends the program itself.
-    (10_000..100_000).step_by(2_000).find(starts).unwrap() + 4_000
+    (10_000..100_000).step_by(500).find(starts).unwrap()
 }
 
 /// An empty folder and the program run in it.

@@ -140,6 +140,9 @@ pub fn fragment_sizes(sizes: &SizeDistribution) -> Option<Plot> {
     Some(Plot { name: "fragment_sizes".to_owned(), svg: chart.svg() })
 }
 
+/// Names of the plots of [`rank_loads`].
+pub const RANK_PLOTS: [&str; 2] = ["ranks_elements", "ranks_messages"];
+
 /// A rank of a run on many ranks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RankLoad {
@@ -167,13 +170,13 @@ pub fn rank_loads(ranks: &[RankLoad]) -> [Plot; 2] {
     let curve = |name, levels| Curve::plain(name, &across, levels);
     [
         plot(
-            "ranks_elements",
+            RANK_PLOTS[0],
             "Elements of each rank at the end",
             Axis { name: "elements", unit: "" },
             vec![curve("own", &own), curve("halo", &halo)],
         ),
         plot(
-            "ranks_messages",
+            RANK_PLOTS[1],
             "What each rank sends in a step, in the mean",
             Axis { name: "sent", unit: "B" },
             vec![curve("sent", &bytes)],

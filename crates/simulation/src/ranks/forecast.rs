@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::error::ModelError;
 use crate::joints::Moving;
 use crate::model::Model;
+use crate::ranks::once_each;
 use crate::ranks::piece::{Frame, Piece};
 use crate::ranks::spread::{curve_within, ends, reach, units};
 use crate::simplex::Simplex;
@@ -166,8 +167,7 @@ impl Forecast {
         for element in 0..elements {
             let of_corners = &owners[N * element..N * (element + 1)];
             let mut holders = of_corners.to_vec();
-            holders.sort_unstable();
-            holders.dedup();
+            once_each(&mut holders);
             while let Some(&(_, rank)) = next.next_if(|(other, _)| *other as usize == element) {
                 of_ranks[rank as usize].near += 1;
                 holders.push(rank);
@@ -184,8 +184,7 @@ impl Forecast {
         for node in 0..run.solid.nodes.len() {
             of_ranks[owners[run.solid.corners.of(node)[0] as usize] as usize].nodes += 1;
         }
-        sent.sort_unstable();
-        sent.dedup();
+        once_each(&mut sent);
         add_messages::<D>(&mut of_ranks, &sent);
         for rank in &mut of_ranks {
             rank.memory = (rank.held() as f64 * sizes.all()).round() as u64;
@@ -286,8 +285,7 @@ where
         .and_then(|boxes| boxes.with_tolerance(reach))
         .and_then(|boxes| Detector::new().for_each(&boxes, visit))
         .map_err(|error| ModelError::Detection { message: error.to_string() })?;
-    near.sort_unstable();
-    near.dedup();
+    once_each(&mut near);
     Ok((near, couples))
 }
 
@@ -304,8 +302,7 @@ fn add_messages<const D: usize>(of_ranks: &mut [RankForecast], sent: &[Sent]) {
         of_ranks[to as usize].received += message.len();
         pairs.extend([[from, to], [to, from]]);
     }
-    pairs.sort_unstable();
-    pairs.dedup();
+    once_each(&mut pairs);
     for [rank, _] in pairs {
         of_ranks[rank as usize].neighbours += 1;
     }

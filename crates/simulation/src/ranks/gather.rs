@@ -6,9 +6,9 @@ use crate::contacts::Saved as SavedContacts;
 use crate::forces::{Forces, OwnForces};
 use crate::joints::{Moving, Saved};
 use crate::model::Model;
+use crate::ranks::once_each;
 use crate::ranks::piece::{Carried, Frame, SeamPoint, Touch};
 use crate::ranks::wire::wire;
-use crate::seams::Hold;
 use crate::simplex::Simplex;
 use crate::simulation::{Simulation, State, cracks};
 use crate::snapshot::Snapshot;
@@ -23,12 +23,11 @@ struct OwnNode<const D: usize> {
     code: u32,
     is_first: bool,
     vertex: u32,
-    position: Point<D>,
+    node: Node<D>,
     displacement: Point<D>,
-    velocity: Point<D>,
 }
 
-wire!([const D: usize] OwnNode<D> { code, is_first, vertex, position, displacement, velocity });
+wire!([const D: usize] OwnNode<D> { code, is_first, vertex, node, displacement });
 
 /// An element that a rank counts.
 #[derive(Clone, Copy, Debug)]
@@ -74,14 +73,12 @@ where
             let vertex = solid.constants[number].vertex;
             let code = topology.code_of_corner(solid.corners.of(number)[0]);
             let first = || topology.code_of_corner(topology.corners_of(vertex)[0]);
-            let Node { position, velocity } = solid.nodes[number];
             OwnNode {
                 code,
                 is_first: code == self.part.as_ref().map_or_else(first, |part| part.first[vertex as usize]),
                 vertex: self.vertex(vertex),
-                position,
+                node: solid.nodes[number],
                 displacement: solid.displacement(number, model),
-                velocity,
             }
         };
         let element = |number: usize| OwnElement {
@@ -118,8 +115,8 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     origin: Point<D>,
     model: Model<D, N>,
     /// In the order of results: see [`Snapshot`].
-    nodes: Vec<Node<D>>,
-    displacements: Vec<Point<D>>,
+    nodes: Vec<OwnNode<D>>,
+    /// Nodes of each element.
     elements: Vec<[u32; N]>,
     bodies: Vec<u32>,
     materials: Vec<u32>,
@@ -129,136 +126,28 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     /// In the order of their facets, with the numbers of their nodes.
     joints: Vec<Moving<D>>,
     contacts: SavedContacts<D, N>,
-    seams: Vec<Hold<D>>,
+    seams: Vec<SeamPoint<D>>,
     fragments: Vec<u32>,
-    forces: Forces<D>,
+    forces: OwnForces<D>,
 }
 
 impl<const D: usize, const N: usize> Gathered<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Puts together what the ranks have sent, one after the other.
+    /// Puts together the parts that the ranks send, one after the other.
     pub(super) fn of(
         frame: &Frame<D, N>,
         carried: Carried<D>,
         all: impl Iterator<Item = Own<D, N>>,
         fragments: Vec<u32>,
     ) -> Self {
-        let mut parts = Parts::of(frame.elements as usize);
-        all.for_each(|own| parts.add(own));
-        let Parts { mut nodes, mut elements, mut joints, mut seams, mut contacts, forces, .. } = parts;
-        nodes.sort_unstable_by_key(|node| (!node.is_first, node.vertex, node.code));
-        // Places of nodes by their codes.
-        let mut places = vec![NONE; N * elements.len()];
-        for (place, node) in (0..).zip(&nodes) {
-            places[node.code as usize] = place;
-        }
-        for codes in &mut elements {
-            *codes = codes.map(|code| places[code as usize]);
-        }
-        joints.sort_unstable_by_key(Moving::facet);
-        for moving in &mut joints {
-            moving.find_nodes(|corner| elements[corner as usize / N][corner as usize % N]);
-        }
-        let sides = |point: &SeamPoint<D>| {
-            point.sides.map(|code| corners_of_facet::<D, N>(code as usize / N, code as usize % N))
-        };
-        seams.sort_unstable_by_key(|point| (sides(point), point.place));
-        contacts.grips.sort_unstable_by_key(|(elements, _)| *elements);
-        contacts.parted.sort_unstable();
-        contacts.parted.dedup();
-        contacts.bared.sort_unstable();
-        contacts.bared.dedup();
-        Self {
+        let elements = frame.elements as usize;
+        let mut whole = Self {
             time: carried.step as f64 * frame.scales.time_step,
             carried,
             origin: frame.origin,
             model: frame.model.clone(),
-            displacements: nodes.iter().map(|node| node.displacement).collect(),
-            forces: forces.placed(nodes.iter().map(|node| node.code), frame.origin),
-            nodes: nodes.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect(),
-            elements,
-            bodies: parts.bodies,
-            materials: parts.materials,
-            stresses: parts.stresses,
-            viscous: parts.viscous,
-            dissipated: parts.dissipated,
-            joints,
-            contacts,
-            seams: seams.into_iter().map(|point| point.hold).collect(),
-            fragments,
-        }
-    }
-
-    /// Positions, motion, stress and cracks now.
-    pub fn snapshot(&self) -> Snapshot<D, N> {
-        let moduli: Vec<_> =
-            self.model.materials.iter().map(|at| <[[f64; D]; N]>::moduli(at, self.model.plane)).collect();
-        let tensor = |(stress, &material): (&Matrix<D>, &u32)| {
-            <[[f64; D]; N]>::in_tensor(stress, &moduli[material as usize])
-        };
-        let joints = self.joints.iter().map(Moving::seen::<N>);
-        let (damage, cracks) = cracks::<D, N>(joints, &self.nodes, self.origin, self.elements.len());
-        Snapshot {
-            step: self.carried.step,
-            time: self.time,
-            positions: self.nodes.iter().map(|node| plus(node.position, self.origin)).collect(),
-            displacements: self.displacements.clone(),
-            velocities: self.nodes.iter().map(|node| node.velocity).collect(),
-            elements: self.elements.clone(),
-            stresses: self.stresses.iter().zip(&self.materials).map(tensor).collect(),
-            damage,
-            bodies: self.bodies.clone(),
-            materials: self.materials.clone(),
-            fragments: self.fragments.clone(),
-            cracks,
-        }
-    }
-
-    /// State from which the run can be resumed, on any number of ranks.
-    pub fn state(&self) -> State<D, N> {
-        State {
-            step: self.carried.step,
-            totals: self.carried.totals.clone(),
-            energies: self.carried.energies,
-            reactions: self.carried.reactions.clone(),
-            nodes: self.nodes.clone(),
-            of_corner: self.elements.clone(),
-            stresses: self.stresses.clone(),
-            viscous: self.viscous.clone(),
-            dissipated: self.dissipated.clone(),
-            joints: Saved::of(self.joints.clone()),
-            contacts: self.contacts.clone(),
-            seams: self.seams.clone(),
-        }
-    }
-
-    /// Forces of contacts and boundaries at the beginning of the last step.
-    pub fn forces(&self) -> &Forces<D> {
-        &self.forces
-    }
-}
-
-/// What the ranks have sent so far.
-struct Parts<const D: usize, const N: usize> {
-    nodes: Vec<OwnNode<D>>,
-    /// Nodes of each element, by their codes.
-    elements: Vec<[u32; N]>,
-    bodies: Vec<u32>,
-    materials: Vec<u32>,
-    stresses: Vec<Matrix<D>>,
-    viscous: Vec<Matrix<D>>,
-    dissipated: Vec<f64>,
-    joints: Vec<Moving<D>>,
-    contacts: SavedContacts<D, N>,
-    seams: Vec<SeamPoint<D>>,
-    forces: OwnForces<D>,
-}
-
-impl<const D: usize, const N: usize> Parts<D, N> {
-    fn of(elements: usize) -> Self {
-        Self {
             nodes: Vec::new(),
             elements: vec![[0; N]; elements],
             bodies: vec![0; elements],
@@ -269,10 +158,15 @@ impl<const D: usize, const N: usize> Parts<D, N> {
             joints: Vec::new(),
             contacts: SavedContacts { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() },
             seams: Vec::new(),
+            fragments,
             forces: OwnForces::default(),
-        }
+        };
+        all.for_each(|own| whole.add(own));
+        whole.put_in_order();
+        whole
     }
 
+    /// Adds the part of a rank. Its elements name nodes by their codes.
     fn add(&mut self, own: Own<D, N>) {
         for element in &own.elements {
             let k = element.number as usize;
@@ -295,5 +189,83 @@ impl<const D: usize, const N: usize> Parts<D, N> {
         self.contacts.bared.extend(own.bared);
         self.seams.extend(own.seams);
         self.forces.add(own.forces);
+    }
+
+    /// Gives nodes their numbers, and everything the order that it has in one process.
+    fn put_in_order(&mut self) {
+        let Self { nodes, elements, joints, seams, contacts, .. } = self;
+        nodes.sort_unstable_by_key(|node| (!node.is_first, node.vertex, node.code));
+        let mut number_of = vec![NONE; N * elements.len()];
+        for (number, node) in (0..).zip(&*nodes) {
+            number_of[node.code as usize] = number;
+        }
+        for codes in &mut *elements {
+            *codes = codes.map(|code| number_of[code as usize]);
+        }
+        joints.sort_unstable_by_key(|moving| moving.joint.facet);
+        for moving in joints {
+            moving.find_nodes(|corner| elements[corner as usize / N][corner as usize % N]);
+        }
+        let sides = |point: &SeamPoint<D>| {
+            point.sides.map(|code| corners_of_facet::<D, N>(code as usize / N, code as usize % N))
+        };
+        seams.sort_unstable_by_key(|point| (sides(point), point.place));
+        contacts.grips.sort_unstable_by_key(|(elements, _)| *elements);
+        once_each(&mut contacts.parted);
+        once_each(&mut contacts.bared);
+    }
+
+    /// Positions, motion, stress and cracks now.
+    pub fn snapshot(&self) -> Snapshot<D, N> {
+        let moduli: Vec<_> =
+            self.model.materials.iter().map(|at| <[[f64; D]; N]>::moduli(at, self.model.plane)).collect();
+        let tensor = |(stress, &material): (&Matrix<D>, &u32)| {
+            <[[f64; D]; N]>::in_tensor(stress, &moduli[material as usize])
+        };
+        let nodes = self.moving_nodes();
+        let joints = self.joints.iter().map(Moving::seen::<N>);
+        let (damage, cracks) = cracks::<D, N>(joints, &nodes, self.origin, self.elements.len());
+        Snapshot {
+            step: self.carried.step,
+            time: self.time,
+            positions: nodes.iter().map(|node| plus(node.position, self.origin)).collect(),
+            displacements: self.nodes.iter().map(|node| node.displacement).collect(),
+            velocities: nodes.iter().map(|node| node.velocity).collect(),
+            elements: self.elements.clone(),
+            stresses: self.stresses.iter().zip(&self.materials).map(tensor).collect(),
+            damage,
+            bodies: self.bodies.clone(),
+            materials: self.materials.clone(),
+            fragments: self.fragments.clone(),
+            cracks,
+        }
+    }
+
+    /// State from which the run can be resumed, on any number of ranks.
+    pub fn state(&self) -> State<D, N> {
+        State {
+            step: self.carried.step,
+            totals: self.carried.totals.clone(),
+            energies: self.carried.energies,
+            reactions: self.carried.reactions.clone(),
+            nodes: self.moving_nodes(),
+            of_corner: self.elements.clone(),
+            stresses: self.stresses.clone(),
+            viscous: self.viscous.clone(),
+            dissipated: self.dissipated.clone(),
+            joints: Saved::of(self.joints.clone()),
+            contacts: self.contacts.clone(),
+            seams: self.seams.iter().map(|point| point.hold).collect(),
+        }
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step.
+    pub fn forces(&self) -> Forces<D> {
+        self.forces.clone().placed(self.nodes.iter().map(|node| node.code), self.origin)
+    }
+
+    /// Positions and velocities of all nodes.
+    fn moving_nodes(&self) -> Vec<Node<D>> {
+        self.nodes.iter().map(|node| node.node).collect()
     }
 }

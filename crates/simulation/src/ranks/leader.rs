@@ -176,7 +176,7 @@ where
     /// # Panics
     /// If rank 0 does not get them, which would be a bug.
     pub fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
-        self.look(|whole| (whole.snapshot(), whole.forces().clone()))
+        self.look(|whole| (whole.snapshot(), whole.forces()))
     }
 
     /// State from which the run can be resumed, on any number of ranks.

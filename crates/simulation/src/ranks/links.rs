@@ -7,6 +7,7 @@ use fdem_distributed::{Communicator, Halo, Message, Port};
 
 use crate::contacts::Contacts;
 use crate::joints::Joints;
+use crate::ranks::once_each;
 use crate::ranks::wire::{Wire, bytes_of, value_of, wire};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -217,8 +218,7 @@ impl<'c> Links<'c> {
         for heard in self.tell(|_| codes.clone()) {
             failing.extend(heard.into_iter().filter_map(|code| topology.facet_with(code)));
         }
-        failing.sort_unstable();
-        failing.dedup();
+        once_each(failing);
     }
 
     /// Tells neighbours how vertices came apart here, and follows what they tell. `broken`: vertices at which joints broke.
@@ -236,8 +236,7 @@ impl<'c> Links<'c> {
         let begun = |vertex: u32| split.iter().find(|(at, _)| *at == vertex).map(|(_, begin)| begin);
         let mut vertices: Vec<u32> =
             split.iter().map(|(vertex, _)| *vertex).chain(broken.iter().copied()).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        once_each(&mut vertices);
         let changes = |neighbour: &Neighbour| -> Vec<Change<D>> {
             let at = |&vertex: &u32| {
                 let shared = |corner: &&u32| neighbour.lent.binary_search(corner).is_ok();

@@ -7,6 +7,7 @@ use fdem_distributed::curve::{Curve, owner, splitters};
 use fdem_distributed::{Communicator, Message};
 
 use crate::ranks::links::{Links, Neighbour};
+use crate::ranks::once_each;
 use crate::ranks::piece::{Frame, Lookup, Piece, Pieces};
 use crate::ranks::wire::{Wire, bytes_of, value_of};
 use crate::seams;
@@ -250,17 +251,6 @@ where
     let elements = send_elements(run, &owners, communicator);
     let mut own = send_between(run, &owners, communicator);
     own.elements = elements;
-    // Few: what came apart in the last step.
-    let apart = run.map(Simulation::apart).unwrap_or_default();
-    for bytes in communicator.all_gather(&bytes_of(&apart)) {
-        let (parted, bared): (Vec<[u32; 2]>, Vec<u32>) = value_of(&bytes);
-        own.parted.extend(parted);
-        own.bared.extend(bared);
-    }
-    own.parted.sort_unstable();
-    own.parted.dedup();
-    own.bared.sort_unstable();
-    own.bared.dedup();
     own
 }
 
@@ -303,7 +293,7 @@ where
     own
 }
 
-/// Sends joints, couples and points of seams. Returns those of this rank.
+/// Sends joints, couples, points of seams, and which elements came apart in the last step. Returns those of this rank.
 fn send_between<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     owners: &[u32],
@@ -319,14 +309,12 @@ where
             let Some(element) = topology.element(number) else { return Vec::new() };
             let corners = element as usize * N..(element as usize + 1) * N;
             let mut ranks = owners[corners].to_vec();
-            ranks.sort_unstable();
-            ranks.dedup();
+            once_each(&mut ranks);
             ranks
         };
         let of_both = |elements: [u32; 2]| {
             let mut ranks = elements.map(ranks_of).concat();
-            ranks.sort_unstable();
-            ranks.dedup();
+            once_each(&mut ranks);
             ranks
         };
         for moving in run.own_joints() {
@@ -343,6 +331,17 @@ where
         for point in run.own_seams() {
             for rank in of_both(point.sides.map(|side| side / N as u32)) {
                 to.entry(rank as usize).or_default().seams.push(point);
+            }
+        }
+        let (parted, bared) = run.apart();
+        for pair in parted {
+            for rank in of_both(pair) {
+                to.entry(rank as usize).or_default().parted.push(pair);
+            }
+        }
+        for element in bared {
+            for rank in ranks_of(element) {
+                to.entry(rank as usize).or_default().bared.push(element);
             }
         }
     }
@@ -422,12 +421,20 @@ where
     });
     let wanted = exchange(communicator, wanted.collect::<BTreeMap<_, _>>());
     let answers = wanted.into_iter().map(|(other, numbers)| {
-        let elements = numbers.iter().filter_map(|&number| place(number)).map(|k| all[k].clone()).collect();
-        (other, Pieces { elements, ..Pieces::default() })
+        let is_wanted = |number: &u32| numbers.binary_search(number).is_ok();
+        let answer = Pieces {
+            elements: numbers.iter().filter_map(|&number| place(number)).map(|k| all[k].clone()).collect(),
+            parted: pieces.parted.iter().filter(|pair| pair.iter().any(is_wanted)).copied().collect(),
+            bared: pieces.bared.iter().filter(|number| is_wanted(number)).copied().collect(),
+            ..Pieces::default()
+        };
+        (other, answer)
     });
     for (_, more) in exchange(communicator, answers.collect()) {
         pieces.add(more);
     }
+    once_each(&mut pieces.parted);
+    once_each(&mut pieces.bared);
     hidden
 }
 
@@ -451,8 +458,7 @@ fn nearest<const D: usize>(
         .filter(|couple| ((couple.i as usize) < offered.len()) != ((couple.j as usize) < offered.len()))
         .map(|couple| offered[couple.i.min(couple.j) as usize].0)
         .collect();
-    wanted.sort_unstable();
-    wanted.dedup();
+    once_each(&mut wanted);
     wanted
 }
 

@@ -1,6 +1,6 @@
 //! Meshes and materials that several tests use.
 
-use fdem_simulation::*;
+use fdem_simulation::{Material, Mesh, Simulation, Strength};
 
 /// Granite, which does not break.
 pub(crate) fn granite() -> Material {

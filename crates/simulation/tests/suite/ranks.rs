@@ -44,7 +44,7 @@ macro_rules! same_on_ranks {
                     }
                     if let Some(gathered) = gathered {
                         assert_eq!(gathered.snapshot(), *snapshot, "{size} ranks, step {step}");
-                        assert_eq!(gathered.forces(), forces, "{size} ranks, step {step}");
+                        assert_eq!(gathered.forces(), *forces, "{size} ranks, step {step}");
                         assert!(bytes(&gathered.state()) == *state, "{size} ranks, step {step}");
                     }
                     spreads = run.traffic().spreads;

@@ -169,24 +169,24 @@ impl Folder {
 
     /// Removes the files that a run makes, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
-        let remove = |name: &&str, how: fn(PathBuf) -> io::Result<()>| {
-            let path = self.path(name);
-            match how(path.clone()) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
-                _ => Ok(()),
-            }
-        };
-        FILES.iter().try_for_each(|name| remove(name, fs::remove_file))?;
-        FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))
+        FILES.iter().try_for_each(|name| self.remove(name, fs::remove_file))?;
+        FOLDERS.iter().try_for_each(|name| self.remove(name, fs::remove_dir_all))
+    }
+
+    /// Removes a file or a subfolder, if it is there.
+    fn remove(&self, name: &str, how: fn(PathBuf) -> io::Result<()>) -> Result<(), Failure> {
+        let path = self.path(name);
+        match how(path.clone()) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
+            _ => Ok(()),
+        }
     }
 
     /// Removes plots, as far as there are any.
     pub(crate) fn remove_plots(&self, names: &[&str]) -> Result<(), Failure> {
-        let files = names.iter().flat_map(|name| ["svg", "png"].map(|end| format!("{PLOTS}/{name}.{end}")));
-        files.map(|name| self.path(&name)).try_for_each(|path| match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
-            _ => Ok(()),
-        })
+        let mut files =
+            names.iter().flat_map(|name| ["svg", "png"].map(|end| format!("{PLOTS}/{name}.{end}")));
+        files.try_for_each(|file| self.remove(&file, fs::remove_file))
     }
 
     /// Makes a subfolder.

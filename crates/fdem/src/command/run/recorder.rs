@@ -7,7 +7,7 @@ use std::io::{BufWriter, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_results::{
-    Field, Fragments, History, HistoryWriter, Names, Plot, Row, fragment_sizes, kept, plots, pvd,
+    Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, kept, plots, pvd,
     write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 use fdem_simulation::{Forces, Snapshot};
@@ -265,7 +265,7 @@ where
         drawn.splice(place..place, fragment_sizes(&fragments.sizes()));
         if more.is_empty() {
             // An earlier part of the run may have been on ranks.
-            self.folder.remove_plots(&["ranks_elements", "ranks_messages"])?;
+            self.folder.remove_plots(&RANK_PLOTS)?;
         }
         drawn.extend(more);
         let frames = self.read_frames(done)?;

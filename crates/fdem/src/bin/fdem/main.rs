@@ -1,6 +1,11 @@
 //! The `fdem` command.
 
+mod reserve;
+
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: reserve::Reserve = reserve::Reserve::new();
 
 fn main() -> ExitCode {
     fdem::command::main(std::env::args_os())
