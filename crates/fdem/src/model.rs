@@ -38,6 +38,7 @@ mod bodies;
 mod boundaries;
 mod materials;
 mod settings;
+mod stages;
 
 mod connected;
 mod joined;
@@ -66,9 +67,10 @@ pub use mesh_file::Load;
 pub use on_ranks::OnRanks;
 pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
-pub use prepared::{AnyPrepared, Body, Group, Prepared};
+pub use prepared::{AnyPrepared, Body, Entered, Group, Prepared, Stage};
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
+pub(crate) use stages::Present;
 
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
@@ -234,7 +236,8 @@ fn prepare_or_faults(
     bodies::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
-    check_initial(&file, &document, &mut found);
+    stages::check(&file, &document, &mut found);
+    check_initial(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
@@ -281,6 +284,11 @@ impl Checked<'_> {
         let (mesh, placed, missing) = bodies::build(file, document, load, &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
+        let stages = if missing.is_empty() {
+            stages::resolve(file, document, &mesh, &placed, &mut found)
+        } else {
+            Vec::new()
+        };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(bodies::crowded(document, &placed));
         none_or(faults)?;
@@ -289,7 +297,7 @@ impl Checked<'_> {
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
         let model = Model {
             velocities: velocities(file, &placed),
-            stresses: stresses(file, &mesh),
+            stresses: stresses(file, &mesh, &placed),
             mesh,
             materials,
             interfaces,
@@ -331,7 +339,8 @@ impl Checked<'_> {
             grains: grains_of(&placed),
             output: settings::settings(file, &placed),
             histories,
-            hash: hash(&model),
+            hash: if stages.is_empty() { hash(&model) } else { hash(&(&model, &stages)) },
+            stages,
             model,
             quality,
             bodies,
@@ -388,6 +397,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("material", names(&file.material, |material| &material.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
+        ("stage", names(&file.stage, |stage| &stage.name)),
     ] {
         let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {
@@ -412,8 +422,40 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     }
 }
 
-fn check_initial(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+fn check_initial(file: &ModelFile, document: &Document<'_>, is_in_space: bool, faults: &mut Vec<Fault>) {
     let table = Table::one("initial");
+    if let Some(ground) = &file.initial.ground {
+        let down = match &file.model.gravity {
+            file::Gravity::Vector(gravity) => {
+                let (last, others) = gravity.0.split_last().unwrap_or((&0.0, &[]));
+                *last < 0.0 && others.iter().all(|across| *across == 0.0)
+            }
+            file::Gravity::None(_) => false,
+        };
+        if !down {
+            faults.push(
+                Fault::at(document.key(table, "ground"), "\"ground\" goes with gravity along the last axis")
+                    .label("no gravity down")
+                    .help("write gravity = [0, -9.81], in three dimensions [0, 0, -9.81], or give stress and stress_gradient"),
+            );
+        }
+        if file.model.gravity_ramp.is_some() {
+            faults.push(
+                Fault::at(document.key(table, "ground"), "\"ground\" is at rest under the whole of gravity")
+                    .label("gravity_ramp begins without it")
+                    .help("take gravity_ramp out"),
+            );
+        }
+        let one_axis = [Some(ground.k0), ground.tectonic];
+        for (key, ratio) in ["ground.k0", "ground.tectonic"].into_iter().zip(one_axis) {
+            if matches!(ratio, Some(file::Ratio::Each(_))) && !is_in_space {
+                faults.push(
+                    Fault::at(document.value(table, key), "two dimensions have one horizontal axis")
+                        .label("one number is enough"),
+                );
+            }
+        }
+    }
     for name in file.initial.velocity.keys() {
         let span = || document.key(table, &format!("velocity.{name}"));
         match file.body.iter().find(|body| body.name == *name) {
@@ -449,25 +491,51 @@ fn velocities<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed
     velocities
 }
 
-/// Initial stress of each element, that of its centroid; empty for none.
-fn stresses<const D: usize, const N: usize>(file: &ModelFile, mesh: &Mesh<D, N>) -> Vec<[[f64; D]; D]>
+/// Initial stress of each element, that of its centroid; empty for none. Bodies that appear later have none.
+fn stresses<const D: usize, const N: usize>(
+    file: &ModelFile,
+    mesh: &Mesh<D, N>,
+    placed: &[Placed<D, N>],
+) -> Vec<[[f64; D]; D]>
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
     let (stress, gradient) = (&file.initial.stress, &file.initial.stress_gradient);
-    let Some(count) = stress.as_ref().or(gradient.as_ref()).map(Vec::len) else { return Vec::new() };
-    let none = vec![0.0; count];
-    if stress.is_none() && gradient.as_ref() == Some(&none) {
+    let ground = file.initial.ground.as_ref();
+    if stress.is_none() && gradient.is_none() && ground.is_none() {
+        return Vec::new();
+    }
+    let none = vec![0.0; D * (D + 1) / 2];
+    if stress.is_none() && ground.is_none() && gradient.as_ref() == Some(&none) {
         return Vec::new();
     }
     let [stress, gradient] = [stress, gradient].map(|given| given.as_ref().unwrap_or(&none));
+    let gravity = match &file.model.gravity {
+        file::Gravity::Vector(gravity) => -gravity.components::<D>()[D - 1],
+        file::Gravity::None(_) => 0.0,
+    };
     let of = |nodes: &[u32; N]| {
         let height = nodes.iter().map(|&node| mesh.nodes[node as usize][D - 1]).sum::<f64>() / N as f64;
-        let components: Vec<f64> =
+        let mut components: Vec<f64> =
             stress.iter().zip(gradient).map(|(stress, gradient)| stress + gradient * height).collect();
+        if let Some(ground) = ground {
+            let density =
+                ground.density.unwrap_or_else(|| file.material.first().map_or(0.0, |first| first.density));
+            let vertical = -density * gravity * (ground.surface - height).max(0.0);
+            let (k0, tectonic) = (ground.k0.along(), ground.tectonic.map_or([0.0; 2], file::Ratio::along));
+            components[D - 1] += vertical;
+            for axis in 0..D - 1 {
+                components[axis] +=
+                    k0[axis] * vertical + if height < ground.surface { tectonic[axis] } else { 0.0 };
+            }
+        }
         <[[f64; D]; N]>::stress(&components)
     };
-    mesh.elements.iter().map(of).collect()
+    let mut stresses: Vec<[[f64; D]; D]> = mesh.elements.iter().map(of).collect();
+    for range in stages::appearing(file, placed) {
+        stresses[range].fill([[0.0; D]; D]);
+    }
+    stresses
 }
 
 fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Body> {

@@ -98,6 +98,68 @@ done
 test "$hits" -gt 0
 echo "$hits runs lost a rank"
 
+# Stages: elements vanish and appear, and the forces of what vanished are released.
+cat >"$work/stages.toml" <<'MODEL'
+[model]
+end_time = 2e-4
+[[body]]
+name = "plate"
+material = "rock"
+rectangle = { min = [0, 0], max = [0.2, 0.2] }
+mesh_size = 0.01
+[[body]]
+name = "block"
+material = "rock"
+rectangle = { min = [0.05, 0.2005], max = [0.15, 0.25] }
+mesh_size = 0.01
+velocity = [0, -20]
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.2
+friction = 0.5
+tensile_strength = 3e6
+cohesion = 6e6
+friction_angle = 30
+fracture_energy_i = 5
+fracture_energy_ii = 20
+[initial]
+stress = [-2e6, -4e6, 0]
+[[boundary]]
+name = "around"
+body = "plate"
+group = "outer"
+fixed = "xy"
+stages = ["rest"]
+[[boundary]]
+name = "base"
+body = "plate"
+side = "bottom"
+fixed = "xy"
+stages = ["excavate", "impact"]
+[[stage]]
+name = "rest"
+duration = 2e-5
+[[stage]]
+name = "excavate"
+excavate_boxes = [[0.08, 0.08, 0.12, 0.12]]
+release = 4e-5
+duration = 8e-5
+[[stage]]
+name = "impact"
+activate = ["block"]
+[output]
+frames = 5
+MODEL
+rm -r "$work/one"
+"$fdem" run "$work/stages.toml" --output "$work/one" --threads 1 --quiet
+for ranks in 1 2 3 8; do
+    timeout 300 mpirun -n "$ranks" "$fdem" run "$work/stages.toml" --output "$work/many" --threads 1 --quiet
+    same "$work/many"
+    rm -r "$work/many"
+done
+
 # A model that is none: one message, exit code 2, no folder.
 sed 's/density = 2700/density = -1/' "$work/crash.toml" >"$work/none.toml"
 code=0

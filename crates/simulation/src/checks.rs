@@ -119,10 +119,7 @@ where
 fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
     for boundary in &model.boundaries {
         let place = format!("boundary '{}'", boundary.name);
-        let nodes: Vec<u32> = match &boundary.target {
-            Target::Nodes(nodes) => nodes.clone(),
-            Target::Facets(facets) => facets.iter().flatten().copied().collect(),
-        };
+        let nodes = boundary.target.nodes();
         if let Some(&index) = nodes.iter().find(|&&node| node as usize >= model.mesh.nodes.len()) {
             return Err(ModelError::Missing { what: "node", index, place });
         }
@@ -131,6 +128,14 @@ fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
             Load::Force(values) | Load::Traction(values) => values.to_vec(),
             Load::Pressure(value) => vec![value],
             Load::Absorbing => Vec::new(),
+            Load::Held => match &boundary.target {
+                Target::Held(facets, forces) if facets.len() == forces.len() => {
+                    forces.as_flattened().as_flattened().to_vec()
+                }
+                _ => {
+                    return Err(ModelError::Target { boundary: boundary.name.clone(), needs: "held facets" });
+                }
+            },
         };
         finite(&place, "a value", &values)?;
         schedule(&place, &boundary.schedule)?;
@@ -138,8 +143,8 @@ fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
     Ok(())
 }
 
-fn schedule(place: &str, schedule: &Schedule) -> Result<(), ModelError> {
-    match schedule {
+fn schedule(place: &str, of: &Schedule) -> Result<(), ModelError> {
+    match of {
         Schedule::Constant => Ok(()),
         Schedule::Ramp(duration) => positive(place, "the duration of the ramp", *duration),
         Schedule::Table(rows) => {
@@ -153,6 +158,10 @@ fn schedule(place: &str, schedule: &Schedule) -> Result<(), ModelError> {
                 }
                 None => Ok(()),
             }
+        }
+        Schedule::From(start, inner) => {
+            finite(place, "the time at which it begins", [start])?;
+            schedule(place, inner)
         }
     }
 }

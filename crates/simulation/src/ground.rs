@@ -43,6 +43,8 @@ struct Beyond<const D: usize> {
     stiffness: [f64; 2],
     /// Static force on each end, N.
     held: [Point<D>; D],
+    /// Whether this is no ground, but the forces of something that was there: [`Load::Held`].
+    is_held: bool,
 }
 
 /// Forces of the ground on a corner of an element.
@@ -68,21 +70,26 @@ where
         let mesh = &model.mesh;
         let mut facets = Vec::new();
         for (number, boundary) in model.boundaries.iter().enumerate() {
-            let (Load::Absorbing, Target::Facets(all)) = (boundary.load, &boundary.target) else { continue };
-            for &facet in all {
+            if !is_ground(&boundary.load) {
+                continue;
+            }
+            let is_held = matches!(boundary.load, Load::Held);
+            for (k, &facet) in boundary.target.facets().iter().enumerate() {
                 let side = outer_side(model, topology, facet, &boundary.name)?;
                 let corners = facet.map(|node| mesh.nodes[node as usize]);
                 let element = side.corners[0] as usize / N;
                 let material = &model.materials[mesh.materials[element] as usize];
                 let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
+                let held = if let Target::Held(_, forces) = &boundary.target { forces.get(k) } else { None };
                 facets.push(Beyond {
                     boundary: number as u32,
                     corners: side.corners,
-                    area: side.measure / D as f64 * model.thickness,
+                    area: if is_held { 0.0 } else { side.measure / D as f64 * model.thickness },
                     normal: unit(<[[f64; D]; N]>::axes(&corners)[0]),
                     impedance: [moduli.wave, moduli.shear].map(|modulus| (material.density * modulus).sqrt()),
                     stiffness: [moduli.shear, 0.5 * moduli.shear],
-                    held: [[0.0; D]; D],
+                    held: held.copied().unwrap_or([[0.0; D]; D]),
+                    is_held,
                 });
             }
         }
@@ -129,7 +136,7 @@ where
                 width[node_at(corner)] += facet.area;
             }
         }
-        for facet in &mut self.facets {
+        for facet in self.facets.iter_mut().filter(|facet| !facet.is_held) {
             for end in 0..D {
                 let node = node_at(facet.corners[end]);
                 let weight = model.gravity_schedule.factor(0.0) * solid.constants[node].mass;
@@ -145,13 +152,16 @@ where
         }
     }
 
-    /// Present forces of the ground.
+    /// Forces of the ground at a time, s.
     pub(crate) fn reactions<'a>(
         &'a self,
         solid: &'a Solid<D, N>,
         model: &'a Model<D, N>,
+        time: f64,
     ) -> impl Iterator<Item = Reaction<D>> + 'a {
         self.facets.iter().flat_map(move |facet| {
+            let schedule = &model.boundaries[facet.boundary as usize].schedule;
+            let factor = if facet.is_held { schedule.factor(time) } else { 1.0 };
             let corners = facet.corners.map(|corner| solid.at_corner(corner).position);
             let now = unit(<[[f64; D]; N]>::axes(&corners)[0]);
             (0..D).map(move |end| {
@@ -164,7 +174,9 @@ where
                 Reaction {
                     boundary: facet.boundary,
                     corner,
-                    elastic: std::array::from_fn(|axis| facet.held[end][axis] + facet.area * springs[axis]),
+                    elastic: std::array::from_fn(|axis| {
+                        factor * facet.held[end][axis] + facet.area * springs[axis]
+                    }),
                     viscous: dashpots.map(|traction| facet.area * traction),
                 }
             })
@@ -187,6 +199,11 @@ where
             facet.corners.map(|corner| (corner, facet.area * facet.stiffness[0].max(facet.stiffness[1])))
         })
     }
+}
+
+/// Whether a load is among the forces of the ground.
+pub(crate) fn is_ground<const D: usize>(load: &Load<D>) -> bool {
+    matches!(load, Load::Absorbing | Load::Held)
 }
 
 /// Half of the longer side of the bounding box of each body, m.

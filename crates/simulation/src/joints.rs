@@ -89,6 +89,16 @@ impl<const D: usize> Moving<D> {
         self.joint.nodes = std::array::from_fn(|end| corners.map(|side| node_at(side[end])));
     }
 
+    /// The joint in another mesh; `None` if one of its elements is not there. `number`: the number there of an element here.
+    pub(crate) fn renumbered<const N: usize>(mut self, number: impl Fn(u32) -> Option<u32>) -> Option<Self> {
+        let code = |code: u32| Some(number(code / N as u32)? * N as u32 + code % N as u32);
+        self.joint.facet = code(self.joint.facet)?;
+        for corner in self.corners.as_flattened_mut() {
+            *corner = code(*corner)?;
+        }
+        Some(self)
+    }
+
     /// The joint as results show it.
     pub(crate) fn seen<const N: usize>(&self) -> Seen<'_, D> {
         Seen {

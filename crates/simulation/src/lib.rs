@@ -52,6 +52,7 @@
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
+//! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
@@ -94,6 +95,7 @@
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 
 mod model;
+mod kept;
 mod checks;
 mod random;
 mod share;
@@ -126,6 +128,7 @@ pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
+pub use kept::Kept;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,
@@ -135,5 +138,5 @@ pub use ranks::{
 };
 pub use seams::InitialContacts;
 pub use simplex::Element;
-pub use simulation::{Counts, Simulation, State, Timings};
+pub use simulation::{Change, Counts, Simulation, State, Timings};
 pub use snapshot::{Crack, Mode, Snapshot, principal_stresses};

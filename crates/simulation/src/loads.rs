@@ -59,6 +59,7 @@ impl Schedule {
         match self {
             Self::Constant | Self::Ramp(_) => 1.0,
             Self::Table(rows) => rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max),
+            Self::From(_, schedule) => schedule.most(),
         }
     }
 
@@ -72,6 +73,7 @@ impl Schedule {
                 let slope = |pair: &[[f64; 2]]| ((pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).abs();
                 rows.windows(2).map(slope).fold(first, f64::max)
             }
+            Self::From(_, schedule) => schedule.steepest(step),
         }
     }
 
@@ -90,6 +92,7 @@ impl Schedule {
                     (None, None) => 0.0,
                 }
             }
+            Self::From(start, schedule) => schedule.factor((time - start).max(0.0)),
         }
     }
 }
@@ -166,15 +169,15 @@ where
             }
             match (boundary.load, &boundary.target) {
                 (Load::Velocity(velocity), target) => {
-                    let nodes = nodes_of(target);
+                    let nodes = target.nodes();
                     loads.hold(model, solid, number, &nodes, velocity.map(|v| v.map(Motion::Velocity)))?;
                 }
                 (Load::Displacement(goal), target) => {
-                    let nodes = nodes_of(target);
+                    let nodes = target.nodes();
                     loads.hold(model, solid, number, &nodes, goal.map(|u| u.map(Motion::Displacement)))?;
                 }
                 (Load::Force(force), target) => {
-                    let nodes = nodes_of(target);
+                    let nodes = target.nodes();
                     if nodes.is_empty() {
                         return Err(wrong("nodes"));
                     }
@@ -188,7 +191,8 @@ where
                         loads.forces.push((number, part, corners));
                     }
                 }
-                (Load::Absorbing, Target::Facets(facets)) if !facets.is_empty() => {}
+                (Load::Absorbing, Target::Facets(facets)) | (Load::Held, Target::Held(facets, _))
+                    if !facets.is_empty() => {}
                 (load, Target::Facets(facets)) if !facets.is_empty() => {
                     let sides =
                         facets.iter().map(|&facet| outer_side(model, topology, facet, &boundary.name));
@@ -257,7 +261,7 @@ where
     /// Adds all forces to the corners on which they act.
     pub(crate) fn apply(&mut self, solid: &mut Solid<D, N>, model: &Model<D, N>, time: f64) {
         self.collect(solid, time);
-        self.applied.extend(self.ground.reactions(solid, model).map(|reaction| {
+        self.applied.extend(self.ground.reactions(solid, model, time).map(|reaction| {
             let Reaction { corner, boundary, elastic, viscous } = reaction;
             Applied { corner, boundary, force: plus(elastic, viscous), viscous }
         }));
@@ -286,7 +290,11 @@ where
                         let now = side.corners.map(|corner| solid.at_corner(corner).position);
                         <[[f64; D]; N]>::facet_normal(&now).map(|n| -(pressure * factor * part * n))
                     }
-                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) | Load::Absorbing => [0.0; D],
+                    Load::Velocity(_)
+                    | Load::Displacement(_)
+                    | Load::Force(_)
+                    | Load::Absorbing
+                    | Load::Held => [0.0; D],
                 };
                 for corner in side.corners {
                     self.applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; D] });
@@ -312,17 +320,6 @@ where
     fn owned(&self, solid: &Solid<D, N>) -> impl Iterator<Item = &Applied<D>> {
         self.applied.iter().filter(|applied| solid.share.corner(applied.corner))
     }
-}
-
-/// Nodes of a target, each once, ascending.
-pub(crate) fn nodes_of<const D: usize>(target: &Target<D>) -> Vec<u32> {
-    let mut nodes: Vec<u32> = match target {
-        Target::Nodes(nodes) => nodes.clone(),
-        Target::Facets(facets) => facets.iter().flatten().copied().collect(),
-    };
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
 }
 
 /// The outer facet between nodes of the mesh, which go around it in this order, from any of them on.

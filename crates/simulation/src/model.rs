@@ -134,8 +134,8 @@ pub struct Interface {
 /// A boundary condition on nodes or facets: edges of triangles, faces of tetrahedra.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "[f64; D]: Serialize, [u32; D]: Serialize, [Option<f64>; D]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [u32; D]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>"
+    serialize = "[f64; D]: Serialize, [u32; D]: Serialize, [Option<f64>; D]: Serialize, [[f64; D]; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; D]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
 ))]
 pub struct Boundary<const D: usize = 2> {
     /// Name, for messages.
@@ -150,12 +150,17 @@ pub struct Boundary<const D: usize = 2> {
 
 /// Nodes or facets on which a [`Boundary`] acts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[u32; D]: Serialize", deserialize = "[u32; D]: Deserialize<'de>"))]
+#[serde(bound(
+    serialize = "[u32; D]: Serialize, [[f64; D]; D]: Serialize",
+    deserialize = "[u32; D]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
+))]
 pub enum Target<const D: usize = 2> {
     /// Nodes of the mesh.
     Nodes(Vec<u32>),
     /// Facets of elements by their nodes, which go around them counter-clockwise, seen from outside.
     Facets(Vec<[u32; D]>),
+    /// Such facets, and for each the force on each of its nodes, N: for [`Load::Held`].
+    Held(Vec<[u32; D]>, Vec<[[f64; D]; D]>),
 }
 
 impl<const D: usize> Target<D> {
@@ -163,7 +168,26 @@ impl<const D: usize> Target<D> {
     pub(crate) fn is_empty(&self) -> bool {
         match self {
             Self::Nodes(nodes) => nodes.is_empty(),
-            Self::Facets(facets) => facets.is_empty(),
+            Self::Facets(facets) | Self::Held(facets, _) => facets.is_empty(),
+        }
+    }
+
+    /// Its nodes, each once, ascending.
+    pub fn nodes(&self) -> Vec<u32> {
+        let mut nodes = match self {
+            Self::Nodes(nodes) => nodes.clone(),
+            Self::Facets(facets) | Self::Held(facets, _) => facets.as_flattened().to_vec(),
+        };
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Its facets; none if it has nodes alone.
+    pub fn facets(&self) -> &[[u32; D]] {
+        match self {
+            Self::Nodes(_) => &[],
+            Self::Facets(facets) | Self::Held(facets, _) => facets,
         }
     }
 }
@@ -187,6 +211,8 @@ pub enum Load<const D: usize = 2> {
     Pressure(f64),
     /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
+    /// Forces that are given node by node: [`Target::Held`]. They hold what an excavation or a boundary held that is not there any more.
+    Held,
 }
 
 /// The factor of a [`Load`] in time.
@@ -199,6 +225,8 @@ pub enum Schedule {
     Ramp(f64),
     /// Pairs of a time, s, ascending, and a factor, which is linear between them and constant outside.
     Table(Vec<[f64; 2]>),
+    /// Another factor, whose time begins at this time, s; before it, the factor is that of its beginning.
+    From(f64, Box<Schedule>),
 }
 
 /// Numbers of the contact law.

@@ -42,11 +42,22 @@ pub(crate) struct Moved<S, const D: usize> {
     pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
+    /// Squares of the largest force on a node that is free, and of the largest that an element exerts on one of its nodes, N², if the kinetic energy is asked for.
+    pub(crate) largest: [f64; 2],
     /// The first element with a node that is too fast, and the speed of that node, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
 impl<S, const D: usize> Moved<S, D> {
+    /// Notes the force on a node, and those of its corners.
+    fn note_forces<const N: usize>(&mut self, node: Point<D>, forces: &[[Point<D>; N]], corners: &[u32]) {
+        self.largest[0] = self.largest[0].max(dot(node, node));
+        for &corner in corners {
+            let force = forces.as_flattened()[corner as usize];
+            self.largest[1] = self.largest[1].max(dot(force, force));
+        }
+    }
+
     /// Notes an element with a node that is too fast.
     fn note_runaway(&mut self, found: (u32, f64)) {
         if self.runaway.is_none_or(|(element, _)| found.0 < element) {
@@ -75,7 +86,12 @@ pub(crate) fn advance<const D: usize, const N: usize>(
                 continue;
             }
             let constants = &constants[first + k];
-            let force = gather(first + k, constants, forces, corners, motion);
+            let force = gather(first + k, constants, forces, corners, motion.joints);
+            if motion.energy {
+                let weight = motion.gravity.map(|acceleration| constants.mass * acceleration);
+                let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
+                sum.note_forces(free, forces, corners.of(first + k));
+            }
             let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
@@ -90,6 +106,7 @@ pub(crate) fn advance<const D: usize, const N: usize>(
     for chunk in found {
         all.kinetic.add_pile(chunk.kinetic);
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
+        all.largest = std::array::from_fn(|k| all.largest[k].max(chunk.largest[k]));
         for half in 0..2 {
             all.external[half].add_pile(chunk.external[half]);
             all.damping[half].add_pile(chunk.damping[half]);
@@ -108,20 +125,32 @@ fn gather<const D: usize, const N: usize>(
     constants: &Constants,
     forces: &[[Point<D>; N]],
     corners: &Nodes<N>,
-    motion: &Motion<'_, D, N>,
+    joints: &Joints<D>,
 ) -> Point<D>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mut force = [0.0; D];
-    let joined = motion.joints.at_vertex[constants.vertex as usize];
+    let joined = joints.at_vertex[constants.vertex as usize];
     for &corner in corners.of(number) {
         add(&mut force, forces.as_flattened()[corner as usize], 1.0);
         if joined {
-            motion.joints.add_force(corner, &mut force);
+            joints.add_force(corner, &mut force);
         }
     }
     force
+}
+
+/// Force on a node, without its weight, N.
+pub(crate) fn force_on<const D: usize, const N: usize>(
+    node: usize,
+    solid: &Solid<D, N>,
+    joints: &Joints<D>,
+) -> Point<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    gather(node, &solid.constants[node], &solid.forces, &solid.corners, joints)
 }
 
 /// Moves a node. Returns the force of what holds it, and the square of its speed.

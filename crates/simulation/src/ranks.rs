@@ -197,6 +197,11 @@ where
         self.run.energies()
     }
 
+    /// Whether forces are in equilibrium: see [`Simulation::imbalance`].
+    pub fn imbalance(&self) -> f64 {
+        self.run.imbalance()
+    }
+
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
     pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
         self.run.force(boundary)
@@ -415,6 +420,7 @@ where
             step: 0,
             totals: Totals::default(),
             energies: Energies::default(),
+            imbalance: f64::INFINITY,
             reactions: Vec::new(),
             timings: Timings::default(),
             detections: 0,

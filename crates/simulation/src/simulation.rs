@@ -1,6 +1,7 @@
 //! A run of a model: its state, and the time step that advances it.
 
 mod audit;
+mod changed;
 mod saved;
 mod shown;
 
@@ -25,6 +26,7 @@ use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
 pub(crate) use crate::simulation::audit::Totals;
+pub use crate::simulation::changed::Change;
 pub use crate::simulation::saved::State;
 pub(crate) use crate::simulation::shown::{cracks, mode};
 use crate::solid::Solid;
@@ -73,6 +75,8 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) energies: Energies,
     /// Force of each boundary on the bodies then, N.
     pub(crate) reactions: Vec<Point<D>>,
+    /// Largest force on a free node over the largest force of an element on a node, at the beginning of the last step that energies were asked for.
+    pub(crate) imbalance: f64,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
     pub(crate) touching: Touching,
@@ -221,6 +225,7 @@ where
             step: 0,
             totals: Totals::default(),
             energies: Energies::default(),
+            imbalance: f64::INFINITY,
             held: Vec::new(),
             touching: Touching::default(),
             timings: Timings::default(),
@@ -284,6 +289,11 @@ where
         if energies {
             // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
             self.account(&moved.kinetic, links.as_deref());
+            let mut largest = moved.largest;
+            if let Some(links) = links.as_deref() {
+                links.most(&mut largest);
+            }
+            self.imbalance = (largest[0] / largest[1]).sqrt();
         }
         let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
         totals.add_works(loads.half_works(solid, step));
@@ -439,6 +449,12 @@ where
     /// Energies at the beginning of the last step, J.
     pub fn energies(&self) -> Energies {
         self.energies
+    }
+
+    /// Whether forces are in equilibrium: the largest force on a node that is free over the largest that an element exerts on one of its nodes, at the beginning of the last step. 0 at rest;
+    /// infinite before the first step, and not a number without any force.
+    pub fn imbalance(&self) -> f64 {
+        self.imbalance
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.

@@ -8,6 +8,7 @@ mod lead;
 mod observer;
 mod recorder;
 mod results;
+mod stages;
 mod told;
 mod watch;
 mod writer;
@@ -26,7 +27,8 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
+use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared};
+use crate::model::{prepare_any, steps, with_end_time};
 use account::{Account, PARTS, Spent};
 use checkpoint::{Checkpoint, Unsaved};
 use engine::Engine;
@@ -35,6 +37,7 @@ use lead::{Lead, in_ranks};
 use observer::Observer;
 use recorder::Recorder;
 use results::Results;
+use stages::Stages;
 use told::Told;
 use watch::Watch;
 use writer::{Task, Then, Writer};
@@ -89,6 +92,7 @@ where
     let path = &arguments.model;
     let progress = Progress::new(arguments.options.quiet);
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
+    let (stages, prepared) = Stages::new(prepared, Entered::first()).map_err(unusable)?;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
@@ -103,7 +107,7 @@ where
     let intervals = [prepared.output.interval, prepared.output.history_interval];
     let mut running = Running::new(
         folder,
-        prepared,
+        (stages, prepared),
         simulation,
         recorder,
         Earlier { account: Account::default(), intervals },
@@ -169,9 +173,11 @@ where
             display_name(&path)
         )));
     }
-    let Checkpoint::<D, N> { frames, history, intervals, account, state, .. } = checkpoint;
+    let Checkpoint::<D, N> { frames, history, intervals, entered, account, state, .. } = checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
+    let is_over = entered.over;
+    let (stages, prepared) = Stages::new(prepared, entered).map_err(unusable)?;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     let (simulation, _) = progress
         .step("preparing the run", None, |_| Simulation::resume(prepared.model.clone(), state, lead.threads));
@@ -184,7 +190,7 @@ where
             brief(prepared.end_time)
         )));
     }
-    if steps == step && arguments.options.animate.is_none() && folder.is_finished() {
+    if (steps == step || is_over) && arguments.options.animate.is_none() && folder.is_finished() {
         return print(&format!(
             "nothing to do: the run in {place} is finished, {} s in {} steps; --end-time makes it longer\n",
             brief(simulation.time()),
@@ -200,7 +206,7 @@ where
     let simulation = lead.distribute(simulation).map_err(unusable)?;
     let earlier = Earlier { account, intervals };
     let mut running =
-        Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options, watch)?;
+        Running::new(folder, (stages, prepared), simulation, recorder, earlier, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
 }
@@ -225,7 +231,10 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     folder: Folder,
+    /// What is there now.
     prepared: Prepared<D, N>,
+    /// `None` if the run is one.
+    stages: Option<Stages<D, N>>,
     run: Engine<'c, D, N>,
     observer: Observer,
     /// Rows of the history on their way to the writer.
@@ -261,7 +270,7 @@ where
 {
     fn new(
         folder: Folder,
-        mut prepared: Prepared<D, N>,
+        (stages, mut prepared): (Option<Stages<D, N>>, Prepared<D, N>),
         run: Engine<'c, D, N>,
         recorder: Recorder<D, N>,
         earlier: Earlier,
@@ -279,6 +288,7 @@ where
             folder,
             observer: Observer::new(&prepared)?,
             prepared,
+            stages,
             run,
             rows: Vec::new(),
             frames: recorder.frames(),
@@ -359,7 +369,7 @@ where
 
     fn steps(&mut self) -> Result<End, Failure> {
         let mut slice = 1;
-        while self.run.steps() < self.total {
+        while self.run.steps() < self.total && !self.is_over() {
             let step = self.run.steps();
             let [frame, row] = self.every.map(|every| next(step, every));
             let checkpoint = match self.prepared.output.checkpoint {
@@ -368,7 +378,8 @@ where
             };
             let opening = (step == 0).then(|| self.observer.values(&self.run, &self.prepared));
             // The first slice is one step, because the initial forces and energies are known after it.
-            let stop = frame.min(row).min(checkpoint).min(self.total).min(step + slice);
+            let stage = self.stages.as_ref().map_or(u64::MAX, Stages::end);
+            let stop = frame.min(row).min(checkpoint).min(stage).min(self.total).min(step + slice);
             let start = Instant::now();
             if let Err(stop) = self.run.advance(stop - step) {
                 return Ok(End::Stopped(stop));
@@ -387,6 +398,7 @@ where
             if step == frame || step == self.total {
                 self.frame()?;
             }
+            self.go_through_stages(step == row)?;
             let due = match self.prepared.output.checkpoint {
                 When::Steps(_) => step == checkpoint,
                 // It may come later, so that the steps need not wait for a writer that is behind, but not by more than another interval.
@@ -406,6 +418,41 @@ where
             }
         }
         Ok(End::Finished)
+    }
+
+    /// Whether the last stage is over, and with it the run.
+    fn is_over(&self) -> bool {
+        self.stages.as_ref().is_some_and(|stages| stages.entered.over)
+    }
+
+    /// Ends the stage if it is over, and begins the next. `known`: whether the energies are those of the last step.
+    fn go_through_stages(&mut self, known: bool) -> Result<(), Failure> {
+        let Some(stages) = &mut self.stages else { return Ok(()) };
+        let known = known.then(|| (self.run.energies(), self.run.imbalance()));
+        let Some(over) = stages.is_over(self.run.steps(), known) else { return Ok(()) };
+        let ended = format!(
+            "stage \"{}\" ends at {} s: {}",
+            stages.now().name,
+            brief(self.run.time()),
+            over.in_words()
+        );
+        if stages.is_last() {
+            stages.entered.over = true;
+            self.told.say(&ended);
+            return Ok(());
+        }
+        let next = stages.next(&self.prepared, self.run.state(), self.run.threads());
+        let (mut prepared, run) =
+            next.map_err(|why| Failure::Wrong(format!("{ended}; the next cannot begin: {why}")))?;
+        let now = format!("stage \"{}\" begins", stages.now().name);
+        self.run.replace(run).map_err(Failure::Unusable)?;
+        prepared.output.animate = self.prepared.output.animate;
+        self.prepared = prepared;
+        self.observer = Observer::new(&self.prepared)?;
+        self.hand(Then::Outlines(<[[f64; D]; N]>::outlines(&self.prepared)))?;
+        self.told.say(&ended);
+        self.told.say(&format!("{now} with {} elements", grouped(self.run.elements() as u64)));
+        Ok(())
     }
 
     /// Hands rows to the writer if it has time for them, and waits for it if there are many.
@@ -458,7 +505,11 @@ where
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
         let fragments = self.observer.fragments(&self.run)?;
-        let json = told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
+        let mut json =
+            told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
+        if let Some(stages) = &self.stages {
+            json["stages"] = stages.json();
+        }
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -495,6 +546,7 @@ where
         Unsaved {
             model: self.prepared.hash.clone(),
             intervals: self.earlier.intervals,
+            entered: self.stages.as_ref().map(|stages| stages.entered.clone()).unwrap_or_default(),
             account: self.account(),
             state: self.run.state(),
         }
@@ -586,6 +638,7 @@ where
                 ),
             ),
         ];
+        facts.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
         facts
     }

@@ -2,8 +2,10 @@
 
 mod body;
 mod boundary;
+mod ground;
 mod material;
 mod output;
+mod stage;
 mod vector;
 
 use std::collections::BTreeMap;
@@ -17,8 +19,10 @@ pub use body::{
     Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
+pub use ground::{Ground, Ratio};
 pub use material::{Interface, Material};
 pub use output::{Animate, History, Output};
+pub use stage::{Release, Stage};
 pub use vector::Vector;
 
 /// A model of the combined finite-discrete element method in two or three dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
@@ -39,6 +43,9 @@ pub struct ModelFile {
     /// Supports, motions and loads of the bodies.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
+    /// Parts of the run, one after the other. Default: the run is one.
+    #[serde(default)]
+    pub stage: Vec<Stage>,
     /// State at the start of the run.
     #[serde(default)]
     pub initial: Initial,
@@ -58,12 +65,13 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 10] = [
+    pub(crate) const TABLES: [&str; 11] = [
         "model",
         "body",
         "material",
         "interface",
         "boundary",
+        "stage",
         "initial",
         "contact",
         "fracture",
@@ -180,6 +188,9 @@ pub struct Initial {
     #[serde(default)]
     #[schemars(length(min = 3, max = 6))]
     pub stress_gradient: Option<Vec<f64>>,
+    /// Stress of ground at rest under its own weight, besides `stress` and `stress_gradient`. Default: none.
+    #[serde(default)]
+    pub ground: Option<Ground>,
 }
 
 fn one() -> f64 {

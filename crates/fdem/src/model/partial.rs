@@ -12,7 +12,7 @@ use toml::{Table as Toml, Value};
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, Boundary, General, History, Initial, Interface, Material};
-use crate::model::file::{ModelFile, Output};
+use crate::model::file::{ModelFile, Output, Stage};
 use crate::model::shapes::SHAPES;
 
 /// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an escape.
@@ -55,6 +55,7 @@ impl Partial {
         });
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
+        reader.list::<Stage>(&mut root, "stage", |_| vec![("equilibrium", 1.0.into())]);
         reader.one::<General>(&mut root, "model");
         reader.one::<Initial>(&mut root, "initial");
         reader.one::<ContactOptions>(&mut root, "contact");

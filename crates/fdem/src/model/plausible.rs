@@ -133,7 +133,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
                 warnings.extend(too_fast(&title, speed, wave));
                 continue;
             }
-            Load::Displacement(_) | Load::Absorbing => continue,
+            Load::Displacement(_) | Load::Absorbing | Load::Held => continue,
         };
         if stress > stiffest {
             let over = if what == "force" { format!(" over the {product}") } else { String::new() };

@@ -123,6 +123,13 @@ impl Preflight {
     where
         [[f64; D]; N]: Dimensions<D, N>,
     {
+        let first;
+        let prepared = if prepared.stages.is_empty() {
+            prepared
+        } else {
+            first = prepared.clone().in_stages()?.1.prepared;
+            &first
+        };
         let model = &prepared.model;
         // All errors that a run would find are found here.
         let mut run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fdem_mesh::Quality;
-use fdem_simulation::Model;
+use fdem_simulation::{Boundary, Model, Schedule};
+use serde::{Deserialize, Serialize};
 
 use crate::model::settings::{History, OutputSettings};
 
@@ -26,6 +27,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub output: OutputSettings,
     /// Quantities to record over time.
     pub histories: Vec<History>,
+    /// Parts of the run; none if it is one. The model has all that is there in any of them.
+    pub stages: Vec<Stage>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
     /// Warnings of what is possible, but probably not meant.
@@ -56,6 +59,49 @@ pub struct Group<const D: usize = 2> {
     pub nodes: Vec<u32>,
     /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes counter-clockwise seen from outside.
     pub facets: Vec<[u32; D]>,
+}
+
+/// A part of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stage {
+    /// Its name.
+    pub name: String,
+    /// Time that it takes at most, s.
+    pub duration: Option<f64>,
+    /// Bound of the kinetic over the strain energy, and of the imbalance of forces, at which it ends.
+    pub equilibrium: Option<f64>,
+    /// Whether each element of the model is there.
+    pub elements: Vec<bool>,
+    /// Whether each boundary of the model acts.
+    pub boundaries: Vec<bool>,
+    /// Factor of the forces of all that vanishes at its beginning; `None` if they vanish too.
+    pub release: Option<Schedule>,
+    /// Local damping.
+    pub local_damping: f64,
+}
+
+/// The stage that a run is in, and what it has kept of the earlier ones.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "Boundary<D>: Serialize", deserialize = "Boundary<D>: Deserialize<'de>"))]
+pub struct Entered<const D: usize = 2> {
+    /// Step at which each stage so far has begun; the last of them is the present one.
+    pub begun: Vec<u64>,
+    /// Forces of what has vanished, on nodes of the whole model.
+    pub held: Vec<Boundary<D>>,
+    /// Whether the last stage is over, and with it the run.
+    pub over: bool,
+}
+
+impl<const D: usize> Entered<D> {
+    /// A run that begins.
+    pub fn first() -> Self {
+        Self { begun: vec![0], held: Vec::new(), over: false }
+    }
+
+    /// Number of the present stage.
+    pub fn stage(&self) -> usize {
+        self.begun.len().saturating_sub(1)
+    }
 }
 
 /// A model in two or in three dimensions that is ready to run.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{Animate, Gravity, ModelFile};
-use crate::model::placed::{self, Placed, is_piece};
+use crate::model::placed::{self, Placed, is_body};
 
 /// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -156,11 +156,6 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
             );
         }
     }
-}
-
-/// Whether a name is that of a body, or may be that of a piece of a packing.
-fn is_body(file: &ModelFile, name: &str) -> bool {
-    file.body.iter().any(|body| body.name == name || is_piece(&body.name, name))
 }
 
 /// The settings, with defaults. `file` has been checked.

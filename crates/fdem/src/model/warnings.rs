@@ -9,7 +9,7 @@ use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_mesh::{Simplex, bounds, edges};
-use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
+use fdem_simulation::{Boundary, Load, Model, Plane, Target};
 
 use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
@@ -206,10 +206,7 @@ fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut V
         _ => [None; D],
     };
     let middle = |boundary: &Boundary<D>, axis: usize| {
-        let nodes: Vec<u32> = match &boundary.target {
-            Target::Nodes(nodes) => nodes.clone(),
-            Target::Facets(edges) => edges.iter().flatten().copied().collect(),
-        };
+        let nodes = boundary.target.nodes();
         let [low, high] = bounds(nodes.iter().map(|&node| model.mesh.nodes[node as usize]));
         f64::midpoint(low[axis], high[axis])
     };
@@ -275,11 +272,7 @@ fn lone_node<const D: usize, const N: usize>(
 
 /// Warns of velocities and displacements that start at full size.
 fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
-    let starts = match &boundary.schedule {
-        Schedule::Constant => true,
-        Schedule::Ramp(_) => false,
-        Schedule::Table(table) => table.first().is_some_and(|[_, factor]| *factor != 0.0),
-    };
+    let starts = boundary.schedule.factor(0.0) != 0.0;
     let moves = |components: [Option<f64>; D]| components.iter().flatten().any(|speed| *speed != 0.0);
     let what = match boundary.load {
         Load::Velocity(velocity) if moves(velocity) => "velocity",

@@ -33,6 +33,7 @@ mod model;
 mod periodic;
 mod runs;
 mod series;
+mod stages;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -6,9 +6,10 @@ use fdem_mesh::Mesh;
 
 use crate::contacts::{Contacts, Saved as SavedContacts};
 use crate::error::ModelError;
+use crate::ground::is_ground;
 use crate::joints::{Joints, Moving, Saved};
 use crate::loads::{Loads, Wide};
-use crate::model::{Load, Model, Target};
+use crate::model::{Model, Target};
 use crate::ranks::piece::{Carried, Corner, Frame, Part, Piece, Pieces, Side, acts_on_nodes};
 use crate::seams::Seams;
 use crate::share::Share;
@@ -59,7 +60,7 @@ where
         let mut solid = Solid::with_origin(&model, frame.origin);
         let mut joints = Joints::new(&model, &topology, &share);
         let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
-        loads.ground.hold(absorbing(all, &model));
+        loads.ground.hold(held_by_ground(all, &model));
         let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
         // These are found where the model was before the run.
         let mut seams = Seams::new(&model, &topology, &solid)?;
@@ -118,6 +119,7 @@ where
         run.step = carried.step;
         run.totals = carried.totals;
         run.energies = carried.energies;
+        run.imbalance = carried.imbalance;
         run.reactions = carried.reactions;
         run.timings = carried.timings;
         run.watch();
@@ -186,7 +188,11 @@ impl<'a, const D: usize> Known<'a, D> {
                 let own = || sides.iter().filter(|side| side.boundary == number);
                 places[number as usize] = own().map(|side| side.place).collect();
                 let vertices = |side: &&Side<D>| side.vertices.map(|vertex| self.vertex(vertex));
-                boundary.target = Target::Facets(own().map(vertices).collect());
+                let facets = own().map(vertices).collect();
+                boundary.target = match boundary.target {
+                    Target::Held(..) => Target::Held(facets, own().map(|side| side.held).collect()),
+                    _ => Target::Facets(facets),
+                };
             }
         }
         (model, places)
@@ -200,10 +206,13 @@ fn sides<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> Vec<&Side<D>> {
     sides
 }
 
-/// Static forces of the ground beyond absorbing facets, in the same order.
-fn absorbing<const D: usize, const N: usize>(all: &[Piece<D, N>], model: &Model<D, N>) -> Vec<[Point<D>; D]> {
-    let absorbs = |side: &&Side<D>| matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing);
-    sides(all).into_iter().filter(absorbs).map(|side| side.held).collect()
+/// Static forces of the ground, in the same order.
+fn held_by_ground<const D: usize, const N: usize>(
+    all: &[Piece<D, N>],
+    model: &Model<D, N>,
+) -> Vec<[Point<D>; D]> {
+    let of_ground = |side: &&Side<D>| is_ground(&model.boundaries[side.boundary as usize].load);
+    sides(all).into_iter().filter(of_ground).map(|side| side.held).collect()
 }
 
 /// The nodes of some elements, in the order of the codes of their first corners.

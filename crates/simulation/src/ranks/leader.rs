@@ -18,6 +18,7 @@ use crate::snapshot::Snapshot;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
     End,
+    Replace,
     Advance,
     Gather,
     Fragments,
@@ -29,8 +30,9 @@ enum Order {
 }
 
 impl Order {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::End,
+        Self::Replace,
         Self::Advance,
         Self::Gather,
         Self::Fragments,
@@ -85,6 +87,18 @@ where
         of(&self.run.borrow())
     }
 
+    /// Goes on with another run in place of this one, such as that of a changed model.
+    ///
+    /// # Errors
+    /// If threads cannot be started.
+    pub fn replace(&mut self, run: Simulation<D, N>) -> Result<(), ModelError> {
+        *self.whole.get_mut() = None;
+        give(self.communicator, Order::Replace, &[]);
+        let threads = self.run.get_mut().threads();
+        *self.run.get_mut() = Distributed::new(self.communicator, Some(run), threads)?;
+        Ok(())
+    }
+
     /// Advances the run by `steps` steps.
     ///
     /// # Errors
@@ -118,6 +132,11 @@ where
     /// Energies at the beginning of the last step, J.
     pub fn energies(&self) -> Energies {
         self.run.borrow().energies()
+    }
+
+    /// Whether forces are in equilibrium: see [`Simulation::imbalance`].
+    pub fn imbalance(&self) -> f64 {
+        self.run.borrow().imbalance()
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
@@ -248,6 +267,7 @@ where
         let (order, numbers) = next(communicator);
         match order {
             Order::End => return Ok(()),
+            Order::Replace => run = Distributed::new(communicator, None, threads)?,
             // The leader gets the same error, and tells it.
             Order::Advance => drop(run.advance(numbers[0])),
             Order::Gather => drop(run.gathered()),

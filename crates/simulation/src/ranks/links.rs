@@ -292,6 +292,11 @@ impl<'c> Links<'c> {
         numbers[0] > 0.0
     }
 
+    /// The largest of numbers over all ranks.
+    pub(crate) fn most(&self, numbers: &mut [f64]) {
+        self.communicator.all_max(numbers);
+    }
+
     /// Asks for a new look at elements near those of this rank.
     pub(crate) fn ask(&mut self) {
         self.stale = true;

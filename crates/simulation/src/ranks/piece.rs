@@ -8,9 +8,9 @@ use fdem_mesh::Mesh;
 
 use crate::contacts::{Contacts, Grip, edges, mean_edge};
 use crate::energy::Energies;
-use crate::ground::radii;
+use crate::ground::{is_ground, radii};
 use crate::joints::Moving;
-use crate::loads::{Wide, nodes_of, outer_side};
+use crate::loads::{Wide, outer_side};
 use crate::model::{Load, Model, Target};
 use crate::ranks::wire::{Wire, bytes_of, wire};
 use crate::seams::Hold;
@@ -197,6 +197,7 @@ where
             boundary.target = match boundary.target {
                 Target::Nodes(_) => Target::Nodes(Vec::new()),
                 Target::Facets(_) => Target::Facets(Vec::new()),
+                Target::Held(..) => Target::Held(Vec::new(), Vec::new()),
             };
             boundary
         });
@@ -214,7 +215,7 @@ where
             edge: mean_edge(whole),
             longest: edges(whole).fold(0.0, f64::max),
             elements: whole.mesh.elements.len() as u32,
-            nodes: whole.boundaries.iter().map(|boundary| nodes_of(&boundary.target).len() as u32).collect(),
+            nodes: whole.boundaries.iter().map(|boundary| boundary.target.nodes().len() as u32).collect(),
             radii: if run.loads.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
         }
     }
@@ -247,6 +248,7 @@ pub(super) struct Carried<const D: usize> {
     pub(super) step: u64,
     pub(super) totals: Totals,
     pub(super) energies: Energies,
+    pub(super) imbalance: f64,
     pub(super) reactions: Vec<Point<D>>,
     pub(super) timings: Timings,
     pub(super) detections: u64,
@@ -260,6 +262,7 @@ impl<const D: usize> Carried<D> {
         first.map(|energies| energies.numbers()).put(&mut bytes);
         [*exchanged, *most_cohesive].put(&mut bytes);
         self.energies.numbers().put(&mut bytes);
+        self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
         bytes
     }
@@ -271,9 +274,10 @@ impl<const D: usize> Carried<D> {
         let first = <Option<[f64; 9]> as Wire>::take(bytes).map(Energies::of_numbers);
         let [exchanged, most_cohesive] = Wire::take(bytes);
         let energies = Energies::of_numbers(Wire::take(bytes));
+        let imbalance = f64::take(bytes);
         let reactions = Vec::take(bytes);
         let totals = Totals { first, exchanged, most_cohesive, ..Totals::default() };
-        Self { step, totals, energies, reactions, timings: Timings::default(), detections: 0 }
+        Self { step, totals, energies, imbalance, reactions, timings: Timings::default(), detections: 0 }
     }
 }
 
@@ -316,18 +320,16 @@ where
         let mut held = run.loads.ground.held();
         for (number, boundary) in (0..).zip(&run.model.boundaries) {
             if acts_on_nodes(&boundary.load) {
-                for vertex in nodes_of(&boundary.target) {
+                for vertex in boundary.target.nodes() {
                     boundaries.entry(vertex).or_default().push(number);
                 }
                 continue;
             }
-            let Target::Facets(facets) = &boundary.target else { continue };
-            for (k, facet) in facets.iter().enumerate() {
+            for (k, facet) in boundary.target.facets().iter().enumerate() {
                 let Ok(side) = outer_side(&run.model, &run.topology, *facet, &boundary.name) else {
                     continue;
                 };
-                let absorbing = matches!(boundary.load, Load::Absorbing);
-                let held = if absorbing { held.next().map(|(_, held)| held) } else { None };
+                let held = if is_ground(&boundary.load) { held.next().map(|(_, held)| held) } else { None };
                 sides.entry(side.corners[0] / N as u32).or_default().push(Side {
                     boundary: number,
                     place: run.part.as_ref().map_or(k as u32, |part| part.places[number as usize][k]),
@@ -446,6 +448,7 @@ where
             step: self.step,
             totals: self.totals.clone(),
             energies: self.energies,
+            imbalance: self.imbalance,
             reactions: self.reactions.clone(),
             timings: self.timings,
             detections: self.contacts.detections,

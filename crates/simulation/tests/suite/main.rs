@@ -28,5 +28,7 @@ mod vectors;
 mod ranks;
 /// Forecasts of runs on many ranks.
 mod forecast;
+/// Runs that go on with a changed model.
+mod changed;
 /// Models that are refused.
 mod refusal;

@@ -20,7 +20,14 @@ macro_rules! same_on_ranks {
         for &steps in $parts {
             whole.advance(steps).expect("steps");
             let cracks = whole.crack_lengths();
-            expected.push((bytes(&whole.state()), whole.snapshot(), whole.forces(), whole.counts(), cracks));
+            let imbalance = whole.imbalance().to_bits();
+            expected.push((
+                bytes(&whole.state()),
+                whole.snapshot(),
+                whole.forces(),
+                whole.counts(),
+                (cracks, imbalance),
+            ));
         }
         for &size in $ranks {
             let all = threads::run(size, |communicator: &dyn Communicator| {
@@ -33,7 +40,7 @@ macro_rules! same_on_ranks {
                     let step = run.steps();
                     let gathered = run.gathered();
                     let found_counts = run.counts();
-                    assert_eq!(run.crack_lengths(), *cracks);
+                    assert_eq!((run.crack_lengths(), run.imbalance().to_bits()), *cracks);
                     assert_eq!(
                         Counts { detections: 0, ..found_counts },
                         Counts { detections: 0, ..*counts },
@@ -74,6 +81,15 @@ fn a_crash_in_space_is_the_same() {
         let counts = same_on_ranks!(model, 3, 4, &[1, 2, 3, 4, 8], &[1, 399, 400]);
         assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
     }
+}
+
+/// An excavation whose forces are released: a model with forces of its own on each node of the surface.
+#[test]
+fn an_excavation_is_the_same() {
+    let release = Schedule::Table(vec![[0.0, 1.0], [1e-4, 0.2]]);
+    let model = crate::changed::excavated(&crate::changed::ground(), Some(release)).model().clone();
+    assert!(matches!(model.boundaries[1].load, Load::Held));
+    same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 99, 300]);
 }
 
 /// Two blocks that shatter: nearly all joints break.

@@ -1,13 +1,17 @@
 //! The content of a checkpoint.
 
-use fdem_simulation::State;
+use fdem_simulation::{Boundary, State};
 use serde::{Deserialize, Serialize};
 
 use crate::command::run::account::Account;
+use crate::model::Entered;
 
 /// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(bound(serialize = "State<D, N>: Serialize", deserialize = "State<D, N>: Deserialize<'de>"))]
+#[serde(bound(
+    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize",
+    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>"
+))]
 pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).
     pub(crate) model: String,
@@ -17,6 +21,8 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     pub(crate) history: u64,
     /// Time between frames and time between rows of the history, s: they stay as they are if the end time changes.
     pub(crate) intervals: [f64; 2],
+    /// The stages so far; none if the run is one.
+    pub(crate) entered: Entered<D>,
     /// Times and numbers since the beginning of the run.
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
@@ -26,6 +32,7 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
 pub(crate) struct Unsaved<const D: usize, const N: usize> {
     pub(crate) model: String,
     pub(crate) intervals: [f64; 2],
+    pub(crate) entered: Entered<D>,
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
 }

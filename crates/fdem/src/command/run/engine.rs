@@ -71,6 +71,19 @@ where
         both!(self, run => run.energies())
     }
 
+    pub(crate) fn imbalance(&self) -> f64 {
+        both!(self, run => run.imbalance())
+    }
+
+    /// Goes on with another simulation.
+    pub(crate) fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String> {
+        match self {
+            Self::Alone(run) => **run = with,
+            Self::Leading(run) => run.replace(with).map_err(|error| error.to_string())?,
+        }
+        Ok(())
+    }
+
     pub(crate) fn force(&self, boundary: usize) -> Option<[f64; D]> {
         both!(self, run => run.force(boundary))
     }
@@ -98,10 +111,10 @@ where
         both!(self, run => run.penetrated())
     }
 
-    /// Nodes of the mesh; at rest if there are none of these numbers.
+    /// Nodes of the mesh; not numbers for those that are not there.
     pub(crate) fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>> {
         let found = both!(self, run => run.nodes(nodes));
-        found.into_iter().map(|node| node.unwrap_or(([0.0; D], [0.0; D]))).collect()
+        found.into_iter().map(|node| node.unwrap_or(([f64::NAN; D], [f64::NAN; D]))).collect()
     }
 
     pub(crate) fn crack_lengths(&self) -> [f64; 3] {

@@ -1,7 +1,6 @@
 //! Looks at a run between its steps: rows of the history, and fragments.
 
 use fdem_results::{ElementMasses, FragmentCount, Fragments, Row};
-use fdem_simulation::Target;
 
 use crate::command::failure::Failure;
 use crate::command::run::engine::Engine;
@@ -133,13 +132,7 @@ impl Observer {
 /// The nodes of the boundary whose force a history records, each once.
 fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
-    let mut nodes = match &prepared.model.boundaries[boundary].target {
-        Target::Nodes(nodes) => nodes.clone(),
-        Target::Facets(edges) => edges.as_flattened().to_vec(),
-    };
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
+    prepared.model.boundaries[boundary].target.nodes()
 }
 
 /// The mean displacement of some nodes, m.

@@ -139,6 +139,11 @@ where
         Ok(recorder)
     }
 
+    /// Draws the frames from now on with the outlines of another mesh.
+    pub(crate) fn outline(&mut self, outlines: <[[f64; D]; N] as Results<D, N>>::Outlines) {
+        self.outlines = outlines;
+    }
+
     /// Writes rows of the history.
     pub(crate) fn rows(&mut self, rows: &[Row]) -> Result<(), Failure> {
         let written = rows.iter().try_for_each(|row| self.history.row(row));
@@ -211,13 +216,14 @@ where
     pub(crate) fn save(&mut self, state: Unsaved<D, N>) -> Result<(), Failure> {
         self.flush()?;
         self.tidy_up()?;
-        let Unsaved { model, intervals, account, state } = state;
+        let Unsaved { model, intervals, entered, account, state } = state;
         let history = self.length()?;
         self.folder.save(&Checkpoint {
             model,
             frames: self.frames.clone(),
             history,
             intervals,
+            entered,
             account,
             state,
         })

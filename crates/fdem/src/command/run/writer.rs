@@ -20,14 +20,22 @@ use crate::command::run::results::Results;
 const PLACES: usize = 1;
 
 /// A task of the writer: it writes rows of the history, and after them a frame, a checkpoint or nothing. Rows share a place in the queue with what follows them.
-pub(crate) struct Task<const D: usize, const N: usize> {
+pub(crate) struct Task<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     pub(crate) rows: Vec<Row>,
     pub(crate) then: Then<D, N>,
 }
 
 /// The second part of a task.
-pub(crate) enum Then<const D: usize, const N: usize> {
+pub(crate) enum Then<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     Nothing,
+    /// The frames that follow have another mesh, with these outlines.
+    Outlines(<[[f64; D]; N] as Results<D, N>>::Outlines),
     Frame(Box<(Snapshot<D, N>, Forces<D>)>),
     Checkpoint(Box<Unsaved<D, N>>),
 }
@@ -156,6 +164,7 @@ where
         recorder.rows(&rows)?;
         match then {
             Then::Nothing => {}
+            Then::Outlines(outlines) => recorder.outline(outlines),
             Then::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
             Then::Checkpoint(state) => recorder.save(*state)?,
         }

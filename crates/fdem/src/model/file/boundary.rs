@@ -57,6 +57,9 @@ pub struct Boundary {
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,
+    /// Names of the stages in which it acts. The times of ramp and table begin with the first of them. Default: all.
+    #[serde(default)]
+    pub stages: Option<Vec<String>>,
 }
 
 /// A side of a body.

@@ -3,7 +3,7 @@
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
-use fdem_simulation::{Load, Model, Schedule, Target};
+use fdem_simulation::{Load, Model, Schedule};
 
 use crate::model::dimensions::Dimensions;
 use crate::model::prepared::Body;
@@ -62,15 +62,11 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
             Load::Velocity(components) | Load::Displacement(components) => {
                 (0..D).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
             }
-            Load::Absorbing => true,
+            Load::Absorbing | Load::Held => true,
             Load::Force(_) | Load::Traction(_) | Load::Pressure(_) => false,
         };
         if holds {
-            let nodes: Vec<u32> = match &boundary.target {
-                Target::Nodes(nodes) => nodes.clone(),
-                Target::Facets(edges) => edges.iter().flatten().copied().collect(),
-            };
-            for node in nodes {
+            for node in boundary.target.nodes() {
                 held[node as usize] = true;
             }
         }

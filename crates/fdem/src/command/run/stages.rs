@@ -1,0 +1,143 @@
+//! Stages of a run: when one ends, and how the next begins.
+
+use fdem_io::numbers::brief;
+use fdem_simulation::{Change, Energies, Simulation, State};
+use serde_json::{Value, json};
+
+use crate::command::run::results::Results;
+use crate::model::{Entered, Prepared, Present, Stage};
+
+/// The stages of a run, one of which it is in.
+pub(crate) struct Stages<const D: usize, const N: usize> {
+    /// The model with all that is there in any stage.
+    whole: Prepared<D, N>,
+    pub(crate) entered: Entered<D>,
+    /// What is there now. Its prepared model is that of the run.
+    present: Present<D, N>,
+    /// Time step, s.
+    step: f64,
+}
+
+/// Why a stage ends.
+pub(crate) enum Over {
+    /// Its time has passed. `false`: without the equilibrium that it was to reach.
+    Time(bool),
+    /// Kinetic over strain energy, and imbalance of forces.
+    Equilibrium([f64; 2]),
+}
+
+impl<const D: usize, const N: usize> Stages<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// The stages of a model, and what is there in the one that has been `entered`; `None`, and the model as it is, if it has none. The time step is the one that is stable in all of them.
+    pub(crate) fn new(
+        whole: Prepared<D, N>,
+        entered: Entered<D>,
+    ) -> Result<(Option<Self>, Prepared<D, N>), String> {
+        if whole.stages.is_empty() {
+            return Ok((None, whole));
+        }
+        let (whole, first) = whole.in_stages()?;
+        let step = first.prepared.model.time.step.unwrap_or_default();
+        let present = if entered == Entered::first() {
+            first
+        } else {
+            whole.at(&entered, step).map_err(|error| error.to_string())?
+        };
+        let prepared = present.prepared.clone();
+        Ok((Some(Self { whole, entered, present, step }), prepared))
+    }
+
+    /// The stage that the run is in.
+    pub(crate) fn now(&self) -> &Stage {
+        &self.whole.stages[self.entered.stage()]
+    }
+
+    /// Step at which the stage ends at the latest.
+    pub(crate) fn end(&self) -> u64 {
+        let begun = self.entered.begun.last().copied().unwrap_or_default();
+        self.now().duration.map_or(u64::MAX, |time| begun + ((time / self.step).ceil() as u64).max(1))
+    }
+
+    /// Whether the stage ends after a step. `known`: energies and imbalance of forces, if they are known now.
+    pub(crate) fn is_over(&self, step: u64, known: Option<(Energies, f64)>) -> Option<Over> {
+        let begun = self.entered.begun.last().copied().unwrap_or_default();
+        if let (Some(bound), Some((energies, imbalance))) = (self.now().equilibrium, known)
+            && step > begun
+        {
+            let share = energies.kinetic / energies.strain;
+            // Without any force nothing moves.
+            if [share, imbalance].iter().all(|number| number.is_nan() || *number < bound) {
+                return Some(Over::Equilibrium([share, imbalance]));
+            }
+        }
+        (step >= self.end()).then(|| Over::Time(self.now().equilibrium.is_none()))
+    }
+
+    /// Whether the stage is the last.
+    pub(crate) fn is_last(&self) -> bool {
+        self.entered.stage() + 1 == self.whole.stages.len()
+    }
+
+    /// Enters the next stage with a run that is in a state after a step. Returns what is there, and the run that goes on.
+    pub(crate) fn next(
+        &mut self,
+        before: &Prepared<D, N>,
+        state: State<D, N>,
+        threads: usize,
+    ) -> Result<(Prepared<D, N>, Simulation<D, N>), String> {
+        let mut entered = self.entered.clone();
+        entered.begun.push(state.step());
+        let wrong = |error: fdem_simulation::ModelError| error.to_string();
+        let mut next = self.whole.at(&entered, self.step).map_err(wrong)?;
+        let earlier = |element: &u32| {
+            let place = self.present.elements.binary_search(element).ok();
+            place.map(|place| place as u32)
+        };
+        let stage = &self.whole.stages[entered.stage()];
+        let change = Change {
+            model: next.prepared.model.clone(),
+            elements: next.elements.iter().map(earlier).collect(),
+            release: stage.release.clone().map(|release| (format!("released in {}", stage.name), release)),
+        };
+        let (model, state) = state.changed(&before.model, change, threads).map_err(wrong)?;
+        entered.held = next.held(&model.boundaries);
+        next.prepared.model = model;
+        let run = Simulation::resume(next.prepared.model.clone(), state, threads).map_err(wrong)?;
+        self.entered = entered;
+        let prepared = next.prepared.clone();
+        self.present = next;
+        Ok((prepared, run))
+    }
+
+    /// The stages so far, for `run.json`.
+    pub(crate) fn json(&self) -> Value {
+        let begun = self.entered.begun.iter().zip(&self.whole.stages);
+        let begun = begun.map(
+            |(step, stage)| json!({ "name": stage.name, "step": step, "time": *step as f64 * self.step }),
+        );
+        begun.collect()
+    }
+
+    /// When each stage so far has begun, in words.
+    pub(crate) fn in_words(&self) -> String {
+        let begun = self.entered.begun.iter().zip(&self.whole.stages);
+        let begun =
+            begun.map(|(step, stage)| format!("{} from {} s", stage.name, brief(*step as f64 * self.step)));
+        begun.collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl Over {
+    /// Says how a stage ends.
+    pub(crate) fn in_words(&self) -> String {
+        match self {
+            Self::Time(true) => "its time has passed".to_owned(),
+            Self::Time(false) => "warning: its time has passed before the equilibrium".to_owned(),
+            Self::Equilibrium([share, imbalance]) => format!(
+                "equilibrium: kinetic over strain energy {share:.1e}, imbalance of forces {imbalance:.1e}"
+            ),
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! `ground` of `[initial]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Stress of ground at rest under its own weight: the vertical stress is the weight above, the horizontal one `k0` times that, plus the tectonic stress. Above the surface there is none. Needs gravity along the last axis. With the density of the bodies, nothing moves at the beginning.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// Height of the surface of the ground, m: y in two dimensions, z in three.
+    pub surface: f64,
+    /// Density of the ground, kg/m³. Default: that of the first material.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density: Option<f64>,
+    /// Horizontal over vertical stress: a number, or in three dimensions one along x and one along y.
+    pub k0: Ratio,
+    /// Horizontal stress besides, Pa, tension positive: a number, or in three dimensions one along x and one along y. Default: 0.
+    #[serde(default)]
+    pub tectonic: Option<Ratio>,
+}
+
+/// One number, or one for each horizontal axis.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Ratio {
+    /// Along all horizontal axes.
+    All(f64),
+    /// Along x and along y.
+    Each([f64; 2]),
+}
+
+impl Ratio {
+    /// The number along x and along y.
+    pub(crate) fn along(self) -> [f64; 2] {
+        match self {
+            Self::All(number) => [number; 2],
+            Self::Each(numbers) => numbers,
+        }
+    }
+}

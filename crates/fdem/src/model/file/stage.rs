@@ -1,0 +1,47 @@
+//! `[[stage]]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A part of the run, in the order of the file. A stage goes on until its `duration` has passed or its `equilibrium` is reached, whichever is first; the last one, and a stage that has neither, until the end of the run. Then the next one begins.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// Name of the stage for boundaries and messages.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Time that the stage takes at most, s. Default: no limit but the end of the run.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub duration: Option<f64>,
+    /// Bound at which the stage ends: the kinetic energy over the strain energy, and the largest force on a free node over the largest that an element exerts on one of its nodes, are both below it. It is looked at with each row of the history. Default: none.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub equilibrium: Option<f64>,
+    /// Names of bodies that vanish at the beginning of the stage.
+    #[serde(default)]
+    pub excavate: Vec<String>,
+    /// Boxes [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the elements with their centroids inside vanish at the beginning of the stage.
+    #[serde(default)]
+    pub excavate_boxes: Vec<Vec<f64>>,
+    /// Names of bodies that appear at the beginning of the stage, with their `velocity` and without initial stress. Before it they are not there.
+    #[serde(default)]
+    pub activate: Vec<String>,
+    /// How the forces with which vanished bodies, and boundaries that end, held the rest are released: the time within which they fall to 0, s, or a table [[time, factor], …], s from the beginning of the stage. A factor that stays above 0 leaves that share of the forces (the core of a tunnel that is only partly relieved). Default: at once.
+    #[serde(default)]
+    pub release: Option<Release>,
+    /// Local damping (Cundall) in this stage, in place of that of `[model]`.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    pub local_damping: Option<f64>,
+}
+
+/// A time, or a table of factors.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Release {
+    /// Time within which the forces fall to 0, s.
+    Within(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// Times, s, and factors.
+    Table(#[schemars(length(min = 1))] Vec<[f64; 2]>),
+}

@@ -1,0 +1,227 @@
+//! Runs in stages: excavation, what is released, resumed runs; ground at rest.
+
+use serde_json::Value;
+
+use crate::Bench;
+
+/// A core that is excavated from stressed rock, half of whose support is released at once and the rest later; a block that is put on top then.
+const TUNNEL: &str = r#"
+[model]
+plane = "strain"
+end_time = 6e-3
+[[body]]
+name = "rock"
+material = "rock"
+polygon = { points = [[-5, -5], [5, -5], [5, 5], [-5, 5]], holes = [{ centre = [0, 0], radius = 1.5 }] }
+mesh_size = 1.2
+[[body]]
+name = "core"
+material = "rock"
+disc = { centre = [0, 0], radius = 1.5 }
+mesh_size = 1.2
+[[body]]
+name = "block"
+material = "rock"
+rectangle = { min = [-1, 5], max = [1, 6] }
+mesh_size = 1.0
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 10e9
+poissons_ratio = 0.25
+friction = 0.6
+damping = 0.2
+[initial]
+stress = [-5e6, -5e6, 0]
+[[boundary]]
+name = "sides"
+body = "rock"
+group = "outer"
+fixed = "xy"
+[[boundary]]
+name = "hammer"
+body = "block"
+velocity = [0, -1]
+stages = ["strike"]
+[[stage]]
+name = "rest"
+equilibrium = 1e-6
+duration = 1e-3
+[[stage]]
+name = "excavate"
+excavate = ["core"]
+release = [[0, 1], [5e-4, 0.5]]
+local_damping = 0.7
+duration = 2e-3
+[[stage]]
+name = "strike"
+activate = ["block"]
+duration = 1e-3
+[[history]]
+name = "crown"
+node = [0, 1.5]
+body = "rock"
+[[history]]
+name = "core"
+node = [0, 0]
+body = "core"
+[[history]]
+name = "hammer"
+force = "hammer"
+[output]
+frames = 12
+checkpoint_steps = 5
+"#;
+
+/// The numbers of a column of a history.
+fn column(history: &str, name: &str) -> Vec<f64> {
+    let place = history.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
+    history.lines().skip(1).map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+#[test]
+fn a_run_goes_through_its_stages() {
+    let bench = Bench::new();
+    bench.write("tunnel.toml", TUNNEL);
+    let run = bench.run(&["run", "tunnel.toml", "-o", "one", "--threads", "1"]).succeeds();
+    for line in [
+        "stage \"rest\" ends at",
+        "equilibrium",
+        "stage \"excavate\" begins",
+        "its time has passed",
+        "stages",
+    ] {
+        assert!(run.stderr.contains(line), "{line:?} is not in\n{}", run.stderr);
+    }
+    let history = String::from_utf8(std::fs::read(bench.path("one/history.csv")).unwrap()).unwrap();
+    // It ends with its last stage.
+    let end = *column(&history, "time [s]").last().unwrap();
+    assert!((3e-3..4.1e-3).contains(&end), "{end}");
+    // Half of the convergence of the whole ring is (1 + ν) p a/(2 E) in infinite rock: 0.7 mm; less so near to sides that are held.
+    let crown = column(&history, "crown uy [m]");
+    assert!((-0.7e-3..-0.3e-3).contains(crown.last().unwrap()), "{:?}", crown.last());
+    let core = column(&history, "core ux [m]");
+    assert!(core[0] == 0.0 && core.last().unwrap().is_nan(), "{core:?}");
+    let hammer = column(&history, "hammer fy [N]");
+    assert!(hammer[hammer.len() / 2] == 0.0 && hammer.last().unwrap().abs() > 0.0, "{hammer:?}");
+    let summary: Value = serde_json::from_slice(&std::fs::read(bench.path("one/run.json")).unwrap()).unwrap();
+    assert_eq!(summary["status"], "finished");
+    let stages = summary["stages"].as_array().unwrap().iter().map(|stage| stage["name"].as_str().unwrap());
+    assert_eq!(stages.collect::<Vec<_>>(), ["rest", "excavate", "strike"]);
+    let error = column(&history, "energy error [J]");
+    assert!(error.iter().all(|error| error.abs() < 100.0), "{error:?}");
+    // It is finished, although its end time is later.
+    let again = bench.run(&["resume", "one"]).succeeds();
+    assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
+
+    let checked = bench.run(&["check", "tunnel.toml"]).succeeds();
+    assert!(checked.stdout.contains("elements"), "{}", checked.stdout);
+}
+
+/// Wherever a run is interrupted, before or after its elements have changed, it goes on to the same end.
+#[cfg(unix)]
+#[test]
+fn a_run_in_stages_is_resumed() {
+    let bench = Bench::new();
+    bench.write("tunnel.toml", TUNNEL);
+    bench.run(&["run", "tunnel.toml", "-o", "one", "--threads", "1", "-q"]).succeeds();
+    let hash = |folder: &str| -> Value {
+        let summary = std::fs::read(bench.path(&format!("{folder}/run.json"))).unwrap();
+        serde_json::from_slice::<Value>(&summary).unwrap()["state_hash"].clone()
+    };
+    // The time of the checkpoint from which it goes on differs from round to round.
+    for wait in [30, 120, 250, 400] {
+        let mut child = bench.command(&["run", "tunnel.toml", "-o", "two", "--force", "-q"]).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        let _ = child.kill();
+        child.wait().unwrap();
+        if !bench.path("two/checkpoint").exists() {
+            continue;
+        }
+        bench.run(&["resume", "two", "-q"]).succeeds();
+        assert_eq!(hash("two"), hash("one"), "killed after {wait} ms");
+        let read = |folder: &str| std::fs::read(bench.path(&format!("{folder}/history.csv"))).unwrap();
+        assert!(read("two") == read("one"), "killed after {wait} ms");
+    }
+}
+
+#[test]
+fn stages_that_make_no_sense_are_refused() {
+    let bench = Bench::new();
+    let wrong = |from: &str, to: &str, parts: &[&str]| {
+        assert!(TUNNEL.contains(from), "{from}");
+        bench.write("wrong.toml", TUNNEL.replacen(from, to, 1));
+        bench.run(&["check", "wrong.toml"]).refused_with(&[&["wrong.toml"], parts].concat());
+    };
+    wrong("stages = [\"strike\"]", "stages = [\"strke\"]", &["there is no stage \"strke\"", "strike"]);
+    wrong("stages = [\"strike\"]", "stages = []", &["acts in no stage"]);
+    wrong("excavate = [\"core\"]", "excavate = [\"cor\"]", &["there is no body \"cor\"", "core"]);
+    wrong("equilibrium = 1e-6\nduration = 1e-3\n", "", &["\"rest\" does not end"]);
+    wrong("equilibrium = 1e-6\n", "excavate = [\"core\"]\n", &["is the first"]);
+    wrong("[5e-4, 0.5]", "[-5e-4, 0.5]", &["do not ascend"]);
+    wrong("name = \"strike\"", "name = \"rest\"", &["already"]);
+    wrong("excavate = [\"core\"]", "excavate_boxes = [[90, 90, 99, 99]]", &["no element is in this box"]);
+    wrong("excavate = [\"core\"]", "excavate_boxes = [[9, 9]]", &["2 numbers"]);
+    wrong("excavate = [\"core\"]", "excavate = [\"core\", \"rock\"]", &["no element is left"]);
+}
+
+/// Ground under its own weight and a tectonic stress, in two and in three dimensions: nothing moves.
+#[test]
+fn ground_at_rest_stays_at_rest() {
+    let flat = r#"
+[model]
+plane = "strain"
+gravity = [0, -9.81]
+end_time = 0.05
+[[body]]
+name = "ground"
+material = "soil"
+rectangle = { min = [0, -10], max = [20, 0] }
+mesh_size = 2
+[[material]]
+name = "soil"
+density = 2000
+youngs_modulus = 100e6
+poissons_ratio = 0.3
+[initial]
+ground = { surface = 0, k0 = 0.5, tectonic = -1e5 }
+[[boundary]]
+name = "left"
+side = "left"
+fixed = "x"
+[[boundary]]
+name = "right"
+side = "right"
+fixed = "x"
+[[boundary]]
+name = "base"
+side = "bottom"
+fixed = "xy"
+"#;
+    let space = flat
+        .replace("plane = \"strain\"", "")
+        .replace("[0, -9.81]", "[0, 0, -9.81]")
+        .replace(
+            "rectangle = { min = [0, -10], max = [20, 0] }",
+            "box = { min = [0, 0, -10], max = [20, 10, 0] }",
+        )
+        .replace("mesh_size = 2", "mesh_size = 5")
+        .replace("k0 = 0.5, tectonic = -1e5", "k0 = [0.5, 0.8], tectonic = [-1e5, 0]")
+        .replace("fixed = \"xy\"", "fixed = \"xyz\"")
+        + "[[boundary]]\nname = \"front\"\nside = \"front\"\nfixed = \"y\"\n[[boundary]]\nname = \"back\"\nside = \"back\"\nfixed = \"y\"\n";
+    let bench = Bench::new();
+    for (name, model) in [("flat", flat.to_owned()), ("space", space)] {
+        bench.write(&format!("{name}.toml"), model);
+        bench.run(&["run", &format!("{name}.toml"), "-o", name, "-q"]).succeeds();
+        let history =
+            String::from_utf8(std::fs::read(bench.path(&format!("{name}/history.csv"))).unwrap()).unwrap();
+        let largest = |column_name: &str| column(&history, column_name).into_iter().fold(0.0, f64::max);
+        let (kinetic, strain) = (largest("kinetic energy [J]"), largest("strain energy [J]"));
+        // (Velocity over wave speed times strain)² is their ratio: 1e-6 of it would be 1e-12.
+        assert!(strain > 0.0 && kinetic < 1e-20 * strain, "{name}: {kinetic} {strain}");
+    }
+    bench.write("wrong.toml", flat.replace("gravity = [0, -9.81]\n", ""));
+    bench.run(&["check", "wrong.toml"]).refused_with(&["\"ground\" goes with gravity"]);
+    bench.write("wrong.toml", flat.replace("k0 = 0.5", "k0 = [0.5, 0.5]"));
+    bench.run(&["check", "wrong.toml"]).refused_with(&["one horizontal axis"]);
+}

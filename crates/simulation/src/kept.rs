@@ -1,0 +1,111 @@
+//! A part of a model: some of its elements, with all that acts on them.
+
+use std::collections::BTreeSet;
+
+use fdem_mesh::Mesh;
+
+use crate::error::ModelError;
+use crate::model::{Model, Target};
+use crate::simplex::Simplex;
+use crate::topology::{NONE, Topology};
+
+/// A part of a model: see [`Model::keeping`].
+#[derive(Clone, Debug)]
+pub struct Kept<const D: usize = 2, const N: usize = 3> {
+    /// The part.
+    pub model: Model<D, N>,
+    /// Number in the whole model of each of its elements, ascending.
+    pub elements: Vec<u32>,
+    /// Number in the part of each node of the whole model; `None` for one that is not in it.
+    pub nodes: Vec<Option<u32>>,
+}
+
+impl<const D: usize, const N: usize> Model<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The part of this model with the elements that `keep` has. Boundaries act on what is left of their nodes and facets, and those of which nothing is left are left out. Bodies and materials
+    /// keep their numbers.
+    ///
+    /// # Errors
+    /// The errors of the mesh: see [`ModelError`]. [`ModelError::Length`] if `keep` has not an entry for each element.
+    pub fn keeping(&self, keep: &[bool]) -> Result<Kept<D, N>, ModelError> {
+        let mesh = &self.mesh;
+        let expected = mesh.elements.len();
+        if keep.len() != expected {
+            return Err(ModelError::Length { what: "kept elements", found: keep.len(), expected });
+        }
+        let elements: Vec<u32> =
+            (0..).zip(keep).filter(|(_, keep)| **keep).map(|(element, _)| element).collect();
+        let mut used = vec![false; mesh.nodes.len()];
+        for &node in elements.iter().flat_map(|&element| &mesh.elements[element as usize]) {
+            used[node as usize] = true;
+        }
+        let mut count = 0;
+        let nodes: Vec<Option<u32>> = used
+            .iter()
+            .map(|used| {
+                let number = used.then_some(count);
+                count += u32::from(*used);
+                number
+            })
+            .collect();
+        let number = |node: u32| nodes[node as usize].unwrap_or(NONE);
+        let of_elements = |element: &u32| *element as usize;
+        let part = Mesh {
+            nodes: mesh.nodes.iter().zip(&used).filter(|(_, used)| **used).map(|(node, _)| *node).collect(),
+            elements: elements
+                .iter()
+                .map(|element| mesh.elements[of_elements(element)].map(number))
+                .collect(),
+            bodies: elements.iter().map(|element| mesh.bodies[of_elements(element)]).collect(),
+            materials: elements.iter().map(|element| mesh.materials[of_elements(element)]).collect(),
+        };
+        // The surface of the part, if a boundary acts on facets.
+        let mut surface = BTreeSet::new();
+        if self.boundaries.iter().any(|boundary| !boundary.target.facets().is_empty()) {
+            let topology = Topology::<D, N>::of(&part)?;
+            surface.extend(topology.surface().map(|side| {
+                let mut vertices = side.map(|corner| topology.vertices[corner as usize]);
+                vertices.sort_unstable();
+                vertices
+            }));
+        }
+        let outer = |facet: &[u32; D]| {
+            let mut facet = facet.map(number);
+            facet.sort_unstable();
+            surface.contains(&facet)
+        };
+        let velocities =
+            self.velocities.iter().zip(&used).filter(|(_, used)| **used).map(|(v, _)| *v).collect();
+        let stresses = if self.stresses.is_empty() {
+            Vec::new()
+        } else {
+            elements.iter().map(|element| self.stresses[of_elements(element)]).collect()
+        };
+        let mut model = Self { mesh: part, velocities, stresses, ..self.clone() };
+        let renumber = |facets: &mut Vec<[u32; D]>| {
+            for facet in facets {
+                *facet = facet.map(number);
+            }
+        };
+        for boundary in &mut model.boundaries {
+            match &mut boundary.target {
+                Target::Nodes(all) => *all = all.iter().filter_map(|&node| nodes[node as usize]).collect(),
+                Target::Facets(facets) => {
+                    facets.retain(outer);
+                    renumber(facets);
+                }
+                Target::Held(facets, forces) => {
+                    let is_left: Vec<bool> = facets.iter().map(outer).collect();
+                    let mut left = is_left.iter();
+                    forces.retain(|_| left.next().copied().unwrap_or_default());
+                    facets.retain(outer);
+                    renumber(facets);
+                }
+            }
+        }
+        model.boundaries.retain(|boundary| !boundary.target.is_empty());
+        Ok(Kept { model, elements, nodes })
+    }
+}

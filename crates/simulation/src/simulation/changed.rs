@@ -1,0 +1,328 @@
+//! A run that goes on with a changed model: elements vanish or appear, boundaries and materials change.
+//!
+//! What vanishes, elements or boundaries, has held the rest. The forces are the difference between those on each node in the model before and in the model from now on, at the same state.
+//! They go on to act on the surface, with a factor in time: at 1 the rest stays as it was, and as the factor falls to 0 they are released.
+//!
+//! The energy of what vanishes leaves the balance: it counts as external work, with its sign.
+
+use crate::contacts::Saved as SavedContacts;
+use crate::error::ModelError;
+use crate::joints::{Moving, Saved};
+use crate::kept::Kept;
+use crate::model::{Boundary, Load, Model, Schedule, Target};
+use crate::motion::force_on;
+use crate::simplex::Simplex;
+use crate::simulation::{Simulation, State};
+use crate::sum::Sum;
+use crate::topology::NONE;
+use crate::vector::{Point, add, minus};
+
+/// How a run goes on: see [`State::changed`].
+#[derive(Clone, Debug)]
+pub struct Change<const D: usize = 2, const N: usize = 3> {
+    /// The model from now on. Its time step is that of the run so far, whatever its options say.
+    pub model: Model<D, N>,
+    /// For each of its elements, its number in the model before; `None` for one that appears. The numbers ascend.
+    pub elements: Vec<Option<u32>>,
+    /// Name and factor in time, from now on, of a boundary with the forces of all that vanishes; `None` if they vanish at once.
+    pub release: Option<(String, Schedule)>,
+}
+
+impl<const D: usize, const N: usize> Change<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The change in which elements vanish: those of `model` for which `keep` is not true.
+    ///
+    /// # Errors
+    /// The errors of [`Model::keeping`].
+    pub fn excavating(
+        model: &Model<D, N>,
+        keep: &[bool],
+        release: Option<(String, Schedule)>,
+    ) -> Result<Self, ModelError> {
+        let Kept { model, elements, .. } = model.keeping(keep)?;
+        Ok(Self { model, elements: elements.into_iter().map(Some).collect(), release })
+    }
+}
+
+impl<const D: usize, const N: usize> State<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The model and the state with which a run of the model `before` goes on after a change. `threads`: see [`Simulation::new`].
+    ///
+    /// An element that appears is in the state in which a run of the new model would begin. It has no node in common with one that stays.
+    ///
+    /// # Cost
+    /// That of four times [`Simulation::new`].
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::new`]; [`ModelError::Length`] and [`ModelError::Missing`] if the elements are not those of the two models; [`ModelError::OutOfRange`] if the time step is
+    /// too long for the new model.
+    pub fn changed(
+        self,
+        before: &Model<D, N>,
+        change: Change<D, N>,
+        threads: usize,
+    ) -> Result<(Model<D, N>, Self), ModelError> {
+        let Change { mut model, elements, release } = change;
+        let mut old = Simulation::resume(before.clone(), self.clone(), threads)?;
+        let numbers = Numbers::new(elements, before.mesh.elements.len(), &model)?;
+        model.time.step = Some(old.time_step());
+        let fresh = Simulation::new(model.clone(), threads)?;
+        if fresh.critical_step().step < old.time_step() {
+            return Err(ModelError::OutOfRange {
+                place: "the changed model".to_owned(),
+                what: "time step",
+                value: old.time_step(),
+                range: "at most the critical one",
+            });
+        }
+        let state = numbers.carry(self, &old, &fresh);
+        let mut new = Simulation::resume(model.clone(), state, threads)?;
+        numbers.carry_seams(&old, &mut new);
+        for vertex in 0..new.topology.vertex_count() as u32 {
+            // Elements may have hung together by vanished ones alone.
+            new.joints.part(vertex, &mut new.solid, false, &new.model, &new.topology);
+        }
+        let mut state = new.state();
+        let (had, has) = (old.look(), new.look());
+        state.totals.external.add_sum(&has.energy);
+        state.totals.external.subtract(&had.energy);
+        if let Some((name, schedule)) = release {
+            let lost = numbers.lost(&old, &had.forces, &new, &has.forces);
+            let (facets, forces) = new.spread_over_surface(&lost);
+            if !facets.is_empty() {
+                model.boundaries.push(Boundary {
+                    name,
+                    target: Target::Held(facets, forces),
+                    load: Load::Held,
+                    schedule: Schedule::From(new.time(), Box::new(schedule)),
+                });
+                state.reactions.push([0.0; D]);
+            }
+        }
+        Ok((model, state))
+    }
+}
+
+/// Forces on nodes, and energies, at a state.
+struct Look<const D: usize> {
+    /// Force on each node, without that of what moves it, N.
+    forces: Vec<Point<D>>,
+    /// Energies that are not summed up over the steps, J.
+    energy: Sum,
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Looks at the forces of the next step. The run is not to go on after that.
+    fn look(&mut self) -> Look<D> {
+        let kinetic = self.kinetic_of_half_step();
+        // A reason to stop is found again in the next step.
+        let _ = self.press(true);
+        let factor = self.model.gravity_schedule.factor(self.time());
+        let force = |node: usize| {
+            let mut force = force_on(node, &self.solid, &self.joints);
+            let weight = factor * self.solid.constants[node].mass;
+            add(&mut force, self.model.gravity, weight);
+            force
+        };
+        let forces = (0..self.solid.nodes.len()).map(force).collect();
+        let [mut energy, viscous] = self.solid.energies(&self.team);
+        let seams = self.seams.energies(&self.solid.share);
+        let contact = self.touching.energy.clone().unwrap_or_default();
+        for part in [kinetic, viscous, contact].iter().chain(&seams) {
+            energy.add_sum(part);
+        }
+        Look { forces, energy }
+    }
+
+    /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A node that is not on the surface has none.
+    #[allow(clippy::type_complexity, reason = "two columns, named where they are used")]
+    fn spread_over_surface(&self, forces: &[Point<D>]) -> (Vec<[u32; D]>, Vec<[Point<D>; D]>) {
+        let vertices = |side: &[u32; D]| side.map(|corner| self.topology.vertices[corner as usize]);
+        let measure = |side: &[u32; D]| {
+            let places = vertices(side).map(|vertex| self.model.mesh.nodes[vertex as usize]);
+            <[[f64; D]; N]>::facet_measure(&places)
+        };
+        let nodes = |side: &[u32; D]| side.map(|corner| self.solid.corners.node_at(corner) as usize);
+        let mut widths = vec![0.0; forces.len()];
+        for side in self.topology.surface() {
+            for node in nodes(&side) {
+                widths[node] += measure(&side);
+            }
+        }
+        let shares = |side: [u32; D]| {
+            let part = |node: usize| forces[node].map(|force| force * measure(&side) / widths[node]);
+            (vertices(&side), nodes(&side).map(part))
+        };
+        let all = self.topology.surface().map(shares);
+        all.filter(|(_, forces)| forces.as_flattened().iter().any(|force| *force != 0.0)).unzip()
+    }
+}
+
+/// The numbers of elements before and after a change.
+struct Numbers {
+    /// Of each element, its number before; `None` for one that appears.
+    before: Vec<Option<u32>>,
+    /// Of each element before, its number now; `None` for one that has vanished.
+    after: Vec<Option<u32>>,
+}
+
+impl Numbers {
+    fn new<const D: usize, const N: usize>(
+        before: Vec<Option<u32>>,
+        count: usize,
+        model: &Model<D, N>,
+    ) -> Result<Self, ModelError> {
+        let expected = model.mesh.elements.len();
+        if before.len() != expected {
+            return Err(ModelError::Length { what: "elements before", found: before.len(), expected });
+        }
+        let mut after = vec![None; count];
+        let mut next = 0;
+        for (new, old) in (0..).zip(&before).filter_map(|(new, old)| Some((new, (*old)?))) {
+            if old < next || old as usize >= count {
+                let place = "the elements before, which ascend".to_owned();
+                return Err(ModelError::Missing { what: "element", index: old, place });
+            }
+            next = old + 1;
+            after[old as usize] = Some(new);
+        }
+        let mut stays = vec![None; model.mesh.nodes.len()];
+        for (nodes, old) in model.mesh.elements.iter().zip(&before) {
+            for &node in nodes {
+                if *stays[node as usize].get_or_insert(old.is_some()) != old.is_some() {
+                    let place = "both an element that stays and one that appears".to_owned();
+                    return Err(ModelError::Missing {
+                        what: "node of its own instead of",
+                        index: node,
+                        place,
+                    });
+                }
+            }
+        }
+        Ok(Self { before, after })
+    }
+
+    /// The number now of an element before.
+    fn now(&self, element: u32) -> Option<u32> {
+        self.after[element as usize]
+    }
+
+    /// The code now of a corner or a side before.
+    fn code<const N: usize>(&self, code: u32) -> Option<u32> {
+        Some(self.now(code / N as u32)? * N as u32 + code % N as u32)
+    }
+
+    /// The state of the elements that stay, and that of the others at the beginning of a run of the new model, `fresh`.
+    fn carry<const D: usize, const N: usize>(
+        &self,
+        state: State<D, N>,
+        old: &Simulation<D, N>,
+        fresh: &Simulation<D, N>,
+    ) -> State<D, N>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let mut new = fresh.state();
+        let mut nodes = Vec::new();
+        let mut numbers = [vec![NONE; state.nodes.len()], vec![NONE; new.nodes.len()]];
+        for (element, before) in self.before.iter().enumerate() {
+            let (from, corners, numbers) = match before {
+                Some(old) => (&state.nodes, state.of_corner[*old as usize], &mut numbers[0]),
+                None => (&new.nodes, new.of_corner[element], &mut numbers[1]),
+            };
+            new.of_corner[element] = corners.map(|node| {
+                let number = &mut numbers[node as usize];
+                if *number == NONE {
+                    *number = nodes.len() as u32;
+                    nodes.push(from[node as usize]);
+                }
+                *number
+            });
+            let Some(old) = before.map(|old| old as usize) else { continue };
+            new.stresses[element] = state.stresses[old];
+            new.viscous[element] = state.viscous[old];
+            if let (Some(new), Some(old)) = (new.dissipated.get_mut(element), state.dissipated.get(old)) {
+                *new = *old;
+            }
+        }
+        let of = |run: &Simulation<D, N>| -> Vec<Moving<D>> {
+            run.joints.in_order().into_iter().map(|joint| run.joints.moving(joint, &run.topology)).collect()
+        };
+        let appears = |element: u32| self.before[element as usize].is_none().then_some(element);
+        let stay = of(old).into_iter().filter_map(|joint| joint.renumbered::<N>(|element| self.now(element)));
+        let appear = of(fresh).into_iter().filter_map(|joint| joint.renumbered::<N>(appears));
+        let both = |elements: [u32; 2]| Some([self.now(elements[0])?, self.now(elements[1])?]);
+        let SavedContacts { grips, parted, bared } = state.contacts;
+        let reaction = |boundary: &Boundary<D>| {
+            let same = old.model.boundaries.iter().position(|other| other.name == boundary.name);
+            same.map_or([0.0; D], |same| state.reactions[same])
+        };
+        State {
+            step: state.step,
+            totals: state.totals,
+            energies: state.energies,
+            reactions: fresh.model.boundaries.iter().map(reaction).collect(),
+            nodes,
+            joints: Saved::of(stay.chain(appear).collect()),
+            contacts: SavedContacts {
+                grips: grips.into_iter().filter_map(|(pair, grip)| Some((both(pair)?, grip))).collect(),
+                parted: parted.into_iter().filter_map(both).collect(),
+                bared: bared.into_iter().filter_map(|element| self.now(element)).collect(),
+            },
+            ..new
+        }
+    }
+
+    /// Sets the points of seams between elements that stay.
+    fn carry_seams<const D: usize, const N: usize>(&self, old: &Simulation<D, N>, new: &mut Simulation<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        for (sides, place, hold) in old.seams.points(&old.topology, &old.solid.share) {
+            if let [Some(one), Some(other)] = sides.map(|side| self.code::<N>(side)) {
+                new.seams.set_point([one, other], place, hold, &new.topology);
+            }
+        }
+    }
+
+    /// The forces that the nodes of the new model have lost, N: with them they would be accelerated as before. `had`, `has`: forces on the nodes of the two.
+    fn lost<const D: usize, const N: usize>(
+        &self,
+        old: &Simulation<D, N>,
+        had: &[Point<D>],
+        new: &Simulation<D, N>,
+        has: &[Point<D>],
+    ) -> Vec<Point<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let holds = |run: &Simulation<D, N>, node: usize| match run.solid.constants[node].hold {
+            NONE => [false; D],
+            hold => run.loads.holds[hold as usize].map(|hold| hold.is_some()),
+        };
+        let lost = |node: usize| {
+            let corner = new.solid.corners.of(node)[0];
+            let Some(element) = self.before[corner as usize / N] else { return [0.0; D] };
+            let before = old.solid.corners.node_at(element * N as u32 + corner % N as u32) as usize;
+            let share = new.solid.constants[node].mass / old.solid.constants[before].mass;
+            let (held, holds) = (holds(old, before), holds(new, node));
+            let whole = share == 1.0;
+            let had: Point<D> = std::array::from_fn(|axis| match held[axis] {
+                // What held it had the opposite force, as long as it was not accelerated.
+                true if !holds[axis] => 0.0,
+                _ if whole => had[before][axis],
+                _ => share * had[before][axis],
+            });
+            let lost = minus(had, has[node]);
+            std::array::from_fn(|axis| if holds[axis] { 0.0 } else { lost[axis] })
+        };
+        (0..new.solid.nodes.len()).map(lost).collect()
+    }
+}
