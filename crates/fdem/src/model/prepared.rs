@@ -5,6 +5,7 @@ use std::ops::Range;
 use fdem_mesh::Quality;
 use fdem_simulation::Model;
 
+use crate::model::joint_sets::Joints;
 use crate::model::settings::{History, OutputSettings};
 
 /// A model that is ready to run.
@@ -22,6 +23,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub groups: Vec<Group<D>>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,
+    /// Joints of each joint set in the mesh.
+    pub joint_sets: Vec<Joints>,
     /// Settings of the output.
     pub output: OutputSettings,
     /// Quantities to record over time.
