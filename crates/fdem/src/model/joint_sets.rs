@@ -115,7 +115,8 @@ impl Check<'_> {
         match given[..] {
             [_] => {}
             [] => {
-                faults.push(self.fault("name", "it has no joints").help("give it one of lines, file and dip"))
+                faults
+                    .push(self.fault("name", "it has no joints").help("give it one of lines, file and dip"));
             }
             [first, second, ..] => faults.push(
                 self.fault(second, &format!("its joints are given twice, by {first} and {second}"))

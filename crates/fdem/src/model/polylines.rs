@@ -10,10 +10,10 @@ use crate::model::outline::Point;
 /// A message about what is not a file of lines, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
-    let lower = name.to_lowercase();
-    let chains = if lower.ends_with(".dxf") {
+    let extension = name.rsplit_once('.').map_or("", |(_, end)| end).to_lowercase();
+    let chains = if extension == "dxf" {
         dxf(text)
-    } else if lower.ends_with("json") {
+    } else if ["json", "geojson"].contains(&extension.as_str()) {
         let value = serde_json::from_str(text).map_err(|error| format!("{name} is not JSON: {error}"))?;
         let mut chains = Vec::new();
         geojson(&value, &mut chains).map(|()| chains)
@@ -34,7 +34,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> 
 
 /// The points of a list x1, y1, x2, y2, …; `None` if it is not that.
 pub(crate) fn points(numbers: &[f64]) -> Option<Vec<Point>> {
-    let whole = numbers.len() >= 4 && numbers.len() % 2 == 0;
+    let whole = numbers.len() >= 4 && numbers.len().is_multiple_of(2);
     whole.then(|| numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
 }
 
@@ -107,7 +107,8 @@ fn dxf(text: &str) -> Result<Vec<Vec<Point>>, String> {
                     chains.push(chain);
                 }
                 (entity, closed) = (pair[1], false);
-                (xs.clear(), ys.clear());
+                xs.clear();
+                ys.clear();
             }
             (2, "SECTION") => entities = pair[1] == "ENTITIES",
             (10, "LINE" | "LWPOLYLINE") | (11, "LINE") => xs.push(value()?),
@@ -126,7 +127,7 @@ mod tests {
     #[test]
     fn lines_of_each_format() {
         let line = [[0.0, 1.0], [2.0, 3.0]];
-        let chain = vec![line, [[2.0, 3.0], [4.0, 5.0]]];
+        let chain = [line, [[2.0, 3.0], [4.0, 5.0]]];
         let csv = "x1,y1,x2,y2\n0,1,2,3\n# comment\n0 1 2 3 4 5\n";
         assert_eq!(read(csv.as_bytes(), "a.csv"), Ok(vec![line, chain[0], chain[1]]));
         let json = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":
