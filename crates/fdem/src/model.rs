@@ -40,6 +40,10 @@ mod materials;
 mod settings;
 mod stages;
 
+mod polylines;
+mod joint_lines;
+mod joint_sets;
+
 mod connected;
 mod joined;
 pub(crate) mod locking;
@@ -56,7 +60,7 @@ use std::io;
 
 use fdem_io::numbers::grouped;
 use fdem_mesh::Mesh;
-use fdem_simulation::{Interface, Material, Model, Schedule, TimeOptions};
+use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOptions};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -77,6 +81,8 @@ use dimensions::Ready;
 use document::{Document, Table};
 use fault::nearest;
 use file::{ModelFile, Vector};
+use joint_lines::JointLines;
+pub use joint_sets::Joints;
 use partial::Partial;
 use piece::Piece;
 use placed::Placed;
@@ -233,6 +239,7 @@ fn prepare_or_faults(
     check_names(&file, &document, &mut found);
     let materials = materials::materials(&file, &document, dimensions, &mut found);
     let interfaces = materials::interfaces(&file, &document, &mut found);
+    let joint_sets = joint_sets::check(&file, &document, dimensions, &mut found);
     bodies::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
@@ -241,7 +248,7 @@ fn prepare_or_faults(
     let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
-    let checked = Checked { file: &file, document: &document, elements, materials, interfaces };
+    let checked = Checked { file: &file, document: &document, elements, materials, interfaces, joint_sets };
     if dimensions == 3 {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Space(Box::new(prepared)))
@@ -259,6 +266,7 @@ struct Checked<'a> {
     elements: f64,
     materials: Vec<Material>,
     interfaces: Vec<Interface>,
+    joint_sets: Vec<JointSet>,
 }
 
 impl Checked<'_> {
@@ -273,7 +281,7 @@ impl Checked<'_> {
         [[f64; D]; N]: Dimensions<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self { file, document, elements, materials, interfaces } = self;
+        let Self { file, document, elements, materials, interfaces, joint_sets } = self;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
@@ -281,7 +289,8 @@ impl Checked<'_> {
         }
         let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
         let mut found = Vec::new();
-        let (mesh, placed, missing) = bodies::build(file, document, load, &wrong, &mut found);
+        let lines = JointLines::of(file, document, load, &mut found);
+        let (mesh, placed, missing) = bodies::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
         let stages = if missing.is_empty() {
@@ -295,12 +304,14 @@ impl Checked<'_> {
 
         let mut warnings = Vec::new();
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
-        let model = Model {
+        let mut model = Model {
             velocities: velocities(file, &placed),
             stresses: stresses(file, &mesh, &placed),
             mesh,
             materials,
             interfaces,
+            joint_sets,
+            joint_facets: Vec::new(),
             boundaries,
             plane: file.model.plane,
             thickness: file.model.thickness,
@@ -321,6 +332,7 @@ impl Checked<'_> {
                 energy_bound: file.model.energy_bound,
             },
         };
+        let joint_sets = joint_sets::put(&mut model, &placed, &mut warnings);
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
         for body in &placed {
@@ -337,6 +349,7 @@ impl Checked<'_> {
             end_time: file.model.end_time,
             groups: groups_of(&placed),
             grains: grains_of(&placed),
+            joint_sets,
             output: settings::settings(file, &placed),
             histories,
             hash: if stages.is_empty() { hash(&model) } else { hash(&(&model, &stages)) },
@@ -395,6 +408,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     for (table, names) in [
         ("body", names(&file.body, |body| &body.name)),
         ("material", names(&file.material, |material| &material.name)),
+        ("joint_set", names(&file.joint_set, |set| &set.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
         ("stage", names(&file.stage, |stage| &stage.name)),

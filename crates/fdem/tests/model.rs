@@ -1,6 +1,7 @@
 //! Model files: what is read, what is refused and how it is told, and the meshes.
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `joint_sets`: joints in the mesh, and their laws.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
@@ -15,6 +16,8 @@
 
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/joint_sets.rs"]
+mod joint_sets;
 #[path = "model/limits.rs"]
 mod limits;
 #[path = "model/locking.rs"]

@@ -15,10 +15,12 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 mod error;
 mod grains;
+mod network;
 pub mod outline;
 
 pub use error::OutlineError;
 pub use grains::{Grains, colours};
+pub use network::{SNAP, Tangled, add_lines};
 
 use outline::{Domain, Inside, Point, distance, twice_area};
 
@@ -51,6 +53,8 @@ pub struct Triangles {
     pub loops: Vec<u32>,
     /// Edges along the lines of the domain.
     pub lines: Vec<[u32; 2]>,
+    /// For each of these edges the number of its line in the domain.
+    pub line_of: Vec<u32>,
 }
 
 /// Meshes a domain with edges as long as `size` says.
@@ -91,9 +95,11 @@ pub fn triangles(domain: &Domain, size: &Grading<2>, seed: u64) -> Result<Triang
     frame.loops.resize(frame.nodes.len(), INSIDE);
     let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut elements);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
-    let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
+    let lines = frame.lines.iter().zip(&frame.line_of);
+    let (lines, line_of) =
+        lines.filter_map(|(&[a, b], &line)| Some(([number(a)?, number(b)?], line))).unzip();
     let nodes = frame.nodes.iter().map(|&node| frame.place(node)).collect();
-    Ok(Triangles { nodes, elements, loops: frame.loops, lines })
+    Ok(Triangles { nodes, elements, loops: frame.loops, lines, line_of })
 }
 
 /// Checks that every hole is inside the outline and none is in another hole.
@@ -134,12 +140,20 @@ struct Frame {
     edges: Vec<[usize; 2]>,
     /// Edges of lines.
     lines: Vec<[u32; 2]>,
+    /// The line of each.
+    line_of: Vec<u32>,
 }
 
 impl Frame {
     fn new(domain: &Domain, origin: Point, size: &Grading<2>) -> Result<Self, OutlineError> {
-        let mut frame =
-            Self { origin, nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
+        let mut frame = Self {
+            origin,
+            nodes: Vec::new(),
+            loops: Vec::new(),
+            edges: Vec::new(),
+            lines: Vec::new(),
+            line_of: Vec::new(),
+        };
         let mut known: BTreeMap<[u64; 2], usize> = BTreeMap::new();
         let key = |point: Point| point.map(|x| (x + 0.0).to_bits());
         for (number, corners) in (0..).zip(&domain.loops) {
@@ -157,7 +171,7 @@ impl Frame {
             }
             first += corners.len();
         }
-        for &[a, b] in &domain.lines {
+        for (number, &[a, b]) in (0..).zip(&domain.lines) {
             let mut end = |point: Point| {
                 *known.entry(key(point)).or_insert_with(|| {
                     frame.push(point, INSIDE);
@@ -169,6 +183,7 @@ impl Frame {
             frame.divide(a, b, INSIDE, size);
             let lines = frame.edges[before..].iter().map(|&[a, b]| [a as u32, b as u32]);
             frame.lines.extend(lines);
+            frame.line_of.resize(frame.lines.len(), number);
         }
         Ok(frame)
     }

@@ -3,6 +3,7 @@
 use crate::error::ModelError;
 use crate::model::{Load, Material, Model, Schedule, Strength, Target};
 use crate::simplex::Simplex;
+use crate::topology::NONE;
 
 pub(crate) fn check<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
 where
@@ -39,6 +40,7 @@ where
         interface.penalty.map_or(Ok(()), |penalty| positive(&place, "penalty", penalty))?;
         interface.strength.iter().try_for_each(|strength| strength_of_joints(&place, strength))?;
     }
+    joint_sets(model)?;
     boundaries(model)?;
     schedule("gravity", &model.gravity_schedule)?;
     positive("the model", "thickness", model.thickness)?;
@@ -63,6 +65,26 @@ where
     positive("time", "energy bound", time.energy_bound)
 }
 
+fn joint_sets<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
+    for set in &model.joint_sets {
+        let place = format!("joint set '{}'", set.name);
+        strength_of_joints(&place, &set.strength)?;
+        not_negative(&place, "residual friction", set.residual_friction)?;
+        for (what, stiffness) in
+            [("normal stiffness", set.normal_stiffness), ("shear stiffness", set.shear_stiffness)]
+        {
+            stiffness.map_or(Ok(()), |stiffness| positive(&place, what, stiffness))?;
+        }
+    }
+    let count = model.joint_sets.len();
+    match model.joint_facets.iter().flatten().find(|&&set| set != NONE && set as usize >= count) {
+        Some(&index) => {
+            Err(ModelError::Missing { what: "joint set", index, place: "the facets of joints".to_owned() })
+        }
+        None => Ok(()),
+    }
+}
+
 fn mesh<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
 where
     [[f64; D]; N]: Simplex<D, N>,
@@ -80,6 +102,7 @@ where
         ("materials", mesh.materials.len(), elements, false),
         ("initial velocities", model.velocities.len(), nodes, true),
         ("initial stresses", model.stresses.len(), elements, true),
+        ("joint sets of facets", model.joint_facets.len(), elements, true),
     ];
     for (what, found, expected, optional) in lengths {
         if found != expected && !(optional && found == 0) {

@@ -21,11 +21,17 @@
 //! spring of friction, at most `σₙ tan φ`, with the stiffness that the bond has lost. Sliding without opening therefore peaks at c + σₙ tan φ and ends at σₙ tan φ. Compression does
 //! not break a joint, and a broken joint still transmits pressure and friction.
 //!
+//! # Joint sets
+//! A joint of a set may have a shear stiffness `k_s` other than its normal stiffness `k_n`, and a residual friction. With `r = √(k_s/k_n)`, the law above is that of the sliding `r s` and
+//! of the tangential traction `τ/r`, whose product is the same work: with this change of variables the stiffness is `k_n` in all directions, and strengths and energies are as given. The
+//! coefficient of friction falls from its peak to the residual one by z(D).
+//!
 //! # Sources
 //! A. Munjiza, The Combined Finite-Discrete Element Method (2004), ch. 7, for the softening; P. P. Camanho, C. G. Dávila, M. F. de Moura, J. Compos. Mater. 37 (2003) 1415-1438,
 //! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
 //! friction beside a bond.
 
+use crate::joint_sets::JointSet;
 use crate::model::{CriticalOpening, Strength};
 use crate::ranks::wire::wire;
 use crate::vector::{along, at_most, dot, length, minus};
@@ -57,7 +63,7 @@ pub(crate) fn softening(d: f64) -> f64 {
     factor * (A * rest + B * sixth)
 }
 
-/// Parameters of one joint.
+/// Parameters of one joint. Those of sliding are in the variables that the head of this file explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     /// Penalty stiffness, Pa/m.
@@ -66,6 +72,10 @@ pub(crate) struct Law {
     pub(crate) cohesion: f64,
     /// Tangent of the friction angle.
     pub(crate) friction: f64,
+    /// That of a broken joint.
+    pub(crate) residual: f64,
+    /// Square root of the ratio of shear to normal stiffness.
+    pub(crate) shear: f64,
     /// Opening and sliding beyond the elastic range at which the joint is broken, m.
     pub(crate) critical: [f64; 2],
 }
@@ -116,9 +126,36 @@ impl Law {
                 tensile: strength.tensile,
                 cohesion: strength.cohesion,
                 friction: strength.friction,
+                residual: strength.friction,
+                shear: 1.0,
                 critical,
             }),
         }
+    }
+
+    /// The law of a joint of a set, with normal stiffness `penalty`, Pa/m. `shear`: square root of the ratio of shear to normal stiffness. Other parameters: as for [`Law::new`].
+    pub(crate) fn of_set(
+        set: &JointSet,
+        [penalty, shear]: [f64; 2],
+        opening: CriticalOpening,
+        length: f64,
+    ) -> Result<Self, TooLittle> {
+        let (cohesion, friction) = (set.strength.cohesion / shear, set.strength.friction / shear);
+        let law =
+            Self::new(&Strength { cohesion, friction, ..set.strength }, penalty, opening, true, length)?;
+        Ok(Self { residual: set.residual_friction / shear, shear, ..law })
+    }
+
+    /// Coefficient of friction at this damage.
+    fn friction_at(&self, damage: f64) -> f64 {
+        self.residual + (self.friction - self.residual) * softening(damage)
+    }
+
+    /// A vector with its part along the joint multiplied by a factor.
+    #[inline]
+    fn scaled<const D: usize>(mut vector: [f64; D], factor: f64) -> [f64; D] {
+        vector[1..].iter_mut().for_each(|component| *component *= factor);
+        vector
     }
 
     /// The law of a joint that stands for a plane aslant to it: the strengths are those at which that plane fails, the energies those of its area.
@@ -227,6 +264,7 @@ impl<const D: usize> Default for Memory<D> {
 impl<const D: usize> Memory<D> {
     /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
     pub(crate) fn under(law: &Law, traction: [f64; D]) -> Self {
+        let traction = Law::scaled(traction, 1.0 / law.shear);
         let (normal, tangential) = (traction[0], along(traction));
         let mut held = if law.tensile == 0.0 && normal > 0.0 {
             [0.0; D]
@@ -250,7 +288,6 @@ impl<const D: usize> Memory<D> {
     }
 
     /// History of a broken joint.
-    #[cfg(test)]
     pub(crate) fn broken() -> Self {
         Self { damages: [1.0, 0.0], stiffness: 0.0, ..Self::default() }
     }
@@ -269,6 +306,11 @@ impl<const D: usize> Memory<D> {
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
     #[inline]
     pub(crate) fn traction(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
+        // Most joints have one stiffness.
+        if law.shear != 1.0 {
+            let gap = Law::scaled(gap, law.shear);
+            return Law::scaled(self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap)), law.shear);
+        }
         self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap))
     }
 
@@ -310,7 +352,7 @@ impl<const D: usize> Memory<D> {
             self.slide_to(gap);
         }
         let pressure = law.penalty * (-opening).max(0.0);
-        let friction = law.friction * pressure;
+        let friction = law.friction_at(self.damage()) * pressure;
         let mut bond = minus(gap, self.origin);
         bond[0] = opening.max(0.0);
         self.load(law, bond, friction);

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::forces::{Pass, Pressed, distance, points};
 pub(crate) use crate::contacts::grips::Grip;
 use crate::contacts::grips::{Histories, Works};
-use crate::contacts::law::{Law, law};
+use crate::contacts::law::{Law, laws};
 pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
@@ -72,6 +72,8 @@ pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
 #[derive(Debug)]
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<Law>,
+    /// Joint sets of the facets of each element; empty without joint sets.
+    joint_facets: Vec<[u32; N]>,
     materials: usize,
     /// Whether each vertex is free: on an outer facet or a broken joint.
     pub(crate) free: Vec<bool>,
@@ -179,16 +181,14 @@ where
         team: &Team,
     ) -> Result<Self, ModelError> {
         let materials = model.materials.len();
-        let options = (0..materials * materials)
-            .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
-            .collect();
         let buffer = model.contact.buffer * edge;
         let slack = SLACK * buffer;
         let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
         let search = Buffered::with_search(detector, buffer - slack)
             .map_err(|error| ModelError::Detection { message: error.to_string() })?;
         let mut contacts = Self {
-            options,
+            options: laws(model),
+            joint_facets: model.joint_facets.clone(),
             materials,
             free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
@@ -222,8 +222,9 @@ where
 
     /// Memory of what is known of elements, bytes; without couples and without the search.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { free, groups, bare, watched, list, .. } = self;
-        size_of_val(&**free)
+        let Self { joint_facets, free, groups, bare, watched, list, .. } = self;
+        size_of_val(&**joint_facets)
+            + size_of_val(&**free)
             + size_of_val(&**groups)
             + size_of_val(&**bare)
             + size_of_val(&**watched)
@@ -554,8 +555,11 @@ where
     ) -> Touching {
         let mut all = Touching { energy: energy.then(Sum::default), ..Touching::default() };
         let mut forces = std::mem::take(&mut solid.forces);
-        let Self { options: laws, materials, travel, bare, couples, histories, pressed, .. } = self;
-        let pass = Pass { solid, joints, laws, materials: *materials, bare, step, travel: *travel };
+        let Self {
+            options: laws, materials, joint_facets, travel, bare, couples, histories, pressed, ..
+        } = self;
+        let pass =
+            Pass { solid, joints, laws, materials: *materials, joint_facets, bare, step, travel: *travel };
         let [last, next] = pressed;
         let (round, mut done) = (next.len(), &[][..]);
         let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));

@@ -19,6 +19,7 @@ use crate::ranks::wire::{Wire, wire};
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
+use crate::topology::Facet;
 use crate::topology::{NONE, Topology};
 
 /// The longest stable time step, and what sets it.
@@ -170,7 +171,10 @@ where
             0.0
         } else {
             let measure = <[[f64; D]; N]>::facet_measure(&at.map(|corner| shape[corner]));
-            1.0 / D as f64 * measure * model.thickness * penalty(model, &topology.facets[facet as usize])
+            1.0 / D as f64
+                * measure
+                * model.thickness
+                * stiffest(model, joints.set(facet), &topology.facets[facet as usize])
         };
         for corner in at {
             if joint >= contact {
@@ -181,4 +185,17 @@ where
         }
     }
     corners
+}
+
+/// Greatest stiffness of the joint on a facet in any direction, Pa/m.
+fn stiffest<const D: usize, const N: usize>(model: &Model<D, N>, set: Option<u32>, facet: &Facet<D>) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let penalty = penalty(model, facet);
+    let set = set.and_then(|set| model.joint_sets.get(set as usize));
+    set.map_or(penalty, |set| {
+        let [normal, shear] = set.stiffness(penalty);
+        normal.max(set.shear_stiffness.unwrap_or(normal * shear * shear))
+    })
 }

@@ -102,6 +102,17 @@ pub enum ModelError {
         /// Whether it is the energy of sliding (mode II); otherwise that of opening (mode I).
         sliding: bool,
     },
+    /// The fracture energy of a joint of a set is less than the energy that it stores before it softens.
+    SetEnergy {
+        /// The joint set.
+        set: String,
+        /// An element at such a joint.
+        element: u32,
+        /// Least fracture energy that is possible, J/m².
+        least: f64,
+        /// Whether it is the energy of sliding (mode II); otherwise that of opening (mode I).
+        sliding: bool,
+    },
     /// Threads could not be started.
     Threads {
         /// Message of the library.
@@ -187,6 +198,14 @@ impl fmt::Display for ModelError {
                  it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive",
                 if *sliding { "sliding" } else { "opening" }
             ),
+            Self::SetEnergy { set, element, least, sliding } => {
+                let (mode, of) = if *sliding { ("ii", "sliding") } else { ("i", "opening") };
+                write!(
+                    out,
+                    "joint set '{set}': joints at element {element} store more than the fracture energy of {of} before they soften: \
+                     fracture_energy_{mode} must be above {least:.3} J/m², or the stiffness larger"
+                )
+            }
             Self::Threads { message } => write!(out, "no threads: {message}"),
             Self::Detection { message } => write!(out, "contact detection: {message}"),
             Self::Ranks { ranks: 0, .. } => write!(out, "a run on 0 ranks computes nothing"),

@@ -11,6 +11,7 @@ mod insertion;
 mod joint;
 mod near;
 mod plane;
+mod start;
 mod whole;
 
 use serde::{Deserialize, Serialize};
@@ -149,6 +150,10 @@ pub(crate) struct Joints<const D: usize = 2> {
     strengths: Vec<Strength>,
     /// Whether each strength is that of an interface.
     of_interface: Vec<bool>,
+    /// The joint set of each strength, or [`NONE`].
+    sets: Vec<u32>,
+    /// Whether each joint set is open from the beginning.
+    open_sets: Vec<bool>,
     /// Factor of the strength of each facet; empty if all factors are 1.
     factors: Vec<f64>,
     /// Whether any facet at each vertex has a joint.
@@ -179,17 +184,26 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let mesh = &model.mesh;
-        let (mut strengths, mut of_interface): (Vec<Strength>, Vec<bool>) = (Vec::new(), Vec::new());
+        let (mut strengths, mut of_interface, mut sets) = (Vec::new(), Vec::new(), Vec::new());
         let class: Vec<u32> = topology
             .facets
             .iter()
             .map(|facet| {
                 let [a, b] = facet.elements().map(|element| mesh.materials[element as usize]);
-                let Some((strength, interface)) = strength_between(model, a, b) else { return NONE };
-                let mut known = strengths.iter().zip(&of_interface);
-                known.position(|(other, at)| *other == strength && *at == interface).unwrap_or_else(|| {
+                let side = facet.corners[0];
+                let set = model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).unwrap_or(NONE);
+                let of_set = model.joint_sets.get(set as usize).map(|set| (set.strength, true));
+                let Some((strength, interface)) = of_set.or_else(|| strength_between(model, a, b)) else {
+                    return NONE;
+                };
+                let mut known = strengths.iter().zip(&of_interface).zip(&sets);
+                let alike = |((other, at), of): ((&Strength, &bool), &u32)| {
+                    *other == strength && *at == interface && *of == set
+                };
+                known.position(alike).unwrap_or_else(|| {
                     strengths.push(strength);
                     of_interface.push(interface);
+                    sets.push(set);
                     strengths.len() - 1
                 }) as u32
             })
@@ -208,7 +222,11 @@ impl<const D: usize> Joints<D> {
         } else {
             Vec::new()
         };
-        let slopes = Slopes::of(&strengths);
+        // Joints of sets are never inserted: they are there.
+        let inserted =
+            || strengths.iter().zip(&sets).filter(|(_, set)| **set == NONE).map(|(strength, _)| *strength);
+        let slopes = Slopes::of(&inserted().collect::<Vec<Strength>>());
+        let inserts = model.fracture.insertion == Insertion::Adaptive && inserted().next().is_some();
         let mut joints = Self {
             tips: Vec::new(),
             all: Vec::new(),
@@ -224,6 +242,8 @@ impl<const D: usize> Joints<D> {
             class,
             strengths,
             of_interface,
+            sets,
+            open_sets: model.joint_sets.iter().map(|set| set.open).collect(),
             factors,
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
@@ -231,10 +251,10 @@ impl<const D: usize> Joints<D> {
             near: Vec::new(),
             slopes,
         };
-        if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
+        if inserts {
             let weakest = |element: usize| {
                 let facets = topology.facet_of.get(element).into_iter().flatten();
-                let facets = facets.filter(|&&facet| facet != NONE);
+                let facets = facets.filter(|&&facet| facet != NONE && joints.set(facet).is_none());
                 Weakest::of(facets.filter_map(|&facet| joints.strength(facet)))
             };
             let batches = 0..mesh.elements.len().div_ceil(LANES);
@@ -297,33 +317,19 @@ impl<const D: usize> Joints<D> {
         let penalty = penalty(model, sides);
         let elastic = self.insertion == Insertion::Intrinsic;
         let length = <[[f64; D]; N]>::facet_length(measure_of(model, topology, sides));
+        if let Some(set) = self.set(facet).and_then(|set| model.joint_sets.get(set as usize)) {
+            let law = Law::of_set(set, set.stiffness(penalty), model.fracture.critical_opening, length);
+            return law.map(Some).map_err(|TooLittle { least, sliding }| {
+                let element = topology.number(sides.elements()[0]);
+                ModelError::SetEnergy { set: set.name.clone(), element, least, sliding }
+            });
+        }
         let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
         law.map(Some).map_err(|TooLittle { least, sliding }| {
             let element = sides.elements()[0];
             let material = &model.materials[model.mesh.materials[element as usize] as usize].name;
             ModelError::FractureEnergy { material: material.clone(), element, least, sliding }
         })
-    }
-
-    /// Inserts undamaged joints on all facets that can break. [`Joints::part`] gives them the traction of the initial stress.
-    pub(crate) fn everywhere<const N: usize>(
-        &mut self,
-        model: &Model<D, N>,
-        topology: &Topology<D, N>,
-    ) -> Result<(), ModelError>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let count = self.class.iter().filter(|&&class| class != NONE).count();
-        self.all.reserve_exact(count);
-        self.links.reserve_exact(count);
-        self.forces.reserve_exact(count);
-        for facet in 0..topology.facets.len() as u32 {
-            if let Some(law) = self.law(facet, model, topology)? {
-                self.put(facet, law, Plane::OWN, topology, model, &Share::default());
-            }
-        }
-        Ok(())
     }
 
     fn put<const N: usize>(
@@ -467,7 +473,7 @@ impl<const D: usize> Joints<D> {
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
         }
-        if self.insertion == Insertion::Adaptive {
+        if !self.weakest.is_empty() {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
             self.find_tips(&joined, topology, &solid.share);

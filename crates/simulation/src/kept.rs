@@ -83,7 +83,12 @@ where
         } else {
             elements.iter().map(|element| self.stresses[of_elements(element)]).collect()
         };
-        let mut model = Self { mesh: part, velocities, stresses, ..self.clone() };
+        let joint_facets = if self.joint_facets.is_empty() {
+            Vec::new()
+        } else {
+            elements.iter().map(|element| self.joint_facets[of_elements(element)]).collect()
+        };
+        let mut model = Self { mesh: part, velocities, stresses, joint_facets, ..self.clone() };
         let renumber = |facets: &mut Vec<[u32; D]>| {
             for facet in facets {
                 *facet = facet.map(number);

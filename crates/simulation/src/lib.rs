@@ -50,6 +50,7 @@
 //! | the time step of a simulation | `src/simulation.rs` |
 //! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `src/solid/batch.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
+//! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
@@ -108,6 +109,7 @@ mod topology;
 mod elastic;
 mod solid;
 mod cohesive;
+mod joint_sets;
 mod joints;
 mod contacts;
 mod seams;
@@ -129,6 +131,7 @@ pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use kept::Kept;
+pub use joint_sets::JointSet;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,

@@ -3,6 +3,8 @@
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
+use crate::joint_sets::JointSet;
+
 /// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
@@ -16,6 +18,10 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub materials: Vec<Material>,
     /// Pairs of materials with properties of their own for contacts and joints. Other pairs take the lesser values of their two materials.
     pub interfaces: Vec<Interface>,
+    /// Sets of joints with laws of their own.
+    pub joint_sets: Vec<JointSet>,
+    /// For each element the joint set of each of its facets, `u32::MAX` for none; empty without joint sets. [`Model::add_joints`] fills it.
+    pub joint_facets: Vec<[u32; N]>,
     /// Boundary conditions that hold, move and load the bodies.
     pub boundaries: Vec<Boundary<D>>,
     /// Whether the stress or the strain out of the plane vanishes, in two dimensions.
@@ -54,6 +60,8 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             mesh: Mesh::default(),
             materials: Vec::new(),
             interfaces: Vec::new(),
+            joint_sets: Vec::new(),
+            joint_facets: Vec::new(),
             boundaries: Vec::new(),
             plane: Plane::default(),
             thickness: 1.0,

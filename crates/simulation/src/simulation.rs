@@ -168,6 +168,8 @@ where
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
+        } else {
+            joints.of_sets(&model, &topology)?;
         }
         // This also separates elements that have only a vertex in common.
         for vertex in 0..topology.vertex_count() as u32 {

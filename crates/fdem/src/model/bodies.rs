@@ -9,6 +9,7 @@ use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, ModelFile};
+use crate::model::joint_lines::JointLines;
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, SURFACES};
 use crate::model::piece::Piece;
@@ -102,11 +103,11 @@ fn names_of_materials(body: &Body) -> Vec<(String, String)> {
 }
 
 /// Meshes all bodies but those that are known to be `wrong`. Tells what is wrong with their shapes, meshes and files, one fault for each body, and returns the tables
-/// whose bodies are missing.
+/// whose bodies are missing. `joints`: the lines of joint sets.
 pub(crate) fn build<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
-    load: &mut Load<'_>,
+    (joints, load): (&JointLines<'_>, &mut Load<'_>),
     wrong: &[bool],
     faults: &mut Vec<Fault>,
 ) -> (Mesh<D, N>, Vec<Placed<D, N>>, BTreeSet<usize>)
@@ -122,7 +123,7 @@ where
             missing.insert(index);
             continue;
         }
-        let pieces = <[[f64; D]; N]>::pieces(file, body, load);
+        let pieces = <[[f64; D]; N]>::pieces(file, body, joints, load);
         let pieces = pieces.and_then(|pieces| refine::beyond(body, &pieces).map_or(Ok(pieces), Err));
         match pieces {
             Ok(pieces) => {

@@ -10,6 +10,7 @@ use fdem_simulation::{Element, Model};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, Problem};
 use crate::model::file::{self, Gravity, ModelFile, Side};
+use crate::model::joint_lines::JointLines;
 use crate::model::mesh_file::{self, Load};
 use crate::model::piece::Piece;
 use crate::model::placed::Placed;
@@ -24,8 +25,13 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
     /// A facet of one element only, in messages.
     const OUTER_FACET: &'static str;
 
-    /// The meshed pieces of a body: one, unless it is a packing.
-    fn pieces(file: &ModelFile, body: &file::Body, load: &mut Load<'_>) -> Result<Vec<Piece<D, N>>, Problem>;
+    /// The meshed pieces of a body, with joints in them: one piece, unless it is a packing.
+    fn pieces(
+        file: &ModelFile,
+        body: &file::Body,
+        joints: &JointLines<'_>,
+        load: &mut Load<'_>,
+    ) -> Result<Vec<Piece<D, N>>, Problem>;
 
     /// Distance of two elements, m; 0 if they touch. `None` for elements without area or volume.
     fn gap(&self, other: &Self) -> Option<f64>;

@@ -1,6 +1,7 @@
 //! Tables and keys of a model file, with units and defaults. The doc comments here are the descriptions in the JSON schema.
 
 mod body;
+mod joint_set;
 mod boundary;
 mod ground;
 mod material;
@@ -20,6 +21,7 @@ pub use body::{
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use ground::{Ground, Ratio};
+pub use joint_set::JointSet;
 pub use material::{Interface, Material};
 pub use output::{Animate, History, Output};
 pub use stage::{Release, Stage};
@@ -40,6 +42,9 @@ pub struct ModelFile {
     /// Contacts and joints between two materials, where they differ from what the two materials say.
     #[serde(default)]
     pub interface: Vec<Interface>,
+    /// Joint sets and fracture networks in the bodies, each with a law of its own.
+    #[serde(default)]
+    pub joint_set: Vec<JointSet>,
     /// Supports, motions and loads of the bodies.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
@@ -65,11 +70,12 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 11] = [
+    pub(crate) const TABLES: [&str; 12] = [
         "model",
         "body",
         "material",
         "interface",
+        "joint_set",
         "boundary",
         "stage",
         "initial",

@@ -11,7 +11,7 @@ use toml::{Table as Toml, Value};
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
-use crate::model::file::{Body, Boundary, General, History, Initial, Interface, Material};
+use crate::model::file::{Body, Boundary, General, History, Initial, Interface, JointSet, Material};
 use crate::model::file::{ModelFile, Output, Stage};
 use crate::model::shapes::SHAPES;
 
@@ -52,6 +52,10 @@ impl Partial {
         });
         reader.list::<Interface>(&mut root, "interface", |_| {
             vec![("materials", Value::Array(vec![NAMELESS.into(), NAMELESS.into()]))]
+        });
+        reader.list::<JointSet>(&mut root, "joint_set", |_| {
+            let line: Vec<Value> = [0.0, 0.0, 1.0, 0.0].map(Value::from).into();
+            vec![("lines", Value::Array(vec![Value::Array(line)])), ("friction_angle", 0.0.into())]
         });
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);

@@ -19,8 +19,21 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     /// Facets of one element only, with their nodes as that element has them.
     pub(crate) outline: Vec<[u32; D]>,
     pub(crate) groups: BTreeMap<String, Group<D>>,
+    /// Joints of joint sets.
+    pub(crate) joints: Vec<JointFacet<D>>,
     /// Warnings about the file of the mesh.
     pub(crate) notes: Vec<String>,
+}
+
+/// A facet on a joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointFacet<const D: usize = 2> {
+    /// Its nodes.
+    pub(crate) facet: [u32; D],
+    /// Number of its joint set.
+    pub(crate) set: u32,
+    /// Number of the joint in its body.
+    pub(crate) trace: u32,
 }
 
 /// Elements, facets, or both, that have a name.
@@ -46,6 +59,7 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
             grains: Vec::new(),
             outline: Vec::new(),
             groups: BTreeMap::new(),
+            joints: Vec::new(),
             notes: Vec::new(),
         }
     }

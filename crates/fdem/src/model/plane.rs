@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 
 use fdem_io::numbers::brief;
 use fdem_mesh::Grading;
-use fdem_mesh::triangles::{Grains, OutlineError, colours, triangles};
+use fdem_mesh::triangles::{Grains, OutlineError, colours};
 use fdem_scenes::random::Random;
 
 use crate::model::extent::{elements_of_discs, extent};
 use crate::model::fault::Problem;
 use crate::model::file::{Body, Disc, Hole, ModelFile, Outline, Packing, Voronoi};
+use crate::model::joint_lines::JointLines;
 use crate::model::limits::too_many;
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, materials_of_groups};
@@ -19,7 +20,12 @@ use crate::model::piece::Piece;
 use crate::model::refine::{self, grading};
 
 /// The meshed pieces of a body: one, unless it is a packing.
-pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
+pub(crate) fn pieces(
+    file: &ModelFile,
+    body: &Body,
+    joints: &JointLines<'_>,
+    load: &mut Load<'_>,
+) -> Result<Vec<Piece>, Problem> {
     // Checked before: names are known, and there is a size.
     let material = materials::number(file, &body.material).unwrap_or(0);
     let grading = grading::<2>(body);
@@ -35,9 +41,10 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         return Ok(vec![piece]);
     }
     let uniform = |domain: &Domain, seed: u64, key: &'static str| {
-        let meshed = triangles(domain, &grading, seed).map_err(|error| refused(body, key, &error))?;
+        let (meshed, joints) =
+            joints.meshed(body, domain, &grading, seed, |error| refused(body, key, error))?;
         let materials = vec![material; meshed.elements.len()];
-        Piece::new(meshed, materials).map_err(shape(key))
+        Ok(Piece { joints, ..Piece::new(meshed, materials).map_err(shape(key))? })
     };
     if let Some(packing) = &body.packing {
         let copied = packing.copies_of.as_ref().map(|of| of.body(body));
@@ -69,8 +76,8 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         let numbers: Vec<u32> =
             voronoi.materials.iter().map(|name| materials::number(file, name).unwrap_or(0)).collect();
         let mut domain = outline_domain(&voronoi.outline, &grading);
-        let piece = grains(voronoi, &mut domain, &grading, body.seed, &numbers, material);
-        return Ok(vec![piece.map_err(shape("voronoi"))?]);
+        let piece = grains((body, voronoi), &mut domain, joints, &grading, &numbers, material);
+        return Ok(vec![piece?]);
     }
     let (key, domain) = if let Some(rectangle) = &body.rectangle {
         (
@@ -133,27 +140,28 @@ pub(crate) fn outline_domain(of: &Outline, size: &Grading<2>) -> Domain {
 }
 
 fn grains(
-    voronoi: &Voronoi,
+    (body, voronoi): (&Body, &Voronoi),
     domain: &mut Domain,
+    joints: &JointLines<'_>,
     size: &Grading<2>,
-    seed: u64,
     materials: &[u32],
     default: u32,
-) -> Result<Piece, String> {
-    let tell = |error: OutlineError| told(&error, size.size);
+) -> Result<Piece, Problem> {
+    let problem = |message: String| Problem::new("voronoi", format!("[[body]] \"{}\": {message}", body.name));
+    let tell = |error: OutlineError| problem(told(&error, size.size));
     let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds).map_err(tell)?;
     let across = (domain.area() / voronoi.grains as f64).sqrt();
     grains.cut(domain, size.size).map_err(tell)?;
-    let meshed = triangles(domain, size, seed).map_err(|error| {
+    let (meshed, joints) = joints.meshed(body, domain, size, body.seed, |error| {
         // The borders of such grains come closer to each other than the nodes on them.
         if across >= size.size {
-            return tell(error);
+            return tell(error.clone());
         }
-        format!(
+        problem(format!(
             "the grains are too small for the mesh: their mean width of {} m is below the mesh size of {} m; take fewer grains or a smaller mesh_size",
             brief(across),
             brief(size.size)
-        )
+        ))
     })?;
     let grain = grains.of_elements(&meshed).map_err(tell)?;
     let materials = if materials.is_empty() {
@@ -162,7 +170,7 @@ fn grains(
         let colours = colours::<2, 3>(&meshed.elements, &grain, materials.len());
         grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
     };
-    Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
+    Ok(Piece { grains: grain, joints, ..Piece::new(meshed, materials).map_err(problem)? })
 }
 
 /// The circles of a packing. `reach`: the radius of the shape that is copied, if one is.

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::model::amounts::{YEAR, duration, size};
 use crate::model::dimensions::Dimensions;
+use crate::model::joint_sets::Joints;
 use crate::model::on_ranks::OnRanks;
 use crate::model::prepared::Prepared;
 
@@ -79,6 +80,8 @@ pub struct Preflight {
     pub names: Vec<String>,
     /// Sizes and shapes of elements.
     pub quality: Quality,
+    /// Joints of each joint set in the mesh.
+    pub joint_sets: Vec<Joints>,
     /// The critical time step.
     pub critical: Critical,
     /// The time step that the run takes, s.
@@ -177,6 +180,7 @@ impl Preflight {
             bodies: prepared.bodies.len(),
             names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
             quality: prepared.quality.clone(),
+            joint_sets: prepared.joint_sets.clone(),
             critical,
             step,
             steps,
@@ -301,6 +305,7 @@ impl fmt::Display for Preflight {
         )?;
         let [least, mean, most] = quality.edges.map(brief);
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
+        self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
         let at = quality.worst_at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         writeln!(
             out,

@@ -6,6 +6,7 @@ use fdem_mesh::Quality;
 use fdem_simulation::{Boundary, Model, Schedule};
 use serde::{Deserialize, Serialize};
 
+use crate::model::joint_sets::Joints;
 use crate::model::settings::{History, OutputSettings};
 
 /// A model that is ready to run.
@@ -23,6 +24,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub groups: Vec<Group<D>>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,
+    /// Joints of each joint set in the mesh.
+    pub joint_sets: Vec<Joints>,
     /// Settings of the output.
     pub output: OutputSettings,
     /// Quantities to record over time.

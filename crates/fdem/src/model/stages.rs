@@ -287,6 +287,7 @@ where
             bodies: bodies.collect(),
             groups: Vec::new(),
             grains,
+            joint_sets: self.joint_sets.clone(),
             output: self.output.clone(),
             histories,
             quality: self.quality.clone(),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
-const ORDER: [(&str, &[&str]); 10] = [
+const ORDER: [(&str, &[&str]); 11] = [
     ("model", &[]),
     (
         "body",
@@ -30,6 +30,7 @@ const ORDER: [(&str, &[&str]); 10] = [
     ),
     ("material", &[]),
     ("interface", &[]),
+    ("joint_set", &[]),
     ("boundary", &[]),
     ("initial", &[]),
     ("contact", &[]),

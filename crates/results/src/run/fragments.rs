@@ -91,7 +91,8 @@ impl ElementMasses {
             let measure = corners.measure();
             measures.push(measure);
             masses.push(properties.density * measure * model.thickness);
-            can_break[mesh.bodies[element] as usize] |= breaks[material as usize];
+            let has_joints = model.joint_facets.get(element).is_some_and(|sets| *sets != [u32::MAX; N]);
+            can_break[mesh.bodies[element] as usize] |= breaks[material as usize] || has_joints;
         }
         if !can_break.contains(&true) {
             can_break.fill(true);

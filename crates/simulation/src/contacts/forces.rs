@@ -10,6 +10,7 @@ use fdem_contact::prefetch;
 use crate::contacts::grips::{Given, Grip, Histories, Works, grip_of};
 use crate::contacts::law::Law;
 use crate::contacts::{AHEAD, Couple, skipped_until};
+use crate::joint_sets::common_set;
 use crate::joints::Joints;
 use crate::lanes::{LANES, Lanes, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex, apart, gap, parted};
@@ -66,6 +67,8 @@ pub(super) struct Pass<'a, const D: usize, const N: usize> {
     /// Parameters of the contacts of each pair of materials, and the number of materials.
     pub(super) laws: &'a [Law],
     pub(super) materials: usize,
+    /// Joint sets of the facets of each element; empty without joint sets.
+    pub(super) joint_facets: &'a [[u32; N]],
     /// Whether each element is bare.
     pub(super) bare: &'a [bool],
     /// Time step, s.
@@ -250,7 +253,8 @@ where
         }
         given.length.set(lane, smaller(pair[0].length, pair[1].length));
         let [one, other] = pair.map(|element| element.material as usize);
-        given.set_law(lane, one * self.materials + other, self.laws);
+        let set = common_set(self.joint_facets, couple.elements).map_or(0, |set| set as usize + 1);
+        given.set_law(lane, (set * self.materials + one) * self.materials + other, self.laws);
         let [weight, fading] = self.weight(couple);
         given.weight.set(lane, weight);
         given.fading.set(lane, fading);

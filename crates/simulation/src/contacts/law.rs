@@ -33,6 +33,17 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
     }
 }
 
+/// Parameters of contacts between all pairs of materials; after them the same for each joint set, with its residual friction.
+pub(super) fn laws<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<Law> {
+    let count = model.materials.len();
+    let pairs = || (0..count * count).map(|k| law(model, (k / count) as u32, (k % count) as u32));
+    let of_sets = model
+        .joint_sets
+        .iter()
+        .flat_map(|set| pairs().map(|law| Law { friction: set.residual_friction, ..law }));
+    pairs().chain(of_sets).collect()
+}
+
 /// Penalty of contacts between two materials, Pa, and their coefficient of friction.
 pub(crate) fn penalty_and_friction<const D: usize, const N: usize>(
     model: &Model<D, N>,

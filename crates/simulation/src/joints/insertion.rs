@@ -50,7 +50,7 @@ impl<const D: usize> Joints<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        if self.insertion == Insertion::Intrinsic || self.strengths.is_empty() {
+        if self.weakest.is_empty() {
             return Vec::new();
         }
         let state = State { solid, model, topology };
@@ -355,6 +355,7 @@ impl<const D: usize> Joints<D> {
         if facet == NONE {
             return;
         }
+        let is_broken = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
         let number = self.of_facet[facet as usize] as usize;
         let Some(joint) = self.all.get_mut(number) else { return };
         let sides = &topology.facets[facet as usize];
@@ -363,7 +364,9 @@ impl<const D: usize> Joints<D> {
         let [a, b] = joint.nodes[end];
         if !joint.open[end] && a != b {
             joint.open[end] = true;
-            if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
+            if is_broken {
+                joint.ends[end] = Memory::broken();
+            } else if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
                 let traction = known.unwrap_or_else(|| traction(solid, sides));
                 joint.ends[end] = Memory::under(&joint.law, traction);
             }

@@ -104,7 +104,15 @@ impl<const D: usize> Wire for Joint<D> {
 }
 
 fn no_law() -> Law {
-    Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
+    Law {
+        penalty: 0.0,
+        tensile: 0.0,
+        cohesion: 0.0,
+        friction: 0.0,
+        residual: 0.0,
+        shear: 1.0,
+        critical: [1.0; 2],
+    }
 }
 
 fn no_nodes<const D: usize>() -> [[u32; 2]; D] {

@@ -50,7 +50,9 @@ pub(super) struct Link<const D: usize> {
 impl<const D: usize> Link<D> {
     /// The link of a joint as it is now.
     pub(super) fn of(joint: &Joint<D>, thickness: f64) -> Self {
-        let whole = joint.state == State::Holding
+        // A batch has one stiffness for all directions of a joint.
+        let whole = joint.law.shear == 1.0
+            && joint.state == State::Holding
             && joint.fading == 0.0
             && joint.detached == [false; D]
             && joint.ends.iter().all(|end| end.is_whole(&joint.law));
@@ -235,6 +237,8 @@ fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step:
         tensile: batch.tensile.get(lane),
         cohesion: batch.cohesion.get(lane),
         friction: batch.friction.get(lane),
+        residual: 0.0,
+        shear: 1.0,
         critical: [0.0; 2],
     };
     let share = batch.share.get(lane);

@@ -177,6 +177,7 @@ impl<'a, const D: usize> Known<'a, D> {
         };
         let mut model = Model { mesh, ..frame.model.clone() };
         model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
+        model.joint_facets = all.iter().filter_map(|piece| piece.sets).collect();
         let sides = sides(all);
         let mut places = vec![Vec::new(); model.boundaries.len()];
         for (number, boundary) in (0..).zip(&mut model.boundaries) {

@@ -315,13 +315,14 @@ where
 {
     let elements = run.solid.elements.len() as f64;
     let each = |bytes: usize| bytes as f64 / elements;
-    let Model { mesh, velocities, stresses, .. } = &run.model;
+    let Model { mesh, velocities, stresses, joint_facets, .. } = &run.model;
     let model = size_of_val(&*mesh.nodes)
         + size_of_val(&*mesh.elements)
         + size_of_val(&*mesh.bodies)
         + size_of_val(&*mesh.materials)
         + size_of_val(&**velocities)
-        + size_of_val(&**stresses);
+        + size_of_val(&**stresses)
+        + size_of_val(&**joint_facets);
     // On a rank: the number of each element, which of its facets are outer, the owner of each corner and whether it is this rank; three numbers for each vertex.
     let number = size_of::<u32>();
     let of_part = (number + N + N * (number + 1) + 1) as f64 + each(3 * number * mesh.nodes.len());

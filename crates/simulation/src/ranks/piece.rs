@@ -70,6 +70,8 @@ pub(super) struct Piece<const D: usize, const N: usize> {
     /// Whether each of its facets is on the surface of the mesh.
     pub(super) outer: [bool; N],
     pub(super) initial: Option<Matrix<D>>,
+    /// Joint sets of its facets.
+    pub(super) sets: Option<[u32; N]>,
     pub(super) stress: Matrix<D>,
     pub(super) viscous: Matrix<D>,
     pub(super) dissipated: f64,
@@ -78,7 +80,7 @@ pub(super) struct Piece<const D: usize, const N: usize> {
 }
 
 wire!([const D: usize, const N: usize] Piece<D, N> {
-    number, body, material, watched, outer, initial, stress, viscous, dissipated, corners, sides,
+    number, body, material, watched, outer, initial, sets, stress, viscous, dissipated, corners, sides,
 });
 
 impl<const D: usize, const N: usize> Piece<D, N> {
@@ -206,6 +208,7 @@ where
             boundaries: boundaries.collect(),
             velocities: Vec::new(),
             stresses: Vec::new(),
+            joint_facets: Vec::new(),
             ..whole.clone()
         };
         Self {
@@ -377,6 +380,7 @@ where
             watched: run.contacts.watched[k],
             outer: std::array::from_fn(outer),
             initial: run.model.stresses.get(k).copied(),
+            sets: run.model.joint_facets.get(k).copied(),
             stress: solid.stress(k),
             viscous: self.viscous[k],
             dissipated: self.dissipated.get(k).copied().unwrap_or_default(),

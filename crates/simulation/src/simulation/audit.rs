@@ -129,10 +129,12 @@ where
                 available,
             });
         }
-        // Intrinsic joints store elastic energy and return it, as elements do.
+        // Joints that are there from the beginning store elastic energy and return it, as elements do.
         let returned = match self.model.fracture.insertion {
-            Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
-            Insertion::Intrinsic => -energies.cohesive,
+            Insertion::Adaptive if self.model.joint_sets.is_empty() => {
+                self.totals.most_cohesive - energies.cohesive
+            }
+            Insertion::Adaptive | Insertion::Intrinsic => -energies.cohesive,
         };
         let share = returned / scale;
         if share > bound {

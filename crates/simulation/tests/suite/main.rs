@@ -14,6 +14,8 @@ mod contact;
 mod forces;
 /// Strength and fracture energy.
 mod fracture;
+/// Sets of joints with their own laws.
+mod joint_sets;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
 /// Initial stress: stored energy and equilibrium.

@@ -75,6 +75,15 @@ fn a_crash_in_the_plane_is_the_same() {
 }
 
 #[test]
+fn a_crash_of_jointed_bodies_is_the_same() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let model = crate::joint_sets::crash(insertion);
+        let counts = same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 299, 700, 500]);
+        assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
+    }
+}
+
+#[test]
 fn a_crash_in_space_is_the_same() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
         let model = crate::space::crash(insertion);

@@ -6,6 +6,7 @@ use fdem_simulation::Model;
 use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::fault::Problem;
 use crate::model::file::{Body, ModelFile};
+use crate::model::joint_lines::JointLines;
 use crate::model::mesh_file::Load;
 use crate::model::piece::Piece;
 use crate::model::placed::Placed;
@@ -15,8 +16,13 @@ use crate::model::{connected, joined, locking, plane, space, warnings};
 impl Dimensions<2, 3> for [[f64; 2]; 3] {
     const OUTER_FACET: &'static str = "edge of an outline";
 
-    fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
-        plane::pieces(file, body, load)
+    fn pieces(
+        file: &ModelFile,
+        body: &Body,
+        joints: &JointLines<'_>,
+        load: &mut Load<'_>,
+    ) -> Result<Vec<Piece>, Problem> {
+        plane::pieces(file, body, joints, load)
     }
 
     fn gap(&self, other: &Self) -> Option<f64> {
@@ -53,7 +59,12 @@ impl Dimensions<2, 3> for [[f64; 2]; 3] {
 impl Dimensions<3, 4> for [[f64; 3]; 4] {
     const OUTER_FACET: &'static str = "outer face";
 
-    fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece<3, 4>>, Problem> {
+    fn pieces(
+        file: &ModelFile,
+        body: &Body,
+        _: &JointLines<'_>,
+        load: &mut Load<'_>,
+    ) -> Result<Vec<Piece<3, 4>>, Problem> {
         space::pieces(file, body, load)
     }
 
