@@ -98,14 +98,8 @@ fn a_block_on_a_dipping_joint_slides_above_its_friction_angle() {
 /// Direct shear at three normal stresses: the peaks are on the line of cohesion and friction, and the residuals on that of the residual friction.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
-    let strength = Strength {
-        cohesion: 1e6,
-        tensile: 0.5e6,
-        friction: 0.6,
-        energy_i: 50.0,
-        energy_ii: 300.0,
-        ..rock()
-    };
+    let strength =
+        Strength { cohesion: 1e6, tensile: 0.5e6, friction: 0.6, energy_i: 50.0, energy_ii: 300.0, ..rock() };
     let set = JointSet {
         strength,
         residual_friction: 0.4,
