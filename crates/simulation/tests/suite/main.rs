@@ -16,6 +16,8 @@ mod forces;
 mod fracture;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
+/// Velocities, forces and factors that a caller sets between steps.
+mod actions;
 /// Initial stress: stored energy and equilibrium.
 mod stress;
 /// Bodies of tetrahedra.
