@@ -131,15 +131,12 @@ where
             let place = format!("boundary '{}'", of_model.name);
             return Err(ModelError::OutOfRange { place, what: "the factor", value, range: "a number" });
         }
-        match factor {
-            Some(factor) => {
-                self.actions.factors.insert(number, factor);
-                self.loads.schedules[boundary] = Schedule::Table(vec![[0.0, factor]]);
-            }
-            None => {
-                self.actions.factors.remove(&number);
-                self.loads.schedules[boundary] = of_model.schedule.clone();
-            }
+        if let Some(factor) = factor {
+            self.actions.factors.insert(number, factor);
+            self.loads.schedules[boundary] = Schedule::Table(vec![[0.0, factor]]);
+        } else {
+            self.actions.factors.remove(&number);
+            self.loads.schedules[boundary] = of_model.schedule.clone();
         }
         Ok(())
     }
