@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import csv
 import html
-import importlib
 import json
 import os
 import pathlib
@@ -16,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _vtk
+from ._contacts import optional
 from ._model import Model
 from ._picture import Picture
 
@@ -150,10 +150,7 @@ class Results:
 
     def frame(self) -> Any:
         """The history as a ``pandas.DataFrame``, with the time as its index. Needs pandas."""
-        try:
-            pandas = importlib.import_module("pandas")
-        except ImportError as error:
-            raise ImportError("Results.frame needs pandas: pip install pandas; Results.history needs NumPy only") from error
+        pandas = optional("pandas", "pandas")
         return pandas.DataFrame(self.history).set_index("time")
 
     @property
