@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use fdem::results::Field;
 use fdem::session::{AnySession, Session};
-use fdem::simulation::{Crack, Forces, Mode, Snapshot};
+use fdem::simulation::{ContactForce, Crack, Forces, Mode, Snapshot};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -31,10 +31,7 @@ macro_rules! both {
 }
 
 /// An array of rows, or of numbers, of NumPy. Nothing is copied.
-fn rows<'py, T: numpy::Element, const W: usize>(
-    py: Python<'py>,
-    rows: Vec<[T; W]>,
-) -> PyResult<Bound<'py, PyAny>> {
+fn rows<T: numpy::Element, const W: usize>(py: Python<'_>, rows: Vec<[T; W]>) -> PyResult<Bound<'_, PyAny>> {
     let count = rows.len();
     Ok(rows.into_flattened().into_pyarray(py).reshape([count, W])?.into_any())
 }
@@ -88,7 +85,7 @@ fn forces<const D: usize>(py: Python<'_>, forces: Forces<D>) -> PyResult<Bound<'
     let dict = PyDict::new(py);
     dict.set_item("elements", rows(py, contacts.iter().map(|contact| contact.elements).collect())?)?;
     dict.set_item("point", rows(py, contacts.iter().map(|contact| contact.point).collect())?)?;
-    dict.set_item("force", rows(py, contacts.iter().map(|contact| contact.force()).collect())?)?;
+    dict.set_item("force", rows(py, contacts.iter().map(ContactForce::force).collect())?)?;
     dict.set_item("normal", rows(py, contacts.iter().map(|contact| contact.normal).collect())?)?;
     dict.set_item("tangential", rows(py, contacts.iter().map(|contact| contact.tangential).collect())?)?;
     dict.set_item("reactions", rows(py, forces.reactions)?)?;
