@@ -37,6 +37,7 @@ mod run;
 mod series;
 mod series_summary;
 mod series_table;
+pub mod session;
 mod shapes;
 mod summary;
 mod tables;

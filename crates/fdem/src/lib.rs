@@ -49,6 +49,7 @@
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
 //! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
+//! | runs that a program holds, as the Python package does | `src/command/session.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
 //!
 //! There is no log by tracing: `run.log` has the few lines that a run tells.
@@ -57,8 +58,10 @@
 
 pub mod command;
 pub mod model;
+mod state_hash;
 mod validate;
 
+pub use command::session;
 pub use fdem_contact as contact;
 pub use fdem_distributed as distributed;
 pub use fdem_io as io;
@@ -68,6 +71,7 @@ pub use fdem_results::page::network as report;
 pub use fdem_results::{analysis, network, picture};
 pub use fdem_scenes as scenes;
 pub use fdem_simulation as simulation;
+pub use state_hash::state_hash;
 
 /// The Rust code in the README compiles and runs.
 #[cfg(doctest)]

@@ -7,6 +7,7 @@
 //! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network, neighbors
 //!                      └─ buffered
 //! arrays ── index, kdtree, image, mesh; files ── read; words ── command
+//! tables ── model ── simulation ──> arrays of the state
 //! ```
 //!
 //! # How it is built
@@ -17,6 +18,10 @@
 //! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A search reuses the memory of the last one
 //! (`src/kept.rs`), which saves a third of the time.
 //!
+//! A model that is built in Python becomes the text of a model file (`src/model.rs`), so that it passes the checks of files, with the same messages. A run is a
+//! `fdem::session::Session`. Its snapshot moves into NumPy arrays without a copy; `python/fdem/_simulation.py` keeps them until the run changes. Ctrl-C ends
+//! `advance` between two steps.
+//!
 //! # To change X, open Y
 //!
 //! | to change | open |
@@ -26,6 +31,8 @@
 //! | neighbour lists and the k-d tree of Python | `src/neighbors.rs`, `src/tree.rs`, `src/kdtree.rs` |
 //! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
 //! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |
+//! | models and runs in Python | `src/model.rs`, `src/simulation.rs`, `python/fdem/_model.py`, `python/fdem/_simulation.py`; below them `crates/fdem/src/command/session.rs` |
+//! | folders of results in Python | `python/fdem/_results.py`, `python/fdem/_vtk.py` |
 //! | Ctrl-C during a search | `src/interrupt.rs`, `crates/contact/src/stop.rs` |
 //! | analysis and pictures in Python | `src/network.rs`, `python/fdem/_analysis.py` |
 
@@ -49,7 +56,9 @@ mod image;
 mod index;
 mod kdtree;
 mod mesh;
+mod model;
 mod read;
+mod simulation;
 mod tree;
 
 use std::ffi::OsString;
@@ -85,6 +94,9 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(mesh::mesh, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::walls, module)?)?;
     module.add_function(wrap_pyfunction!(read::read, module)?)?;
+    module.add_class::<model::PyReady>()?;
+    module.add_class::<simulation::PyRun>()?;
+    module.add_function(wrap_pyfunction!(model::to_toml, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

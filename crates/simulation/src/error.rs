@@ -130,6 +130,13 @@ pub enum ModelError {
         /// Number of elements of the model.
         elements: usize,
     },
+    /// An absorbing boundary has no factor that could be set.
+    NoFactor {
+        /// Name of the boundary.
+        boundary: String,
+    },
+    /// A run whose caller has set forces, velocities or factors of boundaries cannot be divided among ranks.
+    Actions,
     /// There are more corners of elements than can be numbered.
     TooLarge {
         /// Number of elements.
@@ -212,6 +219,12 @@ impl fmt::Display for ModelError {
             Self::Ranks { ranks, elements } => {
                 write!(out, "{ranks} ranks are more than the {elements} elements of the model")
             }
+            Self::NoFactor { boundary } => {
+                write!(out, "boundary '{boundary}' absorbs waves: it has no factor")
+            }
+            Self::Actions => out.write_str(
+                "forces, velocities or factors of boundaries have been set in this run: it cannot be divided among ranks",
+            ),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }

@@ -54,6 +54,7 @@
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
+//! | what a caller sets between steps | `src/simulation/actions.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |

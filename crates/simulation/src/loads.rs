@@ -258,13 +258,21 @@ where
         self.ground.support(model, solid, |corner| plus(loads[corner as usize], others(corner)));
     }
 
-    /// Adds all forces to the corners on which they act.
-    pub(crate) fn apply(&mut self, solid: &mut Solid<D, N>, model: &Model<D, N>, time: f64) {
+    /// Adds all forces to the corners on which they act. `of_caller`: forces of the caller on corners, N, which belong to no boundary.
+    pub(crate) fn apply(
+        &mut self,
+        solid: &mut Solid<D, N>,
+        model: &Model<D, N>,
+        of_caller: &BTreeMap<u32, Point<D>>,
+        time: f64,
+    ) {
         self.collect(solid, time);
         self.applied.extend(self.ground.reactions(solid, model, time).map(|reaction| {
             let Reaction { corner, boundary, elastic, viscous } = reaction;
             Applied { corner, boundary, force: plus(elastic, viscous), viscous }
         }));
+        let applied = |(&corner, &force)| Applied { corner, boundary: NONE, force, viscous: [0.0; D] };
+        self.applied.extend(of_caller.iter().map(applied));
         for &Applied { corner, force, .. } in &self.applied {
             solid.add_force(corner, force);
         }
@@ -312,7 +320,7 @@ where
         })
     }
 
-    /// The forces that were applied in the last step on corners that this rank owns, each with its boundary and its corner.
+    /// The forces that were applied in the last step on corners that this rank owns, each with its boundary, or `NONE`, and its corner.
     pub(crate) fn applied(&self, solid: &Solid<D, N>) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
         self.owned(solid).map(|applied| ([applied.boundary, applied.corner], applied.force))
     }

@@ -103,7 +103,7 @@ where
     /// Distributes a run that rank 0 has among all ranks. `threads`: threads of each rank; 0 for one per processor.
     ///
     /// # Errors
-    /// If threads cannot be started.
+    /// If threads cannot be started; [`ModelError::Actions`].
     ///
     /// # Panics
     /// If rank 0 gives no run.
@@ -116,12 +116,18 @@ where
         let mut bytes = Vec::new();
         if communicator.rank() == 0 {
             let run = run.as_mut().expect("rank 0 has the run");
-            run.watch();
-            bytes = bytes_of(&[Frame::of(run).bytes(), run.carried().bytes()]);
+            // Otherwise nothing is sent, from which all ranks see that the run is refused.
+            if run.actions.is_empty() {
+                run.watch();
+                bytes = bytes_of(&[Frame::of(run).bytes(), run.carried().bytes()]);
+            }
         } else {
             run = None;
         }
         communicator.broadcast(&mut bytes);
+        if bytes.is_empty() {
+            return Err(ModelError::Actions);
+        }
         let [frame, common]: [Vec<u8>; 2] = value_of(&bytes);
         let frame = Frame::of_bytes(&frame);
         let team = Team::new(threads)?;

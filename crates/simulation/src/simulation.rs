@@ -1,5 +1,6 @@
 //! A run of a model: its state, and the time step that advances it.
 
+mod actions;
 mod audit;
 mod changed;
 mod saved;
@@ -25,6 +26,7 @@ use crate::ranks::{Links, Part, Told};
 use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
+pub(crate) use crate::simulation::actions::Actions;
 pub(crate) use crate::simulation::audit::Totals;
 pub use crate::simulation::changed::Change;
 pub use crate::simulation::saved::State;
@@ -81,6 +83,8 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) held: Vec<(u32, Point<D>)>,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
+    /// What the caller has set between steps.
+    pub(crate) actions: Actions<D>,
     /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<Part<D>>,
 }
@@ -231,6 +235,7 @@ where
             held: Vec::new(),
             touching: Touching::default(),
             timings: Timings::default(),
+            actions: Actions::default(),
             model,
             topology,
             solid,
@@ -246,6 +251,7 @@ where
     /// ranks, if this is a part of a run.
     fn step(&mut self, energies: bool, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let (broken, stop) = self.press(energies);
+        self.add_works_of_changes();
         let mut clock = Clock::new();
         let time = self.time();
         let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
@@ -342,7 +348,20 @@ where
     /// same, because the other ranks of a run finish it before they hear of the reason.
     fn press(&mut self, energies: bool) -> (Vec<u32>, Option<Stop>) {
         let time = self.time();
-        let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
+        let Self {
+            model,
+            topology,
+            solid,
+            joints,
+            contacts,
+            seams,
+            loads,
+            team,
+            totals,
+            timings,
+            actions,
+            ..
+        } = self;
         let step = self.scales.time_step;
         let mut clock = Clock::new();
         let stop = solid.deform(step, team).map(|(element, ratio)| Stop::Inverted {
@@ -369,7 +388,7 @@ where
         seams.press(solid, team);
         clock.read(&mut timings.contact);
 
-        loads.apply(solid, model, time);
+        loads.apply(solid, model, &actions.forces, time);
         totals.add_works(loads.half_works(solid, step));
         clock.read(&mut timings.integration);
         (broken, stop)

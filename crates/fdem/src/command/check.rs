@@ -140,9 +140,14 @@ pub(crate) fn refused(errors: &ModelErrors) -> Failure {
     } else {
         Drawing::Plain
     };
+    Failure::Unusable(refusal(errors, drawing))
+}
+
+/// Every error with its line, and their number.
+pub(crate) fn refusal(errors: &ModelErrors, drawing: Drawing) -> String {
     let count = match errors.faults.len() {
         1 => "1 error".to_owned(),
         count => format!("{count} errors"),
     };
-    Failure::Unusable(format!("{} has {count}\n\n{}", errors.name, errors.render(drawing).trim_end()))
+    format!("{} has {count}\n\n{}", errors.name, errors.render(drawing).trim_end())
 }

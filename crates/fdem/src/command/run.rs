@@ -1,13 +1,13 @@
 //! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
 mod account;
-mod checkpoint;
+pub(crate) mod checkpoint;
 mod engine;
 pub(crate) mod folder;
 mod lead;
 mod observer;
 mod recorder;
-mod results;
+pub(crate) mod results;
 mod stages;
 mod told;
 mod watch;

@@ -21,6 +21,8 @@ two sets of spheres, or spheres and walls         :func:`between`, :func:`walls`
 a file                                            :func:`read`
 code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighbor_list`,
                                                   :meth:`Contacts.neighbor_list`
+a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`
+a folder of results of a simulation               :func:`results`
 ================================================= ====================================================
 
 Elements that just touch count as contacts. Each couple is listed once, ``i < j``. The couples do not depend on the engine; neither the couples nor their order depend on the
@@ -39,10 +41,14 @@ from ._fdem import __version__
 from ._kdtree import KDTree
 from ._labels import LabelContacts, labels
 from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
+from ._model import Model
 from ._neighbors import NeighborList
+from ._picture import Picture
 from ._query import Neighbours, query
 from ._read import Mesh, Packing, read
+from ._results import Frame, Results, results
 from ._search import boxes, contacts
+from ._simulation import Simulation, resume
 
 __all__ = [
     "Analysis",
@@ -52,13 +58,18 @@ __all__ = [
     "CrossContacts",
     "Csr",
     "Detector",
+    "Frame",
     "KDTree",
     "LabelContacts",
     "Mesh",
     "MeshContacts",
+    "Model",
     "NeighborList",
     "Neighbours",
     "Packing",
+    "Picture",
+    "Results",
+    "Simulation",
     "WallContacts",
     "__version__",
     "between",
@@ -69,5 +80,7 @@ __all__ = [
     "neighbor_list",
     "query",
     "read",
+    "results",
+    "resume",
     "walls",
 ]

@@ -10,7 +10,7 @@ use crate::ranks::once_each;
 use crate::ranks::piece::{Carried, Frame, SeamPoint, Touch};
 use crate::ranks::wire::wire;
 use crate::simplex::Simplex;
-use crate::simulation::{Simulation, State, cracks};
+use crate::simulation::{Actions, Simulation, State, cracks};
 use crate::snapshot::Snapshot;
 use crate::solid::Node;
 use crate::topology::{NONE, corners_of_facet};
@@ -256,6 +256,8 @@ where
             joints: Saved::of(self.joints.clone()),
             contacts: self.contacts.clone(),
             seams: self.seams.iter().map(|point| point.hold).collect(),
+            // A run with actions of its caller is not divided.
+            actions: Actions::default(),
         }
     }
 

@@ -67,7 +67,7 @@ where
     /// Leads a run. `threads`: threads of this rank; 0 for one per processor.
     ///
     /// # Errors
-    /// If threads cannot be started.
+    /// If threads cannot be started; [`ModelError::Actions`].
     ///
     /// # Panics
     /// On another rank than 0.

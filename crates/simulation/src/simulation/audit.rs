@@ -155,8 +155,10 @@ where
             }
         }
         for ([boundary, _], force) in self.loads.applied(&self.solid) {
+            // Forces of the caller belong to no boundary.
+            let Some(sums) = sums.get_mut(boundary as usize) else { continue };
             for axis in 0..D {
-                sums[boundary as usize][axis].add(force[axis]);
+                sums[axis].add(force[axis]);
             }
         }
         sums

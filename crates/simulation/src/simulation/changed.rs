@@ -5,6 +5,8 @@
 //!
 //! The energy of what vanishes leaves the balance: it counts as external work, with its sign.
 
+use std::collections::BTreeMap;
+
 use crate::contacts::Saved as SavedContacts;
 use crate::error::ModelError;
 use crate::joints::{Moving, Saved};
@@ -12,7 +14,7 @@ use crate::kept::Kept;
 use crate::model::{Boundary, Load, Model, Schedule, Target};
 use crate::motion::force_on;
 use crate::simplex::Simplex;
-use crate::simulation::{Simulation, State};
+use crate::simulation::{Actions, Simulation, State};
 use crate::sum::Sum;
 use crate::topology::NONE;
 use crate::vector::{Point, add, minus};
@@ -264,7 +266,21 @@ impl Numbers {
             let same = old.model.boundaries.iter().position(|other| other.name == boundary.name);
             same.map_or([0.0; D], |same| state.reactions[same])
         };
+        let Actions { forces, factors, replaced } = state.actions;
+        let corners = |of: BTreeMap<u32, Point<D>>| {
+            of.into_iter().filter_map(|(corner, value)| Some((self.code::<N>(corner)?, value))).collect()
+        };
+        let factor = |(boundary, factor): (u32, f64)| {
+            let name = &old.model.boundaries[boundary as usize].name;
+            let same = fresh.model.boundaries.iter().position(|other| other.name == *name);
+            same.map(|same| (same as u32, factor))
+        };
         State {
+            actions: Actions {
+                forces: corners(forces),
+                factors: factors.into_iter().filter_map(factor).collect(),
+                replaced: corners(replaced),
+            },
             step: state.step,
             totals: state.totals,
             energies: state.energies,

@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::seams::Hold;
 use crate::simplex::Simplex;
 use crate::simulation::Simulation;
+use crate::simulation::actions::Actions;
 use crate::simulation::audit::Totals;
 use crate::solid::Node;
 use crate::vector::{Matrix, Point};
@@ -34,6 +35,7 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) joints: Saved<D>,
     pub(crate) contacts: SavedContacts<D, N>,
     pub(crate) seams: Vec<Hold<D>>,
+    pub(crate) actions: Actions<D>,
 }
 
 impl<const D: usize, const N: usize> State<D, N> {
@@ -63,6 +65,7 @@ where
             joints: self.joints.save(&self.topology),
             contacts: self.contacts.save(),
             seams: self.seams.save(),
+            actions: self.actions.clone(),
         }
     }
 
@@ -98,6 +101,7 @@ where
         let couples = Contacts::without_forces(state.contacts);
         run.contacts.restore(couples, &run.joints, &run.topology);
         run.seams.restore(state.seams)?;
+        run.restore_actions(state.actions)?;
         run.step = state.step;
         run.totals = state.totals;
         run.energies = state.energies;

@@ -18,6 +18,8 @@ mod fracture;
 mod joint_sets;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
+/// Velocities, forces and factors that a caller sets between steps.
+mod actions;
 /// Initial stress: stored energy and equilibrium.
 mod stress;
 /// Bodies of tetrahedra.

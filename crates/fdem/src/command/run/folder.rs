@@ -66,7 +66,7 @@ const FILES: [&str; 13] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 7\n";
+const MAGIC: &[u8] = b"fdem checkpoint 8\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]

@@ -47,6 +47,15 @@ pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
     fn opened(bytes: &[u8]) -> Result<Self::Frame, FrameError>;
 
     fn draw(run: &Drawn<'_, D>, frames: &[Self::Frame]) -> Drawings;
+
+    /// A snapshot alone, as PNG. `width`: in pixels.
+    fn picture(
+        snapshot: &Snapshot<D, N>,
+        outlines: &Self::Outlines,
+        title: &str,
+        field: Field,
+        width: Option<u32>,
+    ) -> Result<Vec<u8>, String>;
 }
 
 /// What is drawn of a run beside its frames.
@@ -102,6 +111,20 @@ impl Results<2, 3> for [[f64; 2]; 3] {
         Frame::from_bytes(bytes)
     }
 
+    fn picture(
+        snapshot: &Snapshot,
+        outlines: &Outlines,
+        title: &str,
+        field: Field,
+        width: Option<u32>,
+    ) -> Result<Vec<u8>, String> {
+        let frame = Frame::outlined(snapshot, outlines).map_err(|error| error.to_string())?;
+        let frames = std::slice::from_ref(&frame);
+        let pictures =
+            Pictures { title, field, range: Range::of(frames, field), view: FrameView::of(frames) };
+        pictures.png(&frame, width).map_err(|error| error.to_string())
+    }
+
     fn draw(run: &Drawn<'_, 2>, frames: &[Frame]) -> Drawings {
         let &Drawn { title, facts, plots, fragments, field, animate, names } = run;
         let view = FrameView::of(frames);
@@ -154,6 +177,21 @@ impl Results<3, 4> for [[f64; 3]; 4] {
 
     fn opened(bytes: &[u8]) -> Result<SpaceFrame, FrameError> {
         SpaceFrame::from_bytes(bytes)
+    }
+
+    fn picture(
+        snapshot: &Snapshot<3, 4>,
+        shell: &Shell,
+        title: &str,
+        field: Field,
+        width: Option<u32>,
+    ) -> Result<Vec<u8>, String> {
+        // Only the surface is drawn.
+        let frame = SpaceFrame::with_inside(snapshot, shell, 0).map_err(|error| error.to_string())?;
+        let frames = std::slice::from_ref(&frame);
+        let (range, view) = (Range::of_space(frames, field), SpaceView::of(frames));
+        let pictures = SpacePictures { title, field, range, view, show: Show::Solid, cut: None };
+        pictures.png(&frame, width).map_err(|error| error.to_string())
     }
 
     fn draw(run: &Drawn<'_, 3>, frames: &[SpaceFrame]) -> Drawings {

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Fragments;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 use crate::command::failure::Failure;
 use crate::command::progress::{Bar, INTERVAL, is_terminal};
@@ -16,6 +15,7 @@ use crate::command::run::engine::Engine;
 use crate::command::run::folder::{Folder, LOG};
 use crate::command::run::results::Results;
 use crate::model::Prepared;
+use crate::state_hash::state_hash;
 
 /// Percentage between two lines of progress without a terminal.
 const PERCENT: u64 = 10;
@@ -197,25 +197,6 @@ where
             "frames": frames,
             "checkpoints": account.checkpoints,
         },
-        "state_hash": state_hash(run),
+        "state_hash": state_hash(&run.snapshot(), &energies),
     })
-}
-
-/// SHA-256 of positions, velocities, stresses, cracks and energies. It does not depend on the number of threads or on interruptions.
-fn state_hash<const D: usize, const N: usize>(run: &Engine<'_, D, N>) -> String
-where
-    [[f64; D]; N]: Results<D, N>,
-{
-    let (snapshot, energies) = (run.snapshot(), run.energies());
-    let mut hash = Sha256::new();
-    let mut add = |number: f64| hash.update(number.to_bits().to_le_bytes());
-    snapshot.positions.iter().chain(&snapshot.velocities).flatten().for_each(|&number| add(number));
-    snapshot.stresses.iter().flatten().chain(&snapshot.damage).for_each(|&number| add(number));
-    for crack in &snapshot.cracks {
-        [crack.damage, crack.opening, crack.sliding, crack.time.unwrap_or(f64::NAN)]
-            .into_iter()
-            .for_each(&mut add);
-    }
-    energies.terms().into_iter().for_each(|term| add(term.value));
-    format!("{:x}", hash.finalize())
 }

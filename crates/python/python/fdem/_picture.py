@@ -1,0 +1,29 @@
+"""Pictures that notebooks show."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from typing import Union
+
+
+class Picture:
+    """A picture as the bytes of a PNG file. Jupyter shows it."""
+
+    def __init__(self, png: bytes) -> None:
+        self._png = png
+
+    @property
+    def png(self) -> bytes:
+        """The bytes of the PNG file."""
+        return self._png
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the PNG file."""
+        pathlib.Path(path).write_bytes(self._png)
+
+    def _repr_png_(self) -> bytes:
+        return self._png
+
+    def __repr__(self) -> str:
+        return f"<fdem.Picture: {len(self._png):,} bytes>"

@@ -1,0 +1,277 @@
+//! Runs: the arrays of their state, steps without the interpreter's lock, and what is set between steps.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use fdem::results::Field;
+use fdem::session::{AnySession, Session};
+use fdem::simulation::{ContactForce, Crack, Forces, Mode, Snapshot};
+use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::model::{PyReady, about, described};
+use crate::number::rows_of;
+
+/// Time between two looks for signals.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// A run.
+#[pyclass(module = "fdem._fdem", name = "Run")]
+pub(crate) struct PyRun(AnySession);
+
+macro_rules! both {
+    ($session:expr, $run:ident => $done:expr) => {
+        match $session {
+            AnySession::Plane($run) => $done,
+            AnySession::Space($run) => $done,
+        }
+    };
+}
+
+/// An array of rows, or of numbers, of NumPy. Nothing is copied.
+fn rows<T: numpy::Element, const W: usize>(py: Python<'_>, rows: Vec<[T; W]>) -> PyResult<Bound<'_, PyAny>> {
+    let count = rows.len();
+    Ok(rows.into_flattened().into_pyarray(py).reshape([count, W])?.into_any())
+}
+
+fn column<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyAny> {
+    values.into_pyarray(py).into_any()
+}
+
+fn snapshot<const D: usize, const N: usize>(
+    py: Python<'_>,
+    snapshot: Snapshot<D, N>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("positions", rows(py, snapshot.positions)?)?;
+    dict.set_item("displacements", rows(py, snapshot.displacements)?)?;
+    dict.set_item("velocities", rows(py, snapshot.velocities)?)?;
+    dict.set_item("elements", rows(py, snapshot.elements)?)?;
+    dict.set_item("stress", rows(py, snapshot.stresses)?)?;
+    dict.set_item("damage", column(py, snapshot.damage))?;
+    dict.set_item("bodies", column(py, snapshot.bodies))?;
+    dict.set_item("materials", column(py, snapshot.materials))?;
+    dict.set_item("fragments", column(py, snapshot.fragments))?;
+    dict.set_item("joints", joints(py, &snapshot.cracks)?)?;
+    Ok(dict)
+}
+
+fn joints<'py, const D: usize>(py: Python<'py>, cracks: &[Crack<D>]) -> PyResult<Bound<'py, PyDict>> {
+    let of = |value: fn(&Crack<D>) -> f64| column(py, cracks.iter().map(value).collect::<Vec<f64>>());
+    let corners: Vec<[f64; D]> = cracks.iter().flat_map(|crack| crack.corners).collect();
+    let mode = |crack: &Crack<D>| match crack.mode {
+        Mode::Tension => 0_u8,
+        Mode::Shear => 1,
+        Mode::Mixed => 2,
+    };
+    let dict = PyDict::new(py);
+    dict.set_item("elements", rows(py, cracks.iter().map(|crack| crack.elements).collect())?)?;
+    let corners = corners.into_flattened().into_pyarray(py).reshape([cracks.len(), D, D])?;
+    dict.set_item("corners", corners)?;
+    dict.set_item("damage", of(|crack| crack.damage))?;
+    dict.set_item("broken", column(py, cracks.iter().map(|crack| crack.time.is_some()).collect()))?;
+    dict.set_item("mode", column(py, cracks.iter().map(mode).collect()))?;
+    dict.set_item("opening", of(|crack| crack.opening))?;
+    dict.set_item("sliding", of(|crack| crack.sliding))?;
+    dict.set_item("time", of(|crack| crack.time.unwrap_or(f64::NAN)))?;
+    dict.set_item("measure", of(|crack| crack.measure))?;
+    Ok(dict)
+}
+
+fn forces<const D: usize>(py: Python<'_>, forces: Forces<D>) -> PyResult<Bound<'_, PyDict>> {
+    let contacts = &forces.contacts;
+    let dict = PyDict::new(py);
+    dict.set_item("elements", rows(py, contacts.iter().map(|contact| contact.elements).collect())?)?;
+    dict.set_item("point", rows(py, contacts.iter().map(|contact| contact.point).collect())?)?;
+    dict.set_item("force", rows(py, contacts.iter().map(ContactForce::force).collect())?)?;
+    dict.set_item("normal", rows(py, contacts.iter().map(|contact| contact.normal).collect())?)?;
+    dict.set_item("tangential", rows(py, contacts.iter().map(|contact| contact.tangential).collect())?)?;
+    dict.set_item("reactions", rows(py, forces.reactions)?)?;
+    Ok(dict)
+}
+
+fn wrong(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+#[pymethods]
+impl PyRun {
+    #[new]
+    fn new(py: Python<'_>, model: &PyReady, threads: usize) -> PyResult<Self> {
+        let ready = model.0.clone();
+        py.detach(|| ready.begin(threads)).map(Self).map_err(PyValueError::new_err)
+    }
+
+    #[staticmethod]
+    fn resume(py: Python<'_>, path: PathBuf, threads: usize) -> PyResult<Self> {
+        py.detach(|| AnySession::resume(&path, threads)).map(Self).map_err(PyValueError::new_err)
+    }
+
+    /// Takes so many steps without the interpreter's lock. Between two of them it runs the handlers of signals; where one raises, the run stays at that step.
+    fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<()> {
+        let (mut left, mut slice) = (steps, 1);
+        while left > 0 {
+            let now = slice.min(left);
+            let start = Instant::now();
+            let done = py.detach(|| both!(&mut self.0, session => session.run.advance(now)));
+            done.map_err(|stop| PyRuntimeError::new_err(stop.to_string()))?;
+            left -= now;
+            let each = (start.elapsed().as_secs_f64() / now as f64).max(1e-9);
+            slice = ((SLICE.as_secs_f64() / each) as u64).clamp(1, 10 * now);
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        both!(&self.0, session => &session.source.text)
+    }
+
+    #[getter]
+    fn steps(&self) -> u64 {
+        both!(&self.0, session => session.run.steps())
+    }
+
+    #[getter]
+    fn total(&self) -> u64 {
+        both!(&self.0, session => session.total())
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        both!(&self.0, session => session.run.time())
+    }
+
+    #[getter]
+    fn time_step(&self) -> f64 {
+        both!(&self.0, session => session.run.time_step())
+    }
+
+    #[getter]
+    fn threads(&self) -> usize {
+        both!(&self.0, session => session.run.threads())
+    }
+
+    #[getter]
+    fn state_hash(&self, py: Python<'_>) -> String {
+        py.detach(|| both!(&self.0, session => session.state_hash()))
+    }
+
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        described(py, both!(&self.0, session => about(&session.prepared)))
+    }
+
+    /// Positions, motion, stress, fragments and joints now, as arrays that nothing else uses.
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        match &self.0 {
+            AnySession::Plane(session) => snapshot(py, py.detach(|| session.run.snapshot())),
+            AnySession::Space(session) => snapshot(py, py.detach(|| session.run.snapshot())),
+        }
+    }
+
+    /// Forces of contacts, and of boundaries on nodes, at the beginning of the last step.
+    fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        match &self.0 {
+            AnySession::Plane(session) => forces(py, py.detach(|| session.run.forces())),
+            AnySession::Space(session) => forces(py, py.detach(|| session.run.forces())),
+        }
+    }
+
+    fn energies(&self) -> Vec<(&'static str, f64)> {
+        let energies = both!(&self.0, session => session.run.energies());
+        let terms = energies.terms().into_iter().map(|term| (term.key, term.value));
+        terms.chain([("balance", energies.balance()), ("error", energies.error())]).collect()
+    }
+
+    fn counts(&self) -> Vec<(&'static str, u64)> {
+        let counts = both!(&self.0, session => session.run.counts());
+        let elements = both!(&self.0, session => session.run.model().mesh.elements.len());
+        vec![
+            ("elements", elements as u64),
+            ("nodes", counts.nodes as u64),
+            ("joints", counts.joints as u64),
+            ("broken_joints", counts.broken as u64),
+            ("contacts", counts.contacts as u64),
+            ("detections", counts.detections),
+        ]
+    }
+
+    /// The force of each boundary on the bodies at the beginning of the last step.
+    fn boundary_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        both!(&self.0, session => for (number, boundary) in session.run.model().boundaries.iter().enumerate() {
+            let force = session.run.force(number).map_or_else(Vec::new, |force| force.to_vec());
+            dict.set_item(&boundary.name, column(py, force))?;
+        });
+        Ok(dict)
+    }
+
+    fn set_velocities(
+        &mut self,
+        nodes: PyReadonlyArray1<'_, u32>,
+        vectors: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let nodes = nodes.as_slice()?;
+        match &mut self.0 {
+            AnySession::Plane(session) => session.run.set_velocities(nodes, rows_of(&vectors)?),
+            AnySession::Space(session) => session.run.set_velocities(nodes, rows_of(&vectors)?),
+        }
+        .map_err(wrong)
+    }
+
+    fn set_forces(
+        &mut self,
+        nodes: PyReadonlyArray1<'_, u32>,
+        vectors: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let nodes = nodes.as_slice()?;
+        match &mut self.0 {
+            AnySession::Plane(session) => session.run.set_forces(nodes, rows_of(&vectors)?),
+            AnySession::Space(session) => session.run.set_forces(nodes, rows_of(&vectors)?),
+        }
+        .map_err(wrong)
+    }
+
+    fn clear_forces(&mut self) {
+        both!(&mut self.0, session => session.run.clear_forces());
+    }
+
+    fn set_boundary(&mut self, number: usize, factor: Option<f64>) -> PyResult<()> {
+        both!(&mut self.0, session => session.run.set_factor(number, factor)).map_err(wrong)
+    }
+
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let done = py.detach(|| both!(&self.0, session => session.save(&path)));
+        done.map_err(pyo3::exceptions::PyOSError::new_err)
+    }
+
+    /// The PNG of a picture; `None`: the first field of the model's output.
+    #[pyo3(signature = (field, width))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        field: Option<&str>,
+        width: Option<u32>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let first = || both!(&self.0, session => session.prepared.output.fields.first().copied());
+        let field = match field {
+            None => first().unwrap_or(Field::MaxPrincipal),
+            Some(name) => Field::ALL.into_iter().find(|field| field.key() == name).ok_or_else(|| {
+                let all: Vec<&str> = Field::ALL.iter().map(|field| field.key()).collect();
+                PyValueError::new_err(format!("there is no field '{name}': {}", all.join(", ")))
+            })?,
+        };
+        let png = py.detach(|| both!(&self.0, session => session.picture(field, width)));
+        png.map(|png| PyBytes::new(py, &png)).map_err(PyValueError::new_err)
+    }
+}
+
+// A run of either dimension can be read from any thread of Python.
+const _: fn() = || {
+    fn shared<T: Send + Sync>() {}
+    shared::<Session<2, 3>>();
+    shared::<Session<3, 4>>();
+};

@@ -1,0 +1,364 @@
+"""Simulations in Python: models, runs, what is set between steps, saved runs, folders of results."""
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import fdem
+
+STEEL = {"name": "steel", "density": 7800, "youngs_modulus": 210e9, "poissons_ratio": 0.3}
+ROCK = {
+    "name": "rock",
+    "density": 2700,
+    "youngs_modulus": 30e9,
+    "poissons_ratio": 0.2,
+    "damping": 0.1,
+    "friction": 0.5,
+    "tensile_strength": 2.5e6,
+    "cohesion": 7.5e6,
+    "friction_angle": 30,
+    "fracture_energy_i": 2.5,
+    "fracture_energy_ii": 12.5,
+}
+# A plate with a notch that is torn apart.
+TORN = {
+    "model": {"end_time": 4e-4, "gravity": "none"},
+    "body": [
+        {
+            "name": "plate",
+            "material": "rock",
+            "polygon": {"points": [[0, -0.03], [0.04, -0.03], [0.04, 0.03], [0, 0.03], [0, 0.001], [0.01, 0], [0, -0.001]]},
+            "mesh_size": 4e-3,
+        }
+    ],
+    "material": [ROCK],
+    "boundary": [
+        {"name": "lower end", "body": "plate", "side": "bottom", "velocity": [0.2, -0.2], "ramp": 2e-5},
+        {"name": "upper end", "body": "plate", "side": "top", "velocity": [-0.2, 0.2], "ramp": 2e-5},
+    ],
+    "output": {"frames": 4},
+}
+IN_SPACE = {
+    "model": {"end_time": 1e-4},
+    "body": [{"name": "block", "material": "steel", "box": {"min": [0, 0, 0], "max": [0.1, 0.1, 0.2]}, "mesh_size": 0.05, "velocity": [0, 0, -1.0]}],
+    "material": [STEEL],
+}
+
+
+def bar(**more):
+    body = {"name": "bar", "material": "steel", "rectangle": {"min": [0, 0], "max": [1.0, 0.1]}, "mesh_size": 0.05}
+    wall = {"name": "wall", "body": "bar", "side": "left", "velocity": [0, 0]}
+    return fdem.Model(model={"end_time": 1e-3, "gravity": "none"}, body=[body], material=[STEEL], boundary=[wall], **more)
+
+
+@pytest.fixture(scope="module")
+def torn(command, tmp_path_factory):
+    """The folder of a run of the command, and the model file."""
+    folder = tmp_path_factory.mktemp("torn")
+    fdem.Model(**TORN).write(folder / "torn.toml")
+    subprocess.run([command, "run", "torn.toml", "--output", "torn", "--quiet"], cwd=folder, check=True, capture_output=True)
+    return folder / "torn"
+
+
+def test_the_command_a_file_and_python_give_the_same_state(torn):
+    summary = json.loads((torn / "run.json").read_text())
+    assert summary["broken_joints"] > 3
+    built, read = fdem.Model(**TORN), fdem.Model.read(torn.parent / "torn.toml")
+    assert built.hash == read.hash == summary["model_hash"]
+    for model, threads, parts in ((built, 2, []), (read, 1, [17, 100])):
+        run = fdem.Simulation(model, threads=threads)
+        for steps in parts:
+            run.advance(steps)
+        run.advance()
+        assert run.steps == summary["steps"]
+        assert run.time == summary["time"]
+        assert run.counts["broken_joints"] == summary["broken_joints"]
+        assert run.energies == summary["energies"]
+        assert run.state_hash == summary["state_hash"]
+
+
+@pytest.mark.parametrize("tables", [TORN, IN_SPACE], ids=["plane", "space"])
+def test_arrays_of_the_state(tables):
+    run = fdem.Simulation(fdem.Model(**tables), threads=1)
+    run.advance()
+    d, n = run.dimensions, run.counts["nodes"]
+    elements = run.counts["elements"]
+    for array in (run.positions, run.displacements, run.velocities, run.reactions):
+        assert array.shape == (n, d) and array.dtype == np.float64
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 1.0
+    assert run.positions is run.positions, "made once for each state"
+    assert run.elements.shape == (elements, d + 1) and run.elements.max() < n
+    assert run.stress.shape == (elements, 6)
+    for array in (run.damage, run.bodies, run.materials, run.fragments):
+        assert array.shape == (elements,)
+    joints = run.joints
+    assert joints["corners"].shape == (len(joints["damage"]), d, d)
+    assert len(run.cracks["mode"]) == run.counts["broken_joints"] == joints["broken"].sum()
+    assert np.isnan(joints["time"][~joints["broken"]]).all()
+    assert set(run.contacts) == {"elements", "point", "force", "normal", "tangential"}
+    assert run.contacts["force"].shape == (len(run.contacts["elements"]), d)
+    assert set(run.boundary_forces) == {table["name"] for table in tables.get("boundary", [])}
+    before = run.positions
+    copy = before.copy()
+    run.advance(5)
+    assert run.positions is not before
+    np.testing.assert_array_equal(before, copy)
+
+
+def test_steps_and_times():
+    run = fdem.Simulation(bar(), threads=1)
+    run.advance(10)
+    run.advance(time=9.5 * run.time_step)
+    assert run.steps == 20
+    run.advance(until=25 * run.time_step * 0.999)
+    assert run.steps == 25
+    run.advance(until=1e-9)
+    run.advance(0)
+    assert run.steps == 25
+    run.advance()
+    assert run.time >= run.end_time > run.time - run.time_step
+    for wrong in ({"steps": 1, "time": 1.0}, {"steps": -1}, {"time": np.nan}, {"until": np.inf}, {"steps": 1, "every": 0}):
+        with pytest.raises(ValueError):
+            run.advance(**wrong)
+
+
+def test_errors_are_those_of_the_command(command, tmp_path):
+    text = fdem.Model(**TORN).to_toml().replace("density", "densty").replace('"plate"\nside', '"plat"\nside')
+    (tmp_path / "wrong.toml").write_text(text)
+    said = subprocess.run([command, "check", "wrong.toml"], cwd=tmp_path, capture_output=True, text=True)
+    assert said.returncode == 2
+    before = os.getcwd()
+    os.chdir(tmp_path)
+    try:
+        with pytest.raises(ValueError) as raised:
+            fdem.Model.read("wrong.toml")
+    finally:
+        os.chdir(before)
+    assert said.stderr.strip() == f"error: {raised.value}"
+    assert 'did you mean "density"' in str(raised.value)
+    with pytest.raises(ValueError, match="model has 1 error"):
+        fdem.Model(model={"end_time": -1.0}, body=TORN["body"], material=TORN["material"])
+    with pytest.raises(TypeError, match=r"body\[0\]\.name: a model has no values of"):
+        fdem.Model(body=[{"name": object()}])
+    with pytest.raises(ValueError, match="cannot read nothing.toml"):
+        fdem.Model.read("nothing.toml")
+
+
+def test_values_of_numpy_and_paths_are_those_of_python():
+    plain = fdem.Model(**TORN)
+    tables = dict(TORN, body=({**TORN["body"][0], "mesh_size": np.float64(4e-3), "polygon": {"points": np.array(TORN["body"][0]["polygon"]["points"])}, "seed": None},))
+    assert fdem.Model(**tables).hash == plain.hash
+    assert fdem.Model.from_toml(plain.to_toml()).hash == plain.hash
+
+
+def test_a_callback_loads_with_its_work_in_the_account():
+    run = fdem.Simulation(bar(), threads=1)
+    right = run.positions[:, 0] > 1 - 1e-9
+    called = []
+
+    def pull(seen):
+        assert seen is run
+        called.append(seen.steps)
+        seen.set_forces(right, [1e5 * np.sin(seen.time / 1e-4), 0.0])
+
+    run.advance(95, callback=pull, every=10)
+    run.advance(205, callback=pull, every=10)
+    assert called == list(range(0, 300, 10))
+    energies = run.energies
+    assert energies["external"] > 1e-3
+    assert abs(energies["error"]) < 1e-3
+    # The same calls, divided in another way.
+    again = fdem.Simulation(bar(), threads=2)
+    again.advance(300, callback=lambda seen: seen.set_forces(right, [1e5 * np.sin(seen.time / 1e-4), 0.0]), every=10)
+    assert again.state_hash == run.state_hash
+    run.clear_forces()
+    run.advance(1)
+    assert not run.reactions[right].any()
+
+
+def test_velocities_and_factors():
+    run = fdem.Simulation(bar(), threads=1)
+    run.set_velocities(np.arange(len(run.positions)), [0.0, 1.0])
+    run.advance(1)
+    energies = run.energies
+    assert energies["external"] == pytest.approx(energies["kinetic"], rel=1e-2)
+    assert energies["kinetic"] == pytest.approx(0.5 * 7800 * 0.1, rel=0.1)
+    torn = fdem.Simulation(fdem.Model(**TORN), threads=1)
+    torn.set_boundary("upper end", factor=0.0)
+    torn.advance(50)
+    top = torn.positions[:, 1] > 0.0299
+    assert not torn.velocities[top].any()
+    torn.set_boundary("upper end", factor=None)
+    torn.advance(1)
+    assert torn.velocities[top].any()
+    before = torn.state_hash
+    for wrong, message in (
+        (lambda: torn.set_boundary("left end", factor=1.0), "there is no boundary 'left end': 'lower end', 'upper end'"),
+        (lambda: torn.set_boundary("upper end", factor=np.nan), "must be a number"),
+        (lambda: torn.set_forces([100_000], [[0.0, 0.0]]), "there is no node 100000"),
+        (lambda: torn.set_forces([0, -1], [0.0, 0.0]), "whole numbers from 0 on"),
+        (lambda: torn.set_forces([0.5], [0.0, 0.0]), "whole numbers from 0 on"),
+        (lambda: torn.set_forces([True], [0.0, 0.0]), "a mask of nodes has"),
+        (lambda: torn.set_velocities([0], [0.0, 0.0, 0.0]), "one vector of 2 components"),
+        (lambda: torn.set_velocities([0], [np.nan, 0.0]), "must be a number"),
+        (lambda: torn.set_velocities([0], [1e7, 0.0]), "at most ten times the speed of waves"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            wrong()
+    assert torn.state_hash == before
+
+
+def test_a_run_that_stops_says_why_and_can_be_read():
+    run = fdem.Simulation(bar(), threads=1)
+    run.set_forces([0, 5, 9], [1e15, -1e15])
+    with pytest.raises(RuntimeError, match="^step "):
+        run.advance(200)
+    assert np.isfinite(run.time) and len(run.positions) == run.counts["nodes"]
+
+
+def test_an_exception_in_a_callback_leaves_the_run_at_its_step():
+    run = fdem.Simulation(bar(), threads=1)
+
+    def fail(seen):
+        if seen.steps == 20:
+            raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        run.advance(100, callback=fail, every=5)
+    assert run.steps == 20
+    run.advance(5)
+    assert run.steps == 25
+
+
+@pytest.mark.parametrize("tables", [TORN, IN_SPACE], ids=["plane", "space"])
+def test_a_saved_run_goes_on_with_the_same_bits(tables, tmp_path):
+    whole = fdem.Simulation(fdem.Model(**tables), threads=2)
+    whole.advance(40)
+    whole.set_forces([0, 1], np.full(whole.dimensions, 50.0))
+    whole.set_velocities([3], np.full(whole.dimensions, 0.1))
+    whole.save(tmp_path / "half.run")
+    resumed = fdem.resume(tmp_path / "half.run", threads=1)
+    assert resumed.model == whole.model
+    for run in (whole, resumed):
+        run.advance(200)
+    assert resumed.state_hash == whole.state_hash
+    with pytest.raises(ValueError, match="is no run that this version of fdem has saved"):
+        (tmp_path / "other").write_text("other")
+        fdem.resume(tmp_path / "other")
+    with pytest.raises(ValueError, match="cannot read"):
+        fdem.resume(tmp_path / "nothing")
+    with pytest.raises(OSError, match="cannot write"):
+        whole.save(tmp_path / "nowhere" / "half.run")
+
+
+def test_the_checkpoint_of_a_folder_is_resumed(torn):
+    run = fdem.resume(torn)
+    summary = fdem.results(torn).summary
+    assert (run.steps, run.state_hash) == (summary["steps"], summary["state_hash"])
+    run.advance(10)
+    assert fdem.results(torn).summary == summary
+    with pytest.raises(ValueError, match="has no run"):
+        fdem.resume(torn.parent)
+
+
+def test_results_of_a_folder(torn):
+    found = fdem.results(torn)
+    assert found.status == "finished"
+    history = found.history
+    assert history["time"][0] == 0.0 and history["step"][-1] == found.summary["steps"]
+    assert history["kinetic"][-1] == found.summary["energies"]["kinetic"]
+    assert len(found.frames) == found.summary["output"]["frames"]
+    first, last = found.frames[0], found.frames[-1]
+    assert [first.time, last.time] == [found.frames.times[0], found.frames.times[-1]]
+    run = fdem.Simulation(found.model, threads=1)
+    np.testing.assert_array_equal(first.positions[:, :2], run.positions)
+    run.advance()
+    np.testing.assert_array_equal(last.positions[:, :2], run.positions)
+    np.testing.assert_array_equal(last.elements, run.elements)
+    np.testing.assert_array_equal(last.nodes["velocity"][:, :2], run.velocities)
+    np.testing.assert_array_equal(last.cells["stress"], run.stress)
+    np.testing.assert_array_equal(last.cells["fragment"], run.fragments)
+    np.testing.assert_array_equal(last.cracks["elements"], run.cracks["elements"])
+    np.testing.assert_array_equal(last.contacts["elements"].reshape(-1, 2), run.contacts["elements"])
+    assert found.frames[1:].times.tolist() == found.frames.times[1:].tolist()
+    pandas = pytest.importorskip("pandas")
+    table = found.frame()
+    assert isinstance(table, pandas.DataFrame) and table.index.name == "time"
+    assert "finished" in found._repr_html_() and "data:image/png;base64," in found._repr_html_()
+    assert found.picture.png.startswith(b"\x89PNG")
+    assert found.plot(found.plots[0]).png.startswith(b"\x89PNG")
+    with pytest.raises(ValueError, match="there is no plot 'nothing'"):
+        found.plot("nothing")
+    with pytest.raises(ValueError, match="has no run"):
+        fdem.results(torn.parent)
+
+
+@pytest.mark.parametrize("tables", [TORN, IN_SPACE], ids=["plane", "space"])
+def test_pictures_of_a_run(tables, tmp_path):
+    run = fdem.Simulation(fdem.Model(**tables), threads=1)
+    run.advance(20)
+    picture = run.picture("von_mises", width=500)
+    assert picture._repr_png_() == picture.png
+    picture.save(tmp_path / "now.png")
+    assert (tmp_path / "now.png").read_bytes().startswith(b"\x89PNG")
+    assert int.from_bytes(picture.png[16:20], "big") == 500
+    assert run._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(ValueError, match="there is no field 'heat': max_principal, min_principal"):
+        run.picture("heat")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl-C there")
+def test_ctrl_c_ends_a_run_after_a_step():
+    program = """
+        import threading, os, signal, time
+        import fdem
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        body = {"name": "bar", "material": "steel", "rectangle": {"min": [0, 0], "max": [1.0, 0.1]}, "mesh_size": 0.02}
+        steel = {"name": "steel", "density": 7800, "youngs_modulus": 210e9, "poissons_ratio": 0.3}
+        run = fdem.Simulation(fdem.Model(model={"end_time": 1e3}, body=[body], material=[steel]))
+        def interrupt():
+            time.sleep(0.5)
+            os.kill(os.getpid(), signal.SIGINT)
+        threading.Thread(target=interrupt, daemon=True).start()
+        try:
+            run.advance()
+        except KeyboardInterrupt:
+            steps = run.steps
+            again = fdem.Simulation(fdem.Model.from_toml(run.model), threads=1)
+            again.advance(steps)
+            assert again.state_hash == run.state_hash
+            run.advance(10)
+            assert run.steps == steps + 10 > 10
+            print("interrupted")
+    """
+    run = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "interrupted\n"
+
+
+def test_other_threads_run_meanwhile():
+    run = fdem.Simulation(bar(), threads=1)
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    run.advance(3000)
+    end = time.perf_counter()
+    done.set()
+    thread.join()
+    assert sum(begin < moment < end for moment in ticks) > 3
