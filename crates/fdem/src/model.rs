@@ -28,6 +28,7 @@ mod parts;
 mod piece;
 mod placed;
 mod prepared;
+mod probes;
 
 mod dimensions;
 mod plane;
@@ -40,6 +41,7 @@ mod materials;
 mod settings;
 
 mod connected;
+mod curves;
 mod joined;
 pub(crate) mod locking;
 mod amounts;
@@ -70,6 +72,7 @@ pub use prepared::{AnyPrepared, Body, Group, Prepared};
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 
+pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
 use document::{Document, Table};
@@ -287,6 +290,12 @@ impl Checked<'_> {
 
         let mut warnings = Vec::new();
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
+        let mut lost = Vec::new();
+        let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
+        none_or(lost)?;
+        let mut unknown = Vec::new();
+        let curves = curves::curves::<D>(file, document, &columns::<D, N>(&histories, &probes), &mut unknown);
+        none_or(unknown)?;
         let model = Model {
             velocities: velocities(file, &placed),
             stresses: stresses(file, &mesh),
@@ -331,6 +340,8 @@ impl Checked<'_> {
             grains: grains_of(&placed),
             output: settings::settings(file, &placed),
             histories,
+            probes,
+            curves,
             hash: hash(&model),
             model,
             quality,
@@ -388,6 +399,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("material", names(&file.material, |material| &material.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
+        ("curve", names(&file.curve, |curve| &curve.name)),
     ] {
         let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 mod account;
 mod checkpoint;
+mod emission;
 mod engine;
 pub(crate) mod folder;
 mod lead;
@@ -17,8 +18,9 @@ use std::time::{Duration, Instant};
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{Fragments, Row};
+use fdem_results::{CurveFigures, Fragments, Row};
 use fdem_simulation::{Simulation, Stop};
+use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{inputs_of, read_text, refused};
@@ -29,8 +31,9 @@ use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
 use account::{Account, PARTS, Spent};
 use checkpoint::{Checkpoint, Unsaved};
+use emission::Emission;
 use engine::Engine;
-use folder::{Folder, MODEL, SUMMARY, SavedState};
+use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use lead::{Lead, in_ranks};
 use observer::Observer;
 use recorder::Recorder;
@@ -245,6 +248,10 @@ where
     saved: Instant,
     warned: bool,
     quiet: bool,
+    /// What the curves tell, once the run has ended.
+    curves: Vec<CurveFigures>,
+    /// Its acoustic emission, likewise.
+    emission: Option<Emission>,
 }
 
 /// How the steps of a run ended.
@@ -292,6 +299,8 @@ where
             saved: Instant::now(),
             warned: false,
             quiet: options.quiet,
+            curves: Vec::new(),
+            emission: None,
         })
     }
 
@@ -310,6 +319,12 @@ where
         if let End::Interrupted(_) = end {
             // A launcher may give little time: this is said before the drawings.
             self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
+        }
+        let history = recorder.history()?;
+        self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.emission = Emission::of(&self.run, &self.prepared);
+        if let Some(emission) = &self.emission {
+            self.folder.write(EVENTS, emission.csv.as_bytes())?;
         }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
@@ -447,9 +462,10 @@ where
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
         let ranks = lead::plots(&self.run.traffic());
+        let emitted = self.emission.as_ref().and_then(|emission| emission.plot.clone());
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            recorder.finish(&self.prepared, &facts, ranks, fragments, done)
+            recorder.finish(&self.prepared, &facts, (emitted, ranks), fragments, done)
         });
         self.spent.drawing += start.elapsed();
         drawn
@@ -458,7 +474,10 @@ where
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
         let fragments = self.observer.fragments(&self.run)?;
-        let json = told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
+        let mut json =
+            told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
+        json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
+        json["curves"] = self.curves.iter().map(told::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -544,6 +563,10 @@ where
                 },
             ),
             ("fragments", in_words(fragments)),
+        ];
+        facts.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
+        facts.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
+        facts.extend([
             (
                 "energies (J)",
                 energies
@@ -585,7 +608,7 @@ where
                     counted(account.checkpoints, "checkpoint")
                 ),
             ),
-        ];
+        ]);
         facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
         facts
     }

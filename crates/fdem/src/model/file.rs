@@ -18,7 +18,7 @@ pub use body::{
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};
-pub use output::{Animate, History, Output};
+pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Output};
 pub use vector::Vector;
 
 /// A model of the combined finite-discrete element method in two or three dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
@@ -54,11 +54,14 @@ pub struct ModelFile {
     /// Quantities to record over time.
     #[serde(default)]
     pub history: Vec<History>,
+    /// Curves of one quantity over another.
+    #[serde(default)]
+    pub curve: Vec<Curve>,
 }
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 10] = [
+    pub(crate) const TABLES: [&str; 11] = [
         "model",
         "body",
         "material",
@@ -69,6 +72,7 @@ impl ModelFile {
         "fracture",
         "output",
         "history",
+        "curve",
     ];
 }
 

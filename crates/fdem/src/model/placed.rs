@@ -33,6 +33,11 @@ pub(crate) fn suggestion(file: &ModelFile, name: &str) -> String {
     fault::suggestion(name, &names, "[[body]]")
 }
 
+/// Whether a name is that of a body, or may be that of a piece of a packing.
+pub(crate) fn is_body(file: &ModelFile, name: &str) -> bool {
+    file.body.iter().any(|body| body.name == name || is_piece(&body.name, name))
+}
+
 /// Whether a name is that of a piece of a packing, `heap-12`.
 pub(crate) fn is_piece(body: &str, name: &str) -> bool {
     name.strip_prefix(body)

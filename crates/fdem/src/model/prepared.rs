@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fdem_mesh::Quality;
-use fdem_simulation::Model;
+use fdem_results::HistoryCurve;
+use fdem_simulation::{Model, Probe};
 
 use crate::model::settings::{History, OutputSettings};
 
@@ -26,6 +27,10 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub output: OutputSettings,
     /// Quantities to record over time.
     pub histories: Vec<History>,
+    /// Probes of the histories.
+    pub probes: Vec<Probe<D, N>>,
+    /// Curves of one column of the history over another.
+    pub curves: Vec<HistoryCurve>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
     /// Warnings of what is possible, but probably not meant.

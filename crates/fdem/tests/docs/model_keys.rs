@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
-const ORDER: [(&str, &[&str]); 10] = [
+const ORDER: [(&str, &[&str]); 11] = [
     ("model", &[]),
     (
         "body",
@@ -34,8 +34,9 @@ const ORDER: [(&str, &[&str]); 10] = [
     ("initial", &[]),
     ("contact", &[]),
     ("fracture", &[]),
-    ("output", &["Field"]),
+    ("output", &["acoustic_emission", "Field"]),
     ("history", &[]),
+    ("curve", &[]),
 ];
 
 /// The page, in Markdown.

@@ -28,5 +28,7 @@ mod vectors;
 mod ranks;
 /// Forecasts of runs on many ranks.
 mod forecast;
+/// Means of stress, strain and velocity, gauges, forces between bodies, reactions.
+mod probes;
 /// Models that are refused.
 mod refusal;

@@ -2,7 +2,8 @@
 
 use fdem_distributed::Communicator;
 use fdem_simulation::{
-    Counts, CriticalStep, Energies, Forces, Leader, Simulation, Snapshot, State, Stop, Timings, Traffic,
+    Counts, CriticalStep, Energies, Forces, Leader, Probe, Simulation, Snapshot, State, Stop, Timings,
+    Traffic,
 };
 
 use crate::command::run::results::Results;
@@ -102,6 +103,10 @@ where
     pub(crate) fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>> {
         let found = both!(self, run => run.nodes(nodes));
         found.into_iter().map(|node| node.unwrap_or(([0.0; D], [0.0; D]))).collect()
+    }
+
+    pub(crate) fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+        both!(self, run => run.measure(probes))
     }
 
     pub(crate) fn crack_lengths(&self) -> [f64; 3] {
