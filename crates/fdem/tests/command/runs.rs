@@ -621,6 +621,8 @@ fn the_model_of_a_run_can_be_run_again() {
             "rectangle = { min = [-0.05, 0.0005], max = [0.05, 0.1] }\nmesh_size = 0.015",
             "mesh = \"block.obj\"",
         )
+        .replace("[-0.03, 0.02, 0.03, 0.08]", "[0, 0, 1, 1]")
+        .replace("[[-0.04, 0.05], [0.04, 0.05]]", "[[0.02, 0.015], [0.045, 0.05]]")
         .replace("0.8e-3", "0.01e-3");
     let bench = Bench::of(&model);
     bench.write("block.obj", "v 0 0.01 0\nv 0.05 0.01 0\nv 0.05 0.06 0\nv 0.05 0.1 0\nf 1 2 3\nf 1 3 4\n");
