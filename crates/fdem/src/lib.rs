@@ -50,6 +50,7 @@
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
 //! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
 //! | runs that a program holds, as the Python package does | `src/command/session.rs` |
+//! | histories of probes, curves, acoustic emission | `src/model/probes.rs`, `src/model/curves.rs`, `src/command/run/emission.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
 //!
 //! There is no log by tracing: `run.log` has the few lines that a run tells.

@@ -28,6 +28,7 @@ mod parts;
 mod piece;
 mod placed;
 mod prepared;
+mod probes;
 
 mod dimensions;
 mod plane;
@@ -45,6 +46,7 @@ mod joint_lines;
 mod joint_sets;
 
 mod connected;
+mod curves;
 mod joined;
 pub(crate) mod locking;
 mod amounts;
@@ -76,6 +78,7 @@ pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 pub(crate) use stages::Present;
 
+pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
 use document::{Document, Table};
@@ -304,6 +307,12 @@ impl Checked<'_> {
 
         let mut warnings = Vec::new();
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
+        let mut lost = Vec::new();
+        let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
+        none_or(lost)?;
+        let mut unknown = Vec::new();
+        let curves = curves::curves::<D>(file, document, &columns::<D, N>(&histories, &probes), &mut unknown);
+        none_or(unknown)?;
         let mut model = Model {
             velocities: velocities(file, &placed),
             stresses: stresses(file, &mesh, &placed),
@@ -354,6 +363,8 @@ impl Checked<'_> {
             histories,
             hash: if stages.is_empty() { hash(&model) } else { hash(&(&model, &stages)) },
             stages,
+            probes,
+            curves,
             model,
             quality,
             bodies,
@@ -412,6 +423,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
         ("stage", names(&file.stage, |stage| &stage.name)),
+        ("curve", names(&file.curve, |curve| &curve.name)),
     ] {
         let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {

@@ -8,6 +8,7 @@
 //! - `packings`: packings in three dimensions, and copies of a shape.
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
+//! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
 //! - `space`, `space_warned`: the same in three dimensions.
 //! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
@@ -30,6 +31,8 @@ mod mistakes;
 mod packings;
 #[path = "model/prepared.rs"]
 mod prepared;
+#[path = "model/probes.rs"]
+mod probes;
 #[path = "model/refine.rs"]
 mod refine;
 #[path = "model/space.rs"]

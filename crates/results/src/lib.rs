@@ -23,6 +23,8 @@
 //! | pictures of meshes in a plane | `src/picture/mesh.rs` |
 //! | pictures of bodies of meshes, walls and images | `src/picture/bodies.rs`, `crates/fdem/src/command/shapes.rs` |
 //! | results, plots and pictures | `src/run/vtk.rs`, `src/run/history.rs`, `src/run/plots.rs`, `src/run/pictures.rs` |
+//! | curves of one column of a history over another, peak and modulus | `src/run/curves.rs` |
+//! | acoustic emission: events, magnitudes, b-value | `src/run/emission.rs` |
 //! | fragments: masses, table, distribution of sizes | `src/run/fragments.rs`; which elements hang together: `crates/simulation/src/topology.rs` |
 //! | outlines, load-displacement axes, samples of large meshes | `src/run/outlines.rs`, `src/run/loads.rs`, `src/run/sample.rs` |
 //! | what all pages have | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |

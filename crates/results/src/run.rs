@@ -12,6 +12,8 @@
 
 mod animation;
 mod chart;
+mod curves;
+mod emission;
 pub(crate) mod field;
 mod fill;
 pub(crate) mod fragments;
@@ -35,11 +37,13 @@ use std::io;
 use fdem_simulation::Snapshot;
 
 pub use animation::{Animation, AnimationError, SpaceAnimation};
+pub use curves::{CurveFigures, HistoryCurve};
+pub use emission::{BValue, Break, Clustering, Event, breaks, events, events_csv, magnitude_frequency};
 pub use fdem_io::pvd;
 pub use field::{Field, Range};
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};
 pub use frame::{Frame, FrameError};
-pub use history::{History, HistoryError, HistoryWriter, Row, kept};
+pub use history::{History, HistoryError, HistoryWriter, Row, history_columns, kept};
 pub use names::Names;
 pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};

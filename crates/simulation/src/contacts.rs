@@ -465,6 +465,11 @@ where
         })
     }
 
+    /// The couples that touch, with the force on the first element of each, N.
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
+        self.touching().map(|(elements, grip)| (elements, grip.push))
+    }
+
     /// Distributes the histories of the couples that touch, in their order, among the chunks of couples.
     fn group_grips(&mut self, grips: impl IntoIterator<Item = Grip<D, N>>) {
         let mut grips = grips.into_iter();

@@ -661,6 +661,13 @@ where
     <[[f64; D]; N]>::facet_measure(&facet.corners[0].map(place))
 }
 
+impl<const D: usize, const N: usize> Model<D, N> {
+    /// Strength of the joints between elements of two materials; `None` if they cannot break.
+    pub fn strength_between(&self, a: u32, b: u32) -> Option<Strength> {
+        strength_between(self, a, b).map(|(strength, _)| strength)
+    }
+}
+
 /// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
 /// material with the lower tensile strength. `None` if the facet cannot break.
 fn strength_between<const D: usize, const N: usize>(

@@ -59,6 +59,7 @@
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
+//! | probes: means of stress, strain and velocity, gauges, forces between bodies | `src/probe.rs` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
@@ -121,6 +122,7 @@ mod critical;
 mod energy;
 mod forces;
 mod snapshot;
+mod probe;
 mod simulation;
 mod ranks;
 mod error;
@@ -137,6 +139,7 @@ pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,
 };
+pub use probe::{MaterialPoint, Probe};
 pub use ranks::{
     Distributed, Forecast, Gathered, Leader, Network, RankForecast, Sizes, Traffic, dismiss, follow,
 };

@@ -24,6 +24,7 @@ use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::joints::Moving;
 use crate::model::Model;
+use crate::probe::Probe;
 pub use crate::ranks::forecast::{Forecast, Network, RankForecast, Sizes};
 pub use crate::ranks::gather::Gathered;
 pub use crate::ranks::leader::{Leader, dismiss, follow};
@@ -299,6 +300,13 @@ where
         let [a, b, c] = &mut lengths;
         self.links.add_up(&mut [a, b, c]);
         lengths.map(|length| length.value())
+    }
+
+    /// Measures quantities of the whole run now: see [`Simulation::measure`].
+    pub fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+        let mut sums: Vec<Vec<Sum>> = probes.iter().map(|probe| self.run.sums(probe)).collect();
+        self.links.add_up(&mut sums.iter_mut().flatten().collect::<Vec<_>>());
+        probes.iter().zip(sums).map(|(probe, sums)| probe.values(&sums)).collect()
     }
 
     /// Fragment of each element, on rank 0: see [`Simulation::fragments`]. `None` on the other ranks.

@@ -291,6 +291,14 @@ impl<const D: usize> Seams<D> {
         }
     }
 
+    /// The two elements at each point, and the force on the first of them in the last step, N.
+    pub(crate) fn pushes<const N: usize>(&self) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
+        self.places.iter().zip(&self.pressed).map(|(place, pressed)| {
+            let force = pressed.forces[0].into_iter().fold([0.0; D], plus);
+            (place.corners.map(|side| side[0] / N as u32), force)
+        })
+    }
+
     /// The points that this rank counts, each by the codes of its two sides, its place among their points, and its state.
     pub(crate) fn points<const N: usize>(
         &self,

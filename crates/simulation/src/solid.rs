@@ -573,6 +573,11 @@ where
         forces[corner as usize % N]
     }
 
+    /// The inverse of the matrix of the edges of an undeformed element, 1/m.
+    pub(crate) fn inverse_edges(&self, element: usize) -> Matrix<D> {
+        tensor(&self.undeformed[element / LANES].gradients, element % LANES)
+    }
+
     /// Out-of-plane stress of an element in two dimensions, Pa.
     pub(crate) fn moduli(&self, element: usize) -> &Moduli {
         &self.responses[self.elements[element].material as usize].moduli

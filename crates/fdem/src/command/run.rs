@@ -2,6 +2,7 @@
 
 mod account;
 pub(crate) mod checkpoint;
+mod emission;
 mod engine;
 pub(crate) mod folder;
 mod lead;
@@ -18,8 +19,9 @@ use std::time::{Duration, Instant};
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{Fragments, Row};
+use fdem_results::{CurveFigures, Fragments, Row};
 use fdem_simulation::{Simulation, Stop};
+use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{inputs_of, read_text, refused};
@@ -31,8 +33,9 @@ use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared
 use crate::model::{prepare_any, steps, with_end_time};
 use account::{Account, PARTS, Spent};
 use checkpoint::{Checkpoint, Unsaved};
+use emission::Emission;
 use engine::Engine;
-use folder::{Folder, MODEL, SUMMARY, SavedState};
+use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use lead::{Lead, in_ranks};
 use observer::Observer;
 use recorder::Recorder;
@@ -254,6 +257,10 @@ where
     saved: Instant,
     warned: bool,
     quiet: bool,
+    /// What the curves tell, once the run has ended.
+    curves: Vec<CurveFigures>,
+    /// Its acoustic emission, likewise.
+    emission: Option<Emission>,
 }
 
 /// How the steps of a run ended.
@@ -302,6 +309,8 @@ where
             saved: Instant::now(),
             warned: false,
             quiet: options.quiet,
+            curves: Vec::new(),
+            emission: None,
         })
     }
 
@@ -320,6 +329,12 @@ where
         if let End::Interrupted(_) = end {
             // A launcher may give little time: this is said before the drawings.
             self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
+        }
+        let history = recorder.history()?;
+        self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.emission = Emission::of(&self.run, &self.prepared);
+        if let Some(emission) = &self.emission {
+            self.folder.write(EVENTS, emission.csv.as_bytes())?;
         }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
@@ -494,9 +509,10 @@ where
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
         let ranks = lead::plots(&self.run.traffic());
+        let emitted = self.emission.as_ref().and_then(|emission| emission.plot.clone());
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            recorder.finish(&self.prepared, &facts, ranks, fragments, done)
+            recorder.finish(&self.prepared, &facts, (emitted, ranks), fragments, done)
         });
         self.spent.drawing += start.elapsed();
         drawn
@@ -510,6 +526,8 @@ where
         if let Some(stages) = &self.stages {
             json["stages"] = stages.json();
         }
+        json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
+        json["curves"] = self.curves.iter().map(told::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -596,6 +614,10 @@ where
                 },
             ),
             ("fragments", in_words(fragments)),
+        ];
+        facts.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
+        facts.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
+        facts.extend([
             (
                 "energies (J)",
                 energies
@@ -637,7 +659,7 @@ where
                     counted(account.checkpoints, "checkpoint")
                 ),
             ),
-        ];
+        ]);
         facts.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
         facts

@@ -16,7 +16,7 @@ use crate::model::piece::Piece;
 use crate::model::placed::Placed;
 use crate::model::prepared::Body;
 use crate::model::slivers::Slivers;
-use crate::model::{gmsh, packing, shapes};
+use crate::model::{gmsh, packing, probes, shapes};
 
 /// What the two- and three-dimensional models differ in, before they are simulated.
 pub(crate) trait Dimensions<const D: usize, const N: usize>:
@@ -171,6 +171,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     for (index, history) in file.history.iter().enumerate() {
         let node = history.node.as_ref().map(|node| node.0.len());
         vectors.extend(node.map(|found| (Table::of("history", index), "node".to_owned(), found, d)));
+        for (key, found, wanted) in probes::lengths(history, d) {
+            vectors.push((Table::of("history", index), key.to_owned(), found, wanted));
+        }
     }
     for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
         let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
@@ -189,7 +192,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
                 Some(file::Piece::Polygon) => {
                     "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
                 }
-                Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => form(&key, dimensions),
+                Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => {
+                    form(if table.name == "history" && key == "stress" { "point" } else { &key }, dimensions)
+                }
             },
         ));
     }
@@ -200,6 +205,8 @@ fn form(key: &str, dimensions: u8) -> String {
     let components = match (key, dimensions) {
         ("box", 2) => "[xmin, ymin, xmax, ymax]",
         ("box", _) => "[xmin, ymin, zmin, xmax, ymax, zmax]",
+        ("gauge", 2) => "[[x, y], [x, y]]",
+        ("gauge", _) => "[[x, y, z], [x, y, z]]",
         ("stress" | "stress_gradient", 2) => "[xx, yy, xy]",
         ("stress" | "stress_gradient", _) => "[xx, yy, zz, xy, yz, xz]",
         (_, 2) => "[x, y]",

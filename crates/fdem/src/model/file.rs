@@ -23,7 +23,7 @@ pub use boundary::{Boundary, Component, Fixed, Side};
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
-pub use output::{Animate, History, Output};
+pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Output};
 pub use stage::{Release, Stage};
 pub use vector::Vector;
 
@@ -66,11 +66,14 @@ pub struct ModelFile {
     /// Quantities to record over time.
     #[serde(default)]
     pub history: Vec<History>,
+    /// Curves of one quantity over another.
+    #[serde(default)]
+    pub curve: Vec<Curve>,
 }
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 12] = [
+    pub(crate) const TABLES: [&str; 13] = [
         "model",
         "body",
         "material",
@@ -83,6 +86,7 @@ impl ModelFile {
         "fracture",
         "output",
         "history",
+        "curve",
     ];
 }
 

@@ -11,7 +11,7 @@ use toml::{Table as Toml, Value};
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
-use crate::model::file::{Body, Boundary, General, History, Initial, Interface, JointSet, Material};
+use crate::model::file::{Body, Boundary, Curve, General, History, Initial, Interface, JointSet, Material};
 use crate::model::file::{ModelFile, Output, Stage};
 use crate::model::shapes::SHAPES;
 
@@ -60,6 +60,7 @@ impl Partial {
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
         reader.list::<Stage>(&mut root, "stage", |_| vec![("equilibrium", 1.0.into())]);
+        reader.list::<Curve>(&mut root, "curve", |_| vec![("x", "time".into()), ("y", "time".into())]);
         reader.one::<General>(&mut root, "model");
         reader.one::<Initial>(&mut root, "initial");
         reader.one::<ContactOptions>(&mut root, "contact");

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fdem_mesh::Quality;
-use fdem_simulation::{Boundary, Model, Schedule};
+use fdem_results::HistoryCurve;
+use fdem_simulation::{Boundary, Model, Probe, Schedule};
 use serde::{Deserialize, Serialize};
 
 use crate::model::joint_sets::Joints;
@@ -32,6 +33,10 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub histories: Vec<History>,
     /// Parts of the run; none if it is one. The model has all that is there in any of them.
     pub stages: Vec<Stage>,
+    /// Probes of the histories.
+    pub probes: Vec<Probe<D, N>>,
+    /// Curves of one column of the history over another.
+    pub curves: Vec<HistoryCurve>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
     /// Warnings of what is possible, but probably not meant.

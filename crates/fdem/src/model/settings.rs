@@ -5,8 +5,9 @@ use serde::Serialize;
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{Animate, Gravity, ModelFile};
+use crate::model::file::{AcousticEmission, Animate, Gravity, ModelFile};
 use crate::model::placed::{self, Placed, is_body};
+use crate::model::probes;
 
 /// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -30,6 +31,8 @@ pub struct OutputSettings {
     pub shown: [usize; 2],
     /// Numbers of the bodies whose fragments count; `None` for the bodies that can break.
     pub fragments: Option<Vec<u32>>,
+    /// How breaks are put together to events of acoustic emission; `None` if they are not.
+    pub emission: Option<AcousticEmission>,
     /// Interval of checkpoints.
     pub checkpoint: Checkpoint,
     /// Time between rows of the history, s.
@@ -67,6 +70,8 @@ pub enum Quantity {
     Energy,
     /// The length of the cracks, which is recorded in any case.
     CrackLength,
+    /// The quantity of this probe, by its place in [`Prepared::probes`](crate::model::Prepared).
+    Probe(usize),
 }
 
 /// Checks the output before anything is meshed.
@@ -121,21 +126,25 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
     for (index, history) in file.history.iter().enumerate() {
         let table = Table::of("history", index);
-        let given = [history.node.is_some(), history.force.is_some(), history.energy, history.crack_length];
-        if given.into_iter().filter(|given| *given).count() != 1 {
+        probes::check(file, index, document, faults);
+        if probes::quantities(history).len() != 1 {
             faults.push(
                 Fault::at(
                     document.key(table, "name"),
                     format!("[[history]] \"{}\" is of one quantity", history.name),
                 )
                 .label("this history")
-                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", energy = true, crack_length = true"),
+                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", energy = true, crack_length = true"),
             );
         }
         if let Some(name) = &history.body {
-            if history.node.is_none() {
+            if history.node.is_none() && !probes::takes_body(history) {
                 faults.push(
-                    Fault::at(document.key(table, "body"), "\"body\" goes with node").label("take it out"),
+                    Fault::at(
+                        document.key(table, "body"),
+                        "\"body\" goes with node, stress, strain, velocity, gauge and reaction",
+                    )
+                    .label("take it out"),
                 );
             } else if !name.is_empty() && !is_body(file, name) {
                 faults.push(
@@ -182,6 +191,7 @@ pub(crate) fn settings<const D: usize, const N: usize>(
             let bodies = names.iter().flat_map(|name| placed::named(placed, file, name));
             bodies.map(|body| body as u32).collect()
         }),
+        emission: output.acoustic_emission,
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),
@@ -204,7 +214,7 @@ fn given(file: &ModelFile) -> Vec<(String, f64)> {
     of_output.chain(of_histories).collect()
 }
 
-/// The histories, with the nodes and boundaries that they are of. `boundaries` and `file` have been checked.
+/// The histories, with the nodes, boundaries and probes that they are of. Probes are counted in the order of their histories. `boundaries` and `file` have been checked.
 pub(crate) fn histories<const D: usize, const N: usize>(
     file: &ModelFile,
     nodes: &[[f64; D]],
@@ -212,6 +222,7 @@ pub(crate) fn histories<const D: usize, const N: usize>(
     warnings: &mut Vec<String>,
 ) -> Vec<History> {
     let mut histories = Vec::with_capacity(file.history.len());
+    let mut probes = 0..file.history.len();
     for history in &file.history {
         let quantity = if let Some(point) = &history.node {
             let point = point.components::<D>();
@@ -234,6 +245,8 @@ pub(crate) fn histories<const D: usize, const N: usize>(
                 continue;
             };
             Quantity::Force(place)
+        } else if let Some(probe) = probes::is_probe(history).then(|| probes.next()).flatten() {
+            Quantity::Probe(probe)
         } else if history.energy {
             Quantity::Energy
         } else {

@@ -273,7 +273,7 @@ where
                     let same = model.boundaries.iter().position(|boundary| boundary.name == *name);
                     *boundary = same.unwrap_or(usize::MAX);
                 }
-                Quantity::Energy | Quantity::CrackLength => {}
+                Quantity::Energy | Quantity::CrackLength | Quantity::Probe(_) => {}
             }
         }
         let grains = if self.grains.is_empty() {
@@ -288,6 +288,12 @@ where
             groups: Vec::new(),
             grains,
             joint_sets: self.joint_sets.clone(),
+            probes: self
+                .probes
+                .iter()
+                .map(|probe| probe.renumbered(element, |node| nodes[node as usize]))
+                .collect(),
+            curves: self.curves.clone(),
             output: self.output.clone(),
             histories,
             quality: self.quality.clone(),

@@ -47,6 +47,26 @@ fixed = "xy"
 [output]
 frames = 8
 checkpoint_steps = 40
+acoustic_emission = {}
+[[curve]]
+name = "impact"
+x = "time"
+y = "ground fy"
+[[history]]
+name = "block on floor"
+contact_force = ["block", "floor"]
+[[history]]
+name = "core"
+stress = "mean"
+body = "block"
+box = [-0.03, 0.02, 0.03, 0.08]
+[[history]]
+name = "width"
+gauge = [[-0.04, 0.05], [0.04, 0.05]]
+[[history]]
+name = "support"
+reaction = "outer"
+body = "floor"
 [[history]]
 name = "ground"
 force = "ground"
@@ -195,7 +215,11 @@ impl Bench {
             .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
             .collect();
         frames.sort();
-        (json["state_hash"].to_string(), self.read(&format!("{folder}/history.csv")), frames)
+        let mut rows = self.read(&format!("{folder}/history.csv"));
+        if self.path(&format!("{folder}/events.csv")).exists() {
+            rows += &self.read(&format!("{folder}/events.csv"));
+        }
+        (json["state_hash"].to_string(), rows, frames)
     }
 }
 
@@ -362,12 +386,48 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
         "{names}"
     );
 
+    probes_agree(&bench);
+
     bench.run(&["run", "crash.toml"]).refused_with(&["not empty", "--force"]);
     bench.write("crash_results/notes.txt", "mine");
     let forced = bench.run(&["run", "crash.toml", "--force", "--threads", "2", "--quiet"]).succeeds();
     assert_eq!(forced.stderr, "");
     assert_eq!(bench.read("crash_results/notes.txt"), "mine");
     assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"], "threads change nothing");
+}
+
+/// Asserts that the probes of a crash say what is known of it.
+fn probes_agree(bench: &Bench) {
+    let history = bench.columns("crash_results/history.csv");
+    let most = |name: &str| history[name].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    for name in ["block on floor fx [N]", "core syy [Pa]", "core sxy [Pa]", "width strain [m/m]"] {
+        let (first, most) = (history[name][0], most(name));
+        assert!(
+            first.abs() <= 1e-12 * most && most > 0.0 && most.is_finite(),
+            "{name}: from {first} to {most}"
+        );
+    }
+    // The block pushes the floor down, and only the ground holds the outline of the floor.
+    let least = history["block on floor fy [N]"].iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(least, -most("block on floor fy [N]"), "the largest force is downwards");
+    for (support, ground) in history["support fy [N]"].iter().zip(&history["ground fy [N]"]) {
+        assert!((support - ground).abs() <= 1e-9 * most("ground fy [N]"), "{support} {ground}");
+    }
+    let json = bench.summary("crash_results");
+    let curve = &json["curves"][0];
+    assert_eq!(curve["name"], "impact");
+    assert_eq!(curve["peak"].as_f64().unwrap().abs(), most("ground fy [N]"));
+    let emission = &json["acoustic_emission"];
+    assert_eq!(emission["joints"], json["broken_joints"]);
+    let events = bench.columns("crash_results/events.csv");
+    assert_eq!(events["event"].len() as u64, emission["events"].as_u64().unwrap());
+    assert_eq!(events["joints"].iter().sum::<f64>(), json["broken_joints"].as_f64().unwrap());
+    assert!(events["time [s]"].is_sorted() && events["energy [J]"].iter().all(|&energy| energy > 0.0));
+    for name in
+        ["histories_forces", "histories_stresses", "histories_strains", "curve_impact", "acoustic_emission"]
+    {
+        assert!(bench.path(&format!("crash_results/plots/{name}.svg")).exists(), "{name}");
+    }
 }
 
 /// Asserts that the table of fragments, the last row of the history and the summary say the same, and that the mass is complete.
@@ -561,6 +621,8 @@ fn the_model_of_a_run_can_be_run_again() {
             "rectangle = { min = [-0.05, 0.0005], max = [0.05, 0.1] }\nmesh_size = 0.015",
             "mesh = \"block.obj\"",
         )
+        .replace("[-0.03, 0.02, 0.03, 0.08]", "[0, 0, 1, 1]")
+        .replace("[[-0.04, 0.05], [0.04, 0.05]]", "[[0.02, 0.015], [0.045, 0.05]]")
         .replace("0.8e-3", "0.01e-3");
     let bench = Bench::of(&model);
     bench.write("block.obj", "v 0 0.01 0\nv 0.05 0.01 0\nv 0.05 0.06 0\nv 0.05 0.1 0\nf 1 2 3\nf 1 3 4\n");

@@ -35,8 +35,9 @@ const ORDER: [(&str, &[&str]); 11] = [
     ("initial", &[]),
     ("contact", &[]),
     ("fracture", &[]),
-    ("output", &["Field"]),
+    ("output", &["acoustic_emission", "Field"]),
     ("history", &[]),
+    ("curve", &[]),
 ];
 
 /// The page, in Markdown.

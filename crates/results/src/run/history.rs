@@ -23,7 +23,7 @@ const COLUMNS: [&str; 9] = [
 ];
 
 /// Names of the columns of every history, in so many dimensions.
-fn columns(dimensions: usize) -> Vec<String> {
+pub fn history_columns(dimensions: usize) -> Vec<String> {
     let energies = Energies::default();
     let first = ["step", "time"].into_iter().chain(energies.changing().map(|term| term.key));
     let cracked = |name: &str| if dimensions == 3 { name.replace("length", "area") } else { name.to_owned() };
@@ -89,7 +89,7 @@ impl<W: Write> HistoryWriter<W> {
     /// # Errors
     /// The errors of `out`.
     pub fn new(mut out: W, dimensions: usize, names: &[String]) -> io::Result<Self> {
-        let mut line = columns(dimensions).join(",");
+        let mut line = history_columns(dimensions).join(",");
         for name in names {
             line.push(',');
             line.push_str(&quoted(name));
@@ -192,7 +192,7 @@ impl History {
         let mut lines = whole_lines(text);
         let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no column names"))?;
         let names = fields(&utf8(head, 1)?);
-        if ![2, 3].into_iter().any(|dimensions| names.starts_with(&columns(dimensions))) {
+        if ![2, 3].into_iter().any(|dimensions| names.starts_with(&history_columns(dimensions))) {
             return Err(HistoryError::at(1, "the column names are not those of a history"));
         }
         let mut columns = vec![Vec::new(); names.len()];
@@ -226,7 +226,7 @@ impl History {
 
     /// Returns the name and the values of each of the user's columns.
     pub fn of_user(&self) -> impl Iterator<Item = (&str, &[f64])> {
-        let all = self.names.iter().zip(&self.columns).skip(columns(2).len());
+        let all = self.names.iter().zip(&self.columns).skip(history_columns(2).len());
         all.map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 

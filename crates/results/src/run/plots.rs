@@ -309,6 +309,7 @@ fn quantity(unit: &str) -> (&'static str, &'static str) {
         "m" => ("displacement", "displacements"),
         "m/s" => ("velocity", "velocities"),
         "Pa" => ("stress", "stresses"),
+        "m/m" => ("strain", "strains"),
         "J" => ("energy", "energies"),
         _ => ("value", "values"),
     }

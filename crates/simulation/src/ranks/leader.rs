@@ -8,6 +8,7 @@ use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::Forces;
+use crate::probe::Probe;
 use crate::ranks::wire::{bytes_of, value_of};
 use crate::ranks::{Distributed, Gathered, Traffic};
 use crate::simplex::Simplex;
@@ -27,10 +28,12 @@ enum Order {
     Nodes,
     CrackLengths,
     Traffic,
+    SetProbes,
+    Measure,
 }
 
 impl Order {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 12] = [
         Self::End,
         Self::Replace,
         Self::Advance,
@@ -41,6 +44,8 @@ impl Order {
         Self::Nodes,
         Self::CrackLengths,
         Self::Traffic,
+        Self::SetProbes,
+        Self::Measure,
     ];
 }
 
@@ -58,6 +63,8 @@ pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
     run: RefCell<Distributed<'c, D, N>>,
     /// The whole run after the last step, once it is asked for.
     whole: RefCell<Option<Gathered<D, N>>>,
+    /// The probes that all ranks know.
+    probes: RefCell<Vec<Probe<D, N>>>,
 }
 
 impl<'c, const D: usize, const N: usize> Leader<'c, D, N>
@@ -79,7 +86,12 @@ where
         assert!(communicator.rank() == 0, "rank 0 leads");
         give(communicator, Order::Advance, &[D as u64]);
         let run = Distributed::new(communicator, Some(run), threads)?;
-        Ok(Self { communicator, run: RefCell::new(run), whole: RefCell::new(None) })
+        Ok(Self {
+            communicator,
+            run: RefCell::new(run),
+            whole: RefCell::new(None),
+            probes: RefCell::default(),
+        })
     }
 
     fn all<T>(&self, order: Order, numbers: &[u64], of: impl FnOnce(&Distributed<'c, D, N>) -> T) -> T {
@@ -180,6 +192,21 @@ where
         self.all(Order::CrackLengths, &[], Distributed::crack_lengths)
     }
 
+    /// Measures quantities of the run now: see [`Simulation::measure`].
+    pub fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+        if probes.is_empty() {
+            return Vec::new();
+        }
+        // Lists of elements may be long, and are sent once.
+        if *self.probes.borrow() != probes {
+            give(self.communicator, Order::SetProbes, &[]);
+            let known = probes.to_vec();
+            self.communicator.broadcast(&mut bytes_of(&known));
+            *self.probes.borrow_mut() = known;
+        }
+        self.all(Order::Measure, &[], |run| run.measure(probes))
+    }
+
     /// Fragment of each element: see [`Simulation::fragments`].
     pub fn fragments(&self) -> Vec<u32> {
         self.all(Order::Fragments, &[], Distributed::fragments).unwrap_or_default()
@@ -263,6 +290,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mut run = Distributed::<D, N>::new(communicator, None, threads)?;
+    let mut probes = Vec::new();
     loop {
         let (order, numbers) = next(communicator);
         match order {
@@ -279,6 +307,12 @@ where
             }
             Order::CrackLengths => _ = run.crack_lengths(),
             Order::Traffic => drop(run.traffic_of_all()),
+            Order::SetProbes => {
+                let mut bytes = Vec::new();
+                communicator.broadcast(&mut bytes);
+                probes = value_of::<Vec<Probe<D, N>>>(&bytes);
+            }
+            Order::Measure => drop(run.measure(&probes)),
         }
     }
 }

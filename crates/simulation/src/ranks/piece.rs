@@ -400,7 +400,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// Number of a vertex in the whole mesh.
-    pub(super) fn vertex(&self, vertex: u32) -> u32 {
+    pub(crate) fn vertex(&self, vertex: u32) -> u32 {
         self.part.as_ref().map_or(vertex, |part| part.vertices[vertex as usize])
     }
 

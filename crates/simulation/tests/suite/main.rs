@@ -34,5 +34,7 @@ mod ranks;
 mod forecast;
 /// Runs that go on with a changed model.
 mod changed;
+/// Means of stress, strain and velocity, gauges, forces between bodies, reactions.
+mod probes;
 /// Models that are refused.
 mod refusal;

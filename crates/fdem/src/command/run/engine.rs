@@ -2,7 +2,8 @@
 
 use fdem_distributed::Communicator;
 use fdem_simulation::{
-    Counts, CriticalStep, Energies, Forces, Leader, Simulation, Snapshot, State, Stop, Timings, Traffic,
+    Counts, CriticalStep, Energies, Forces, Leader, Probe, Simulation, Snapshot, State, Stop, Timings,
+    Traffic,
 };
 
 use crate::command::run::results::Results;
@@ -115,6 +116,10 @@ where
     pub(crate) fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>> {
         let found = both!(self, run => run.nodes(nodes));
         found.into_iter().map(|node| node.unwrap_or(([f64::NAN; D], [f64::NAN; D]))).collect()
+    }
+
+    pub(crate) fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+        both!(self, run => run.measure(probes))
     }
 
     pub(crate) fn crack_lengths(&self) -> [f64; 3] {

@@ -4,6 +4,7 @@
 //! model.toml, inputs/   copies of the model and of the files that it names
 //! checkpoint            the state of the run, from which `fdem resume` goes on
 //! history.csv           rows of energies, cracks, fragments and recorded quantities over time
+//! events.csv            acoustic emission, if it is asked for
 //! fragments.csv         masses, sizes and motion of the fragments when the run ends
 //! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
@@ -35,6 +36,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 pub(crate) const MODEL: &str = "model.toml";
 pub(crate) const HISTORY: &str = "history.csv";
 pub(crate) const FRAGMENTS: &str = "fragments.csv";
+pub(crate) const EVENTS: &str = "events.csv";
 pub(crate) const LOG: &str = "run.log";
 const CHECKPOINT: &str = "checkpoint";
 const FRAMES: &str = "frames";
@@ -47,12 +49,13 @@ pub(crate) const REPORT: &str = "report.html";
 pub(crate) const SUMMARY: &str = "run.json";
 
 /// Files that a run makes; `--force` removes them.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
     HISTORY,
     FRAGMENTS,
+    EVENTS,
     LOG,
     "results.pvd",
     "cracks.pvd",

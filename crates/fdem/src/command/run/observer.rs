@@ -43,7 +43,9 @@ impl Observer {
     where
         [[f64; D]; N]: Results<D, N>,
     {
+        let measured = run.measure(&prepared.probes);
         let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
+            Quantity::Probe(probe) => measured[probe].clone(),
             Quantity::Node(node) => run
                 .nodes(&[node])
                 .into_iter()
@@ -67,7 +69,13 @@ impl Observer {
     where
         [[f64; D]; N]: Results<D, N>,
     {
+        let measured = run.measure(&prepared.probes);
         for (number, history) in prepared.histories.iter().enumerate() {
+            if let Quantity::Probe(probe) = history.quantity
+                && prepared.probes[probe].follows_a_step()
+            {
+                values[number].clone_from(&measured[probe]);
+            }
             if let Quantity::Force(boundary) = history.quantity {
                 values[number][..D].copy_from_slice(&run.force(boundary).unwrap_or([0.0; D]));
             }

@@ -21,7 +21,7 @@ use crate::command::run::folder::{
     files_of, mesh_file, packed_file,
 };
 use crate::command::run::results::{Drawn, Results};
-use crate::model::{Prepared, Quantity};
+use crate::model::{Prepared, columns};
 
 /// Writes the results of a run into its folder.
 pub(crate) struct Recorder<const D: usize, const N: usize>
@@ -53,7 +53,7 @@ where
     /// Starts the records of a new run.
     pub(crate) fn new(folder: &Folder, prepared: &Prepared<D, N>) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
-        let names = columns(prepared);
+        let names = columns(&prepared.histories, &prepared.probes);
         let history = File::create(&path)
             .and_then(|file| HistoryWriter::new(BufWriter::new(file), D, &names))
             .map_err(|error| Failure::writing(&path, error))?;
@@ -100,7 +100,7 @@ where
             kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?
         };
         let mut head = Vec::new();
-        HistoryWriter::new(&mut head, D, &columns(prepared))
+        HistoryWriter::new(&mut head, D, &columns(&prepared.histories, &prepared.probes))
             .map_err(|error| Failure::writing(&path, error))?;
         if !text.starts_with(&head) {
             return Err(Failure::Unusable(format!(
@@ -133,7 +133,10 @@ where
             .and_then(|file| file.set_len(end as u64).map(|()| file))
             .map_err(|error| Failure::writing(&path, error))?;
         folder.remove_frames(frames.len())?;
-        let history = HistoryWriter::going_on(BufWriter::new(history), columns(prepared).len());
+        let history = HistoryWriter::going_on(
+            BufWriter::new(history),
+            columns(&prepared.histories, &prepared.probes).len(),
+        );
         let mut recorder = Self::with(folder, prepared, history, frames)?;
         recorder.collect()?;
         Ok(recorder)
@@ -244,12 +247,18 @@ where
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
+    /// Reads the history that has been recorded.
+    pub(crate) fn history(&mut self) -> Result<History, Failure> {
+        self.flush()?;
+        History::read(&self.folder.read(HISTORY)?).map_err(|error| broken(HISTORY, &error))
+    }
+
     /// Number of frames that have been written.
     pub(crate) fn frames(&self) -> usize {
         self.frames.len()
     }
 
-    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `more`: plots beside those of the history; `done`: number of frames read so far.
+    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `emitted`, `more`: plots beside those of the history, of acoustic emission and of ranks; `done`: number of frames read so far.
     ///
     /// # Errors
     /// The first error. If the history and the frames can be read, everything else is drawn all the same.
@@ -257,13 +266,12 @@ where
         &mut self,
         prepared: &Prepared<D, N>,
         facts: &[(&str, &str)],
-        more: Vec<Plot>,
+        (emitted, more): (Option<Plot>, Vec<Plot>),
         fragments: &Fragments<D>,
         done: &Position,
     ) -> Result<(), Failure> {
-        self.flush()?;
         self.folder.write(FRAGMENTS, fragments.csv(&self.names).as_bytes())?;
-        let history = History::read(&self.folder.read(HISTORY)?).map_err(|error| broken(HISTORY, &error))?;
+        let history = self.history()?;
         let mut drawn = plots(&history);
         // Beside the number of fragments, or before the user's columns.
         let place =
@@ -273,6 +281,8 @@ where
             // An earlier part of the run may have been on ranks.
             self.folder.remove_plots(&RANK_PLOTS)?;
         }
+        drawn.extend(emitted);
+        drawn.extend(prepared.curves.iter().filter_map(|curve| curve.plot(&history)));
         drawn.extend(more);
         let frames = self.read_frames(done)?;
         let drawings = <[[f64; D]; N]>::draw(
@@ -324,25 +334,4 @@ where
 
 pub(crate) fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
     Failure::Unusable(format!("{what}: {error}"))
-}
-
-/// Returns the names of the columns of all `[[history]]` tables.
-fn columns<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<String>
-where
-    [[f64; D]; N]: Results<D, N>,
-{
-    let mut names = Vec::new();
-    for history in &prepared.histories {
-        let parts: &[(&str, &str)] = match history.quantity {
-            Quantity::Node(_) => &[("u", "m"), ("v", "m/s")],
-            Quantity::Force(_) => &[("f", "N"), ("u", "m")],
-            // The history has these columns in any case.
-            Quantity::Energy | Quantity::CrackLength => &[],
-        };
-        for (letter, unit) in parts {
-            let axes = <[[f64; D]; N]>::AXES.iter();
-            names.extend(axes.map(|axis| format!("{} {letter}{axis} [{unit}]", history.name)));
-        }
-    }
-    names
 }

@@ -24,9 +24,6 @@ pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
     /// A compressed snapshot.
     type Frame;
 
-    /// Names of the components of vectors.
-    const AXES: &'static [&'static str];
-
     /// What a crack has, and its unit.
     const CRACKED: (&'static str, &'static str);
 
@@ -81,7 +78,6 @@ impl Results<2, 3> for [[f64; 2]; 3] {
     type Outlines = Outlines;
     type Frame = Frame;
 
-    const AXES: &'static [&'static str] = &["x", "y"];
     const CRACKED: (&'static str, &'static str) = ("crack_length", "m");
 
     fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<2, 3>, postcard::Error> {
@@ -150,7 +146,6 @@ impl Results<3, 4> for [[f64; 3]; 4] {
     type Outlines = Shell;
     type Frame = SpaceFrame;
 
-    const AXES: &'static [&'static str] = &["x", "y", "z"];
     const CRACKED: (&'static str, &'static str) = ("crack_area", "m²");
 
     fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<3, 4>, postcard::Error> {

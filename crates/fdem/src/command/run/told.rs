@@ -5,7 +5,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::Fragments;
+use fdem_results::{CurveFigures, Fragments};
 use serde_json::{Value, json};
 
 use crate::command::failure::Failure;
@@ -200,3 +200,30 @@ where
         "state_hash": state_hash(&run.snapshot(), &energies),
     })
 }
+
+/// A curve in `run.json`.
+pub(crate) fn curve(figures: &CurveFigures) -> Value {
+    json!({
+        "name": figures.name,
+        "x_unit": figures.units[0],
+        "y_unit": figures.units[1],
+        "peak": figures.peak,
+        "x_at_peak": figures.at,
+        "time_of_peak": figures.time,
+        "modulus": figures.modulus,
+        "modulus_unit": figures.modulus_unit(),
+    })
+}
+
+/// A curve in the summary.
+pub(crate) fn curve_in_words(figures: &CurveFigures) -> String {
+    let CurveFigures { name, peak, at, time, modulus, units: [x, y] } = figures;
+    let modulus = match modulus {
+        Some(modulus) => {
+            format!("modulus {} {} from 10 to 50 % of it", brief(*modulus), figures.modulus_unit())
+        }
+        None => "no modulus: too few rows from 10 to 50 % of it".to_owned(),
+    };
+    format!("{name}: peak {} {y} at {} {x}, {} s; {modulus}", brief(*peak), brief(*at), brief(*time))
+}
+

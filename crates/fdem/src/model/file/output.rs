@@ -1,7 +1,7 @@
-//! `[output]` and `[[history]]`.
+//! `[output]`, `[[history]]` and `[[curve]]`.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use fdem_results::Field;
 
@@ -32,6 +32,9 @@ pub struct Output {
     /// Names of bodies whose fragments are counted in the history, the summary and the plots. Default: all bodies that can break, or all if none can.
     #[serde(default)]
     pub fragments: Option<Vec<String>>,
+    /// Acoustic emission, `{}` or with limits: `events.csv`, a plot of the frequency of magnitudes, and the b-value in the summary. Default: none.
+    #[serde(default)]
+    pub acoustic_emission: Option<AcousticEmission>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -46,6 +49,21 @@ pub struct Output {
     pub checkpoint_steps: Option<u64>,
 }
 
+/// Acoustic emission: joints that break near each other in space and time are one event.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "acoustic_emission")]
+pub struct AcousticEmission {
+    /// Largest distance of two joints that are linked, m. Default: twice the size of a facet, the mean over all that broke.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub distance: Option<f64>,
+    /// Largest time between the breaks of two joints that are linked, s. Default: the time in which a shear wave of the slowest material that can break travels `distance`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub window: Option<f64>,
+}
+
 /// Whether there is an animation, and its field.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -56,7 +74,25 @@ pub enum Animate {
     Field(Field),
 }
 
-/// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `energy` and `crack_length`.
+/// A point, or the word "mean".
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Measured {
+    /// The element at [x, y] or [x, y, z], m.
+    Point(Vector),
+    /// All elements of `body` whose centroids are in `box`.
+    Mean(Mean),
+}
+
+/// The word "mean".
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mean {
+    /// Mean over elements.
+    Mean,
+}
+
+/// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `stress`, `strain`, `velocity`, `gauge`, `contact_force`, `reaction`, `energy` and `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
@@ -66,9 +102,33 @@ pub struct History {
     /// Displacement and velocity of the node nearest to [x, y] or [x, y, z], m.
     #[serde(default)]
     pub node: Option<Vector>,
-    /// Body among whose nodes the one nearest to `node` is taken. Default: all bodies.
+    /// Name of a body: only its nodes and elements count for `node`, `stress`, `strain`, `velocity`, `gauge` and `reaction`. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
+    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m, of the undeformed bodies, for a "mean": elements whose centroids are inside. Default: no limits.
+    #[serde(default, rename = "box")]
+    #[schemars(rename = "box", length(min = 4, max = 6))]
+    pub limits: Option<Vec<f64>>,
+    /// Cauchy stress, Pa, tension positive: of the element at a point [x, y] or [x, y, z] of the undeformed bodies, m, or "mean": the mean over `body` and `box`, weighted by area or volume.
+    #[serde(default)]
+    pub stress: Option<Measured>,
+    /// Green-Lagrange strain, likewise. Its shear components are half of the changes of angles.
+    #[serde(default)]
+    pub strain: Option<Measured>,
+    /// Velocity, m/s: at a point, or "mean", weighted by mass.
+    #[serde(default)]
+    pub velocity: Option<Measured>,
+    /// Strain gauge between two points [[x, y], [x, y]] or [[x, y, z], [x, y, z]] of the undeformed bodies, m: change of their distance over that distance.
+    #[serde(default)]
+    #[schemars(length(min = 2, max = 2))]
+    pub gauge: Option<Vec<Vector>>,
+    /// Names of two bodies: the force that the first exerts on the second by contact, N. The name of a packing stands for all of its pieces.
+    #[serde(default)]
+    #[schemars(length(min = 2, max = 2))]
+    pub contact_force: Option<Vec<String>>,
+    /// Name of a group of nodes, such as "outer" or a physical group of a mesh file: the force of all boundaries on its nodes, N.
+    #[serde(default)]
+    pub reaction: Option<String>,
     /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
@@ -82,4 +142,25 @@ pub struct History {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
+}
+
+/// A curve of one column of the history over another, with its peak and its modulus in the summary: force and displacement, stress and strain.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Name of the curve and of its plot.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Column across: the name of a history and its part, such as "axial strain" of a gauge or "top uy" of a force, or a column of every history, such as "time".
+    pub x: String,
+    /// Column upwards, such as "top fy" or "core syy".
+    pub y: String,
+    /// Length by which a displacement across is divided, m, so that it is a strain. Default: none.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length: Option<f64>,
+    /// Area by which a force upwards is divided, m², so that it is a stress; in two dimensions width times `thickness`. Default: none.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub area: Option<f64>,
 }

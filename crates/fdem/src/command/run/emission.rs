@@ -1,0 +1,87 @@
+//! Acoustic emission of a run: `events.csv`, a plot, and lines of the summary.
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_results::{BValue, Clustering, Plot, breaks, events, events_csv, magnitude_frequency};
+use fdem_simulation::Material;
+use serde_json::{Value, json};
+
+use crate::command::run::engine::Engine;
+use crate::command::run::results::Results;
+use crate::model::Prepared;
+
+/// The events of a run until now.
+pub(crate) struct Emission {
+    /// Number of events, and of the joints in them.
+    counts: [usize; 2],
+    /// Distance, m, and window, s, of breaks that are linked.
+    limits: [f64; 2],
+    value: Option<BValue>,
+    pub(crate) csv: String,
+    pub(crate) plot: Option<Plot>,
+}
+
+impl Emission {
+    /// The events, if the model asks for them. They follow from the joints that have broken, so that they are the same after a resume.
+    pub(crate) fn of<const D: usize, const N: usize>(
+        run: &Engine<'_, D, N>,
+        prepared: &Prepared<D, N>,
+    ) -> Option<Self>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let asked = prepared.output.emission?;
+        let broken = breaks(&prepared.model, &run.snapshot());
+        let clustering = Clustering { distance: asked.distance, window: asked.window };
+        let limits = clustering.limits(&broken, shear_wave(&prepared.model.materials));
+        let found = events(&broken, limits);
+        let magnitudes: Vec<f64> = found.iter().map(|event| event.magnitude).collect();
+        Some(Self {
+            counts: [found.len(), broken.len()],
+            limits,
+            value: BValue::of(&magnitudes),
+            csv: events_csv(&found),
+            plot: magnitude_frequency(&found),
+        })
+    }
+
+    /// The events in `run.json`.
+    pub(crate) fn json(&self) -> Value {
+        json!({
+            "events": self.counts[0],
+            "joints": self.counts[1],
+            "distance": self.limits[0],
+            "window": self.limits[1],
+            "b_value": self.value.map(|value| json!({
+                "b": value.b,
+                "error": value.error,
+                "completeness": value.completeness,
+                "events": value.count,
+            })),
+        })
+    }
+
+    /// The events in the summary.
+    pub(crate) fn in_words(&self) -> String {
+        let [events, joints] = self.counts.map(|count| grouped(count as u64));
+        let found = format!("{events} events of {joints} joints");
+        match self.value {
+            Some(BValue { b, error, completeness, count }) => format!(
+                "{found}; b = {b:.2} ± {error:.2} from the {} events of magnitude {} and more",
+                grouped(count as u64),
+                brief(completeness)
+            ),
+            None => format!("{found}; too few for a b-value"),
+        }
+    }
+}
+
+/// The speed of shear waves, m/s, √(G/ρ), in the slowest material that can break; in the slowest of all, if none has a strength of its own.
+fn shear_wave(materials: &[Material]) -> f64 {
+    let speed = |material: &Material| {
+        let Material { youngs_modulus, poissons_ratio, density, .. } = material;
+        (youngs_modulus / (2.0 * (1.0 + poissons_ratio)) / density).sqrt()
+    };
+    let can_break = materials.iter().filter(|material| material.strength.is_some()).map(speed);
+    let slowest = can_break.fold(f64::INFINITY, f64::min);
+    if slowest.is_finite() { slowest } else { materials.iter().map(speed).fold(f64::INFINITY, f64::min) }
+}

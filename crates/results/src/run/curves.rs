@@ -1,0 +1,238 @@
+//! Curves of one column of a history over another, with their peak and their modulus.
+
+use crate::run::chart::{Axis, Chart, Curve};
+use crate::run::history::History;
+use crate::run::noise::mean;
+use crate::run::plots::{Plot, split};
+
+/// Shares of the peak between which the modulus is the slope of a curve: below, bodies settle; above, they yield.
+const SLOPE: [f64; 2] = [0.1, 0.5];
+
+/// A curve that is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HistoryCurve {
+    /// Name.
+    pub name: String,
+    /// Column across, with its unit: `axial strain [m/m]`.
+    pub x: String,
+    /// Column upwards, likewise.
+    pub y: String,
+    /// Length by which a displacement across is divided, m: it becomes a strain.
+    pub length: Option<f64>,
+    /// Area by which a force upwards is divided, m²: it becomes a stress.
+    pub area: Option<f64>,
+}
+
+/// What a curve tells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveFigures {
+    /// Name of the curve.
+    pub name: String,
+    /// The value upwards with the largest magnitude, with its sign.
+    pub peak: f64,
+    /// The value across there.
+    pub at: f64,
+    /// Time of the peak, s.
+    pub time: f64,
+    /// Slope of the straight line with the least squares through the rows between 10 % and 50 % of the peak, the first time that the curve rises through these. `None` if fewer than three rows
+    /// are there, or if nothing changes across.
+    pub modulus: Option<f64>,
+    /// Units across and upwards.
+    pub units: [String; 2],
+}
+
+impl CurveFigures {
+    /// The unit of the modulus.
+    pub fn modulus_unit(&self) -> String {
+        match &self.units {
+            [x, y] if x == "m/m" => y.clone(),
+            [x, y] => format!("{y}/{x}"),
+        }
+    }
+}
+
+impl HistoryCurve {
+    /// The values across and upwards, with their units. `None` if a history has no such columns.
+    fn values(&self, history: &History) -> Option<[(Vec<f64>, String); 2]> {
+        let column = |name: &str, over: Option<f64>, becomes: &str| -> Option<(Vec<f64>, String)> {
+            let values = history.column(name)?;
+            let unit = if over.is_some() { becomes } else { unit_of(name) };
+            let over = over.unwrap_or(1.0);
+            Some((values.iter().map(|value| value / over).collect(), unit.to_owned()))
+        };
+        Some([column(&self.x, self.length, "m/m")?, column(&self.y, self.area, "Pa")?])
+    }
+
+    /// Finds the peak and the modulus. `None` if the history has no such columns or no values in them.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_results::{History, HistoryCurve, HistoryWriter, Row};
+    ///
+    /// let mut text = Vec::new();
+    /// let mut writer = HistoryWriter::new(&mut text, 2, &["e [m/m]".to_owned(), "s [Pa]".to_owned()])?;
+    /// for step in 0..=20_u8 {
+    ///     let strain = 1e-4 * f64::from(step);
+    ///     let stress = if step <= 15 { 5e9 * strain } else { 0.0 };
+    ///     writer.row(&Row { time: f64::from(step), values: vec![-strain, -stress], ..Row::default() })?;
+    /// }
+    /// let curve = HistoryCurve { x: "e [m/m]".into(), y: "s [Pa]".into(), ..HistoryCurve::default() };
+    /// let figures = curve.figures(&History::read(&text)?).unwrap();
+    /// assert_eq!((figures.peak, figures.time), (-7.5e6, 15.0));
+    /// assert!((figures.modulus.unwrap() / 5e9 - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn figures(&self, history: &History) -> Option<CurveFigures> {
+        let [(across, x), (up, y)] = self.values(history)?;
+        let time = history.column("time")?;
+        let rows = || across.iter().zip(&up).enumerate().filter(|(_, (x, y))| x.is_finite() && y.is_finite());
+        let mut peak: Option<(usize, f64)> = None;
+        for (row, (_, y)) in rows() {
+            // The first of equal peaks.
+            if peak.is_none_or(|(_, most)| y.abs() > most) {
+                peak = Some((row, y.abs()));
+            }
+        }
+        let (row, most) = peak?;
+        let sign = up[row].signum();
+        let risen = rows().find(|(_, (_, y))| sign * **y > SLOPE[1] * most).map_or(row, |(row, _)| row);
+        let branch: Vec<[f64; 2]> = rows()
+            .filter(|(row, (_, y))| *row < risen && sign * **y >= SLOPE[0] * most)
+            .map(|(_, (x, y))| [*x, *y])
+            .collect();
+        Some(CurveFigures {
+            name: self.name.clone(),
+            peak: up[row],
+            at: across[row],
+            time: time.get(row).copied().unwrap_or(f64::NAN),
+            modulus: slope(&branch),
+            units: [x, y],
+        })
+    }
+
+    /// Plots the curve, positive at its peak: a test in compression rises to the right.
+    pub fn plot(&self, history: &History) -> Option<Plot> {
+        let figures = self.figures(history)?;
+        let [(across, x), (up, y)] = self.values(history)?;
+        let turned = |values: Vec<f64>, peak: f64| -> Vec<f64> {
+            let sign = if peak < 0.0 { -1.0 } else { 1.0 };
+            values.into_iter().map(|value| sign * value).collect()
+        };
+        let [across, up] = [turned(across, figures.at), turned(up, figures.peak)];
+        let axis =
+            |name: &str, value: f64| format!("{}{}", if value < 0.0 { "−" } else { "" }, split(name).0);
+        let names = [axis(&self.x, figures.at), axis(&self.y, figures.peak)];
+        let curve = Curve { mean: mean(&across, &up), ..Curve::plain(&self.name, &across, &up) };
+        let chart = Chart {
+            name: &self.name,
+            description: format!(
+                "{} over {}: a peak of {:.3e} {y} at {:.3e} {x}.",
+                names[1],
+                names[0],
+                figures.peak.abs(),
+                figures.at.abs()
+            ),
+            across: Axis { name: &names[0], unit: &x },
+            up: Axis { name: &names[1], unit: &y },
+            logarithmic: false,
+            whole: false,
+            curves: vec![curve],
+        };
+        let name: String = self
+            .name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+            .collect();
+        Some(Plot { name: format!("curve_{name}"), svg: chart.svg() })
+    }
+}
+
+/// The unit of a column. Those of every history have none in their names.
+fn unit_of(name: &str) -> &str {
+    let energies = ["kinetic", "strain", "contact", "friction", "cohesive", "damping", "external", "balance"];
+    match split(name).1 {
+        "" if name == "time" => "s",
+        "" if name.starts_with("crack_length") => "m",
+        "" if name.starts_with("crack_area") => "m²",
+        "" if energies.contains(&name) => "J",
+        unit => unit,
+    }
+}
+
+/// The slope of the straight line with the least squares. `None` for fewer than three points, or if they are one above the other.
+fn slope(points: &[[f64; 2]]) -> Option<f64> {
+    let count = points.len() as f64;
+    let middle = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+    let [x, y] = [middle(0), middle(1)];
+    let squares: f64 = points.iter().map(|point| (point[0] - x) * (point[0] - x)).sum();
+    let products: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
+    (points.len() >= 3 && squares > 0.0).then(|| products / squares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::history::{HistoryWriter, Row};
+
+    fn history(rows: &[[f64; 2]]) -> History {
+        let mut text = Vec::new();
+        let names = ["top uy [m]", "top fy [N]"].map(str::to_owned);
+        let mut writer = HistoryWriter::new(&mut text, 2, &names).unwrap();
+        for (step, row) in (0..).zip(rows) {
+            let row = Row { step, time: 1e-3 * step as f64, values: row.to_vec(), ..Row::default() };
+            writer.row(&row).unwrap();
+        }
+        History::read(&text).unwrap()
+    }
+
+    fn curve() -> HistoryCurve {
+        HistoryCurve {
+            name: "Test 1: load".to_owned(),
+            x: "top uy [m]".to_owned(),
+            y: "top fy [N]".to_owned(),
+            ..HistoryCurve::default()
+        }
+    }
+
+    /// Settling at first, then a straight line, a peak, and softening through the same forces.
+    fn specimen() -> Vec<[f64; 2]> {
+        let force = |u: f64| match u {
+            u if u < 10.0 => 0.5 * u,
+            u if u < 100.0 => 5.0 + 2.0 * (u - 10.0),
+            u => 185.0 - 3.0 * (u - 100.0),
+        };
+        (0..=150).map(|k| [-1e-6 * f64::from(k), -1e3 * force(f64::from(k))]).collect()
+    }
+
+    #[test]
+    fn the_modulus_is_the_slope_before_half_of_the_peak() {
+        let history = history(&specimen());
+        let figures = curve().figures(&history).unwrap();
+        assert_eq!((figures.peak, figures.at, figures.time), (-185e3, -1e-4, 0.1));
+        assert!((figures.modulus.unwrap() / 2e9 - 1.0).abs() < 1e-9, "{figures:?}");
+        assert_eq!(figures.modulus_unit(), "N/m");
+        let stress = HistoryCurve { length: Some(0.1), area: Some(0.05), ..curve() };
+        let figures = stress.figures(&history).unwrap();
+        assert!((figures.peak / -3.7e6 - 1.0).abs() < 1e-12 && (figures.at / -1e-3 - 1.0).abs() < 1e-12);
+        assert!((figures.modulus.unwrap() / 4e9 - 1.0).abs() < 1e-9);
+        assert_eq!((figures.units[0].as_str(), figures.modulus_unit().as_str()), ("m/m", "Pa"));
+        let plot = stress.plot(&history).unwrap();
+        assert_eq!(plot.name, "curve_test_1__load");
+        assert!(plot.svg.contains("MPa") && plot.svg.contains("−top fy"), "{}", plot.svg);
+    }
+
+    #[test]
+    fn curves_without_a_rise_have_no_modulus() {
+        let figures = |rows: &[[f64; 2]]| curve().figures(&history(rows));
+        assert_eq!(figures(&[]), None);
+        assert_eq!(figures(&[[0.0, 0.0], [1.0, 5.0]]).unwrap().modulus, None);
+        let upright = [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0], [1.0, 9.0]];
+        assert_eq!(figures(&upright).unwrap().modulus, None);
+        let gap = figures(&[[0.0, 1.0], [1.0, f64::NAN], [2.0, 0.5]]).unwrap();
+        assert_eq!((gap.peak, gap.at), (1.0, 0.0));
+        let other = HistoryCurve { x: "time".to_owned(), ..curve() };
+        assert_eq!(other.figures(&history(&specimen())).unwrap().modulus_unit(), "N/s");
+        let none = HistoryCurve { x: "nothing".to_owned(), ..curve() };
+        assert_eq!(none.figures(&history(&specimen())), None);
+    }
+}

@@ -1,0 +1,348 @@
+//! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions.
+//!
+//! A probe is a short list of exact sums over what a rank counts, and a rule that makes values of them. Ranks add their sums up before the rule, so that neither ranks nor threads change a
+//! bit.
+
+use fdem_mesh::Mesh;
+
+use crate::ranks::Wire;
+use crate::ranks::wire::wire;
+use crate::simplex::Simplex;
+use crate::simulation::Simulation;
+use crate::solid::corners_of;
+use crate::sum::Sum;
+use crate::topology::NONE;
+use crate::vector::{Point, dot, length, plus, product, product_transposed, transposed};
+
+/// A point may lie outside of its element by this share of the element's height: bodies with curved outlines have straight edges.
+const OUTSIDE: f64 = 0.25;
+
+/// Components of a stress in the plane, which has one across it, and in space.
+const STRESS: [&[&str]; 2] = [&["sxx", "syy", "szz", "sxy"], &["sxx", "syy", "szz", "sxy", "syz", "sxz"]];
+
+/// Components of a strain in the plane and in space.
+const STRAIN: [&[&str]; 2] = [&["exx", "eyy", "exy"], &["exx", "eyy", "ezz", "exy", "eyz", "exz"]];
+
+/// Places in `[xx, yy, zz, xy, yz, xz]` of these components.
+const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]];
+
+/// A point that moves with its body: an element, and the barycentric coordinates of the point in the undeformed element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialPoint<const D: usize = 2, const N: usize = 3> {
+    /// Number of the element.
+    pub element: u32,
+    /// Share of each of its corners in the motion of the point; the sum is 1.
+    pub weights: [f64; N],
+}
+
+wire!([const D: usize, const N: usize] MaterialPoint<D, N> { element, weights });
+
+impl<const D: usize, const N: usize> MaterialPoint<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Finds the point of the undeformed mesh at some coordinates, m, among the elements that are asked for. `None` if the point is outside of all of them by more than a quarter of an
+    /// element. On a common corner or facet it belongs to the element with the lowest number.
+    pub fn at(mesh: &Mesh<D, N>, point: [f64; D], among: impl Fn(u32) -> bool) -> Option<Self> {
+        let mut found: Option<(f64, Self)> = None;
+        for element in (0..mesh.elements.len() as u32).filter(|&element| among(element)) {
+            let weights = corners_of(mesh, element as usize).coordinates(point);
+            // Rounding must not decide between two elements that share the point.
+            let inside = weights.iter().copied().fold(f64::INFINITY, f64::min).min(0.0);
+            if found.is_none_or(|(most, _)| inside > most + 1e-9) {
+                found = Some((inside, Self { element, weights }));
+            }
+        }
+        found.filter(|(inside, _)| *inside >= -OUTSIDE).map(|(_, point)| point)
+    }
+}
+
+/// A quantity of a run at one instant: see [`Simulation::measure`].
+///
+/// Elements, bodies and nodes have their numbers in the mesh. Lists ascend.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Probe<const D: usize = 2, const N: usize = 3> {
+    /// Mean Cauchy stress of these elements, weighted by their undeformed volumes, Pa, tension positive, as it acts at the beginning of the last step: `[xx, yy, zz, xy]` in two dimensions,
+    /// `[xx, yy, zz, xy, yz, xz]` in three.
+    Stress(Vec<u32>),
+    /// Mean Green-Lagrange strain `(FᵀF - 1)/2` of these elements, weighted likewise: `[xx, yy, xy]` in two dimensions, `[xx, yy, zz, xy, yz, xz]` in three. A shear strain is half of the
+    /// change of an angle.
+    Strain(Vec<u32>),
+    /// Mean velocity of these elements, weighted by mass, m/s.
+    Velocity(Vec<u32>),
+    /// Velocity of a point, linear within its element, m/s.
+    PointVelocity(MaterialPoint<D, N>),
+    /// Strain gauge: change of the distance of two points over their distance in the undeformed mesh, `(l - l₀)/l₀`.
+    Gauge {
+        /// The two points.
+        ends: [MaterialPoint<D, N>; 2],
+        /// From the first to the second in the undeformed mesh, m.
+        span: Vec<f64>,
+    },
+    /// Force that the bodies of the first list exert by contact on those of the second, N, at the beginning of the last step. Joints that hold are not contacts.
+    ContactForce([Vec<u32>; 2]),
+    /// Force of all boundaries on these nodes of the mesh, N, at the beginning of the last step.
+    Reaction(Vec<u32>),
+}
+
+impl<const D: usize, const N: usize> Probe<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Names and units of the values: `("sxx", "Pa")`.
+    pub fn columns(&self) -> Vec<(&'static str, &'static str)> {
+        let of = |names: &[&'static str], unit| names.iter().map(|&name| (name, unit)).collect();
+        match self {
+            Self::Stress(_) => of(STRESS[D - 2], "Pa"),
+            Self::Strain(_) => of(STRAIN[D - 2], "m/m"),
+            Self::Velocity(_) | Self::PointVelocity(_) => of(&["vx", "vy", "vz"][..D], "m/s"),
+            Self::Gauge { .. } => of(&["strain"], "m/m"),
+            Self::ContactForce(_) | Self::Reaction(_) => of(&["fx", "fy", "fz"][..D], "N"),
+        }
+    }
+
+    /// The probe in another mesh: `element` and `node` give the numbers there; what is not there is left out. A probe at a point that is not there has no values: they are not numbers.
+    #[must_use]
+    pub fn renumbered(
+        &self,
+        element: impl Fn(u32) -> Option<u32>,
+        node: impl Fn(u32) -> Option<u32>,
+    ) -> Self {
+        let point = |point: &MaterialPoint<D, N>| MaterialPoint {
+            element: element(point.element).unwrap_or(NONE),
+            weights: point.weights,
+        };
+        let elements = |all: &[u32]| all.iter().filter_map(|&number| element(number)).collect();
+        match self {
+            Self::Stress(all) => Self::Stress(elements(all)),
+            Self::Strain(all) => Self::Strain(elements(all)),
+            Self::Velocity(all) => Self::Velocity(elements(all)),
+            Self::PointVelocity(at) => Self::PointVelocity(point(at)),
+            Self::Gauge { ends, span } => Self::Gauge { ends: ends.each_ref().map(point), span: span.clone() },
+            Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
+            Self::Reaction(nodes) => Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect()),
+        }
+    }
+
+    /// Whether it is at a point that is not in the mesh.
+    fn is_gone(&self) -> bool {
+        match self {
+            Self::PointVelocity(point) => point.element == NONE,
+            Self::Gauge { ends, .. } => ends.iter().any(|point| point.element == NONE),
+            _ => false,
+        }
+    }
+
+    /// Whether the values are those at the beginning of the last step, and are known only after the first one.
+    pub fn follows_a_step(&self) -> bool {
+        matches!(self, Self::Stress(_) | Self::ContactForce(_) | Self::Reaction(_))
+    }
+
+    /// Number of sums.
+    fn sums(&self) -> usize {
+        match self {
+            // The last is that of the weights.
+            Self::Stress(_) | Self::Strain(_) => 7,
+            Self::Velocity(_) => D + 1,
+            Self::Gauge { .. } => 2 * D,
+            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => D,
+        }
+    }
+
+    /// The values, from the sums over the whole run.
+    pub(crate) fn values(&self, sums: &[Sum]) -> Vec<f64> {
+        if self.is_gone() {
+            return vec![f64::NAN; self.columns().len()];
+        }
+        let sums: Vec<f64> = sums.iter().map(Sum::value).collect();
+        let mean = |place: usize| sums[place] / sums[sums.len() - 1];
+        let tensor = |zz: bool| (0..6).filter(move |k| D == 3 || [0, 1, 3].contains(k) || zz && *k == 2);
+        match self {
+            Self::Stress(_) => tensor(true).map(mean).collect(),
+            Self::Strain(_) => tensor(false).map(mean).collect(),
+            Self::Velocity(_) => (0..D).map(mean).collect(),
+            Self::Gauge { span, .. } => {
+                let span: Point<D> = std::array::from_fn(|axis| span[axis]);
+                let moved = std::array::from_fn(|axis| sums[D + axis] - sums[axis]);
+                let [before, now] = [length(span), length(plus(span, moved))];
+                // l² - l₀² without the loss of digits in a difference.
+                vec![dot(plus(span, plus(span, moved)), moved) / (before * (before + now))]
+            }
+            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => sums,
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Measures quantities of the run now: the values of each probe, whose names and units are [`Probe::columns`]. Numbers of elements, bodies and nodes that are not in the mesh count for
+    /// nothing.
+    ///
+    /// # Cost
+    /// Proportional to the number of elements, and for contact forces to that of the contacts.
+    pub fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+        probes.iter().map(|probe| probe.values(&self.sums(probe))).collect()
+    }
+
+    /// The sums of a probe over what this rank counts.
+    pub(crate) fn sums(&self, probe: &Probe<D, N>) -> Vec<Sum> {
+        let mut sums = vec![Sum::default(); probe.sums()];
+        let mut add = |terms: &[f64], weight: f64| {
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                sum.add(weight * term);
+            }
+        };
+        match probe {
+            Probe::Stress(elements) => self.weighed(elements, |element, weight| {
+                let stress = self.solid.stress(element);
+                let [a, b, c, d, e, f] = <[[f64; D]; N]>::in_tensor(&stress, self.solid.moduli(element));
+                add(&[a, b, c, d, e, f, 1.0], weight);
+            }),
+            Probe::Strain(elements) => self.weighed(elements, |element, weight| {
+                let [a, b, c, d, e, f] = self.strain(element);
+                add(&[a, b, c, d, e, f, 1.0], weight);
+            }),
+            Probe::Velocity(elements) => self.weighed(elements, |element, weight| {
+                let density = self.model.materials[self.solid.elements[element].material as usize].density;
+                for node in self.solid.nodes_of(element as u32) {
+                    let velocity = self.solid.nodes[node as usize].velocity;
+                    add(&velocity, weight * density);
+                }
+                // The weight is the same at all corners, and a mean does not depend on their number once it is counted.
+                let mut last = [0.0; 4];
+                last[D] = N as f64;
+                add(&last[..=D], weight * density);
+            }),
+            Probe::PointVelocity(point) => {
+                if let Some(velocity) = self.at(point, |node| self.solid.nodes[node].velocity) {
+                    add(&velocity, 1.0);
+                }
+            }
+            Probe::Gauge { ends, .. } => {
+                for (end, point) in ends.iter().enumerate() {
+                    if let Some(moved) = self.at(point, |node| self.solid.displacement(node, &self.model)) {
+                        let mut terms = vec![0.0; 2 * D];
+                        terms[end * D..(end + 1) * D].copy_from_slice(&moved);
+                        add(&terms, 1.0);
+                    }
+                }
+            }
+            Probe::ContactForce([by, on]) => {
+                self.each_contact(|[first, second], force| {
+                    let has = |list: &[u32], element: u32| {
+                        list.binary_search(&self.model.mesh.bodies[element as usize]).is_ok()
+                    };
+                    // The force is that on the first element.
+                    if has(by, second) && has(on, first) {
+                        add(&force, 1.0);
+                    } else if has(by, first) && has(on, second) {
+                        add(&force, -1.0);
+                    }
+                });
+            }
+            Probe::Reaction(nodes) => {
+                let applied = self.loads.applied(&self.solid);
+                let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
+                let own = self.held.iter().copied().filter(|(node, _)| self.solid.share.node(*node as usize));
+                for (node, force) in own.chain(applied) {
+                    let vertex = self.vertex(self.solid.constants[node as usize].vertex);
+                    if nodes.binary_search(&vertex).is_ok() {
+                        add(&force, 1.0);
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// Visits those of these elements that this rank counts, each with its undeformed volume, m³. The weight of one element alone is 1, so that its mean is exact.
+    fn weighed(&self, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
+        for &number in elements {
+            let element = self.topology.element(number);
+            if let Some(element) = element.filter(|&element| self.solid.share.element(element)) {
+                let element = element as usize;
+                let volume = if elements.len() == 1 { 1.0 } else { self.solid.elements[element].volume };
+                visit(element, volume);
+            }
+        }
+    }
+
+    /// Green-Lagrange strain of an element, `[xx, yy, zz, xy, yz, xz]`.
+    fn strain(&self, element: usize) -> [f64; 6] {
+        // The gradient H of the displacement: FᵀF - 1 = H + Hᵀ + HᵀH, without the loss of digits in a difference from 1.
+        let moved = self
+            .solid
+            .nodes_of(element as u32)
+            .map(|node| self.solid.displacement(node as usize, &self.model));
+        let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid.inverse_edges(element));
+        let turned = transposed(&gradient);
+        let squared = product_transposed(&turned, &turned);
+        PLACES.map(
+            |[i, k]| {
+                if i.max(k) >= D { 0.0 } else { 0.5 * (gradient[i][k] + gradient[k][i] + squared[i][k]) }
+            },
+        )
+    }
+
+    /// A quantity of nodes at a point, if this rank counts its element.
+    fn at(&self, point: &MaterialPoint<D, N>, of: impl Fn(usize) -> Point<D>) -> Option<Point<D>> {
+        let element = self.topology.element(point.element)?;
+        if !self.solid.share.element(element) {
+            return None;
+        }
+        let mut sum = [0.0; D];
+        for (node, weight) in self.solid.nodes_of(element).into_iter().zip(point.weights) {
+            crate::vector::add(&mut sum, of(node as usize), weight);
+        }
+        Some(sum)
+    }
+
+    /// Visits the contacts that this rank counts: two elements, and the force on the first, N. Closed cracks and surfaces that touch under initial stress are contacts too.
+    fn each_contact(&self, mut visit: impl FnMut([u32; 2], Point<D>)) {
+        for (elements, force) in self.contacts.pushes() {
+            if self.solid.share.element(elements[0]) {
+                visit(elements, force);
+            }
+        }
+        for contact in self.joints.pressing(&self.solid, &self.topology) {
+            visit(contact.elements, contact.normal);
+            visit(contact.elements, contact.tangential);
+        }
+        for (elements, force) in self.seams.pushes::<N>() {
+            if self.solid.share.element(elements[0]) {
+                visit(elements, force);
+            }
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Wire for Probe<D, N> {
+    fn put(&self, out: &mut Vec<u8>) {
+        match self {
+            Self::Stress(elements) => (0_u8, elements.clone()).put(out),
+            Self::Strain(elements) => (1_u8, elements.clone()).put(out),
+            Self::Velocity(elements) => (2_u8, elements.clone()).put(out),
+            Self::PointVelocity(point) => (3_u8, *point).put(out),
+            Self::Gauge { ends, span } => (4_u8, (*ends, span.clone())).put(out),
+            Self::ContactForce(bodies) => (5_u8, bodies.clone()).put(out),
+            Self::Reaction(nodes) => (6_u8, nodes.clone()).put(out),
+        }
+    }
+
+    fn take(bytes: &mut &[u8]) -> Self {
+        match u8::take(bytes) {
+            0 => Self::Stress(Vec::take(bytes)),
+            1 => Self::Strain(Vec::take(bytes)),
+            2 => Self::Velocity(Vec::take(bytes)),
+            3 => Self::PointVelocity(MaterialPoint::take(bytes)),
+            4 => {
+                let (ends, span) = <([MaterialPoint<D, N>; 2], Vec<f64>)>::take(bytes);
+                Self::Gauge { ends, span }
+            }
+            5 => Self::ContactForce(<[Vec<u32>; 2]>::take(bytes)),
+            _ => Self::Reaction(Vec::take(bytes)),
+        }
+    }
+}

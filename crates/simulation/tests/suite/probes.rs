@@ -1,0 +1,289 @@
+//! Probes: known states give known values, and ranks change no bit.
+
+use crate::common::*;
+use fdem_distributed::{Communicator, threads};
+use fdem_simulation::*;
+
+/// All elements of a mesh.
+fn all<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> Vec<u32> {
+    (0..mesh.elements.len() as u32).collect()
+}
+
+fn point(mesh: &Mesh, at: [f64; 2]) -> MaterialPoint {
+    MaterialPoint::at(mesh, at, |_| true).expect("a point of the mesh")
+}
+
+/// A bar of granite without lateral strain that both ends pull, until it is at rest.
+fn stretched(mesh: Mesh, strain: f64) -> Model {
+    let ends = [0.0, 0.4].map(|end| nodes_where(&mesh, |[x, _]| (x - end).abs() < 1e-12));
+    let [left, right] = ends.map(Target::Nodes);
+    let move_by = |name: &str, target, by: f64| Boundary {
+        name: name.to_owned(),
+        target,
+        load: Load::Displacement([Some(by), None]),
+        schedule: Schedule::Ramp(1e-3),
+    };
+    Model {
+        boundaries: vec![move_by("left", left, 0.0), move_by("right", right, 0.4 * strain)],
+        mesh,
+        materials: vec![granite()],
+        time: TimeOptions { local_damping: 0.5, ..TimeOptions::default() },
+        ..Model::default()
+    }
+}
+
+/// Uniform strain in a bar: the stress is E ε, and a gauge along, across or askew shows the strain.
+#[test]
+fn a_stretched_bar_has_its_strain_and_its_stress() {
+    let strain = 1e-4;
+    let mesh = rectangle([0.0; 2], [0.4, 0.1], 8, 2);
+    let elements = all(&mesh);
+    let gauge = |a: [f64; 2], b: [f64; 2]| Probe::Gauge {
+        ends: [point(&mesh, a), point(&mesh, b)],
+        span: vec![b[0] - a[0], b[1] - a[1]],
+    };
+    let probes = [
+        Probe::Stress(elements.clone()),
+        Probe::Strain(elements.clone()),
+        Probe::Stress(vec![5]),
+        Probe::Strain(vec![5]),
+        Probe::Velocity(elements),
+        gauge([0.03, 0.02], [0.37, 0.02]),
+        gauge([0.2, 0.01], [0.2, 0.09]),
+        gauge([0.1, 0.02], [0.17, 0.09]),
+        Probe::Reaction(nodes_where(&mesh, |[x, _]| x == 0.4)),
+        Probe::Reaction(nodes_where(&mesh, |[x, _]| x == 0.2)),
+    ];
+    let mut run = Simulation::new(stretched(mesh, strain), 1).expect("a model");
+    let before = run.measure(&probes);
+    assert!(before.iter().flatten().all(|value| *value == 0.0), "{before:?}");
+    run.advance(20_000).expect("steps");
+    let found = run.measure(&probes);
+    for (probe, values) in probes.iter().zip(&found) {
+        assert_eq!(probe.columns().len(), values.len());
+    }
+    let near = |value: f64, expected: f64, within: f64| {
+        assert!((value - expected).abs() < within, "{value:e} {expected:e}\n{found:?}");
+    };
+    let stress = 50e9 * strain;
+    for k in [0, 2] {
+        // Poisson's ratio is 0. The law is Hooke's to first order in the strain.
+        near(found[k][0], stress, 1e-3 * stress);
+        found[k][1..].iter().for_each(|&component| near(component, 0.0, 1e-3 * stress));
+    }
+    for k in [1, 3] {
+        // (1 + ε)²/2 - 1/2
+        near(found[k][0], strain + 0.5 * strain * strain, 1e-9);
+        near(found[k][1], 0.0, 1e-8);
+        near(found[k][2], 0.0, 1e-9);
+    }
+    found[4].iter().for_each(|&velocity| near(velocity, 0.0, 1e-6));
+    near(found[5][0], strain, 1e-9);
+    near(found[6][0], 0.0, 1e-8);
+    // Along the diagonal: ε cos² 45°.
+    near(found[7][0], 0.5 * strain, 1e-8);
+    near(found[8][0], 0.1 * stress, 1e-4 * stress);
+    assert_eq!(found[9], [0.0, 0.0], "nothing holds the nodes of the middle");
+}
+
+/// A rigid rotation is no strain, and the mean velocity of a body that turns about its centre is that of the centre.
+#[test]
+fn a_rotation_has_no_strain() {
+    let mesh = rectangle([-0.1; 2], [0.1; 2], 4, 4);
+    let velocities = mesh.nodes.iter().map(|[x, y]| [3.0 - 20.0 * y, 20.0 * x]).collect();
+    let elements = all(&mesh);
+    let probes = [
+        Probe::Velocity(elements.clone()),
+        Probe::PointVelocity(point(&mesh, [0.033, 0.021])),
+        Probe::Strain(elements),
+    ];
+    let model = Model { velocities, mesh, materials: vec![granite()], ..Model::default() };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let found = run.measure(&probes);
+    assert!((found[0][0] - 3.0).abs() < 1e-12 && found[0][1].abs() < 1e-12, "{found:?}");
+    assert!((found[1][0] - (3.0 - 20.0 * 0.021)).abs() < 1e-12, "{found:?}");
+    assert!((found[1][1] - 20.0 * 0.033).abs() < 1e-12, "{found:?}");
+    // A quarter of a turn.
+    let steps = (std::f64::consts::FRAC_PI_2 / 20.0 / run.time_step()) as u64;
+    run.advance(steps).expect("steps");
+    let found = run.measure(&probes);
+    assert!((found[0][0] - 3.0).abs() < 1e-9 && found[0][1].abs() < 1e-9, "{found:?}");
+    assert!(found[2].iter().all(|strain| strain.abs() < 1e-6), "{found:?}");
+}
+
+/// A uniform initial stress is the mean over any elements, in both dimensions.
+#[test]
+fn initial_stress_is_seen() {
+    let mesh = rectangle([0.0; 2], [0.3, 0.2], 5, 4);
+    let stress = [[-3e6, 1e6], [1e6, -2e6]];
+    let count = mesh.elements.len();
+    let model = Model { stresses: vec![stress; count], materials: vec![granite()], mesh, ..Model::default() };
+    let run = Simulation::new(model, 1).expect("a model");
+    let found = run.measure(&[Probe::Stress(vec![3]), Probe::Stress((3..20).collect())]);
+    assert_eq!(found[0], [-3e6, -2e6, 0.0, 1e6]);
+    for (a, b) in found[0].iter().zip(&found[1]) {
+        assert!((a - b).abs() < 1e-8, "{found:?}");
+    }
+
+    let mesh = crate::space::cuboid([0.0; 3], [0.1; 3], [2, 2, 2]);
+    let stress = [[-3e6, 1e6, 0.5e6], [1e6, -2e6, 0.0], [0.5e6, 0.0, -1e6]];
+    let count = mesh.elements.len();
+    let model = Model { stresses: vec![stress; count], materials: vec![granite()], mesh, ..Model::default() };
+    let run = Simulation::new(model, 1).expect("a model");
+    let found = run.measure(&[Probe::Stress(vec![3])]);
+    assert_eq!(found[0], [-3e6, -2e6, -1e6, 1e6, 0.0, 0.5e6]);
+}
+
+/// A block at rest on another: the force between them is its weight, with opposite signs on the two.
+#[test]
+fn a_block_that_rests_presses_with_its_weight() {
+    let mesh =
+        together(&[rectangle([-0.3, -0.1], [0.3, 0.0], 6, 1), rectangle([-0.1, 0.0], [0.1, 0.2], 3, 3)]);
+    let ground = nodes_where(&mesh, |[_, y]| y == -0.1);
+    let model = Model {
+        boundaries: vec![Boundary {
+            name: "ground".to_owned(),
+            target: Target::Nodes(ground.clone()),
+            load: Load::Velocity([Some(0.0); 2]),
+            schedule: Schedule::Constant,
+        }],
+        mesh,
+        materials: vec![Material { youngs_modulus: 1e8, friction: 0.3, ..granite() }],
+        gravity: [0.0, -9.81],
+        gravity_schedule: Schedule::Ramp(0.02),
+        time: TimeOptions { local_damping: 0.7, ..TimeOptions::default() },
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let steps = (0.1 / run.time_step()) as u64;
+    run.advance(steps).expect("steps");
+    let probes = [
+        Probe::ContactForce([vec![1], vec![0]]),
+        Probe::ContactForce([vec![0], vec![1]]),
+        Probe::ContactForce([vec![0], vec![2, 3]]),
+        Probe::Reaction(ground),
+    ];
+    let found = run.measure(&probes);
+    let weight = 2700.0 * 9.81 * 0.2 * 0.2;
+    assert!(
+        (found[0][1] / -weight - 1.0).abs() < 1e-3 && found[0][0].abs() < 1e-3 * weight,
+        "{found:?} {weight}"
+    );
+    assert_eq!(found[1], [-found[0][0], -found[0][1]]);
+    assert_eq!(found[2], [0.0, 0.0]);
+    let whole = weight + 2700.0 * 9.81 * 0.6 * 0.1;
+    assert!((found[3][1] / whole - 1.0).abs() < 1e-3, "{found:?} {whole}");
+}
+
+/// Surfaces that touch under initial stress carry it: the force between two blocks is the stress times their surface.
+#[test]
+fn initial_stress_between_bodies_is_a_contact_force() {
+    let mesh = together(&[rectangle([0.0; 2], [0.2, 0.1], 4, 2), rectangle([0.0, 0.1], [0.2, 0.2], 3, 2)]);
+    let outer = |y: f64| nodes_where(&mesh, |node| (node[1] - y).abs() < 1e-12);
+    let hold = |name: &str, nodes| Boundary {
+        name: name.to_owned(),
+        target: Target::Nodes(nodes),
+        load: Load::Velocity([Some(0.0); 2]),
+        schedule: Schedule::Constant,
+    };
+    let boundaries = vec![hold("bottom", outer(0.0)), hold("top", outer(0.2))];
+    let count = mesh.elements.len();
+    let model = Model {
+        stresses: vec![[[0.0, 0.0], [0.0, -2e6]]; count],
+        boundaries,
+        materials: vec![granite()],
+        mesh,
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    let found = run.measure(&[Probe::ContactForce([vec![1], vec![0]])]);
+    assert!((found[0][1] / -0.4e6 - 1.0).abs() < 1e-9 && found[0][0].abs() < 1e-3, "{found:?}");
+}
+
+/// Points outside of all elements are found up to a quarter of an element away, for outlines that are curved.
+#[test]
+fn points_are_found_near_elements_only() {
+    let mesh = together(&[rectangle([0.0; 2], [0.4, 0.4], 4, 4), rectangle([1.0, 0.0], [1.4, 0.4], 4, 4)]);
+    let at = |point: [f64; 2]| MaterialPoint::at(&mesh, point, |_| true);
+    // A node belongs to the first of its elements.
+    let first = (0..).zip(&mesh.elements).find(|(_, nodes)| nodes.contains(&7)).map(|(element, _)| element);
+    assert_eq!(at(mesh.nodes[7]).map(|point| point.element), first);
+    assert!(at([0.2, 0.42]).is_some() && at([0.2, 0.43]).is_none() && at([0.7, 0.2]).is_none());
+    let weights = at([1.23, 0.41]).expect("near the second body").weights;
+    assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert_eq!(MaterialPoint::at(&mesh, [0.2, 0.2], |element| mesh.bodies[element as usize] == 1), None);
+}
+
+/// Measures a model on ranks, and compares to the last bit.
+macro_rules! same_on_ranks {
+    ($model:expr, $dimensions:literal, $corners:literal, $parts:expr) => {{
+        let model: Model<$dimensions, $corners> = $model;
+        let mesh = &model.mesh;
+        let every_third: Vec<u32> = (0..mesh.elements.len() as u32).step_by(3).collect();
+        let corner = |element: u32| MaterialPoint {
+            element,
+            weights: std::array::from_fn(|k| {
+                [0.1, 0.2, 0.3, 0.4][k] + [0.4, 0.0][$dimensions - 2] * f64::from(u8::from(k == 0))
+            }),
+        };
+        let last = mesh.elements.len() as u32 - 1;
+        let bodies: Vec<u32> = (0..=mesh.bodies.iter().copied().max().unwrap_or(0)).collect();
+        let probes = vec![
+            Probe::Stress(every_third.clone()),
+            Probe::Strain(every_third.clone()),
+            Probe::Velocity(every_third),
+            Probe::Stress(vec![last]),
+            Probe::PointVelocity(corner(last / 2)),
+            Probe::Gauge { ends: [corner(0), corner(last)], span: vec![0.1; $dimensions] },
+            Probe::ContactForce([vec![0], bodies[1..].to_vec()]),
+            Probe::ContactForce([bodies[1..].to_vec(), vec![0]]),
+            Probe::Reaction((0..mesh.nodes.len() as u32).step_by(2).collect()),
+        ];
+        let mut whole = Simulation::new(model.clone(), 2).expect("a model");
+        let mut expected = Vec::new();
+        for &steps in $parts {
+            whole.advance(steps).expect("steps");
+            expected.push(whole.measure(&probes));
+        }
+        for size in [1, 2, 3, 5] {
+            threads::run(size, |communicator: &dyn Communicator| {
+                if communicator.rank() > 0 {
+                    return follow(communicator, 1).expect("threads");
+                }
+                let run = Simulation::new(model.clone(), 1).expect("a model");
+                let mut run = Leader::new(communicator, run, 1).expect("threads");
+                for (steps, expected) in $parts.iter().zip(&expected) {
+                    run.advance(*steps).expect("steps");
+                    assert_eq!(run.measure(&probes), *expected, "{size} ranks, step {}", run.steps());
+                    assert_eq!(run.measure(&probes[..1]), expected[..1]);
+                }
+            });
+        }
+        // A run that is resumed measures the same after its next step.
+        let mut first = Simulation::new(model.clone(), 1).expect("a model");
+        first.advance($parts.iter().sum::<u64>() - 7).expect("steps");
+        let mut resumed = Simulation::resume(model.clone(), first.state(), 1).expect("a state");
+        resumed.advance(7).expect("steps");
+        let found = resumed.measure(&probes);
+        assert_eq!(Some(&found), expected.last());
+        found
+    }};
+}
+
+#[test]
+fn a_crash_is_measured_the_same_on_ranks_and_after_a_resume() {
+    let plane = same_on_ranks!(crate::resume::crash(Insertion::Adaptive), 2, 3, &[1, 299, 700, 200]);
+    let space = same_on_ranks!(crate::space::crash(Insertion::Adaptive), 3, 4, &[1, 399, 200]);
+    for found in [plane, space] {
+        assert!(found.iter().flatten().all(|value| value.is_finite()), "{found:?}");
+        assert!(found[0][0] != 0.0 && found[6].iter().any(|force| *force != 0.0), "{found:?}");
+        let back: Vec<f64> = found[7].iter().map(|force| -force).collect();
+        assert_eq!(found[6], back);
+    }
+}
+
+#[test]
+fn stressed_blocks_are_measured_the_same_on_ranks() {
+    let _ = same_on_ranks!(crate::stress::shaken(Insertion::Adaptive), 2, 3, &[1, 99, 150]);
+}
