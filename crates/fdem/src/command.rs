@@ -40,6 +40,7 @@ mod series_table;
 mod shapes;
 mod summary;
 mod tables;
+mod templates;
 mod validate;
 mod verify;
 

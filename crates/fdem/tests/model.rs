@@ -1,6 +1,7 @@
 //! Model files: what is read, what is refused and how it is told, and the meshes.
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `included`: files that a model includes, and copies of a body.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
@@ -8,6 +9,7 @@
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `space`, `space_warned`: the same in three dimensions.
+//! - `values`: parameters, arithmetic and units.
 //! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
 
@@ -15,6 +17,8 @@
 
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/included.rs"]
+mod included;
 #[path = "model/limits.rs"]
 mod limits;
 #[path = "model/locking.rs"]
@@ -33,6 +37,8 @@ mod refine;
 mod space;
 #[path = "model/space_warned.rs"]
 mod space_warned;
+#[path = "model/values.rs"]
+mod values;
 #[path = "model/warned.rs"]
 mod warned;
 

@@ -118,11 +118,13 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         for (key, vector) in [
             ("translate", body.translate.as_ref()),
             ("velocity", body.velocity.as_ref()),
+            ("spacing", body.spacing.as_ref()),
             ("packing.within.min", within.and_then(|within| within.min.as_ref())),
             ("packing.within.max", within.and_then(|within| within.max.as_ref())),
         ] {
             vectors.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
         }
+        vectors.extend(body.repeat.as_ref().map(|repeat| (table, "repeat".to_owned(), repeat.len(), d)));
         if body.axis.is_some() && d == 2 {
             faults.push(
                 Fault::at(document.key(table, "axis"), "\"axis\" is for models in three dimensions")

@@ -13,7 +13,7 @@ use crate::model::file::vector::Vector;
 pub struct Output {
     /// Time between result files, s, instead of `frames`.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub interval: Option<f64>,
     /// Number of result files after the first, which is of the start, at equal intervals. Default: 50.
     #[serde(default)]
@@ -34,11 +34,11 @@ pub struct Output {
     pub fragments: Option<Vec<String>>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub history_interval: Option<f64>,
     /// Wall-clock time between checkpoints, s. Default: 60.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub checkpoint_interval: Option<f64>,
     /// Steps between checkpoints, instead of `checkpoint_interval`.
     #[serde(default)]
@@ -65,6 +65,7 @@ pub struct History {
     pub name: String,
     /// Displacement and velocity of the node nearest to [x, y] or [x, y, z], m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub node: Option<Vector>,
     /// Body among whose nodes the one nearest to `node` is taken. Default: all bodies.
     #[serde(default)]
@@ -80,6 +81,6 @@ pub struct History {
     pub crack_length: bool,
     /// Time between rows, s. The history is one table with the shortest of all intervals. Default: that of `[output]`.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub interval: Option<f64>,
 }
