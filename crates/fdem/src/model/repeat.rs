@@ -4,7 +4,7 @@ use fdem_io::numbers::grouped;
 use fdem_mesh::bounds;
 
 use crate::model::fault::Problem;
-use crate::model::file::Body;
+use crate::model::file::{Body, Vector};
 use crate::model::limits;
 use crate::model::piece::Piece;
 
@@ -39,7 +39,7 @@ pub(crate) fn count(body: &Body) -> f64 {
 /// The last axis is the fastest in the plane and in space: copies come in the order of their names.
 pub(crate) fn places<const D: usize>(body: &Body, size: [f64; D]) -> Vec<(String, [f64; D])> {
     let Some(repeat) = &body.repeat else { return vec![(String::new(), [0.0; D])] };
-    let spacing = body.spacing.as_ref().map_or(size, |spacing| spacing.components());
+    let spacing = body.spacing.as_ref().map_or(size, Vector::components);
     let counts: [u32; D] = std::array::from_fn(|axis| repeat.get(axis).copied().unwrap_or(1));
     let mut places = vec![(String::new(), [0.0; D])];
     for axis in 0..D {

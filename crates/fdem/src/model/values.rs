@@ -295,7 +295,9 @@ fn alternatives<'s>(
             alternatives(root, inner, unit, found);
         }
     } else if let Some(branches) = branches(schema) {
-        branches.into_iter().for_each(|branch| alternatives(root, branch, unit, found));
+        for branch in branches {
+            alternatives(root, branch, unit, found);
+        }
     } else {
         found.push((schema, unit));
     }

@@ -226,7 +226,8 @@ fn wrong_values_are_told_at_their_place() {
 #[test]
 fn a_chain_of_parameters_has_an_end() {
     let chain = |count: usize| {
-        let lines: String = (0..count).map(|k| format!("p{k} = \"p{}\"\n", k + 1)).collect();
+        let lines: Vec<String> = (0..count).map(|k| format!("p{k} = \"p{}\"\n", k + 1)).collect();
+        let lines = lines.concat();
         PLAIN
             .replacen("[model]", &format!("[parameters]\n{lines}p{count} = 0.05\n[model]"), 1)
             .replace("radius = 0.05", "radius = \"p0\"")

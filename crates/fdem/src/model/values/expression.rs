@@ -22,6 +22,9 @@ const LONGEST: usize = 2000;
 /// Most parentheses, signs and powers inside each other.
 const DEEPEST: u32 = 50;
 
+/// Gives the value of a parameter, with the place of its name in the expression.
+pub(crate) type LookUp<'l> = dyn FnMut(&str, Range<usize>) -> Result<Quantity, Wrong> + 'l;
+
 /// What an expression says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Expression {
@@ -292,10 +295,8 @@ impl<'t> Parser<'t> {
 
     fn scaled(&mut self) -> Result<Expression, Wrong> {
         let value = self.primary()?;
-        let may_have_unit = match self.tokens.get(self.next.wrapping_sub(1)) {
-            Some((Token::Number(_) | Token::Sign(')'), _)) => true,
-            _ => false,
-        };
+        let before = self.tokens.get(self.next.wrapping_sub(1));
+        let may_have_unit = matches!(before, Some((Token::Number(_) | Token::Sign(')'), _)));
         let Some((Token::Name(symbol), at)) = self.peek().filter(|_| may_have_unit) else { return Ok(value) };
         let Some((_, written)) = units::find(symbol) else { return Err(no_unit(symbol, at.clone())) };
         self.next += 1;
@@ -386,10 +387,7 @@ impl Expression {
     ///
     /// # Errors
     /// Names that mean nothing, sums of unlike dimensions, and values that are not finite.
-    pub(crate) fn value(
-        &self,
-        look_up: &mut dyn FnMut(&str, Range<usize>) -> Result<Quantity, Wrong>,
-    ) -> Result<Quantity, Wrong> {
+    pub(crate) fn value(&self, look_up: &mut LookUp<'_>) -> Result<Quantity, Wrong> {
         let finite = |quantity: Quantity, at: &Range<usize>, what: &str| {
             if quantity.number().is_finite() {
                 Ok(quantity)

@@ -226,12 +226,9 @@ fn every_number_of_the_schema_has_a_unit() {
                     wrong.push(path.to_owned());
                 }
             }
-            for inner in
-                [schema.get("items"), schema.get("additionalProperties").filter(|rest| rest.is_object())]
-            {
-                if let Some(inner) = inner {
-                    look(root, inner, unit, path, wrong, count);
-                }
+            let rest = schema.get("additionalProperties").filter(|rest| rest.is_object());
+            for inner in schema.get("items").into_iter().chain(rest) {
+                look(root, inner, unit, path, wrong, count);
             }
             for (key, property) in schema.get("properties").and_then(Value::as_object).into_iter().flatten() {
                 if key != PARAMETERS {
