@@ -41,6 +41,7 @@ pub mod session;
 mod shapes;
 mod summary;
 mod tables;
+mod templates;
 mod validate;
 mod verify;
 

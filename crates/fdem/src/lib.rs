@@ -42,6 +42,9 @@
 //! | the summary and its JSON | `src/command/summary.rs` |
 //! | options for pictures | `src/command/args/drawings.rs`, `src/command/drawings.rs` |
 //! | a key of the model file | `src/model/file.rs` and the files below `src/model/file`; then `BLESS=1 cargo test -p fdem --test docs` |
+//! | expressions, units, parameters | `src/model/values.rs`; the unit of a key is `x-unit` beside it in `src/model/file` |
+//! | included files; copies of a body | `src/model/included.rs`; `src/model/repeat.rs` |
+//! | templates of `fdem new` | `src/command/templates.rs` |
 //! | bounds on numbers, size and memory before meshing | `src/model/limits.rs`, `src/model/far.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
 //! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it |
 //! | joint sets: keys and laws, lines, files of lines | `src/model/joint_sets.rs`, `src/model/joint_lines.rs`, `src/model/polylines.rs` |

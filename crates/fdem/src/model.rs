@@ -5,7 +5,7 @@
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! ```text
-//! text ── document ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
+//! text ── included ── document ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 
 mod document;
@@ -13,6 +13,7 @@ mod fault;
 pub mod file;
 mod partial;
 mod schema;
+mod values;
 
 mod shapes;
 mod limits;
@@ -21,9 +22,11 @@ mod far;
 mod near;
 mod outline;
 mod refine;
+mod repeat;
 mod packing;
 mod mesh_file;
 mod gmsh;
+mod included;
 mod parts;
 mod piece;
 mod placed;
@@ -84,6 +87,7 @@ use dimensions::Ready;
 use document::{Document, Table};
 use fault::nearest;
 use file::{ModelFile, Vector};
+use included::Sources;
 use joint_lines::JointLines;
 pub use joint_sets::Joints;
 use partial::Partial;
@@ -135,7 +139,7 @@ pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, 
     prepare_within(text, name, load, None)
 }
 
-/// The same model file with another `end_time`, s; `None` if it has none.
+/// The same model file with another `end_time`, s; `None` if it has none. A model that includes files may have it from one of them; then it gets one of its own, which wins.
 ///
 /// # Example
 /// ```
@@ -143,10 +147,27 @@ pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, 
 /// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
 /// ```
 pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
-    let document = parse(text).ok()?;
-    let place = document.value_if_any(Table::one("model"), "end_time")?;
+    let (document, faults) = Document::parse(text);
+    if !faults.is_empty() {
+        return None;
+    }
     // A TOML number with an exponent needs no point, and one without has it.
-    Some(format!("{}{seconds:?}{}", &text[..place.start], &text[place.end..]))
+    let number = format!("{seconds:?}");
+    let model = Table::one("model");
+    if let Some(place) = document.value_if_any(model, "end_time") {
+        return Some(format!("{}{number}{}", &text[..place.start], &text[place.end..]));
+    }
+    if !document.has(Table::one("include"), "") {
+        return None;
+    }
+    if !document.has(model, "") {
+        return Some(format!("{text}\n[model]\nend_time = {number}\n"));
+    }
+    // The table has a heading, or its keys are in braces or dotted, where a line cannot be added.
+    let heading = document.value_if_any(model, "")?;
+    let after = heading.end + text[heading.end..].find('\n').unwrap_or(text.len() - heading.end);
+    let changed = format!("{}\nend_time = {number}{}", &text[..after], &text[after..]);
+    text[heading].starts_with('[').then_some(changed)
 }
 
 /// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
@@ -205,23 +226,30 @@ pub fn prepare_any(
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<AnyPrepared, ModelErrors> {
-    prepare_or_faults(text, load, memory).map_err(|faults| ModelErrors::new(name, text, faults))
+    let sources = Sources::gather(text, load);
+    prepare_or_faults(&sources, load, memory)
+        .map_err(|faults| ModelErrors::new(name, &sources.text, faults).with_included(sources.included()))
 }
 
 /// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
 const SOON_MESHED: f64 = 1e5;
 
 fn prepare_or_faults(
-    text: &str,
+    sources: &Sources<'_>,
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<AnyPrepared, Vec<Fault>> {
-    let document = parse(text)?;
-    let mut faults = schema::check(document.root());
-    let partial = if faults.is_empty() { None } else { Partial::read(text, &document, &faults) };
+    let document = parse(&sources.text, sources.parse())?;
+    let evaluated = values::evaluate(&document, &sources.text, schema::evaluated());
+    let document = values::replace(document, &evaluated);
+    let mut faults = evaluated.faults.clone();
+    // An expression without a value is still a text, and needs no second fault.
+    let is_told = |fault: &Fault| evaluated.is_wrong(fault.span.as_ref());
+    faults.extend(schema::check(document.root()).into_iter().filter(|fault| !is_told(fault)));
+    let partial = if faults.is_empty() { None } else { Partial::read(&document, &faults) };
     let file = match &partial {
         Some(partial) => partial.file.clone(),
-        None if faults.is_empty() => deserialize(text)?,
+        None if faults.is_empty() => deserialize(&document)?,
         None => return Err(faults),
     };
     // A file that tells the dimensions is read once.
@@ -251,7 +279,11 @@ fn prepare_or_faults(
     let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
-    let checked = Checked { file: &file, document: &document, elements, materials, interfaces, joint_sets };
+    // Included files may have parameters for other models.
+    let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
+    let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
+    let document = &document;
+    let checked = Checked { file: &file, document, elements, materials, interfaces, joint_sets, warnings };
     if dimensions == 3 {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Space(Box::new(prepared)))
@@ -270,6 +302,8 @@ struct Checked<'a> {
     materials: Vec<Material>,
     interfaces: Vec<Interface>,
     joint_sets: Vec<JointSet>,
+    /// Warnings about the text of the file.
+    warnings: Vec<String>,
 }
 
 impl Checked<'_> {
@@ -284,7 +318,7 @@ impl Checked<'_> {
         [[f64; D]; N]: Dimensions<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self { file, document, elements, materials, interfaces, joint_sets } = self;
+        let Self { file, document, elements, materials, interfaces, joint_sets, mut warnings } = self;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
@@ -305,7 +339,6 @@ impl Checked<'_> {
         faults.extend(bodies::crowded(document, &placed));
         none_or(faults)?;
 
-        let mut warnings = Vec::new();
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
         let mut lost = Vec::new();
         let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
@@ -374,8 +407,10 @@ impl Checked<'_> {
 }
 
 /// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.
-fn parse(text: &str) -> Result<Document<'_>, Vec<Fault>> {
-    let (document, mut faults) = Document::parse(text);
+fn parse<'a>(
+    text: &str,
+    (document, mut faults): (Document<'a>, Vec<Fault>),
+) -> Result<Document<'a>, Vec<Fault>> {
     if faults.is_empty() {
         return Ok(document);
     }
@@ -399,10 +434,10 @@ fn parse(text: &str) -> Result<Document<'_>, Vec<Fault>> {
 }
 
 /// The file as its types have it.
-fn deserialize(text: &str) -> Result<ModelFile, Vec<Fault>> {
+fn deserialize(document: &Document<'_>) -> Result<ModelFile, Vec<Fault>> {
     // The schema check finds what people do wrong; the deserializer reports what it missed.
-    toml::from_str(text).map_err(|error| {
-        let end = text.len();
+    document.read().map_err(|error| {
+        let end = document.root().span().end;
         vec![Fault::at(error.span().unwrap_or(end..end), error.message().to_owned())]
     })
 }

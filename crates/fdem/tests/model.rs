@@ -2,6 +2,7 @@
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
 //! - `joint_sets`: joints in the mesh, and their laws.
+//! - `included`: files that a model includes, and copies of a body.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
@@ -10,6 +11,7 @@
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
 //! - `space`, `space_warned`: the same in three dimensions.
+//! - `values`: parameters, arithmetic and units.
 //! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
 
@@ -19,6 +21,8 @@
 mod examples;
 #[path = "model/joint_sets.rs"]
 mod joint_sets;
+#[path = "model/included.rs"]
+mod included;
 #[path = "model/limits.rs"]
 mod limits;
 #[path = "model/locking.rs"]
@@ -39,6 +43,8 @@ mod refine;
 mod space;
 #[path = "model/space_warned.rs"]
 mod space_warned;
+#[path = "model/values.rs"]
+mod values;
 #[path = "model/warned.rs"]
 mod warned;
 

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::cohesive::{Law, Plane, TooLittle};
 use crate::error::ModelError;
 use crate::forces::ContactForce;
+use crate::joint_sets::common_set;
 use crate::joints::joint::Frame;
 pub(crate) use crate::joints::joint::{Joint, State};
 use crate::joints::near::{Near, Slopes, Weakest};
@@ -662,8 +663,12 @@ where
 }
 
 impl<const D: usize, const N: usize> Model<D, N> {
-    /// Strength of the joints between elements of two materials; `None` if they cannot break.
-    pub fn strength_between(&self, a: u32, b: u32) -> Option<Strength> {
+    /// Strength of the joint between two elements with a common facet: that of its joint set, or else that between their materials; `None` if it cannot break.
+    pub fn strength_of(&self, elements: [u32; 2]) -> Option<Strength> {
+        if let Some(set) = common_set(&self.joint_facets, elements) {
+            return self.joint_sets.get(set as usize).map(|set| set.strength);
+        }
+        let [a, b] = elements.map(|element| self.mesh.materials[element as usize]);
         strength_between(self, a, b).map(|(strength, _)| strength)
     }
 }

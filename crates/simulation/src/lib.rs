@@ -133,8 +133,8 @@ pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
-pub use kept::Kept;
 pub use joint_sets::JointSet;
+pub use kept::Kept;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,

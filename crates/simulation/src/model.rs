@@ -244,17 +244,17 @@ pub enum Schedule {
 #[serde(default, deny_unknown_fields)]
 pub struct ContactOptions {
     /// Penalty of the contact potential over Young's modulus of the softer body. Default: 2.
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub penalty: f64,
     /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
-    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0)))]
+    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "x-unit" = "1")))]
     pub tangential_stiffness: f64,
     /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes, as the
     /// bodies are compressed themselves and the stiff contact between them stores ever less. Default: 0.
-    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "maximum" = 1)))]
+    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1")))]
     pub damping: f64,
     /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub buffer: f64,
 }
 
@@ -285,7 +285,7 @@ pub struct FractureOptions {
     /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face, reaches the strength; "intrinsic" has them everywhere from the start.
     pub insertion: Insertion,
     /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
-    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub joint_penalty: f64,
     /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
     pub critical_opening: CriticalOpening,

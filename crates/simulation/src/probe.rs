@@ -118,9 +118,13 @@ where
             Self::Strain(all) => Self::Strain(elements(all)),
             Self::Velocity(all) => Self::Velocity(elements(all)),
             Self::PointVelocity(at) => Self::PointVelocity(point(at)),
-            Self::Gauge { ends, span } => Self::Gauge { ends: ends.each_ref().map(point), span: span.clone() },
+            Self::Gauge { ends, span } => {
+                Self::Gauge { ends: ends.each_ref().map(point), span: span.clone() }
+            }
             Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
-            Self::Reaction(nodes) => Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect()),
+            Self::Reaction(nodes) => {
+                Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect())
+            }
         }
     }
 

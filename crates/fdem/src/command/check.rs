@@ -67,7 +67,7 @@ impl Problem {
                 .map(|fault| {
                     json!({
                         "message": fault.message,
-                        "file": errors.name,
+                        "file": errors.file(fault),
                         "line": errors.line(fault),
                         "label": fault.span.as_ref().map(|_| &fault.label),
                         "help": fault.help,

@@ -4,15 +4,21 @@ use std::io::Write;
 
 use crate::command::args::NewArguments;
 use crate::command::failure::{Failure, display_name};
-use crate::command::output::Output;
-use crate::model::{STARTER, STARTER_3D};
+use crate::command::output::{Output, print};
+use crate::command::templates::{TEMPLATES, Template};
 
 pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
+    if arguments.list {
+        let line = |template: &Template| format!("{:20} {}\n", template.name, template.about());
+        return print(&TEMPLATES.iter().map(line).collect::<String>());
+    }
     let path = &arguments.name;
     if !arguments.force && path.symlink_metadata().is_ok() {
         return Err(Failure::writing(path, "it is there already; --force replaces it"));
     }
-    let text = if arguments.space { STARTER_3D } else { STARTER };
+    let name =
+        arguments.template.as_deref().unwrap_or(if arguments.space { "starter_3d" } else { "starter" });
+    let text = TEMPLATES.iter().find(|template| template.name == name).map_or("", |template| template.text);
     let mut output = Output::open(Some(path))?;
     output.write(|out| out.write_all(text.as_bytes()))?;
     output.commit()?;

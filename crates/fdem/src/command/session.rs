@@ -208,12 +208,24 @@ pub struct Session<const D: usize, const N: usize> {
     pub run: Simulation<D, N>,
 }
 
+/// Refuses a model with stages: a program changes its run itself.
+fn without_stages<const D: usize, const N: usize>(
+    source: &Source,
+    prepared: &Prepared<D, N>,
+) -> Result<(), String> {
+    if prepared.stages.is_empty() {
+        return Ok(());
+    }
+    Err(format!("{} cannot run here: only `fdem run` goes through the stages of a model", source.name))
+}
+
 impl<const D: usize, const N: usize> Session<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
     State<D, N>: Serialize,
 {
     fn begin(source: &Source, prepared: &Prepared<D, N>, threads: usize) -> Result<Self, String> {
+        without_stages(source, prepared)?;
         let run = Simulation::new(prepared.model.clone(), threads)
             .map_err(|error| format!("{} cannot run: {error}", source.name))?;
         Ok(Self { source: source.clone(), prepared: prepared.clone(), run })
@@ -225,6 +237,7 @@ where
         state: State<D, N>,
         threads: usize,
     ) -> Result<Self, String> {
+        without_stages(source, prepared)?;
         let run = Simulation::resume(prepared.model.clone(), state, threads)
             .map_err(|error| format!("{} cannot go on: {error}", source.name))?;
         Ok(Self { source: source.clone(), prepared: prepared.clone(), run })

@@ -7,7 +7,7 @@ use fdem_mesh::{Mesh, bounds};
 use crate::model::crowded::{self, Filled};
 use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
-use crate::model::fault::Fault;
+use crate::model::fault::{Fault, Problem};
 use crate::model::file::{Body, ModelFile};
 use crate::model::joint_lines::JointLines;
 use crate::model::materials;
@@ -15,7 +15,7 @@ use crate::model::mesh_file::{self, Load, SURFACES};
 use crate::model::piece::Piece;
 use crate::model::placed::Placed;
 use crate::model::shapes::{self, SHAPES, given};
-use crate::model::{far, gmsh, refine};
+use crate::model::{far, gmsh, refine, repeat};
 
 /// Checks bodies before they are meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -85,6 +85,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             let span = document.value(table, &problem.key);
             faults.push(Fault::at(span, problem.message).label("this place").maybe_help(problem.help));
         }
+        if let Some(problem) = repeat::problem(body) {
+            faults.push(Fault::at(document.key(table, &problem.key), problem.message).label("this body"));
+        }
         if let Some(problem) = shapes::problem(body, dimensions) {
             let span = document.value(table, &problem.key);
             faults.push(Fault::at(span, problem.message).label("this shape").maybe_help(problem.help));
@@ -125,11 +128,10 @@ where
         }
         let pieces = <[[f64; D]; N]>::pieces(file, body, joints, load);
         let pieces = pieces.and_then(|pieces| refine::beyond(body, &pieces).map_or(Ok(pieces), Err));
+        let pieces = pieces.and_then(|pieces| named_pieces(body, pieces));
         match pieces {
             Ok(pieces) => {
-                let several = body.packing.is_some();
-                for (number, mut piece) in pieces.into_iter().enumerate() {
-                    place(&mut piece, body);
+                for (suffix, piece) in pieces {
                     let shape = given(body).first().copied().unwrap_or("name");
                     if let Some(problem) =
                         far::problem(shape, &body.name, bounds(piece.nodes.iter().copied()))
@@ -142,13 +144,12 @@ where
                         );
                         break;
                     }
-                    let name =
-                        if several { format!("{}-{}", body.name, number + 1) } else { body.name.clone() };
+                    let name = format!("{}{suffix}", body.name);
                     if !names.insert(name.clone()) {
                         faults.push(
                             Fault::at(
                                 document.value(table, "name"),
-                                format!("there is a body \"{name}\" already: bodies of a packing have its name and a number"),
+                                format!("there is a body \"{name}\" already: copies and bodies of a packing have a name with numbers"),
                             )
                             .label("again"),
                         );
@@ -181,6 +182,26 @@ where
         mesh.materials.extend_from_slice(&piece.materials);
     }
     (mesh, placed, missing)
+}
+
+/// The pieces of a body in their places: bodies of a packing and copies, with what is added to the name of the body.
+fn named_pieces<const D: usize, const N: usize>(
+    body: &Body,
+    pieces: Vec<Piece<D, N>>,
+) -> Result<Vec<(String, Piece<D, N>)>, Problem>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let mut named = Vec::with_capacity(pieces.len());
+    for (number, mut piece) in pieces.into_iter().enumerate() {
+        place(&mut piece, body);
+        match (&body.packing, &body.repeat) {
+            (Some(_), _) => named.push((format!("-{}", number + 1), piece)),
+            (None, Some(_)) => named.extend(repeat::copies(body, &piece)?),
+            (None, None) => named.push((String::new(), piece)),
+        }
+    }
+    Ok(named)
 }
 
 /// Turns the body about the middle of its bounding box, then moves it.

@@ -124,11 +124,13 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         for (key, vector) in [
             ("translate", body.translate.as_ref()),
             ("velocity", body.velocity.as_ref()),
+            ("spacing", body.spacing.as_ref()),
             ("packing.within.min", within.and_then(|within| within.min.as_ref())),
             ("packing.within.max", within.and_then(|within| within.max.as_ref())),
         ] {
             vectors.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
         }
+        vectors.extend(body.repeat.as_ref().map(|repeat| (table, "repeat".to_owned(), repeat.len(), d)));
         if body.axis.is_some() && d == 2 {
             faults.push(
                 Fault::at(document.key(table, "axis"), "\"axis\" is for models in three dimensions")
@@ -176,28 +178,35 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         }
     }
     for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
-        let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
-        let shape = body.and_then(|body| body.packing.as_ref()?.shape);
-        let mut message = String::new();
-        // Writing to a string does not fail.
-        let _ = write!(
-            message,
-            "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
-        );
-        faults.push(Fault::at(document.value(table, &key), message).label(format!("{found} numbers")).help(
-            match shape {
-                Some(file::Piece::Disc) => {
-                    "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned()
-                }
-                Some(file::Piece::Polygon) => {
-                    "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
-                }
-                Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => {
-                    form(if table.name == "history" && key == "stress" { "point" } else { &key }, dimensions)
-                }
-            },
-        ));
+        faults.push(wrong_length(file, document, dimensions, (table, &key), [found, wanted]));
     }
+}
+
+/// The fault of a key with so many numbers that they fit other dimensions.
+fn wrong_length(
+    file: &ModelFile,
+    document: &Document<'_>,
+    dimensions: u8,
+    (table, key): (Table, &str),
+    [found, wanted]: [usize; 2],
+) -> Fault {
+    let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
+    let shape = body.and_then(|body| body.packing.as_ref()?.shape);
+    let mut message = String::new();
+    // Writing to a string does not fail.
+    let _ = write!(
+        message,
+        "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
+    );
+    Fault::at(document.value(table, key), message).label(format!("{found} numbers")).help(match shape {
+        Some(file::Piece::Disc) => "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned(),
+        Some(file::Piece::Polygon) => {
+            "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
+        }
+        Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => {
+            form(if table.name == "history" && key == "stress" { "point" } else { key }, dimensions)
+        }
+    })
 }
 
 /// How a key is written.

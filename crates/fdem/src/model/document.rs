@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -54,6 +55,18 @@ impl<'a> Document<'a> {
 
     pub(crate) fn root(&self) -> &Spanned<DeTable<'a>> {
         &self.root
+    }
+
+    pub(crate) fn root_mut(&mut self) -> &mut Spanned<DeTable<'a>> {
+        &mut self.root
+    }
+
+    /// The file as its types have it.
+    ///
+    /// # Errors
+    /// The first value that does not fit its type.
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, toml::de::Error> {
+        T::deserialize(toml::de::Deserializer::from(self.root.clone()))
     }
 
     /// Whether a key of a table is in the file.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::path::Path;
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Message, Origin, Padding, Renderer, Snippet, Title};
@@ -48,8 +49,10 @@ impl Fault {
 pub struct ModelErrors {
     /// Name of the file, for messages.
     pub name: String,
-    /// Its text, to point into.
+    /// Its text, to point into, with those of the files that it includes.
     pub text: String,
+    /// Names of the included files, and where in `text` they begin, in ascending order.
+    pub included: Vec<(String, usize)>,
     /// Faults in the order of the file.
     pub faults: Vec<Fault>,
 }
@@ -79,7 +82,33 @@ impl ModelErrors {
     pub(crate) fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| fault.span.as_ref().map_or(usize::MAX, |span| span.start));
         faults.dedup();
-        Self { name: name.to_owned(), text: text.to_owned(), faults }
+        Self { name: name.to_owned(), text: text.to_owned(), included: Vec::new(), faults }
+    }
+
+    /// Adds the files that are included, with their paths relative to the folder of the model.
+    pub(crate) fn with_included(self, included: Vec<(String, usize)>) -> Self {
+        let folder = Path::new(&self.name).parent().unwrap_or(Path::new(""));
+        let name = |path: String| folder.join(path).display().to_string();
+        Self { included: included.into_iter().map(|(path, start)| (name(path), start)).collect(), ..self }
+    }
+
+    /// Name of the file that has a fault.
+    pub fn file(&self, fault: &Fault) -> &str {
+        self.source(fault).0
+    }
+
+    /// Name and text of the file that has a fault, and where in all texts it begins.
+    fn source(&self, fault: &Fault) -> (&str, &str, usize) {
+        let starts = || self.included.iter().map(|(_, start)| *start);
+        let place = fault.span.as_ref().map_or(0, |span| span.start);
+        let number = starts().take_while(|start| *start <= place).count();
+        // A line break stands between two texts.
+        let end = starts().nth(number).map_or(self.text.len(), |start| start - 1);
+        let (name, start) = match number.checked_sub(1) {
+            Some(number) => (self.included[number].0.as_str(), self.included[number].1),
+            None => (self.name.as_str(), 0),
+        };
+        (name, self.text.get(start..end).unwrap_or(""), start)
     }
 
     /// Each fault with its lines of the file and a pointer at the key.
@@ -105,22 +134,24 @@ impl ModelErrors {
     fn report(&self, fault: &Fault) -> Group<'static> {
         let title = Level::ERROR.primary_title(broken(&harmless(&fault.message)));
         let help = fault.help.as_ref().map(|help| Level::HELP.message(broken(&harmless(help))));
-        let name = harmless(&self.name);
-        let Some(span) = fault.span.as_ref().map(|span| pointed(&self.text, span)) else {
+        let (name, text, begin) = self.source(fault);
+        let name = harmless(name);
+        let local = fault.span.as_ref().map(|span| span.start - begin..span.end.saturating_sub(begin));
+        let Some(span) = local.map(|span| pointed(text, &span)) else {
             return without_lines(title, Origin::path(name), help);
         };
-        if !is_drawn(&self.text, &span) {
-            let before = &self.text[..span.start];
+        if !is_drawn(text, &span) {
+            let before = &text[..span.start];
             let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
             let place = Origin::path(name).line(line_of(before, before.len())).char_column(column);
             return without_lines(title, place, help);
         }
-        let lines = lines_around(&self.text, &span);
+        let lines = lines_around(text, &span);
         let pointer = AnnotationKind::Primary.span(span.start - lines.start..span.end - lines.start);
-        let first = line_of(&self.text, lines.start);
-        let mut source = harmless(&self.text[lines]);
+        let first = line_of(text, lines.start);
+        let mut source = harmless(&text[lines]);
         // A last line that is empty is drawn if something ends it.
-        if span.start == self.text.len() {
+        if span.start == text.len() {
             source.push('\n');
         }
         // Not folded: the lines around the pointer are shown, too.
@@ -136,7 +167,8 @@ impl ModelErrors {
 
     /// Line of a fault, counted from 1.
     pub fn line(&self, fault: &Fault) -> Option<usize> {
-        Some(line_of(&self.text, fault.span.as_ref()?.start))
+        let (_, text, begin) = self.source(fault);
+        Some(line_of(text, fault.span.as_ref()?.start - begin))
     }
 }
 
@@ -147,7 +179,7 @@ impl fmt::Display for ModelErrors {
             if place > 0 {
                 out.write_str("\n")?;
             }
-            write!(out, "{}", self.name)?;
+            write!(out, "{}", self.file(fault))?;
             if let Some(line) = self.line(fault) {
                 write!(out, ":{line}")?;
             }

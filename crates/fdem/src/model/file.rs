@@ -31,6 +31,12 @@ pub use vector::Vector;
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
+    /// Files whose tables are added to those of this file: "materials.toml", or a list of files. Paths are relative to this file. Where both have the same key of a table that comes once, such as `[model]`, that of this file wins.
+    #[serde(default)]
+    pub include: Option<Include>,
+    /// Numbers with names of your own, for use in all other values: radius = 0.025, or radius = "25 mm". They may use each other.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Parameter>,
     /// Settings of the model as a whole.
     pub model: General,
     /// Bodies. Each is meshed by itself; bodies touch, but share no nodes.
@@ -90,6 +96,26 @@ impl ModelFile {
     ];
 }
 
+/// One file, or several.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Include {
+    /// A file.
+    One(String),
+    /// Several files.
+    Several(Vec<String>),
+}
+
+/// A number, or an expression.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// A number.
+    Number(f64),
+    /// An expression, such as "2*radius" or "25 mm".
+    Expression(String),
+}
+
 /// Settings of the model as a whole.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -106,32 +132,34 @@ pub struct General {
     pub plane: Plane,
     /// In two dimensions: thickness out of the plane, m. Default: 1.
     #[serde(default = "one")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub thickness: f64,
     /// Acceleration of gravity [x, y] or [x, y, z], m/s², such as [0, -9.81] or [0, 0, -9.81], or "none". Default: "none".
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s²"))]
     pub gravity: Gravity,
     /// Time within which gravity grows from 0 to its full value, as half a cosine, s. Gravity that acts at once makes stresses swing to twice their static values. Default: at once.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub gravity_ramp: Option<f64>,
     /// Time at which the run ends, s.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub end_time: f64,
     /// Time step, s, or "auto" (the default): the critical time step times `safety`.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
     pub time_step: TimeStep,
     /// Time step of "auto" over the critical one. Default: 0.8.
     #[serde(default = "safety")]
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub safety: f64,
     /// Local damping (Cundall): a force against the motion of each node, as a share of the force on it. For finding states of rest. Default: 0.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: f64,
     /// Error of the energy balance at which a run stops, as a share of the energy that has been exchanged. Default: 0.05.
     #[serde(default = "energy_bound")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub energy_bound: f64,
 }
 
@@ -189,14 +217,17 @@ impl Default for TimeStep {
 pub struct Initial {
     /// Velocity [x, y] or [x, y, z] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: BTreeMap<String, Vector>,
     /// Stress [xx, yy, xy] or [xx, yy, zz, xy, yz, xz] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing boundaries carry it from the beginning. Default: none.
     #[serde(default)]
     #[schemars(length(min = 3, max = 6))]
+    #[schemars(extend("x-unit" = "Pa"))]
     pub stress: Option<Vec<f64>>,
     /// Change of that stress per metre upwards (y in two dimensions, z in three), Pa/m, with the same components; `stress` is that at height 0. A yy, or zz, of density times gravity carries the weight. Default: none.
     #[serde(default)]
     #[schemars(length(min = 3, max = 6))]
+    #[schemars(extend("x-unit" = "Pa/m"))]
     pub stress_gradient: Option<Vec<f64>>,
     /// Stress of ground at rest under its own weight, besides `stress` and `stress_gradient`. Default: none.
     #[serde(default)]

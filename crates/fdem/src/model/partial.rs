@@ -29,8 +29,8 @@ pub(crate) struct Partial {
 
 impl Partial {
     /// Reads what is right. `faults`: what the schema found.
-    pub(crate) fn read(text: &str, document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
-        let mut root: Toml = toml::from_str(text).ok()?;
+    pub(crate) fn read(document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
+        let mut root: Toml = document.read().ok()?;
         root.retain(|key, _| ModelFile::TABLES.contains(&key));
         let mut reader = Reader { document, broken: Vec::new(), nameless: Vec::new(), faults };
         reader.list::<Material>(&mut root, "material", |_| {

@@ -15,7 +15,7 @@ pub(crate) struct Placed<const D: usize = 2, const N: usize = 3> {
     pub(crate) first: [u32; 2],
 }
 
-/// The bodies that a name means: those of its table, or one piece of a packing.
+/// The bodies that a name means: those of its table, or one piece of a packing, or one copy.
 pub(crate) fn named<const D: usize, const N: usize>(
     placed: &[Placed<D, N>],
     file: &ModelFile,
@@ -39,8 +39,9 @@ pub(crate) fn is_body(file: &ModelFile, name: &str) -> bool {
 }
 
 /// Whether a name is that of a piece of a packing, `heap-12`.
+/// Whether a name is that of a piece of a packing, `heap-12`, or of a copy, `wall-1-2`.
 pub(crate) fn is_piece(body: &str, name: &str) -> bool {
-    name.strip_prefix(body)
-        .and_then(|rest| rest.strip_prefix('-'))
-        .is_some_and(|rest| rest.parse::<u32>().is_ok())
+    name.strip_prefix(body).and_then(|rest| rest.strip_prefix('-')).is_some_and(|rest| {
+        rest.split('-').count() <= 3 && rest.split('-').all(|part| part.parse::<u32>().is_ok())
+    })
 }

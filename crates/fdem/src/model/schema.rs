@@ -4,6 +4,7 @@
 //! deserializer stops at the first.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use fdem_io::numbers::exact;
 use serde_json::{Map, Value};
@@ -14,22 +15,49 @@ use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
 use crate::model::limits::LARGEST;
 
-/// The JSON schema of model files, for editors: keys with descriptions, types, ranges and defaults.
+/// The JSON schema of model files, for editors: keys with descriptions, types, ranges, units and defaults. Where there is a number, there may be an expression.
 pub fn schema() -> Value {
-    let mut schema = schemars::schema_for!(ModelFile).to_value();
-    if let Some(object) = schema.as_object_mut() {
-        object.insert("title".into(), "Model of fdem".into());
-    }
+    let mut schema = evaluated().clone();
+    allow_expressions(&mut schema);
     schema
+}
+
+/// The schema of a file whose expressions have been replaced by their values.
+pub(crate) fn evaluated() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| {
+        let mut schema = schemars::schema_for!(ModelFile).to_value();
+        if let Some(object) = schema.as_object_mut() {
+            object.insert("title".into(), "Model of fdem".into());
+        }
+        schema
+    })
+}
+
+/// Allows text wherever there is a number. Limits of numbers do not apply to text.
+fn allow_expressions(schema: &mut Value) {
+    match schema {
+        Value::Object(object) => {
+            let is_number = |kind: &Value| kind == "number" || kind == "integer";
+            match object.get_mut("type") {
+                Some(Value::Array(kinds)) if kinds.iter().any(is_number) => kinds.push("string".into()),
+                Some(kind) if is_number(kind) => *kind = vec![kind.clone(), "string".into()].into(),
+                _ => {}
+            }
+            object.values_mut().for_each(allow_expressions);
+        }
+        Value::Array(list) => list.iter_mut().for_each(allow_expressions),
+        _ => {}
+    }
 }
 
 /// Finds all unknown keys, all missing keys, and all values of a wrong type or out of range.
 pub(crate) fn check(root: &Spanned<DeTable<'_>>) -> Vec<Fault> {
-    let schema = schema();
-    let mut checker = Checker { schema: &schema, faults: Vec::new() };
+    let schema = evaluated();
+    let mut checker = Checker { schema, faults: Vec::new() };
     // A missing table is reported at the end of the file.
     let end = root.span().end;
-    checker.table(root.get_ref(), end..end, &schema, "the file");
+    checker.table(root.get_ref(), end..end, schema, "the file");
     checker.faults
 }
 
@@ -37,10 +65,6 @@ struct Checker<'s> {
     schema: &'s Value,
     faults: Vec<Fault>,
 }
-
-/// Units whose number is another one in SI units.
-const MULTIPLES: [&str; 14] =
-    ["kPa", "MPa", "GPa", "hPa", "bar", "psi", "mm", "cm", "km", "kN", "MN", "ms", "g/cm", "t/m"];
 
 impl<'s> Checker<'s> {
     /// Follows the references of a schema, and removes the `null` of optional keys, which TOML does not have.
@@ -268,11 +292,10 @@ impl<'s> Checker<'s> {
             branches.iter().filter_map(|branch| words(self.resolve(branch))).flatten().collect();
         if let (DeValue::String(text), false) = (value.get_ref(), known.is_empty()) {
             let near = nearest(text, known).map(|word| format!("did you mean \"{word}\"?"));
-            let number = || branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch)));
             self.faults.push(
                 Fault::at(value.span(), format!("\"{key}\" cannot be \"{text}\": it is {expected}"))
                     .label("unknown word")
-                    .maybe_help(near.or_else(number)),
+                    .maybe_help(near),
             );
             return;
         }
@@ -369,13 +392,13 @@ impl<'s> Checker<'s> {
 }
 
 /// The alternatives of a schema, without `null`.
-fn branches(schema: &Value) -> Option<Vec<&Value>> {
+pub(crate) fn branches(schema: &Value) -> Option<Vec<&Value>> {
     let list = schema.get("anyOf").and_then(Value::as_array)?;
     Some(list.iter().filter(|branch| branch.get("type").and_then(Value::as_str) != Some("null")).collect())
 }
 
 /// The words of an enumeration.
-fn words(schema: &Value) -> Option<Vec<&str>> {
+pub(crate) fn words(schema: &Value) -> Option<Vec<&str>> {
     if let Some(list) = schema.get("enum").and_then(Value::as_array) {
         return Some(list.iter().filter_map(Value::as_str).collect());
     }
@@ -386,7 +409,7 @@ fn words(schema: &Value) -> Option<Vec<&str>> {
     schema.get("const").and_then(Value::as_str).map(|word| vec![word])
 }
 
-fn types(schema: &Value) -> Vec<&str> {
+pub(crate) fn types(schema: &Value) -> Vec<&str> {
     match schema.get("type") {
         Some(Value::String(kind)) => vec![kind],
         Some(Value::Array(kinds)) => {
@@ -432,26 +455,6 @@ fn json_kind(value: &DeValue<'_>) -> &'static str {
 fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
     let wants = |kind: &str| types(schema).contains(&kind);
     match found {
-        DeValue::String(text) if wants("number") || wants("integer") => {
-            let text = text.trim();
-            if text.parse::<f64>().is_ok_and(f64::is_finite) {
-                return Some(format!("a number has no quotes: {text}"));
-            }
-            let point = text.replacen(',', ".", 1);
-            if point != text && point.parse::<f64>().is_ok_and(f64::is_finite) {
-                return Some(format!("no decimal comma, no quotes: {point}"));
-            }
-            let number: String =
-                text.chars().take_while(|c| "+-.eE".contains(*c) || c.is_ascii_digit()).collect();
-            let unit = text[number.len()..].trim_start();
-            number.parse::<f64>().is_ok().then(|| {
-                if MULTIPLES.iter().any(|multiple| unit.starts_with(multiple)) {
-                    "numbers are in SI units, without quotes: 3e6 for 3 MPa, 0.005 for 5 mm".to_owned()
-                } else {
-                    format!("numbers are in SI units, without quotes: {number}")
-                }
-            })
-        }
         DeValue::Table(_) if wants("array") && schema.get("maxItems").is_none() => {
             Some("a table that may come several times has two brackets: [[name]]".to_owned())
         }

@@ -7,7 +7,7 @@ use crate::model::fault::{Fault, Problem};
 use crate::model::file::{Body, ModelFile, Vector};
 use crate::model::limits::{MOST, too_many};
 use crate::model::outline::Point;
-use crate::model::{far, refine, shapes, space};
+use crate::model::{far, refine, repeat, shapes, space};
 
 /// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
 /// so much that their contacts have no room.
@@ -48,7 +48,8 @@ pub(crate) fn check(
         else {
             continue;
         };
-        let elements = elements + refined;
+        let copies = repeat::count(body);
+        let [elements, refined] = [copies * (elements + refined), copies * refined];
         let before = all;
         all += elements;
         if let Some(message) = too_many(before, elements, size, memory) {
@@ -64,8 +65,13 @@ pub(crate) fn check(
             return all;
         }
         if let Some(extent) = flat {
-            boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size: [size; 2] });
-            tables.push(index);
+            let [low, high] = placed(extent.bounds, body);
+            let spacing = [0, 1].map(|axis| high[axis] - low[axis]);
+            for (_, by) in repeat::places(body, spacing) {
+                let bounds = [low, high].map(|corner| [0, 1].map(|axis| corner[axis] + by[axis]));
+                boxes.push(Filled { bounds, elements: elements / copies, size: [size; 2] });
+                tables.push(index);
+            }
         }
     }
     if let Some(([a, b], couples)) = crowded(&boxes) {

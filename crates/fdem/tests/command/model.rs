@@ -273,3 +273,63 @@ fn ranks_without_elements_are_refused() {
     }
     bench.run(&["check", "--schema", "--ranks", "4"]).refused_with(&["--ranks"]);
 }
+
+#[test]
+fn every_template_checks() {
+    let bench = Bench::new();
+    let run = bench.run(&["new", "--list"]).succeeds();
+    assert!(bench.files().is_empty());
+    let names: Vec<&str> = run.stdout.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert!(names.len() >= 17, "{}", run.stdout);
+    for line in run.stdout.lines() {
+        assert!(line.len() > 30, "a template says what it is: {line}");
+    }
+    for name in names {
+        bench.run(&["new", "m.toml", "--force", "--template", name]).succeeds();
+        let run = bench.run(&["check", "m.toml"]).succeeds();
+        assert!(!run.stdout.contains("warning"), "{name}: {}", run.stdout);
+    }
+    bench.run(&["new", "n.toml", "--template", "brasilian_disc"]).refused_with(&["brazilian_disc"]);
+    bench.run(&["new", "n.toml", "--template", "starter", "--3d"]).refused_with(&["--3d"]);
+}
+
+/// A run keeps the files that its model includes, and goes on without those beside the model.
+#[test]
+fn a_run_with_included_files_is_resumed_from_its_folder_alone() {
+    let bench = Bench::new();
+    let text = "include = \"../lib/rock.toml\"\n[model]\nthickness = \"10 cm\"\n[[body]]\nname = \"a\"\nmaterial = \"rock\"\n\
+        rectangle = { min = [0, 0], max = [\"edge\", \"edge\"] }\nmesh_size = \"edge/4\"\nrepeat = [2, 1]\nvelocity = [1, 0]\n";
+    let rock = "include = \"time.toml\"\n[parameters]\nedge = \"1 m\"\n[[material]]\nname = \"rock\"\ndensity = 2500\nyoungs_modulus = \"1 GPa\"\npoissons_ratio = 0.2\n";
+    let time = "[model]\nend_time = \"1 ms\"\n";
+    let write = || {
+        for folder in ["lib", "case"] {
+            std::fs::create_dir(bench.path(folder)).unwrap();
+        }
+        bench.write("case/model.toml", text);
+        bench.write("lib/rock.toml", rock);
+        bench.write("lib/time.toml", time);
+    };
+    write();
+    bench.run(&["run", "-q", "case/model.toml", "--output", "short"]).succeeds();
+    bench.write("lib/time.toml", time.replace('1', "2"));
+    bench.run(&["run", "-q", "case/model.toml", "--output", "long"]).succeeds();
+    for folder in ["lib", "case"] {
+        std::fs::remove_dir_all(bench.path(folder)).unwrap();
+    }
+    bench.run(&["check", "short/model.toml"]).succeeds();
+    bench.run(&["resume", "-q", "short", "--end-time", "2e-3"]).succeeds();
+    let json = |folder: &str| {
+        serde_json::from_str::<serde_json::Value>(&bench.read(&format!("{folder}/run.json"))).unwrap()
+    };
+    let (short, long) = (json("short"), json("long"));
+    assert_eq!(short["status"], "finished");
+    assert!(short["state_hash"].is_string(), "{short}");
+    assert_eq!(short["state_hash"], long["state_hash"]);
+    // A mistake in an included file has its name in JSON.
+    write();
+    bench.write("lib/rock.toml", rock.replace("density", "densty"));
+    let run = bench.run(&["check", "case/model.toml", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((run.code, json["errors"][0]["line"].as_u64()), (Some(2), Some(6)), "{json}");
+    assert_eq!(json["errors"][0]["file"], "case/../lib/rock.toml");
+}

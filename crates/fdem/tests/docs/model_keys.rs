@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
-const ORDER: [(&str, &[&str]); 11] = [
+const ORDER: [(&str, &[&str]); 14] = [
     ("model", &[]),
     (
         "body",
@@ -32,23 +32,27 @@ const ORDER: [(&str, &[&str]); 11] = [
     ("interface", &[]),
     ("joint_set", &[]),
     ("boundary", &[]),
-    ("initial", &[]),
+    ("stage", &[]),
+    ("initial", &["Ground"]),
     ("contact", &[]),
     ("fracture", &[]),
     ("output", &["acoustic_emission", "Field"]),
     ("history", &[]),
     ("curve", &[]),
+    ("parameters", &[]),
 ];
 
 /// The page, in Markdown.
 pub(crate) fn page(schema: &Value) -> String {
     let mut page = String::from(
         "# Every key\n\n\
-         Units are SI, angles in degrees. Keys in **bold** must be there. A test writes this page from the schema that model files are checked against\n\
+         Units are SI, angles in degrees. A number may also be an [expression](parameters.md) in quotes, with another unit. Keys in **bold** must be there. A test writes this page from the schema that model files are checked against\n\
          (`fdem check --schema`), so it is always that of this version.\n",
     );
     let top = schema["properties"].as_object().unwrap();
-    assert_eq!(top.len(), ORDER.len(), "a table of the file is not on the page");
+    // `include` is no table: it stands before them.
+    assert_eq!(top.len(), ORDER.len() + 1, "a table of the file is not on the page");
+    write!(page, "\n## `include`\n\n{}\n", description(&top["include"])).unwrap();
     let mut shown = 0;
     for (name, inner) in ORDER {
         let property = &top[name];
@@ -58,8 +62,10 @@ pub(crate) fn page(schema: &Value) -> String {
         };
         let table = resolved(schema, target);
         write!(page, "\n## `{heading}`\n\n{}\n\n", text(table, property)).unwrap();
-        keys(&mut page, schema, table);
-        shown += 1;
+        if table.get("properties").is_some() {
+            keys(&mut page, schema, table);
+            shown += 1;
+        }
         for name in inner {
             let table = &schema["$defs"][*name];
             write!(page, "\n### {}\n\n{}\n\n", heading_of(name), description(table)).unwrap();
@@ -146,7 +152,7 @@ fn kind(schema: &Value, property: &Value) -> String {
     }
     let range = range(property);
     match type_of(property) {
-        "number" => format!("number{range}"),
+        "number" => format!("number{}{range}", unit(property)),
         "integer" => format!("whole number{range}"),
         "boolean" => "`true` or `false`".to_owned(),
         "string" => "text".to_owned(),
@@ -159,6 +165,15 @@ fn kind(schema: &Value, property: &Value) -> String {
             }
         }
         other => panic!("the page has no word for {other}"),
+    }
+}
+
+/// The unit of a number, if it has one.
+fn unit(property: &Value) -> String {
+    match property.get("x-unit").and_then(Value::as_str) {
+        None | Some("1") => String::new(),
+        Some("deg") => " in degrees".to_owned(),
+        Some(unit) => format!(" in {unit}"),
     }
 }
 

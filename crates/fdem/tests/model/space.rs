@@ -185,9 +185,9 @@ force = [1, 2, 3]
 "
     ));
     let model = &prepared.model;
-    let nodes = |k: usize| match &model.boundaries[k].target {
-        Target::Nodes(nodes) => nodes.iter().map(|&node| model.mesh.nodes[node as usize]).collect::<Vec<_>>(),
-        Target::Facets(_) => panic!("it acts on nodes"),
+    let nodes = |k: usize| {
+        let Target::Nodes(nodes) = &model.boundaries[k].target else { panic!("it acts on nodes") };
+        nodes.iter().map(|&node| model.mesh.nodes[node as usize]).collect::<Vec<_>>()
     };
     assert!(nodes(0).len() > 4 && nodes(0).iter().all(|node| node[2] == 0.0));
     assert!(nodes(1).len() > 4 && nodes(1).iter().all(|node| node[1] == 2.0));

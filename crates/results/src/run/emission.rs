@@ -81,11 +81,11 @@ where
         let common = mesh.elements[a].iter().filter(|node| mesh.elements[b].contains(node));
         let mut place = [0.0; D];
         for &node in common {
-            for axis in 0..D {
-                place[axis] += mesh.nodes[node as usize][axis] / D as f64;
+            for (sum, x) in place.iter_mut().zip(mesh.nodes[node as usize]) {
+                *sum += x / D as f64;
             }
         }
-        let strength = model.strength_between(mesh.materials[a], mesh.materials[b]);
+        let strength = model.strength_of(crack.elements);
         let per_area = strength.map_or(0.0, |strength| match crack.mode {
             Mode::Tension => strength.energy_i,
             Mode::Shear => strength.energy_ii,
@@ -127,9 +127,8 @@ pub fn events<const D: usize>(breaks: &[Break<D>], [distance, window]: [f64; 2])
         while here.time - breaks[oldest].time > window {
             oldest += 1;
         }
-        for before in oldest..now {
-            let apart =
-                (0..D).map(|axis| (here.place[axis] - breaks[before].place[axis]).powi(2)).sum::<f64>();
+        for (before, earlier) in (oldest..now).zip(&breaks[oldest..now]) {
+            let apart = here.place.iter().zip(earlier.place).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
             if apart <= distance * distance {
                 let [a, b] = [root(&mut first, before), root(&mut first, now)];
                 first[a.max(b)] = a.min(b);

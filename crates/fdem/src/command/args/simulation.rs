@@ -7,17 +7,29 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use fdem_results::Field;
 
+use crate::command::templates::TEMPLATES;
+
 /// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fdem new disc.toml && fdem check disc.toml")]
+#[command(
+    after_help = "Examples:\n  fdem new disc.toml && fdem check disc.toml\n  fdem new beam.toml --template three_point_bending"
+)]
 pub(crate) struct NewArguments {
     /// Name of the new file.
     #[arg(value_name = "NAME", default_value = "model.toml")]
     pub(crate) name: PathBuf,
 
     /// A model in three dimensions.
-    #[arg(long = "3d")]
+    #[arg(long = "3d", conflicts_with = "template")]
     pub(crate) space: bool,
+
+    /// Name of the model to write; --list tells them all.
+    #[arg(short, long, value_name = "TEMPLATE", value_parser = templates(), hide_possible_values = true)]
+    pub(crate) template: Option<String>,
+
+    /// List the templates and write nothing.
+    #[arg(long, conflicts_with_all = ["name", "space", "template", "force"])]
+    pub(crate) list: bool,
 
     /// Replace an existing file.
     #[arg(long)]
@@ -125,6 +137,11 @@ fn fields() -> impl TypedValueParser<Value = Field> {
     PossibleValuesParser::new(values).try_map(|key| {
         Field::ALL.into_iter().find(|field| field.key() == key).ok_or("there is no such field")
     })
+}
+
+/// The templates by their names.
+fn templates() -> PossibleValuesParser {
+    PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

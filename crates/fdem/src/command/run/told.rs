@@ -226,4 +226,3 @@ pub(crate) fn curve_in_words(figures: &CurveFigures) -> String {
     };
     format!("{name}: peak {} {y} at {} {x}, {} s; {modulus}", brief(*peak), brief(*at), brief(*time))
 }
-

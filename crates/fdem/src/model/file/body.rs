@@ -19,7 +19,7 @@ pub struct Body {
     pub material: String,
     /// Mean edge of the elements, m. Meshes from files have their own size and take no such key; geometries that Gmsh meshes take it as the longest edge.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub mesh_size: Option<f64>,
     /// Places near which elements are smaller than `mesh_size`: points, lines and boxes, in the coordinates of the shape, before `angle` and `translate`. Default: none.
     #[serde(default)]
@@ -29,15 +29,27 @@ pub struct Body {
     pub seed: u64,
     /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "deg"))]
     pub angle: f64,
     /// In three dimensions: axis [x, y, z] about which the body is turned. Default: [0, 0, 1].
     #[serde(default)]
+    #[schemars(extend("x-unit" = "1"))]
     pub axis: Option<[f64; 3]>,
     /// Translation [x, y] or [x, y, z] after the turn, m. Default: none.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub translate: Option<Vector>,
+    /// Numbers of copies [nx, ny] or [nx, ny, nz] along the axes, the body itself included. Each copy is a body of its own, `wall-1-1`, `wall-1-2`, …, numbered along x, y and z from 1. A name of a body without numbers means all copies. Default: no copies.
+    #[serde(default)]
+    #[schemars(length(min = 2, max = 3), inner(range(min = 1, max = 1_000_000)))]
+    pub repeat: Option<Vec<u32>>,
+    /// Distance [dx, dy] or [dx, dy, dz] between neighbouring copies, m. Default: the size of the bounding box of the body, with which copies touch.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub spacing: Option<Vector>,
     /// Velocity [x, y] or [x, y, z] at the start, m/s. Default: rest.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
     /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges, .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
@@ -96,21 +108,24 @@ pub struct Body {
 pub struct Refine {
     /// A point [x, y] or [x, y, z], m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub point: Option<Vector>,
     /// A chain of lines from point to point, such as [[0, 0], [1, 0]], m.
     #[serde(default)]
     #[schemars(length(min = 2))]
+    #[schemars(extend("x-unit" = "m"))]
     pub line: Option<Vec<Vector>>,
     /// A box along the axes, [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m. A flat one is a face.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box", length(min = 4, max = 6))]
+    #[schemars(extend("x-unit" = "m"))]
     pub block: Option<Vec<f64>>,
     /// Mean edge of the elements there, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub size: f64,
     /// Distance from the place up to which elements have that size, m. Beyond, edges grow by 0.3 m per metre up to `mesh_size`. Default: 0.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0))]
+    #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
     pub reach: f64,
 }
 
@@ -119,8 +134,10 @@ pub struct Refine {
 #[serde(deny_unknown_fields)]
 pub struct Rectangle {
     /// Lower left corner, m.
+    #[schemars(extend("x-unit" = "m"))]
     pub min: [f64; 2],
     /// Upper right corner, m.
+    #[schemars(extend("x-unit" = "m"))]
     pub max: [f64; 2],
     /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
     #[serde(default)]
@@ -133,9 +150,10 @@ pub struct Rectangle {
 pub struct Disc {
     /// Centre [x, y], m. Default: [0, 0].
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub centre: [f64; 2],
     /// Radius, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub radius: f64,
 }
 
@@ -145,12 +163,13 @@ pub struct Disc {
 pub struct Ring {
     /// Centre [x, y], m. Default: [0, 0].
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub centre: [f64; 2],
     /// Radius of the outer circle, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub radius: f64,
     /// Radius of the inner circle, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub inner_radius: f64,
 }
 
@@ -160,8 +179,10 @@ pub struct Ring {
 #[schemars(rename = "Box")]
 pub struct Block {
     /// Least corner [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub min: [f64; 3],
     /// Greatest corner [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub max: [f64; 3],
 }
 
@@ -170,11 +191,13 @@ pub struct Block {
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
     /// Centre of one end [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub from: [f64; 3],
     /// Centre of the other end [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub to: [f64; 3],
     /// Radius, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub radius: f64,
 }
 
@@ -183,14 +206,16 @@ pub struct Cylinder {
 #[serde(deny_unknown_fields)]
 pub struct Tube {
     /// Centre of one end [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub from: [f64; 3],
     /// Centre of the other end [x, y, z], m.
+    #[schemars(extend("x-unit" = "m"))]
     pub to: [f64; 3],
     /// Outer radius, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub radius: f64,
     /// Inner radius, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub inner_radius: f64,
 }
 
@@ -200,9 +225,10 @@ pub struct Tube {
 pub struct Sphere {
     /// Centre [x, y, z], m. Default: [0, 0, 0].
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub centre: [f64; 3],
     /// Radius, m.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub radius: f64,
 }
 
@@ -212,6 +238,7 @@ pub struct Sphere {
 pub struct Polyhedron {
     /// Points [x, y, z], m. Those inside of the others count for nothing.
     #[schemars(length(min = 4))]
+    #[schemars(extend("x-unit" = "m"))]
     pub points: Vec<[f64; 3]>,
 }
 
@@ -223,8 +250,10 @@ pub struct Extrusion {
     pub outline: Outline,
     /// Least z, m. Default: 0.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub from: f64,
     /// Greatest z, m.
+    #[schemars(extend("x-unit" = "m"))]
     pub to: f64,
 }
 
@@ -234,6 +263,7 @@ pub struct Extrusion {
 pub struct Polygon {
     /// Corners [x, y] in their order around the outline, either way round, m. The outline closes by itself.
     #[schemars(length(min = 3))]
+    #[schemars(extend("x-unit" = "m"))]
     pub points: Vec<[f64; 2]>,
     /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
     #[serde(default)]
@@ -245,7 +275,7 @@ pub struct Polygon {
 #[serde(untagged)]
 pub enum Hole {
     /// Corners in their order around the hole, m.
-    Points(#[schemars(length(min = 3))] Vec<[f64; 2]>),
+    Points(#[schemars(length(min = 3), extend("x-unit" = "m"))] Vec<[f64; 2]>),
     /// A circle.
     Disc(Disc),
 }
@@ -332,13 +362,14 @@ pub struct Packing {
     pub count: Option<usize>,
     /// Smallest and largest radius of the circles or spheres around the bodies, m. Copies have that of their shape if there is none, and are scaled to it if there is one.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub radius: Option<[f64; 2]>,
     /// Region that the bodies fill: { min = [x, y], max = [x, y] }, { min = [x, y, z], max = [x, y, z] } or { cylinder = … }.
     #[serde(default)]
     pub within: Option<Region>,
     /// Least distance between the circles or spheres around two bodies, and between these and the sides of the region, m. Default: 0.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0))]
+    #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
     pub gap: f64,
     /// Smallest and largest number of corners of polygons and polyhedra. Default: [5, 8] for polygons, [8, 14] for polyhedra.
     #[serde(default)]
@@ -358,9 +389,11 @@ pub struct Packing {
 pub struct Region {
     /// Least corner [x, y] or [x, y, z] of a rectangle or a box, m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub min: Option<Vector>,
     /// Greatest corner [x, y] or [x, y, z], m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub max: Option<Vector>,
     /// In three dimensions: a cylinder.
     #[serde(default)]

@@ -22,6 +22,7 @@ pub struct Boundary {
     /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the nodes and edges, or faces, inside.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box", length(min = 4, max = 6))]
+    #[schemars(extend("x-unit" = "m"))]
     pub limits: Option<Vec<f64>>,
     /// Physical group of a mesh file: of curves or surfaces, in three dimensions of surfaces or volumes. Flat shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …; those of shapes in space are told with each.
     #[serde(default)]
@@ -32,30 +33,36 @@ pub struct Boundary {
     /// Prescribed velocity [x, y] or [x, y, z], m/s. A component may be "free".
     #[serde(default)]
     #[schemars(length(min = 2, max = 3))]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vec<Component>>,
     /// Prescribed displacement [x, y] or [x, y, z] from the start, m. A component may be "free".
     #[serde(default)]
     #[schemars(length(min = 2, max = 3))]
+    #[schemars(extend("x-unit" = "m"))]
     pub displacement: Option<Vec<Component>>,
     /// Total force [x, y] or [x, y, z], N. Each node gets an equal part.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "N"))]
     pub force: Option<Vector>,
     /// Traction [x, y] or [x, y, z] on edges of the outline, or on outer faces, Pa, in fixed directions.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "Pa"))]
     pub traction: Option<Vector>,
     /// Pressure on edges of the outline, or on outer faces, Pa, against their outward normals.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "Pa"))]
     pub pressure: Option<f64>,
     /// true: edges of the outline, or outer faces, absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
     #[serde(default)]
     pub absorbing: bool,
     /// Time within which the load rises from 0 to its full value, as half a cosine, s.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub ramp: Option<f64>,
     /// Factor of the load over time, [[time, factor], …], s: linear between the entries, constant before the first and after the last.
     #[serde(default)]
     #[schemars(length(min = 1))]
+    #[schemars(extend("x-unit" = ["s", "1"]))]
     pub table: Option<Vec<[f64; 2]>>,
     /// Names of the stages in which it acts. The times of ramp and table begin with the first of them. Default: all.
     #[serde(default)]

@@ -8,15 +8,18 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub struct Ground {
     /// Height of the surface of the ground, m: y in two dimensions, z in three.
+    #[schemars(extend("x-unit" = "m"))]
     pub surface: f64,
     /// Density of the ground, kg/m³. Default: that of the first material.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "kg/m³"))]
     pub density: Option<f64>,
     /// Horizontal over vertical stress: a number, or in three dimensions one along x and one along y.
+    #[schemars(extend("x-unit" = "1"))]
     pub k0: Ratio,
     /// Horizontal stress besides, Pa, tension positive: a number, or in three dimensions one along x and one along y. Default: 0.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "Pa"))]
     pub tectonic: Option<Ratio>,
 }
 

@@ -13,7 +13,7 @@ use crate::model::file::vector::Vector;
 pub struct Output {
     /// Time between result files, s, instead of `frames`.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub interval: Option<f64>,
     /// Number of result files after the first, which is of the start, at equal intervals. Default: 50.
     #[serde(default)]
@@ -37,11 +37,11 @@ pub struct Output {
     pub acoustic_emission: Option<AcousticEmission>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub history_interval: Option<f64>,
     /// Wall-clock time between checkpoints, s. Default: 60.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub checkpoint_interval: Option<f64>,
     /// Steps between checkpoints, instead of `checkpoint_interval`.
     #[serde(default)]
@@ -56,11 +56,11 @@ pub struct Output {
 pub struct AcousticEmission {
     /// Largest distance of two joints that are linked, m. Default: twice the size of a facet, the mean over all that broke.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub distance: Option<f64>,
     /// Largest time between the breaks of two joints that are linked, s. Default: the time in which a shear wave of the slowest material that can break travels `distance`.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub window: Option<f64>,
 }
 
@@ -101,26 +101,30 @@ pub struct History {
     pub name: String,
     /// Displacement and velocity of the node nearest to [x, y] or [x, y, z], m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub node: Option<Vector>,
     /// Name of a body: only its nodes and elements count for `node`, `stress`, `strain`, `velocity`, `gauge` and `reaction`. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
     /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m, of the undeformed bodies, for a "mean": elements whose centroids are inside. Default: no limits.
     #[serde(default, rename = "box")]
-    #[schemars(rename = "box", length(min = 4, max = 6))]
+    #[schemars(extend("x-unit" = "m"), rename = "box", length(min = 4, max = 6))]
     pub limits: Option<Vec<f64>>,
     /// Cauchy stress, Pa, tension positive: of the element at a point [x, y] or [x, y, z] of the undeformed bodies, m, or "mean": the mean over `body` and `box`, weighted by area or volume.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub stress: Option<Measured>,
     /// Green-Lagrange strain, likewise. Its shear components are half of the changes of angles.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub strain: Option<Measured>,
     /// Velocity, m/s: at a point, or "mean", weighted by mass.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub velocity: Option<Measured>,
     /// Strain gauge between two points [[x, y], [x, y]] or [[x, y, z], [x, y, z]] of the undeformed bodies, m: change of their distance over that distance.
     #[serde(default)]
-    #[schemars(length(min = 2, max = 2))]
+    #[schemars(extend("x-unit" = "m"), length(min = 2, max = 2))]
     pub gauge: Option<Vec<Vector>>,
     /// Names of two bodies: the force that the first exerts on the second by contact, N. The name of a packing stands for all of its pieces.
     #[serde(default)]
@@ -140,7 +144,7 @@ pub struct History {
     pub crack_length: bool,
     /// Time between rows, s. The history is one table with the shortest of all intervals. Default: that of `[output]`.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub interval: Option<f64>,
 }
 
@@ -157,10 +161,10 @@ pub struct Curve {
     pub y: String,
     /// Length by which a displacement across is divided, m, so that it is a strain. Default: none.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub length: Option<f64>,
     /// Area by which a force upwards is divided, m², so that it is a stress; in two dimensions width times `thickness`. Default: none.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m²"))]
     pub area: Option<f64>,
 }

@@ -12,17 +12,18 @@ pub struct Stage {
     pub name: String,
     /// Time that the stage takes at most, s. Default: no limit but the end of the run.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub duration: Option<f64>,
     /// Bound at which the stage ends: the kinetic energy over the strain energy, and the largest force on a free node over the largest that an element exerts on one of its nodes, are both below it. It is looked at with each row of the history. Default: none.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub equilibrium: Option<f64>,
     /// Names of bodies that vanish at the beginning of the stage.
     #[serde(default)]
     pub excavate: Vec<String>,
     /// Boxes [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the elements with their centroids inside vanish at the beginning of the stage.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub excavate_boxes: Vec<Vec<f64>>,
     /// Names of bodies that appear at the beginning of the stage, with their `velocity` and without initial stress. Before it they are not there.
     #[serde(default)]
@@ -32,7 +33,7 @@ pub struct Stage {
     pub release: Option<Release>,
     /// Local damping (Cundall) in this stage, in place of that of `[model]`.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: Option<f64>,
 }
 
@@ -41,7 +42,7 @@ pub struct Stage {
 #[serde(untagged)]
 pub enum Release {
     /// Time within which the forces fall to 0, s.
-    Within(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    Within(#[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))] f64),
     /// Times, s, and factors.
-    Table(#[schemars(length(min = 1))] Vec<[f64; 2]>),
+    Table(#[schemars(length(min = 1), extend("x-unit" = ["s", "1"]))] Vec<[f64; 2]>),
 }
