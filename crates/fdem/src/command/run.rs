@@ -4,6 +4,7 @@ mod account;
 pub(crate) mod checkpoint;
 mod emission;
 mod engine;
+mod facts;
 pub(crate) mod folder;
 mod lead;
 mod observer;
@@ -31,12 +32,12 @@ use crate::command::output::print;
 use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared};
 use crate::model::{prepare_any, steps, with_end_time};
-use account::{Account, PARTS, Spent};
+use account::{Account, Spent};
 use checkpoint::{Checkpoint, Unsaved};
 use emission::Emission;
 use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
-use lead::{Lead, in_ranks};
+use lead::Lead;
 use observer::Observer;
 use recorder::Recorder;
 use results::Results;
@@ -572,116 +573,11 @@ where
 
     /// The summary of the run: names and texts of its lines.
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
-        let run = &self.run;
-        let (counts, energies) = (run.counts(), run.energies());
-        let elements = run.elements();
-        let account = self.account();
-        let busy = account.busy();
-        let shares: Vec<String> = PARTS
-            .iter()
-            .zip(account.parts)
-            // One process sends no messages.
-            .filter(|(name, seconds)| **name != "messages" || *seconds > 0.0)
-            .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
-            .collect();
-        let cracks: Vec<String> = ["tension", "shear", "both"]
-            .into_iter()
-            .zip(run.crack_lengths())
-            .filter(|(_, length)| *length > 0.0)
-            .map(|(name, measure)| format!("{} {} by {name}", brief(measure), <[[f64; D]; N]>::CRACKED.1))
-            .collect();
-        let mut facts = vec![
-            ("status", status.to_owned()),
-            (
-                "mesh",
-                format!("{} elements, {} nodes", grouped(elements as u64), grouped(counts.nodes as u64)),
-            ),
-            (
-                "time",
-                format!(
-                    "{} s in {} steps of {} s",
-                    brief(run.time()),
-                    grouped(run.steps()),
-                    brief(run.time_step())
-                ),
-            ),
-            (
-                "cracks",
-                if cracks.is_empty() {
-                    "none".to_owned()
-                } else {
-                    format!("{} joints broken: {}", grouped(counts.broken as u64), cracks.join(", "))
-                },
-            ),
-            ("fragments", in_words(fragments)),
-        ];
-        facts.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
-        facts.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
-        facts.extend([
-            (
-                "energies (J)",
-                energies
-                    .changing()
-                    .map(|term| format!("{} {}", term.key, brief(term.value)))
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            ),
-            (
-                "balance",
-                format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
-            ),
-            (
-                "detection",
-                format!(
-                    "{}, {} contacts at the end",
-                    match account.detections {
-                        1 => "once".to_owned(),
-                        times => format!("{} times", grouped(times)),
-                    },
-                    grouped(counts.contacts as u64)
-                ),
-            ),
-            (
-                "run time",
-                format!(
-                    "{busy:.1} s on {} thread{}: {}",
-                    run.threads(),
-                    if run.threads() == 1 { "" } else { "s" },
-                    shares.join(", ")
-                ),
-            ),
-            (
-                "output",
-                format!(
-                    "{:.1} % of the run ({}, {})",
-                    100.0 * account.share(),
-                    counted(self.frames as u64, "frame"),
-                    counted(account.checkpoints, "checkpoint")
-                ),
-            ),
-        ]);
-        facts.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
-        facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
-        facts
-    }
-}
-
-/// `2 frames` and `1 frame`.
-fn counted(number: u64, what: &str) -> String {
-    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
-}
-
-/// Describes the fragments of the bodies that count.
-fn in_words<const D: usize>(fragments: &Fragments<D>) -> String {
-    let count = fragments.count();
-    let number = grouped(count.number);
-    match fragments.sizes().size(0.5) {
-        Some(half) if count.number > 1 => format!(
-            "{number}, the largest has {:.2} % of the mass; half of the mass passes {} m",
-            100.0 * count.largest,
-            brief(half)
-        ),
-        _ => number,
+        let mut more = Vec::new();
+        more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
+        more.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
+        more.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
+        facts::facts(&self.run, status, &self.account(), self.frames, fragments, more)
     }
 }
 

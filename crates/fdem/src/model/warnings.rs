@@ -63,7 +63,10 @@ where
     [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
 {
     overlaps(ready, unit, warnings);
-    gravity::sudden(ready.model, ready.bodies, warnings);
+    // Ground at rest carries its weight from the beginning.
+    if ready.file.initial.ground.is_none() {
+        gravity::sudden(ready.model, ready.bodies, warnings);
+    }
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
 

@@ -1,7 +1,7 @@
 //! Stages of a run: when one ends, and how the next begins.
 
 use fdem_io::numbers::brief;
-use fdem_simulation::{Change, Energies, Simulation, State};
+use fdem_simulation::{Change, Energies, Schedule, Simulation, State, Target};
 use serde_json::{Value, json};
 
 use crate::command::run::results::Results;
@@ -89,6 +89,19 @@ where
     ) -> Result<(Prepared<D, N>, Simulation<D, N>), String> {
         let mut entered = self.entered.clone();
         entered.begun.push(state.step());
+        if let Some(release) = &self.whole.stages[entered.stage()].release {
+            // What earlier stages have left is released too, from where it is.
+            let now = state.step() as f64 * self.step;
+            for boundary in &mut entered.held {
+                let factor = boundary.schedule.factor(now);
+                if let Target::Held(_, forces) = &mut boundary.target {
+                    for force in forces.as_flattened_mut().as_flattened_mut() {
+                        *force *= factor;
+                    }
+                }
+                boundary.schedule = Schedule::From(now, Box::new(release.clone()));
+            }
+        }
         let wrong = |error: fdem_simulation::ModelError| error.to_string();
         let mut next = self.whole.at(&entered, self.step).map_err(wrong)?;
         let earlier = |element: &u32| {

@@ -1,0 +1,126 @@
+//! The summary at the end of a run.
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_results::Fragments;
+
+use crate::command::run::account::{Account, PARTS};
+use crate::command::run::engine::Engine;
+use crate::command::run::lead::in_ranks;
+use crate::command::run::results::Results;
+
+/// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those of cracks and fragments.
+pub(crate) fn facts<const D: usize, const N: usize>(
+    run: &Engine<'_, D, N>,
+    status: &str,
+    account: &Account,
+    frames: usize,
+    fragments: &Fragments<D>,
+    more: Vec<(&'static str, String)>,
+) -> Vec<(&'static str, String)>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let (counts, energies) = (run.counts(), run.energies());
+    let elements = run.elements();
+    let busy = account.busy();
+    let shares: Vec<String> = PARTS
+        .iter()
+        .zip(account.parts)
+        // One process sends no messages.
+        .filter(|(name, seconds)| **name != "messages" || *seconds > 0.0)
+        .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
+        .collect();
+    let cracks: Vec<String> = ["tension", "shear", "both"]
+        .into_iter()
+        .zip(run.crack_lengths())
+        .filter(|(_, length)| *length > 0.0)
+        .map(|(name, measure)| format!("{} {} by {name}", brief(measure), <[[f64; D]; N]>::CRACKED.1))
+        .collect();
+    let mut facts = vec![
+        ("status", status.to_owned()),
+        ("mesh", format!("{} elements, {} nodes", grouped(elements as u64), grouped(counts.nodes as u64))),
+        (
+            "time",
+            format!(
+                "{} s in {} steps of {} s",
+                brief(run.time()),
+                grouped(run.steps()),
+                brief(run.time_step())
+            ),
+        ),
+        (
+            "cracks",
+            if cracks.is_empty() {
+                "none".to_owned()
+            } else {
+                format!("{} joints broken: {}", grouped(counts.broken as u64), cracks.join(", "))
+            },
+        ),
+        ("fragments", in_words(fragments)),
+    ];
+    facts.extend(more);
+    facts.extend([
+        (
+            "energies (J)",
+            energies
+                .changing()
+                .map(|term| format!("{} {}", term.key, brief(term.value)))
+                .collect::<Vec<_>>()
+                .join(", "),
+        ),
+        (
+            "balance",
+            format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
+        ),
+        (
+            "detection",
+            format!(
+                "{}, {} contacts at the end",
+                match account.detections {
+                    1 => "once".to_owned(),
+                    times => format!("{} times", grouped(times)),
+                },
+                grouped(counts.contacts as u64)
+            ),
+        ),
+        (
+            "run time",
+            format!(
+                "{busy:.1} s on {} thread{}: {}",
+                run.threads(),
+                if run.threads() == 1 { "" } else { "s" },
+                shares.join(", ")
+            ),
+        ),
+        (
+            "output",
+            format!(
+                "{:.1} % of the run ({}, {})",
+                100.0 * account.share(),
+                counted(frames as u64, "frame"),
+                counted(account.checkpoints, "checkpoint")
+            ),
+        ),
+    ]);
+    facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
+    facts
+}
+
+/// `2 frames` and `1 frame`.
+fn counted(number: u64, what: &str) -> String {
+    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
+}
+
+/// Describes the fragments of the bodies that count.
+fn in_words<const D: usize>(fragments: &Fragments<D>) -> String {
+    let count = fragments.count();
+    let number = grouped(count.number);
+    match fragments.sizes().size(0.5) {
+        Some(half) if count.number > 1 => format!(
+            "{number}, the largest has {:.2} % of the mass; half of the mass passes {} m",
+            100.0 * count.largest,
+            brief(half)
+        ),
+        _ => number,
+    }
+}
