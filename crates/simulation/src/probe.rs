@@ -160,7 +160,8 @@ where
         }
         let sums: Vec<f64> = sums.iter().map(Sum::value).collect();
         let mean = |place: usize| sums[place] / sums[sums.len() - 1];
-        let tensor = |zz: bool| (0..6).filter(move |k| D == 3 || [0, 1, 3].contains(k) || zz && *k == 2);
+        let tensor =
+            |zz: bool| (0..6).filter(move |&k| PLACES[k].iter().all(|&axis| axis < D) || zz && k == 2);
         match self {
             Self::Stress(_) => tensor(true).map(mean).collect(),
             Self::Strain(_) => tensor(false).map(mean).collect(),

@@ -23,7 +23,7 @@ macro_rules! example {
 }
 
 /// All templates: those of two dimensions, then those of three.
-pub(crate) const TEMPLATES: [Template; 17] = [
+pub(crate) const TEMPLATES: [Template; 20] = [
     Template { name: "starter", text: STARTER },
     example!("bar_impact", "bar_impact"),
     example!("borehole", "borehole"),
@@ -31,9 +31,12 @@ pub(crate) const TEMPLATES: [Template; 17] = [
     example!("compression", "compression"),
     example!("falling_blocks", "falling_blocks"),
     example!("fragment_heap", "fragment_heap"),
+    example!("jointed_slope", "jointed_slope"),
+    example!("masonry_wall", "masonry_wall"),
     example!("rock_slope", "rock_slope"),
     example!("sliding_block", "sliding_block"),
     example!("three_point_bending", "three_point_bending"),
+    example!("tunnel", "tunnel"),
     Template { name: "starter_3d", text: STARTER_3D },
     example!("brazilian_disc_3d", "space/brazilian_disc"),
     example!("compression_3d", "space/compression"),

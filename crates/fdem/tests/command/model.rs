@@ -1,5 +1,7 @@
 //! Tests of `fdem new` and `fdem check`: output, exit codes, and files beside the model.
 
+use std::path::Path;
+
 use crate::Bench;
 
 #[test]
@@ -280,7 +282,17 @@ fn every_template_checks() {
     let run = bench.run(&["new", "--list"]).succeeds();
     assert!(bench.files().is_empty());
     let names: Vec<&str> = run.stdout.lines().filter_map(|line| line.split(' ').next()).collect();
-    assert!(names.len() >= 17, "{}", run.stdout);
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let models = [examples.clone(), examples.join("space")].map(|folder| {
+        let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+        files.filter(|file| file.extension().is_some_and(|end| end == "toml")).count()
+    });
+    assert_eq!(
+        names.len(),
+        2 + models.iter().sum::<usize>(),
+        "two starters and all examples:\n{}",
+        run.stdout
+    );
     for line in run.stdout.lines() {
         assert!(line.len() > 30, "a template says what it is: {line}");
     }

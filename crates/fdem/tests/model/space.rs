@@ -401,7 +401,7 @@ fn a_mistake_in_a_body_leaves_its_dimensions() {
         ("", "has no shape"),
         (
             "voronoi = { outline = { sphere = { radius = 1 } }, grains = \"many\" }\nmesh_size = 0.5",
-            "\"grains\"",
+            "\"many\" has no value",
         ),
         ("mesh = \"cube.stl\"", "is meshed with surface ="),
         ("mesh = \"cube.stl\"\nmesh_size = 0.5", "is meshed with surface ="),
