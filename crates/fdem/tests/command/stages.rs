@@ -95,7 +95,7 @@ fn a_run_goes_through_its_stages() {
     }
     let history = String::from_utf8(std::fs::read(bench.path("one/history.csv")).unwrap()).unwrap();
     // It ends with its last stage.
-    let end = *column(&history, "time [s]").last().unwrap();
+    let end = *column(&history, "time").last().unwrap();
     assert!((3e-3..4.1e-3).contains(&end), "{end}");
     // Half of the convergence of the whole ring is (1 + ν) p a/(2 E) in infinite rock: 0.7 mm; less so near to sides that are held.
     let crown = column(&history, "crown uy [m]");
@@ -108,8 +108,8 @@ fn a_run_goes_through_its_stages() {
     assert_eq!(summary["status"], "finished");
     let stages = summary["stages"].as_array().unwrap().iter().map(|stage| stage["name"].as_str().unwrap());
     assert_eq!(stages.collect::<Vec<_>>(), ["rest", "excavate", "strike"]);
-    let error = column(&history, "energy error [J]");
-    assert!(error.iter().all(|error| error.abs() < 100.0), "{error:?}");
+    let error = column(&history, "error");
+    assert!(error.iter().all(|error| error.abs() < 1e-3), "{error:?}");
     // It is finished, although its end time is later.
     let again = bench.run(&["resume", "one"]).succeeds();
     assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
@@ -216,7 +216,7 @@ fixed = "xy"
         let history =
             String::from_utf8(std::fs::read(bench.path(&format!("{name}/history.csv"))).unwrap()).unwrap();
         let largest = |column_name: &str| column(&history, column_name).into_iter().fold(0.0, f64::max);
-        let (kinetic, strain) = (largest("kinetic energy [J]"), largest("strain energy [J]"));
+        let (kinetic, strain) = (largest("kinetic"), largest("strain"));
         // (Velocity over wave speed times strain)² is their ratio: 1e-6 of it would be 1e-12.
         assert!(strain > 0.0 && kinetic < 1e-20 * strain, "{name}: {kinetic} {strain}");
     }

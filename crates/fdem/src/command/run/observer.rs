@@ -140,10 +140,11 @@ impl Observer {
 /// The nodes of the boundary whose force a history records, each once.
 fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
-    prepared.model.boundaries[boundary].target.nodes()
+    // It need not act in this stage.
+    prepared.model.boundaries.get(boundary).map_or_else(Vec::new, |boundary| boundary.target.nodes())
 }
 
-/// The mean displacement of some nodes, m.
+/// The mean displacement of some nodes, m; not a number without any.
 fn mean_displacement<const D: usize, const N: usize>(run: &Engine<'_, D, N>, nodes: &[u32]) -> [f64; D]
 where
     [[f64; D]; N]: Results<D, N>,
@@ -152,5 +153,5 @@ where
     for (moved, _) in run.nodes(nodes) {
         sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
     }
-    sum.map(|sum| sum / nodes.len().max(1) as f64)
+    sum.map(|sum| sum / nodes.len() as f64)
 }
