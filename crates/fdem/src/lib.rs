@@ -52,6 +52,7 @@
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
 //! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
+//! | stages of a run | `src/model/stages.rs`, `src/command/run/stages.rs` |
 //! | runs that a program holds, as the Python package does | `src/command/session.rs` |
 //! | histories of probes, curves, acoustic emission | `src/model/probes.rs`, `src/model/curves.rs`, `src/command/run/emission.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
