@@ -215,11 +215,7 @@ impl PyRun {
         vectors: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let nodes = nodes.as_slice()?;
-        match &mut self.0 {
-            AnySession::Plane(session) => session.run.set_velocities(nodes, rows_of(&vectors)?),
-            AnySession::Space(session) => session.run.set_velocities(nodes, rows_of(&vectors)?),
-        }
-        .map_err(wrong)
+        both!(&mut self.0, session => session.run.set_velocities(nodes, rows_of(&vectors)?)).map_err(wrong)
     }
 
     fn set_forces(
@@ -228,11 +224,7 @@ impl PyRun {
         vectors: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let nodes = nodes.as_slice()?;
-        match &mut self.0 {
-            AnySession::Plane(session) => session.run.set_forces(nodes, rows_of(&vectors)?),
-            AnySession::Space(session) => session.run.set_forces(nodes, rows_of(&vectors)?),
-        }
-        .map_err(wrong)
+        both!(&mut self.0, session => session.run.set_forces(nodes, rows_of(&vectors)?)).map_err(wrong)
     }
 
     fn clear_forces(&mut self) {

@@ -235,7 +235,7 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     folder: Folder,
-    /// What is there now.
+    /// Bodies, boundaries and histories of the present stage.
     prepared: Prepared<D, N>,
     /// `None` if the run is one.
     stages: Option<Stages<D, N>>,
@@ -258,7 +258,7 @@ where
     saved: Instant,
     warned: bool,
     quiet: bool,
-    /// What the curves tell, once the run has ended.
+    /// Peaks and moduli of the curves, once the run has ended.
     curves: Vec<CurveFigures>,
     /// Its acoustic emission, likewise.
     emission: Option<Emission>,

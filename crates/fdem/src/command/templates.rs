@@ -9,7 +9,7 @@ pub(crate) struct Template {
 }
 
 impl Template {
-    /// What the model is: the first sentence of its first line.
+    /// Description of the model: the first sentence of its first line.
     pub(crate) fn about(&self) -> &'static str {
         let line = self.text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']);
         line.split_once(". ").map_or(line, |(sentence, _)| sentence).trim_end_matches('.')

@@ -163,13 +163,13 @@ fn nearest(lines: &[Line], place: Point) -> (usize, usize) {
     (order[0], order.get(1).copied().unwrap_or(order[0]))
 }
 
-/// How a body is turned and moved after it is meshed.
+/// Rotation and translation of a body after it is meshed.
 struct Placing {
     middle: Point,
     /// Cosine and sine.
     turn: [f64; 2],
     by: Point,
-    /// Of the body in the model.
+    /// Lower and upper corner of the bounding box of the body in the model, m.
     bounds: [Point; 2],
 }
 

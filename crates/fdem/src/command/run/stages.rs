@@ -12,7 +12,7 @@ pub(crate) struct Stages<const D: usize, const N: usize> {
     /// The model with all that is there in any stage.
     whole: Prepared<D, N>,
     pub(crate) entered: Entered<D>,
-    /// What is there now. Its prepared model is that of the run.
+    /// Bodies, boundaries and histories of the present stage. Its model is that of the run.
     present: Present<D, N>,
     /// Time step, s.
     step: f64,

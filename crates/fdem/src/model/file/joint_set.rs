@@ -22,7 +22,7 @@ pub struct JointSet {
     /// File with lines: CSV with one line or polyline x1,y1,x2,y2,… a row, GeoJSON with `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE` or `LWPOLYLINE`. Coordinates in m.
     #[serde(default)]
     pub file: Option<String>,
-    /// Of a statistical set: mean angle of the joints to the x axis, degrees; joints with a positive one rise to the right.
+    /// Mean angle of the joints of a statistical set to the x axis, degrees. Joints with a positive angle rise to the right.
     #[serde(default)]
     #[schemars(extend("minimum" = -90, "maximum" = 90, "x-unit" = "deg"))]
     pub dip: Option<f64>,

@@ -28,7 +28,7 @@ pub struct Stage {
     /// Names of bodies that appear at the beginning of the stage, with their `velocity` and without initial stress. Before it they are not there.
     #[serde(default)]
     pub activate: Vec<String>,
-    /// How the forces with which vanished bodies, and boundaries that end, held the rest are released: the time within which they fall to 0, s, or a table [[time, factor], …], s from the beginning of the stage. A factor that stays above 0 leaves that share of the forces (the core of a tunnel that is only partly relieved), until a later stage with a `release` lets go of it. Default: at once.
+    /// Release of the forces with which vanished bodies and ended boundaries held the rest: the time within which they fall to 0, s, or a table [[time, factor], …], s from the beginning of the stage. A factor that stays above 0 leaves that share of the forces (the core of a tunnel that is only partly relieved), until a later stage with a `release` lets go of it. Default: at once.
     #[serde(default)]
     pub release: Option<Release>,
     /// Local damping (Cundall) in this stage, in place of that of `[model]`.
