@@ -49,6 +49,7 @@ mod joint_lines;
 mod joint_sets;
 
 mod connected;
+mod conditions;
 mod curves;
 mod joined;
 pub(crate) mod locking;
@@ -69,6 +70,7 @@ use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOption
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+pub use conditions::{Bound, Reached, Servo, Until};
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
 pub(crate) use gmsh::stop as stop_gmsh;
@@ -81,6 +83,7 @@ pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 pub(crate) use stages::Present;
 
+use conditions::Resolved;
 pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
@@ -275,6 +278,7 @@ fn prepare_or_faults(
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     stages::check(&file, &document, &mut found);
+    conditions::check(&file, &document, &mut found);
     check_initial(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
@@ -330,7 +334,7 @@ impl Checked<'_> {
         let (mesh, placed, missing) = bodies::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
-        let stages = if missing.is_empty() {
+        let mut stages = if missing.is_empty() {
             stages::resolve(file, document, &mesh, &placed, &mut found)
         } else {
             Vec::new()
@@ -344,7 +348,13 @@ impl Checked<'_> {
         let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
         none_or(lost)?;
         let mut unknown = Vec::new();
-        let curves = curves::curves::<D>(file, document, &columns::<D, N>(&histories, &probes), &mut unknown);
+        let own = columns::<D, N>(&histories, &probes);
+        let curves = curves::curves::<D>(file, document, &own, &mut unknown);
+        let Resolved { until, of_stages, servos } =
+            conditions::resolve::<D>(file, document, &own, &mut unknown);
+        for (stage, until) in stages.iter_mut().zip(of_stages) {
+            stage.until = until;
+        }
         none_or(unknown)?;
         let mut model = Model {
             velocities: velocities(file, &placed),
@@ -394,8 +404,14 @@ impl Checked<'_> {
             joint_sets,
             output: settings::settings(file, &placed),
             histories,
-            hash: if stages.is_empty() { hash(&model) } else { hash(&(&model, &stages)) },
+            hash: if stages.is_empty() && until.is_none() && servos.is_empty() {
+                hash(&model)
+            } else {
+                hash(&(&model, &stages, &until, &servos))
+            },
             stages,
+            until,
+            servos,
             probes,
             curves,
             model,

@@ -8,8 +8,10 @@ mod compliance;
 mod compression;
 mod debris;
 mod disc;
+mod excavation;
 mod free_crack;
 mod free_shear;
+mod ground;
 mod heaps;
 mod hertz;
 mod hole;
@@ -465,6 +467,43 @@ const CASES: &[Case] = &[
         what: "The disc of case 28 splits between two narrow strips that move towards each other: its strength is that of the material.",
         source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 41",
         run: space::brazilian::run,
+    },
+    Case {
+        number: 33,
+        name: "ground at rest",
+        what: "Ground under its weight, with horizontal stresses of K₀ times the vertical one and a tectonic stress, in the plane and in space. Nothing moves, and base and sides carry the weight and \
+               the thrust.",
+        source: "equilibrium of a layer",
+        run: ground::rest,
+    },
+    Case {
+        number: 34,
+        name: "excavation",
+        what: "A round hole is excavated from a plate under two different stresses, and what the core held is released slowly. The hoop stress along the edge becomes Kirsch's.",
+        source: "G. Kirsch, Z. VDI 42 (1898) 797–807",
+        run: excavation::kirsch,
+    },
+    Case {
+        number: 34,
+        name: "sudden excavation",
+        what: "A round hole is excavated at once from a plate under pressure. Its wall comes to rest at Lamé's displacement, and damping takes half of the released force times its way.",
+        source: "M. D. G. Salamon, J. South. Afr. Inst. Min. Metall. 84 (1984) 74–86",
+        run: excavation::sudden,
+    },
+    Case {
+        number: 35,
+        name: "direct shear of a joint set",
+        what: "Two blocks with a joint of a joint set between them are sheared under three normal stresses. A line through the peaks gives cohesion and friction of the set, one through what is left its \
+               residual friction.",
+        source: "Mohr and Coulomb",
+        run: ground::direct_shear,
+    },
+    Case {
+        number: 36,
+        name: "plane failure",
+        what: "A block lies on a plane with cohesion and friction that dips. Gravity grows until it slides: then the factor of safety of limit equilibrium is 1.",
+        source: "E. Hoek and J. W. Bray, Rock Slope Engineering (1981), ch. 7",
+        run: ground::plane_failure,
     },
 ];
 

@@ -135,7 +135,7 @@ pub enum ModelError {
         /// Name of the boundary.
         boundary: String,
     },
-    /// A run whose caller has set forces, velocities or factors of boundaries cannot be divided among ranks.
+    /// A run whose caller has set forces or velocities cannot be divided among ranks.
     Actions,
     /// There are more corners of elements than can be numbered.
     TooLarge {
@@ -223,7 +223,7 @@ impl fmt::Display for ModelError {
                 write!(out, "boundary '{boundary}' absorbs waves: it has no factor")
             }
             Self::Actions => out.write_str(
-                "forces, velocities or factors of boundaries have been set in this run: it cannot be divided among ranks",
+                "forces or velocities have been set in this run: it cannot be divided among ranks",
             ),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }

@@ -118,7 +118,7 @@ where
         if communicator.rank() == 0 {
             let run = run.as_mut().expect("rank 0 has the run");
             // Otherwise nothing is sent, from which all ranks see that the run is refused.
-            if run.actions.is_empty() {
+            if run.actions.are_factors() {
                 run.watch();
                 bytes = bytes_of(&[Frame::of(run).bytes(), run.carried().bytes()]);
             }
@@ -177,6 +177,14 @@ where
         (self.run, self.links) = (new, messages);
         self.spreads += 1;
         Ok(())
+    }
+
+    /// Sets the factor of a boundary from the next step on: see [`Simulation::set_factor`]. All ranks call it.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::set_factor`], the same on all ranks.
+    pub fn set_factor(&mut self, boundary: usize, factor: Option<f64>) -> Result<(), ModelError> {
+        self.run.set_factor(boundary, factor)
     }
 
     /// Steps done.
@@ -436,6 +444,7 @@ where
             energies: Energies::default(),
             imbalance: f64::INFINITY,
             reactions: Vec::new(),
+            factors: Vec::new(),
             timings: Timings::default(),
             detections: 0,
         };

@@ -2,6 +2,7 @@
 
 mod account;
 pub(crate) mod checkpoint;
+mod earlier;
 mod emission;
 mod engine;
 mod facts;
@@ -30,10 +31,11 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared};
+use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared, Reached};
 use crate::model::{prepare_any, steps, with_end_time};
 use account::{Account, Spent};
 use checkpoint::{Checkpoint, Unsaved};
+use earlier::{Begun, Earlier};
 use emission::Emission;
 use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
@@ -41,7 +43,7 @@ use lead::Lead;
 use observer::Observer;
 use recorder::Recorder;
 use results::Results;
-use stages::Stages;
+use stages::{Known, Stages};
 use told::Told;
 use watch::Watch;
 use writer::{Task, Then, Writer};
@@ -96,15 +98,30 @@ where
     let path = &arguments.model;
     let progress = Progress::new(arguments.options.quiet);
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
-    let (stages, prepared) = Stages::new(prepared, Entered::first()).map_err(unusable)?;
+    let mut prepared = prepared;
+    let earlier = arguments.from.as_deref().map(Earlier::open).transpose()?;
+    let begun = earlier.as_ref().map(|earlier| earlier.begun(&prepared)).transpose().map_err(unusable)?;
+    let mut entered = Entered::first();
+    if let Some(begun) = &begun {
+        begun.apply(&mut prepared.model);
+        entered.begun = vec![begun.step];
+    }
+    let (stages, mut prepared) = Stages::new(prepared, entered).map_err(unusable)?;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&prepared)?;
-        let simulation = Simulation::new(prepared.model.clone(), lead.threads);
-        Ok((preflight, simulation.map_err(|error| error.to_string())?))
+        let (simulation, told) = match earlier {
+            None => (Simulation::new(prepared.model.clone(), lead.threads), Vec::new()),
+            Some(earlier) => {
+                let (model, state, told) = earlier.taken_over(&prepared, lead.threads)?;
+                prepared.model = model.clone();
+                (Simulation::resume(model, state, lead.threads), told)
+            }
+        };
+        Ok((preflight, simulation.map_err(|error| error.to_string())?, told))
     });
-    let (preflight, simulation) = ready.map_err(unusable)?;
+    let (preflight, simulation, taken) = ready.map_err(unusable)?;
     let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
     let simulation = lead.distribute(simulation).map_err(unusable)?;
@@ -114,11 +131,12 @@ where
         (stages, prepared),
         simulation,
         recorder,
-        Earlier { account: Account::default(), intervals },
+        Before { account: Account::default(), intervals, reached: Reached::default(), begun },
         &arguments.options,
         watch,
     )?;
-    for line in preflight.to_string().lines() {
+    let preflight = preflight.to_string();
+    for line in preflight.lines().chain(taken.iter().map(String::as_str)) {
         running.told.say(line);
     }
     running.frame()?;
@@ -177,10 +195,14 @@ where
             display_name(&path)
         )));
     }
-    let Checkpoint::<D, N> { frames, history, intervals, entered, account, state, .. } = checkpoint;
+    let Checkpoint::<D, N> { frames, history, intervals, entered, reached, begun, account, state, .. } =
+        checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
-    let is_over = entered.over;
+    let mut prepared = prepared;
+    if let Some(begun) = &begun {
+        begun.apply(&mut prepared.model);
+    }
     let (stages, prepared) = Stages::new(prepared, entered).map_err(unusable)?;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
     let (simulation, _) = progress
@@ -194,7 +216,7 @@ where
             brief(prepared.end_time)
         )));
     }
-    if (steps == step || is_over) && arguments.options.animate.is_none() && folder.is_finished() {
+    if (steps == step || reached.over) && arguments.options.animate.is_none() && folder.is_finished() {
         return print(&format!(
             "nothing to do: the run in {place} is finished, {} s in {} steps; --end-time makes it longer\n",
             brief(simulation.time()),
@@ -208,9 +230,9 @@ where
         folder.replace_model(text.as_bytes())?;
     }
     let simulation = lead.distribute(simulation).map_err(unusable)?;
-    let earlier = Earlier { account, intervals };
+    let before = Before { account, intervals, reached, begun };
     let mut running =
-        Running::new(folder, (stages, prepared), simulation, recorder, earlier, &arguments.options, watch)?;
+        Running::new(folder, (stages, prepared), simulation, recorder, before, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
 }
@@ -222,11 +244,14 @@ fn default_folder(model: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Account and intervals of the earlier parts of a run.
-struct Earlier {
+/// What a run keeps of its parts before an interruption, besides its state.
+struct Before {
     account: Account,
     /// Time between frames and time between rows of the history, s.
     intervals: [f64; 2],
+    reached: Reached,
+    /// When it has begun from another run.
+    begun: Option<Begun>,
 }
 
 /// A simulation with its folder, its records and its progress.
@@ -239,6 +264,8 @@ where
     prepared: Prepared<D, N>,
     /// `None` if the run is one.
     stages: Option<Stages<D, N>>,
+    /// How far the conditions that end the run and the stage have come.
+    reached: Reached,
     run: Engine<'c, D, N>,
     observer: Observer,
     /// Rows of the history on their way to the writer.
@@ -248,7 +275,7 @@ where
     frames: usize,
     told: Told,
     watch: Watch,
-    earlier: Earlier,
+    before: Before,
     /// Steps of the whole run.
     total: u64,
     /// Steps between frames and between rows of the history.
@@ -281,7 +308,7 @@ where
         (stages, mut prepared): (Option<Stages<D, N>>, Prepared<D, N>),
         run: Engine<'c, D, N>,
         recorder: Recorder<D, N>,
-        earlier: Earlier,
+        before: Before,
         options: &RunOptions,
         watch: Watch,
     ) -> Result<Self, Failure> {
@@ -297,6 +324,7 @@ where
             observer: Observer::new(&prepared)?,
             prepared,
             stages,
+            reached: before.reached,
             run,
             rows: Vec::new(),
             frames: recorder.frames(),
@@ -304,8 +332,8 @@ where
             told,
             watch,
             total,
-            every: earlier.intervals.map(|interval| interval / step),
-            earlier,
+            every: before.intervals.map(|interval| interval / step),
+            before,
             spent: Spent::default(),
             saved: Instant::now(),
             warned: false,
@@ -385,6 +413,9 @@ where
 
     fn steps(&mut self) -> Result<End, Failure> {
         let mut slice = 1;
+        if self.run.steps() == 0 {
+            self.control(true)?;
+        }
         while self.run.steps() < self.total && !self.is_over() {
             let step = self.run.steps();
             let [frame, row] = self.every.map(|every| next(step, every));
@@ -395,7 +426,9 @@ where
             let opening = (step == 0).then(|| self.observer.values(&self.run, &self.prepared));
             // The first slice is one step, because the initial forces and energies are known after it.
             let stage = self.stages.as_ref().map_or(u64::MAX, Stages::end);
-            let stop = frame.min(row).min(checkpoint).min(stage).min(self.total).min(step + slice);
+            let control = self.next_control(step);
+            let stop =
+                frame.min(row).min(checkpoint).min(stage).min(control).min(self.total).min(step + slice);
             let start = Instant::now();
             if let Err(stop) = self.run.advance(stop - step) {
                 return Ok(End::Stopped(stop));
@@ -406,15 +439,25 @@ where
             if let Some(values) = opening {
                 self.rows.push(self.observer.first_row(&self.run, &self.prepared, values));
             }
+            let mut numbers = None;
             if step == row || step == self.total {
-                self.rows.push(self.observer.row(&self.run, &self.prepared));
+                let present = self.observer.row(&self.run, &self.prepared);
+                numbers = (step == row).then(|| present.numbers());
+                self.rows.push(present);
                 self.offer_rows()?;
             }
             self.spent.output += start.elapsed();
             if step == frame || step == self.total {
                 self.frame()?;
             }
-            self.go_through_stages(step == row)?;
+            self.go_through_stages(numbers.as_deref())?;
+            self.end_if_met(numbers.as_deref());
+            if self.is_over() && step != frame && step != self.total {
+                self.frame()?;
+            }
+            if step == control {
+                self.control(false)?;
+            }
             let due = match self.prepared.output.checkpoint {
                 When::Steps(_) => step == checkpoint,
                 // It may come later, so that the steps need not wait for a writer that is behind, but not by more than another interval.
@@ -436,15 +479,51 @@ where
         Ok(End::Finished)
     }
 
-    /// Whether the last stage is over, and with it the run.
+    /// Whether the run is over before its end time.
     fn is_over(&self) -> bool {
-        self.stages.as_ref().is_some_and(|stages| stages.entered.over)
+        self.reached.over
     }
 
-    /// Ends the stage if it is over, and begins the next. `known`: whether the energies are those of the last step.
-    fn go_through_stages(&mut self, known: bool) -> Result<(), Failure> {
+    /// Ends the run if its condition is met by a row of the history.
+    fn end_if_met(&mut self, row: Option<&[f64]>) {
+        let (Some(until), Some(row)) = (&self.prepared.until, row) else { return };
+        if let Some(why) = until.met(row, &mut self.reached.peaks[0]) {
+            self.reached.over = true;
+            self.told.say(&format!("the run ends at {} s: {why}", brief(self.run.time())));
+        }
+    }
+
+    /// The first step after this one at which a servo looks at its column.
+    fn next_control(&self, step: u64) -> u64 {
+        let steps = self.prepared.servos.iter().map(|servo| u64::from(servo.steps));
+        steps.map(|steps| (step / steps + 1).saturating_mul(steps)).min().unwrap_or(u64::MAX)
+    }
+
+    /// Sets the velocities of the servos that look at their columns now, or of `all`.
+    fn control(&mut self, all: bool) -> Result<(), Failure> {
+        let step = self.run.steps();
+        let mut values = None;
+        for servo in &self.prepared.servos {
+            if !all && step % u64::from(servo.steps) != 0 {
+                continue;
+            }
+            let values =
+                values.get_or_insert_with(|| self.observer.values(&self.run, &self.prepared).concat());
+            let schedule = &self.prepared.model.boundaries[servo.boundary].schedule;
+            let factor = servo.factor(values[servo.place], schedule.factor(self.run.time()));
+            self.run.set_factor(servo.boundary, factor).map_err(Failure::Wrong)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the stage if it is over, and begins the next. `row`: a row of the history of this step, if there is one.
+    fn go_through_stages(&mut self, row: Option<&[f64]>) -> Result<(), Failure> {
         let Some(stages) = &mut self.stages else { return Ok(()) };
-        let known = known.then(|| (self.run.energies(), self.run.imbalance()));
+        let peak = &mut self.reached.peaks[1];
+        let known = row.map(|row| {
+            let (energies, imbalance) = (self.run.energies(), self.run.imbalance());
+            Known { energies, imbalance, row, peak }
+        });
         let Some(over) = stages.is_over(self.run.steps(), known) else { return Ok(()) };
         let ended = format!(
             "stage \"{}\" ends at {} s: {}",
@@ -453,7 +532,7 @@ where
             over.in_words()
         );
         if stages.is_last() {
-            stages.entered.over = true;
+            self.reached.over = true;
             self.told.say(&ended);
             return Ok(());
         }
@@ -465,6 +544,8 @@ where
         prepared.output.animate = self.prepared.output.animate;
         self.prepared = prepared;
         self.observer = Observer::new(&self.prepared)?;
+        self.reached.peaks[1] = 0.0;
+        self.control(true)?;
         self.hand(Then::Outlines(<[[f64; D]; N]>::outlines(&self.prepared)))?;
         self.told.say(&ended);
         self.told.say(&format!("{now} with {} elements", grouped(self.run.elements() as u64)));
@@ -535,7 +616,7 @@ where
     /// The account of the whole run until now.
     fn account(&self) -> Account {
         let detections = self.run.counts().detections;
-        self.earlier.account.and(self.run.timings(), detections, self.told.elapsed(), &self.spent)
+        self.before.account.and(self.run.timings(), detections, self.told.elapsed(), &self.spent)
     }
 
     /// Warns once of contacts that are too soft.
@@ -564,7 +645,9 @@ where
     fn state(&self) -> Unsaved<D, N> {
         Unsaved {
             model: self.prepared.hash.clone(),
-            intervals: self.earlier.intervals,
+            intervals: self.before.intervals,
+            reached: self.reached,
+            begun: self.before.begun.clone(),
             entered: self.stages.as_ref().map(|stages| stages.entered.clone()).unwrap_or_default(),
             account: self.account(),
             state: self.run.state(),

@@ -208,15 +208,21 @@ pub struct Session<const D: usize, const N: usize> {
     pub run: Simulation<D, N>,
 }
 
-/// Refuses a model with stages: a program changes its run itself.
-fn without_stages<const D: usize, const N: usize>(
+/// Refuses a model that changes in the run: a program changes its run itself.
+fn unchanging<const D: usize, const N: usize>(
     source: &Source,
     prepared: &Prepared<D, N>,
 ) -> Result<(), String> {
-    if prepared.stages.is_empty() {
+    let only = if !prepared.stages.is_empty() {
+        "goes through the stages of a model"
+    } else if !prepared.servos.is_empty() {
+        "moves servos; a program sets the factor of a boundary"
+    } else if prepared.until.is_some() {
+        "ends at an `until`; a program looks at the history itself"
+    } else {
         return Ok(());
-    }
-    Err(format!("{} cannot run here: only `fdem run` goes through the stages of a model", source.name))
+    };
+    Err(format!("{} cannot run here: only `fdem run` {only}", source.name))
 }
 
 impl<const D: usize, const N: usize> Session<D, N>
@@ -225,7 +231,7 @@ where
     State<D, N>: Serialize,
 {
     fn begin(source: &Source, prepared: &Prepared<D, N>, threads: usize) -> Result<Self, String> {
-        without_stages(source, prepared)?;
+        unchanging(source, prepared)?;
         let run = Simulation::new(prepared.model.clone(), threads)
             .map_err(|error| format!("{} cannot run: {error}", source.name))?;
         Ok(Self { source: source.clone(), prepared: prepared.clone(), run })
@@ -237,7 +243,7 @@ where
         state: State<D, N>,
         threads: usize,
     ) -> Result<Self, String> {
-        without_stages(source, prepared)?;
+        unchanging(source, prepared)?;
         let run = Simulation::resume(prepared.model.clone(), state, threads)
             .map_err(|error| format!("{} cannot go on: {error}", source.name))?;
         Ok(Self { source: source.clone(), prepared: prepared.clone(), run })

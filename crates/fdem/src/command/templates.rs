@@ -23,7 +23,7 @@ macro_rules! example {
 }
 
 /// All templates: those of two dimensions, then those of three.
-pub(crate) const TEMPLATES: [Template; 20] = [
+pub(crate) const TEMPLATES: [Template; 21] = [
     Template { name: "starter", text: STARTER },
     example!("bar_impact", "bar_impact"),
     example!("borehole", "borehole"),
@@ -33,6 +33,7 @@ pub(crate) const TEMPLATES: [Template; 20] = [
     example!("fragment_heap", "fragment_heap"),
     example!("jointed_slope", "jointed_slope"),
     example!("masonry_wall", "masonry_wall"),
+    example!("ring_on_plate", "ring_on_plate"),
     example!("rock_slope", "rock_slope"),
     example!("sliding_block", "sliding_block"),
     example!("three_point_bending", "three_point_bending"),

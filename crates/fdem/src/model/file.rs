@@ -3,6 +3,7 @@
 mod body;
 mod joint_set;
 mod boundary;
+mod condition;
 mod ground;
 mod material;
 mod output;
@@ -20,6 +21,7 @@ pub use body::{
     Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
+pub use condition::{Servo, Until};
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
@@ -157,6 +159,9 @@ pub struct General {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: f64,
+    /// Condition at which the run ends before its `end_time`, such as { column = "platen fy", share_of_peak = 0.5 }. Default: none.
+    #[serde(default)]
+    pub until: Option<Until>,
     /// Error of the energy balance at which a run stops, as a share of the energy that has been exchanged. Default: 0.05.
     #[serde(default = "energy_bound")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]

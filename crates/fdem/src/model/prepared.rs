@@ -7,6 +7,7 @@ use fdem_results::HistoryCurve;
 use fdem_simulation::{Boundary, Model, Probe, Schedule};
 use serde::{Deserialize, Serialize};
 
+use crate::model::conditions::{Servo, Until};
 use crate::model::joint_sets::Joints;
 use crate::model::settings::{History, OutputSettings};
 
@@ -33,6 +34,10 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub histories: Vec<History>,
     /// Parts of the run; none if it is one. The model has all that is there in any of them.
     pub stages: Vec<Stage>,
+    /// Condition at which the run ends before its end time.
+    pub until: Option<Until>,
+    /// Boundaries whose velocity follows a column of the history.
+    pub servos: Vec<Servo>,
     /// Probes of the histories.
     pub probes: Vec<Probe<D, N>>,
     /// Curves of one column of the history over another.
@@ -78,6 +83,8 @@ pub struct Stage {
     pub duration: Option<f64>,
     /// Bound of the kinetic over the strain energy, and of the imbalance of forces, at which it ends.
     pub equilibrium: Option<f64>,
+    /// Condition on the history at which it ends.
+    pub until: Option<Until>,
     /// Whether each element of the model is there.
     pub elements: Vec<bool>,
     /// Whether each boundary of the model acts.
@@ -96,14 +103,12 @@ pub struct Entered<const D: usize = 2> {
     pub begun: Vec<u64>,
     /// Forces of what has vanished, on nodes of the whole model.
     pub held: Vec<Boundary<D>>,
-    /// Whether the last stage is over, and with it the run.
-    pub over: bool,
 }
 
 impl<const D: usize> Entered<D> {
     /// A run that begins.
     pub fn first() -> Self {
-        Self { begun: vec![0], held: Vec::new(), over: false }
+        Self { begun: vec![0], held: Vec::new() }
     }
 
     /// Number of the present stage.

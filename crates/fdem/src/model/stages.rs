@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use fdem_simulation::{Boundary, Kept, Load, ModelError, Schedule, Simulation, Target};
 
+use crate::model::conditions::Servo;
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{self, ModelFile, Release};
@@ -62,11 +63,12 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
             }
         }
         let last = index + 1 == file.stage.len();
-        if !last && stage.duration.is_none() && stage.equilibrium.is_none() {
+        let ends = stage.duration.is_some() || stage.equilibrium.is_some() || stage.until.is_some();
+        if !last && !ends {
             faults.push(
                 Fault::at(document.key(table, "name"), format!("{title} does not end before the run"))
                     .label("this stage")
-                    .help("give it a duration, or an equilibrium such as 1e-4"),
+                    .help("give it a duration, an equilibrium such as 1e-4, or an until"),
             );
         }
         if let Some(Release::Table(rows)) = &stage.release
@@ -188,6 +190,8 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
             name: stage.name.clone(),
             duration: stage.duration,
             equilibrium: stage.equilibrium,
+            // Its column is known once the histories are.
+            until: None,
             elements: there.clone(),
             boundaries: file.boundary.iter().map(acts).collect(),
             release: stage.release.as_ref().map(|release| match release {
@@ -276,6 +280,11 @@ where
                 Quantity::Energy | Quantity::CrackLength | Quantity::Probe(_) => {}
             }
         }
+        let servos = self.servos.iter().filter_map(|servo| {
+            let name = &self.model.boundaries[servo.boundary].name;
+            let boundary = model.boundaries.iter().position(|boundary| boundary.name == *name)?;
+            Some(Servo { boundary, ..servo.clone() })
+        });
         let grains = if self.grains.is_empty() {
             Vec::new()
         } else {
@@ -294,6 +303,8 @@ where
                 .map(|probe| probe.renumbered(element, |node| nodes[node as usize]))
                 .collect(),
             curves: self.curves.clone(),
+            until: self.until.clone(),
+            servos: servos.collect(),
             output: self.output.clone(),
             histories,
             quality: self.quality.clone(),

@@ -14,6 +14,31 @@ fn waves_in_bars_are_those_of_theory() {
 }
 
 #[test]
+fn ground_under_its_stress_stays_at_rest() {
+    passes("ground at rest");
+}
+
+#[test]
+fn an_excavated_hole_has_the_stresses_of_kirsch() {
+    passes("excavation");
+}
+
+#[test]
+fn a_sudden_excavation_sets_the_energy_of_salamon_free() {
+    passes("sudden excavation");
+}
+
+#[test]
+fn a_sheared_joint_set_shows_its_cohesion_and_friction() {
+    passes("direct shear of a joint set");
+}
+
+#[test]
+fn a_block_slides_where_the_factor_of_safety_is_one() {
+    passes("plane failure");
+}
+
+#[test]
 fn joints_soften_as_springs_in_series_do_and_adaptive_ones_not_at_all() {
     passes("artificial compliance");
 }

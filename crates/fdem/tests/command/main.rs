@@ -11,6 +11,9 @@
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
 //! - `model`: new models, and models checked without a run.
+//! - `conditions`: runs and stages that end on a condition; servos.
+//! - `stages`: runs in stages.
+//! - `earlier`: runs that begin with the end of another one.
 //! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, with boxes of their own, of any format.
 //! - `drawings`: pictures, plots and reports.
@@ -23,8 +26,10 @@ mod bad_input;
 mod beds;
 mod bench;
 mod bodies;
+mod conditions;
 mod contacts;
 mod drawings;
+mod earlier;
 mod formats;
 mod generate;
 mod labels;

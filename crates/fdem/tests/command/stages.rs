@@ -74,7 +74,7 @@ checkpoint_steps = 5
 "#;
 
 /// The numbers of a column of a history.
-fn column(history: &str, name: &str) -> Vec<f64> {
+pub fn column(history: &str, name: &str) -> Vec<f64> {
     let place = history.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
     history.lines().skip(1).map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
 }

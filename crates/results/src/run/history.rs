@@ -50,6 +50,18 @@ pub struct Row {
 }
 
 impl Row {
+    /// The numbers of the row, in the order of the columns: those of [`history_columns`], and those of the user.
+    pub fn numbers(&self) -> Vec<f64> {
+        let Self { energies, lengths: [tension, shear, mixed], fragments, .. } = self;
+        let mut numbers = vec![self.step as f64, self.time];
+        numbers.extend(energies.changing().map(|term| term.value));
+        numbers.extend([energies.balance(), energies.error(), self.broken as f64]);
+        numbers.extend([tension + shear + mixed, *tension, *shear, *mixed]);
+        numbers.extend([fragments.number as f64, fragments.largest]);
+        numbers.extend(&self.values);
+        numbers
+    }
+
     /// Returns the number of broken joints, and their total lengths in tension, in shear and in mixed mode, m: [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints<const D: usize>(cracks: &[Crack<D>]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
@@ -113,29 +125,13 @@ impl<W: Write> HistoryWriter<W> {
             let problem = format!("the row has {} values for {} names", row.values.len(), self.width);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
-        let Row { energies: e, lengths: [tension, shear, mixed], .. } = row;
         self.line.clear();
         self.line.push_str(&row.step.to_string());
-        let energies = e.changing().map(|term| term.value);
-        for number in [row.time].into_iter().chain(energies).chain([e.balance(), e.error()]) {
-            self.number(number);
-        }
-        self.line.push(',');
-        self.line.push_str(&row.broken.to_string());
-        for number in [tension + shear + mixed, *tension, *shear, *mixed] {
-            self.number(number);
-        }
-        self.line.push(',');
-        self.line.push_str(&row.fragments.number.to_string());
-        for number in [row.fragments.largest].into_iter().chain(row.values.iter().copied()) {
-            self.number(number);
+        for number in row.numbers().into_iter().skip(1) {
+            push_number(&mut self.line, number);
         }
         self.line.push('\n');
         self.out.write_all(self.line.as_bytes())
-    }
-
-    fn number(&mut self, number: f64) {
-        push_number(&mut self.line, number);
     }
 
     /// Returns the underlying writer.

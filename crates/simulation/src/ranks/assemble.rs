@@ -121,6 +121,9 @@ where
         run.energies = carried.energies;
         run.imbalance = carried.imbalance;
         run.reactions = carried.reactions;
+        for (boundary, factor) in carried.factors {
+            run.set_factor(boundary as usize, Some(factor))?;
+        }
         run.timings = carried.timings;
         run.watch();
         Ok(run)

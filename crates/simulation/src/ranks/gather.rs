@@ -256,8 +256,10 @@ where
             joints: Saved::of(self.joints.clone()),
             contacts: self.contacts.clone(),
             seams: self.seams.iter().map(|point| point.hold).collect(),
-            // A run with actions of its caller is not divided.
-            actions: Actions::default(),
+            actions: Actions {
+                factors: self.carried.factors.iter().copied().collect(),
+                ..Actions::default()
+            },
         }
     }
 

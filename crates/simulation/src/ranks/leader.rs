@@ -30,10 +30,11 @@ enum Order {
     Traffic,
     SetProbes,
     Measure,
+    SetFactor,
 }
 
 impl Order {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::End,
         Self::Replace,
         Self::Advance,
@@ -46,6 +47,7 @@ impl Order {
         Self::Traffic,
         Self::SetProbes,
         Self::Measure,
+        Self::SetFactor,
     ];
 }
 
@@ -119,6 +121,16 @@ where
         *self.whole.get_mut() = None;
         give(self.communicator, Order::Advance, &[steps]);
         self.run.get_mut().advance(steps)
+    }
+
+    /// Sets the factor of a boundary from the next step on, in place of its schedule: see [`Simulation::set_factor`].
+    ///
+    /// # Errors
+    /// Those of [`Simulation::set_factor`].
+    pub fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), ModelError> {
+        *self.whole.get_mut() = None;
+        give(self.communicator, Order::SetFactor, &[boundary as u64, factor.to_bits()]);
+        self.run.get_mut().set_factor(boundary, Some(factor))
     }
 
     /// Steps done.
@@ -313,6 +325,8 @@ where
                 probes = value_of::<Vec<Probe<D, N>>>(&bytes);
             }
             Order::Measure => drop(run.measure(&probes)),
+            // The leader gets the same error, and tells it.
+            Order::SetFactor => drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1])))),
         }
     }
 }

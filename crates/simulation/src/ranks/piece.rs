@@ -253,6 +253,8 @@ pub(super) struct Carried<const D: usize> {
     pub(super) energies: Energies,
     pub(super) imbalance: f64,
     pub(super) reactions: Vec<Point<D>>,
+    /// Factors of boundaries that the caller has set.
+    pub(super) factors: Vec<(u32, f64)>,
     pub(super) timings: Timings,
     pub(super) detections: u64,
 }
@@ -267,6 +269,7 @@ impl<const D: usize> Carried<D> {
         self.energies.numbers().put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
+        self.factors.put(&mut bytes);
         bytes
     }
 
@@ -278,9 +281,10 @@ impl<const D: usize> Carried<D> {
         let [exchanged, most_cohesive] = Wire::take(bytes);
         let energies = Energies::of_numbers(Wire::take(bytes));
         let imbalance = f64::take(bytes);
-        let reactions = Vec::take(bytes);
+        let (reactions, factors) = (Vec::take(bytes), Vec::take(bytes));
         let totals = Totals { first, exchanged, most_cohesive, ..Totals::default() };
-        Self { step, totals, energies, imbalance, reactions, timings: Timings::default(), detections: 0 }
+        let timings = Timings::default();
+        Self { step, totals, energies, imbalance, reactions, factors, timings, detections: 0 }
     }
 }
 
@@ -454,6 +458,7 @@ where
             energies: self.energies,
             imbalance: self.imbalance,
             reactions: self.reactions.clone(),
+            factors: self.actions.factors.iter().map(|(&boundary, &factor)| (boundary, factor)).collect(),
             timings: self.timings,
             detections: self.contacts.detections,
         }

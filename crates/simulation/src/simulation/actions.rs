@@ -34,9 +34,9 @@ pub(crate) struct Actions<const D: usize> {
 }
 
 impl<const D: usize> Actions<D> {
-    /// Whether there are none.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.forces.is_empty() && self.factors.is_empty() && self.replaced.is_empty()
+    /// Whether there are none but factors, which do not belong to places.
+    pub(crate) fn are_factors(&self) -> bool {
+        self.forces.is_empty() && self.replaced.is_empty()
     }
 }
 

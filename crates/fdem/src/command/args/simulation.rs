@@ -59,7 +59,9 @@ pub(crate) struct CheckArguments {
 
 /// Simulate a model: bodies that deform, collide and break. Results are written during the run.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fdem run examples/brazilian_disc.toml --threads 2")]
+#[command(
+    after_help = "Examples:\n  fdem run examples/brazilian_disc.toml --threads 2\n  fdem run load.toml --from settle_results"
+)]
 pub(crate) struct RunArguments {
     /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
     #[arg(value_name = "MODEL")]
@@ -68,6 +70,10 @@ pub(crate) struct RunArguments {
     /// Folder for the results [default: the name of the model with `_results`, in the working directory].
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
+
+    /// Begin with the state at the end of another run, by its folder. Bodies of the same name have the same mesh; materials, loads and stages may differ, and bodies may be missing or new. Time goes on.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) from: Option<PathBuf>,
 
     /// Replace the results of an earlier run in the folder.
     #[arg(long)]
@@ -86,7 +92,7 @@ pub(crate) struct ResumeArguments {
     pub(crate) folder: PathBuf,
 
     /// New end time of the run, s. It replaces `end_time` in the model.toml of the folder; frames and rows of the history keep their spacing.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, visible_alias = "until", value_name = "SECONDS", value_parser = positive)]
     pub(crate) end_time: Option<f64>,
 
     #[command(flatten)]

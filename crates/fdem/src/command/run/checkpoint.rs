@@ -4,7 +4,8 @@ use fdem_simulation::{Boundary, State};
 use serde::{Deserialize, Serialize};
 
 use crate::command::run::account::Account;
-use crate::model::Entered;
+use crate::command::run::earlier::Begun;
+use crate::model::{Entered, Reached};
 
 /// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
@@ -23,6 +24,10 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     pub(crate) intervals: [f64; 2],
     /// The stages so far; none if the run is one.
     pub(crate) entered: Entered<D>,
+    /// How far the conditions that end the run and its stages have come.
+    pub(crate) reached: Reached,
+    /// When it has begun from another run.
+    pub(crate) begun: Option<Begun>,
     /// Times and numbers since the beginning of the run.
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
@@ -33,6 +38,8 @@ pub(crate) struct Unsaved<const D: usize, const N: usize> {
     pub(crate) model: String,
     pub(crate) intervals: [f64; 2],
     pub(crate) entered: Entered<D>,
+    pub(crate) reached: Reached,
+    pub(crate) begun: Option<Begun>,
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
 }

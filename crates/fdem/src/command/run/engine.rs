@@ -76,6 +76,15 @@ where
         both!(self, run => run.imbalance())
     }
 
+    /// Sets the factor of a boundary from the next step on.
+    pub(crate) fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
+        let set = match self {
+            Self::Alone(run) => run.set_factor(boundary, Some(factor)),
+            Self::Leading(run) => run.set_factor(boundary, factor),
+        };
+        set.map_err(|error| error.to_string())
+    }
+
     /// Goes on with another simulation.
     pub(crate) fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String> {
         match self {

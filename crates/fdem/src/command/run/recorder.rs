@@ -219,7 +219,7 @@ where
     pub(crate) fn save(&mut self, state: Unsaved<D, N>) -> Result<(), Failure> {
         self.flush()?;
         self.tidy_up()?;
-        let Unsaved { model, intervals, entered, account, state } = state;
+        let Unsaved { model, intervals, entered, account, reached, begun, state } = state;
         let history = self.length()?;
         self.folder.save(&Checkpoint {
             model,
@@ -227,6 +227,8 @@ where
             history,
             intervals,
             entered,
+            reached,
+            begun,
             account,
             state,
         })

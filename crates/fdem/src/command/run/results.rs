@@ -8,7 +8,7 @@ use fdem_results::{
 use fdem_simulation::Snapshot;
 
 use crate::command::run::checkpoint::Checkpoint;
-use crate::model::{Dimensions, Prepared};
+use crate::model::{AnyPrepared, Dimensions, Prepared};
 
 /// Time between two pictures of an animation, in hundredths of a second.
 const DELAY: u16 = 8;
@@ -30,6 +30,9 @@ pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
     fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<D, N>, postcard::Error>;
 
     fn checkpoint_bytes(checkpoint: &Checkpoint<D, N>) -> Result<Vec<u8>, postcard::Error>;
+
+    /// The model, if it has as many dimensions.
+    fn of_any(prepared: AnyPrepared) -> Option<Prepared<D, N>>;
 
     fn outlines(prepared: &Prepared<D, N>) -> Self::Outlines;
 
@@ -86,6 +89,13 @@ impl Results<2, 3> for [[f64; 2]; 3] {
 
     fn checkpoint_bytes(checkpoint: &Checkpoint<2, 3>) -> Result<Vec<u8>, postcard::Error> {
         postcard::to_allocvec(checkpoint)
+    }
+
+    fn of_any(prepared: AnyPrepared) -> Option<Prepared> {
+        match prepared {
+            AnyPrepared::Plane(prepared) => Some(*prepared),
+            AnyPrepared::Space(_) => None,
+        }
     }
 
     fn outlines(prepared: &Prepared) -> Outlines {
@@ -154,6 +164,13 @@ impl Results<3, 4> for [[f64; 3]; 4] {
 
     fn checkpoint_bytes(checkpoint: &Checkpoint<3, 4>) -> Result<Vec<u8>, postcard::Error> {
         postcard::to_allocvec(checkpoint)
+    }
+
+    fn of_any(prepared: AnyPrepared) -> Option<Prepared<3, 4>> {
+        match prepared {
+            AnyPrepared::Plane(_) => None,
+            AnyPrepared::Space(prepared) => Some(*prepared),
+        }
     }
 
     fn outlines(prepared: &Prepared<3, 4>) -> Shell {

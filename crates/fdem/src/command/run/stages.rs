@@ -18,10 +18,23 @@ pub(crate) struct Stages<const D: usize, const N: usize> {
     step: f64,
 }
 
+/// The state of a run with a row of its history.
+pub(crate) struct Known<'a> {
+    pub(crate) energies: Energies,
+    /// Imbalance of forces.
+    pub(crate) imbalance: f64,
+    /// Numbers of the row.
+    pub(crate) row: &'a [f64],
+    /// The largest magnitude so far of the column on which the end of the stage depends.
+    pub(crate) peak: &'a mut f64,
+}
+
 /// Why a stage ends.
 pub(crate) enum Over {
-    /// Its time has passed. `false`: without the equilibrium that it was to reach.
+    /// Its time has passed. `false`: without the equilibrium or the condition that it was to reach.
     Time(bool),
+    /// Its condition is met, for this reason.
+    Until(String),
     /// Kinetic over strain energy, and imbalance of forces.
     Equilibrium([f64; 2]),
 }
@@ -49,6 +62,11 @@ where
         Ok((Some(Self { whole, entered, present, step }), prepared))
     }
 
+    /// Time step, s.
+    pub(crate) fn time_step(&self) -> f64 {
+        self.step
+    }
+
     /// The stage that the run is in.
     pub(crate) fn now(&self) -> &Stage {
         &self.whole.stages[self.entered.stage()]
@@ -60,19 +78,28 @@ where
         self.now().duration.map_or(u64::MAX, |time| begun + ((time / self.step).ceil() as u64).max(1))
     }
 
-    /// Whether the stage ends after a step. `known`: energies and imbalance of forces, if they are known now.
-    pub(crate) fn is_over(&self, step: u64, known: Option<(Energies, f64)>) -> Option<Over> {
+    /// Whether the stage ends after a step. `known`: with a row of the history.
+    pub(crate) fn is_over(&self, step: u64, known: Option<Known<'_>>) -> Option<Over> {
         let begun = self.entered.begun.last().copied().unwrap_or_default();
-        if let (Some(bound), Some((energies, imbalance))) = (self.now().equilibrium, known)
-            && step > begun
-        {
+        let Some(Known { energies, imbalance, row, peak }) = known.filter(|_| step > begun) else {
+            return (step >= self.end()).then(|| self.out_of_time());
+        };
+        if let Some(bound) = self.now().equilibrium {
             let share = energies.kinetic / energies.strain;
             // Without any force nothing moves.
             if [share, imbalance].iter().all(|number| number.is_nan() || *number < bound) {
                 return Some(Over::Equilibrium([share, imbalance]));
             }
         }
-        (step >= self.end()).then(|| Over::Time(self.now().equilibrium.is_none()))
+        if let Some(why) = self.now().until.as_ref().and_then(|until| until.met(row, peak)) {
+            return Some(Over::Until(why));
+        }
+        (step >= self.end()).then(|| self.out_of_time())
+    }
+
+    /// The end of a stage whose time has passed.
+    fn out_of_time(&self) -> Over {
+        Over::Time(self.now().equilibrium.is_none() && self.now().until.is_none())
     }
 
     /// Whether the stage is the last.
@@ -147,7 +174,10 @@ impl Over {
     pub(crate) fn in_words(&self) -> String {
         match self {
             Self::Time(true) => "its time has passed".to_owned(),
-            Self::Time(false) => "warning: its time has passed before the equilibrium".to_owned(),
+            Self::Time(false) => {
+                "warning: its time has passed before its equilibrium or condition".to_owned()
+            }
+            Self::Until(why) => why.clone(),
             Self::Equilibrium([share, imbalance]) => format!(
                 "equilibrium: kinetic over strain energy {share:.1e}, imbalance of forces {imbalance:.1e}"
             ),

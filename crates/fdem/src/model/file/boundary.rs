@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::model::file::condition::Servo;
 use crate::model::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
@@ -64,6 +65,9 @@ pub struct Boundary {
     #[schemars(length(min = 1))]
     #[schemars(extend("x-unit" = ["s", "1"]))]
     pub table: Option<Vec<[f64; 2]>>,
+    /// Control of `velocity`, so that a force, a stress or a strain gets to a target. The `ramp` or the `table` is that of the target. Default: none.
+    #[serde(default)]
+    pub servo: Option<Servo>,
     /// Names of the stages in which it acts. The times of ramp and table begin with the first of them. Default: all.
     #[serde(default)]
     pub stages: Option<Vec<String>>,

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A part of the run, in the order of the file. A stage goes on until its `duration` has passed or its `equilibrium` is reached, whichever is first; the last one, and a stage that has neither, until the end of the run. Then the next one begins.
+use crate::model::file::condition::Until;
+
+/// A part of the run, in the order of the file. A stage goes on until its `duration` has passed, its `equilibrium` is reached or its `until` is met, whichever is first; the last one, if it has none of them, until the end of the run. Then the next one begins.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
@@ -18,6 +20,9 @@ pub struct Stage {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub equilibrium: Option<f64>,
+    /// Condition on the history at which the stage ends, such as { column = "crown uy", below = -2e-3 }. Default: none.
+    #[serde(default)]
+    pub until: Option<Until>,
     /// Names of bodies that vanish at the beginning of the stage.
     #[serde(default)]
     pub excavate: Vec<String>,

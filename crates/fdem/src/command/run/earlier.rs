@@ -1,0 +1,285 @@
+//! A run that begins with the state at the end of an earlier run.
+//!
+//! Its model is another one: materials, loads, contacts and stages may differ, and bodies may be missing or new. Bodies of the same name have the same mesh. Time goes on: a boundary that the earlier model has too
+//! goes on with its schedule, and one that is new or different begins now.
+
+use std::ops::Range;
+use std::path::Path;
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_simulation::{Boundary, Change, Model, Schedule, State};
+use serde::{Deserialize, Serialize};
+
+use crate::command::check::{read_text, refused};
+use crate::command::failure::{Failure, display_name};
+use crate::command::memory;
+use crate::command::run::checkpoint::Checkpoint;
+use crate::command::run::folder::{Folder, MODEL};
+use crate::command::run::results::Results;
+use crate::command::run::stages::Stages;
+use crate::model::{Body, Prepared, prepare_any};
+
+/// When a run has begun from another one. With it, its model is made again when it goes on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Begun {
+    /// Step at which it has begun.
+    pub(crate) step: u64,
+    /// Time step, s, of both runs.
+    time_step: f64,
+    /// Whether the schedule of each boundary begins then.
+    boundaries: Vec<bool>,
+    /// Whether that of gravity does.
+    gravity: bool,
+}
+
+impl Begun {
+    /// Gives the model the time step of the earlier run, and its schedules their beginning.
+    pub(crate) fn apply<const D: usize, const N: usize>(&self, model: &mut Model<D, N>) {
+        model.time.step = Some(self.time_step);
+        let start = self.step as f64 * self.time_step;
+        let from = |schedule: &mut Schedule| {
+            let own = std::mem::replace(schedule, Schedule::Constant);
+            *schedule = Schedule::From(start, Box::new(own));
+        };
+        for (boundary, _) in model.boundaries.iter_mut().zip(&self.boundaries).filter(|(_, begins)| **begins)
+        {
+            from(&mut boundary.schedule);
+        }
+        if self.gravity {
+            from(&mut model.gravity_schedule);
+        }
+    }
+}
+
+/// The end of an earlier run.
+pub(crate) struct Earlier<const D: usize, const N: usize> {
+    /// Name of its folder.
+    place: String,
+    /// All of its model.
+    whole: Prepared<D, N>,
+    /// What was there at its end.
+    present: Prepared<D, N>,
+    state: State<D, N>,
+    time_step: f64,
+}
+
+impl<const D: usize, const N: usize> Earlier<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// Opens the last checkpoint in a folder of results. The folder is only read.
+    pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
+        let place = display_name(path);
+        let (folder, saved) = Folder::open(path)?;
+        let model = folder.path(MODEL);
+        let text = read_text(&model)?;
+        let mut next = 0;
+        let mut load = |_: &str| {
+            next += 1;
+            folder.input(next - 1).map_err(|error| error.to_string())
+        };
+        let prepared = prepare_any(&text, &display_name(&model), &mut load, memory::free())
+            .map_err(|errors| refused(&errors))?;
+        let unusable = |why: &str| Failure::Unusable(format!("{place} cannot be begun from: {why}"));
+        let Some(mut whole) = <[[f64; D]; N]>::of_any(prepared) else {
+            return Err(unusable("its model has another number of dimensions"));
+        };
+        let Checkpoint::<D, N> { model: hash, entered, begun, state, .. } = saved.open()?;
+        if whole.hash != hash {
+            return Err(unusable("its model.toml has changed since that run"));
+        }
+        if let Some(begun) = &begun {
+            begun.apply(&mut whole.model);
+        }
+        let (stages, present) = Stages::new(whole.clone(), entered).map_err(|why| unusable(&why))?;
+        let time_step = match &stages {
+            Some(stages) => stages.time_step(),
+            None => fdem_simulation::Simulation::new(present.model.clone(), 1)
+                .map_err(|error| unusable(&error.to_string()))?
+                .time_step(),
+        };
+        let now = state.step() as f64 * time_step;
+        let holds = |boundary: &Boundary<D>| boundary.schedule.factor(now) != 0.0;
+        if stages.is_some_and(|stages| stages.entered.held.iter().any(holds)) {
+            return Err(unusable(
+                "a stage still holds forces of what has vanished; let go of them there, with a release that ends at 0",
+            ));
+        }
+        Ok(Self { place, whole, present, state, time_step })
+    }
+
+    /// Time at its end, s.
+    pub(crate) fn time(&self) -> f64 {
+        self.state.step() as f64 * self.time_step
+    }
+
+    /// How the run of a model begins now.
+    pub(crate) fn begun(&self, prepared: &Prepared<D, N>) -> Result<Begun, String> {
+        let (model, before) = (&prepared.model, &self.whole.model);
+        if let Some(step) = model.time.step.filter(|step| *step != self.time_step) {
+            return Err(format!(
+                "its time step of {step} s is not that of {}, {} s: take time_step out",
+                self.place, self.time_step
+            ));
+        }
+        if prepared.end_time <= self.time() {
+            return Err(format!(
+                "its end_time is {} s, and the run in {} has reached {} s: time goes on from there",
+                brief(prepared.end_time),
+                self.place,
+                brief(self.time())
+            ));
+        }
+        let same = |boundary: &Boundary<D>| {
+            before.boundaries.iter().any(|other| {
+                other.name == boundary.name
+                    && other.load == boundary.load
+                    && other.schedule == boundary.schedule
+            })
+        };
+        Ok(Begun {
+            step: self.state.step(),
+            time_step: self.time_step,
+            boundaries: model.boundaries.iter().map(|boundary| !same(boundary)).collect(),
+            gravity: model.gravity != before.gravity || model.gravity_schedule != before.gravity_schedule,
+        })
+    }
+
+    /// The model and the state with which a run begins, and what it takes over, in words. `prepared`: what is there at its beginning.
+    pub(crate) fn taken_over(
+        self,
+        prepared: &Prepared<D, N>,
+        threads: usize,
+    ) -> Result<(Model<D, N>, State<D, N>, Vec<String>), String> {
+        let (model, before) = (&prepared.model, &self.present.model);
+        for (what, same) in [
+            ("plane and thickness", model.plane == before.plane && model.thickness == before.thickness),
+            ("[fracture] insertion", model.fracture.insertion == before.fracture.insertion),
+            ("[[joint_set]] tables", names(&model.joint_sets) == names(&before.joint_sets)),
+        ] {
+            if !same {
+                return Err(format!("{what} differ from those of the run in {}", self.place));
+            }
+        }
+        let mut elements = vec![None; model.mesh.elements.len()];
+        let mut told = Vec::new();
+        let mut kept = Vec::new();
+        for body in prepared.bodies.iter().filter(|body| !body.elements.is_empty()) {
+            let Some(earlier) = self.whole.bodies.iter().find(|other| other.name == body.name) else {
+                told.push(format!("the body \"{}\" is new", body.name));
+                continue;
+            };
+            let there = self.present.bodies.iter().find(|other| other.name == body.name);
+            let there = there.filter(|there| !there.elements.is_empty());
+            let Some(there) = there else {
+                return Err(format!(
+                    "the body \"{}\" was not there any more at the end of the run in {}: take it out, or give it another name",
+                    body.name, self.place
+                ));
+            };
+            if there.elements.len() != earlier.elements.len() || !same_mesh((model, body), (before, there)) {
+                return Err(format!(
+                    "the body \"{}\" has another mesh than in {}: keep its shape, mesh_size and seed",
+                    body.name, self.place
+                ));
+            }
+            if stresses(model, body.elements.clone()) != stresses(before, there.elements.clone()) {
+                return Err(format!(
+                    "the initial stress of the body \"{}\" is not that of {}: its stress comes from there, and counts from the same [initial]",
+                    body.name, self.place
+                ));
+            }
+            for (now, before) in body.elements.clone().zip(there.elements.clone()) {
+                elements[now as usize] = Some(before);
+            }
+            kept.push(body.name.as_str());
+        }
+        if kept.is_empty() {
+            return Err(format!("none of its bodies is in {}", self.place));
+        }
+        let taken = elements.iter().flatten();
+        if taken.clone().zip(taken.skip(1)).any(|(one, next)| one >= next) {
+            return Err(format!("its bodies are in another order than those of {}", self.place));
+        }
+        let is_gone = |body: &&Body| !body.elements.is_empty() && !kept.contains(&body.name.as_str());
+        let gone = self.present.bodies.iter().filter(is_gone);
+        told.extend(gone.map(|body| format!("the body \"{}\" is gone", body.name)));
+        told.extend(changes(model, before));
+        told.insert(
+            0,
+            format!(
+                "begins with {} at {} s: the state of {} elements of {}",
+                self.place,
+                brief(self.time()),
+                grouped(elements.iter().flatten().count() as u64),
+                list(&kept)
+            ),
+        );
+        let change = Change { model: model.clone(), elements, release: None };
+        let changed = self.state.changed(before, change, threads).map_err(|error| error.to_string())?;
+        Ok((changed.0, changed.1, told))
+    }
+}
+
+fn names(sets: &[fdem_simulation::JointSet]) -> Vec<&str> {
+    sets.iter().map(|set| set.name.as_str()).collect()
+}
+
+/// A few names, or their number.
+fn list(names: &[&str]) -> String {
+    if names.len() > 5 { format!("{} bodies", grouped(names.len() as u64)) } else { names.join(", ") }
+}
+
+/// Whether a body has the same mesh in two models.
+fn same_mesh<const D: usize, const N: usize>(
+    (model, body): (&Model<D, N>, &Body),
+    (other, there): (&Model<D, N>, &Body),
+) -> bool {
+    let nodes = |model: &Model<D, N>, body: &Body| {
+        let range = body.nodes.start as usize..body.nodes.end as usize;
+        model.mesh.nodes[range].to_vec()
+    };
+    let elements = |model: &Model<D, N>, body: &Body| -> Vec<[u32; N]> {
+        let range = body.elements.start as usize..body.elements.end as usize;
+        model.mesh.elements[range].iter().map(|nodes| nodes.map(|node| node - body.nodes.start)).collect()
+    };
+    nodes(model, body) == nodes(other, there) && elements(model, body) == elements(other, there)
+}
+
+/// The initial stresses of some elements; zeros are as none.
+fn stresses<const D: usize, const N: usize>(model: &Model<D, N>, range: Range<u32>) -> Vec<[[f64; D]; D]> {
+    let of = |element: u32| model.stresses.get(element as usize).copied().unwrap_or([[0.0; D]; D]);
+    range.map(of).collect()
+}
+
+/// What differs between two models, besides their bodies, in words.
+fn changes<const D: usize, const N: usize>(model: &Model<D, N>, before: &Model<D, N>) -> Vec<String> {
+    let mut told = Vec::new();
+    for material in &model.materials {
+        match before.materials.iter().find(|other| other.name == material.name) {
+            None => told.push(format!("the material \"{}\" is new", material.name)),
+            Some(other) if other != material => {
+                told.push(format!("the material \"{}\" has changed", material.name));
+            }
+            Some(_) => {}
+        }
+    }
+    for boundary in &model.boundaries {
+        match before.boundaries.iter().find(|other| other.name == boundary.name) {
+            None => told.push(format!("the boundary \"{}\" is new", boundary.name)),
+            Some(other) if other.load != boundary.load || other.schedule != boundary.schedule => {
+                told.push(format!("the boundary \"{}\" has changed, and begins now", boundary.name));
+            }
+            Some(_) => told.push(format!("the boundary \"{}\" goes on", boundary.name)),
+        }
+    }
+    let ends = |other: &&Boundary<D>| !model.boundaries.iter().any(|boundary| boundary.name == other.name);
+    told.extend(
+        before
+            .boundaries
+            .iter()
+            .filter(ends)
+            .map(|other| format!("the boundary \"{}\" has ended", other.name)),
+    );
+    told
+}
