@@ -2,26 +2,30 @@
 //!
 //! Polygons are cut where they cross each other and the faces of the surface, and what is outside is left out. What would give elements much smaller than the mesh size is moved by less than a
 //! share of it: polygons that nearly coincide become one, planes that pass a corner or a crossing go through it, and corners and edges of a polygon that are near another polygon or a face end on it.
-//! All stays flat: planes are moved along their normals, and corners within their planes.
+//! All stays flat: planes are moved along their normals, and corners within their planes. Nodes of round faces are moved along these, onto polygons.
 //!
 //! - `sheet`: flat pieces, and the segments that two of them have in common.
 //! - `snap`: moves of planes and corners.
+//! - `warp`: moves of the nodes of round faces.
 //! - `arrange`: all segments are cut by each other; what is between them is triangulated plane by plane.
 
 mod arrange;
 mod sheet;
 mod snap;
+mod warp;
 
 use std::error::Error;
 use std::fmt;
 
-use super::skin::flat_faces;
+use super::skin::{FlatFaces, flat_faces};
 use super::vector::{Point, distance};
 use super::{MeshError, Surface, bounds, finite};
 use crate::grading::Grading;
+use fdem_scenes::random::Random;
 use arrange::Arrangement;
 use sheet::Sheet;
-use snap::Snapping;
+use snap::{Snapping, sheets_of};
+use warp::RoundNodes;
 
 /// Distance over mesh size up to which polygons are moved.
 const SNAP: f64 = 0.35;
@@ -30,13 +34,16 @@ const SNAP: f64 = 0.35;
 const LEAST: f64 = 0.05;
 
 /// Smallest angle between polygons and faces, and between edges in a plane, degrees.
-const SHARP: f64 = 6.0;
+const SHARP: f64 = 5.0;
 
 /// Distance over the width of a body up to which points are the same.
 const SAME: f64 = 1e-9;
 
 /// Distance from the mean plane over the width of a polygon up to which it is flat.
 const FLAT: f64 = 1e-3;
+
+/// How often polygons that are too close to others are moved to another place, by up to [`SNAP`], before they are refused.
+const ATTEMPTS: usize = 30;
 
 /// Most polygons.
 const MOST: usize = 20_000;
@@ -134,7 +141,7 @@ impl Error for PolygonError {}
 /// In proportion to the square of the number of polygons that cross each other.
 ///
 /// # Errors
-/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.05 of the mesh size, or meets at less than 6 degrees, after all moves.
+/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.05 of the mesh size, or meets at less than 5 degrees, after all moves.
 ///
 /// # Example
 /// ```
@@ -182,16 +189,52 @@ pub fn add_polygons(
         sheets.push(sheet);
     }
     let faces = flat_faces(surface);
-    let mut snapping = Snapping::new(surface, &faces, sheets, size, same);
-    snapping.planes();
-    snapping.corners();
-    let Snapping { faces: face_sheets, polygons: sheets, .. } = snapping;
-    if sheets.iter().all(|sheet| sheet.triangles.is_empty()) {
-        return Ok(first);
-    }
-    let arrangement = Arrangement::new(surface, &faces, face_sheets, sheets, size, same);
-    if let Some(found) = arrangement.surface(first)? {
-        *surface = found;
+    let mut random = Random::new(1);
+    let mut by = vec![0.0; sheets.len()];
+    for attempt in 0.. {
+        let moved: Vec<Sheet> = sheets.iter().zip(&by).map(|(sheet, &by)| sheet.moved(by)).collect();
+        let (found, faults) = put(surface, &faces, moved, size, same, first);
+        let Some(fault) = faults.first() else {
+            if let Some(found) = found {
+                *surface = found;
+            }
+            break;
+        };
+        if attempt == ATTEMPTS {
+            return Err(fault.clone());
+        }
+        // What is too close to another may be farther from it elsewhere.
+        for fault in &faults {
+            if let PolygonError::Close { polygons, place } | PolygonError::Sharp { polygons, place, .. } = fault {
+                let number = polygons[random.below(2) as usize];
+                by[number] = SNAP * size.at(*place) * random.between(-1.0, 1.0);
+            }
+        }
     }
     Ok(first)
+}
+
+/// Puts polygons into a surface, once. Returns the surface, if any of them is inside, and what is wrong with it.
+fn put(
+    surface: &Surface,
+    faces: &FlatFaces,
+    polygons: Vec<Sheet>,
+    size: &Grading<3>,
+    same: f64,
+    first: u32,
+) -> (Option<Surface>, Vec<PolygonError>) {
+    let mut snapping = Snapping::new(surface, faces, polygons, size, same);
+    snapping.planes();
+    let warped = RoundNodes::new(surface, faces).warped(surface, &snapping.polygons, size);
+    let new_faces = warped.as_ref().map(flat_faces);
+    let (surface, faces) = (warped.as_ref().unwrap_or(surface), new_faces.as_ref().unwrap_or(faces));
+    if warped.is_some() {
+        snapping.faces = sheets_of(surface, faces);
+    }
+    snapping.corners();
+    let Snapping { faces: flat, polygons, .. } = snapping;
+    if polygons.iter().all(|sheet| sheet.triangles.is_empty()) {
+        return (None, Vec::new());
+    }
+    Arrangement::new(surface, faces, flat, polygons, size, same).surface(first)
 }

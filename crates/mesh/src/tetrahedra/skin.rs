@@ -210,6 +210,8 @@ pub(super) struct FlatFaces {
     pub(super) of_facet: Vec<u32>,
     /// Their number.
     pub(super) count: usize,
+    /// Whether each is a part of a round face.
+    pub(super) round: Vec<bool>,
     /// Ends of the edges between them.
     pub(super) edges: Vec<[u32; 2]>,
 }
@@ -223,7 +225,16 @@ pub(super) fn flat_faces(surface: &Surface) -> FlatFaces {
     for of in &mut of_facet {
         *of = roots.binary_search(of).unwrap_or(0) as u32;
     }
-    FlatFaces { of_facet, count: roots.len(), edges: borders.into_iter().map(|edge| edge.ends).collect() }
+    let mut round = vec![false; roots.len()];
+    for (facet, of) in surface.facets.iter().zip(&of_facet) {
+        for k in 0..3 {
+            let (a, b) = (facet[k], facet[(k + 1) % 3]);
+            let place = borders.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends);
+            round[*of as usize] |= place.is_ok_and(|place| borders[place].curved);
+        }
+    }
+    let edges = borders.into_iter().map(|edge| edge.ends).collect();
+    FlatFaces { of_facet, count: roots.len(), round, edges }
 }
 
 fn root(parent: &mut [u32], facet: u32) -> u32 {

@@ -217,8 +217,14 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// The surface with the polygons in it, whose faces are numbered from `first`; `None` if none is inside.
-    pub(super) fn surface(self, first: u32) -> Result<Option<Surface>, PolygonError> {
+    /// The surface with the polygons in it, whose faces are numbered from `first`; `None` if none is inside. Also returns what is too close or too sharp to be meshed.
+    pub(super) fn surface(self, first: u32) -> (Option<Surface>, Vec<PolygonError>) {
+        let mut faults = Vec::new();
+        let surface = self.put_together(first, &mut faults);
+        (surface, faults)
+    }
+
+    fn put_together(&self, first: u32, faults: &mut Vec<PolygonError>) -> Option<Surface> {
         let mut inner: Vec<([u32; 3], u32)> = Vec::new();
         let mut open: Vec<usize> = (0..self.polygons.len()).collect();
         open.retain(|&number| !self.polygons[number].triangles.is_empty());
@@ -230,11 +236,11 @@ impl<'a> Arrangement<'a> {
                 other.normal == one.normal && other.origin == one.origin
             };
             let (group, rest): (Vec<usize>, Vec<usize>) = open.iter().partition(|other| is_same(other));
-            self.add_plane(&group, &mut inner)?;
+            self.add_plane(&group, &mut inner, faults);
             open = rest;
         }
         if inner.is_empty() {
-            return Ok(None);
+            return None;
         }
         let mut new = Surface { names: self.before.names.clone(), ..Surface::default() };
         let mut push = |facet: [u32; 3], face: u32, sides: [u32; 2]| {
@@ -248,10 +254,10 @@ impl<'a> Arrangement<'a> {
             }
         }
         for face in (0..self.faces.len()).filter(|&face| self.touched[face]) {
-            let layer = self.layer(&[&self.faces[face]])?;
+            let Some(layer) = self.layer(&[&self.faces[face]], faults) else { continue };
             let kept = layer.triangles.iter().filter(|&&triangle| self.faces[face].contains(self.middle(triangle), 0.0));
             let kept: Vec<[u32; 3]> = kept.copied().collect();
-            self.check(&kept, &layer.segments)?;
+            self.check(&kept, &layer.segments, faults);
             let Some(facet) = self.of.of_facet.iter().position(|&of| of as usize == face) else { continue };
             for triangle in kept {
                 push(triangle, self.before.faces[facet], self.before.sides[facet]);
@@ -263,9 +269,9 @@ impl<'a> Arrangement<'a> {
         self.number(&mut new);
         if let Some(edge) = beside_inner(&new).filter(|edge| edge.angle < SHARP) {
             let place = times(plus(edge.ends[0], edge.ends[1]), 0.5);
-            return Err(PolygonError::Sharp { polygons: self.nearest_two(place), angle: edge.angle, place });
+            faults.push(PolygonError::Sharp { polygons: self.nearest_two(place), angle: edge.angle, place });
         }
-        Ok(Some(new))
+        Some(new)
     }
 
     /// Gives the nodes that are used their numbers: those of the surface keep theirs.
@@ -288,8 +294,8 @@ impl<'a> Arrangement<'a> {
         times(plus(plus(a, b), c), 1.0 / 3.0)
     }
 
-    /// Triangulates the plane of sheets between all segments in it.
-    fn layer(&self, sheets: &[&Sheet]) -> Result<Layer, PolygonError> {
+    /// Triangulates the plane of sheets between all segments in it; `None` where they are tangled.
+    fn layer(&self, sheets: &[&Sheet], faults: &mut Vec<PolygonError>) -> Option<Layer> {
         let (one, margin) = (sheets[0], 4.0 * self.vertices.same);
         let [low, high] = crate::bounds(sheets.iter().flat_map(|sheet| sheet.bounds));
         let is_on = |vertex: u32| {
@@ -309,7 +315,8 @@ impl<'a> Arrangement<'a> {
         let edges: Vec<[usize; 2]> = segments.iter().map(|ends| ends.map(local)).collect();
         let Some(triangles) = triangulate(&points, &edges) else {
             let place = one.triangles.first().map_or(one.origin, |triangle| triangle[0]);
-            return Err(PolygonError::Close { polygons: self.nearest_two(place), place });
+            faults.push(PolygonError::Close { polygons: self.nearest_two(place), place });
+            return None;
         };
         // Between the hull and segments along it, rounding leaves triangles without height.
         let is_flat = |triangle: &[u32; 3]| {
@@ -320,16 +327,21 @@ impl<'a> Arrangement<'a> {
         };
         let triangles = triangles.into_iter().filter(|triangle| !is_flat(triangle));
         let global = |triangle: [u32; 3]| triangle.map(|vertex| used[vertex as usize]);
-        Ok(Layer {
+        Some(Layer {
             triangles: triangles.map(global).collect(),
             segments: segments.into_iter().collect(),
         })
     }
 
     /// Adds the triangles of the polygons of one plane that are inside of the body, with the numbers of their polygons.
-    fn add_plane(&self, group: &[usize], inner: &mut Vec<([u32; 3], u32)>) -> Result<(), PolygonError> {
+    fn add_plane(
+        &self,
+        group: &[usize],
+        inner: &mut Vec<([u32; 3], u32)>,
+        faults: &mut Vec<PolygonError>,
+    ) {
         let sheets: Vec<&Sheet> = group.iter().map(|&number| &self.polygons[number]).collect();
-        let layer = self.layer(&sheets)?;
+        let Some(layer) = self.layer(&sheets, faults) else { return };
         let margin = 4.0 * self.vertices.same;
         let mut kept: Vec<([u32; 3], u32)> = Vec::new();
         for &triangle in &layer.triangles {
@@ -352,9 +364,8 @@ impl<'a> Arrangement<'a> {
             }
         }
         let triangles: Vec<[u32; 3]> = inside.iter().map(|(triangle, _)| *triangle).collect();
-        self.check(&triangles, &layer.segments)?;
+        self.check(&triangles, &layer.segments, faults);
         inner.extend(inside);
-        Ok(())
     }
 
     /// Whether a point is inside of the body: facets are seen from it under the angle of the whole sphere.
@@ -373,8 +384,8 @@ impl<'a> Arrangement<'a> {
         sum > std::f64::consts::PI
     }
 
-    /// Refuses edges, gaps and angles between segments that are too small.
-    fn check(&self, triangles: &[[u32; 3]], segments: &BTreeSet<[u32; 2]>) -> Result<(), PolygonError> {
+    /// Finds edges, gaps and angles between segments that are too small.
+    fn check(&self, triangles: &[[u32; 3]], segments: &BTreeSet<[u32; 2]>, faults: &mut Vec<PolygonError>) {
         let nodes = self.before.nodes.len() as u32;
         for triangle in triangles {
             // What the body itself has is left to the mesher.
@@ -393,15 +404,15 @@ impl<'a> Arrangement<'a> {
                 let (span, t) = (length(along), dot(off, along) / dot(along, along));
                 let gap = distance(off, times(along, t));
                 if (span < least && a.max(b) >= nodes) || ((0.0..=1.0).contains(&t) && gap < least) {
-                    return Err(PolygonError::Close { polygons: self.nearest_two(p), place: p });
+                    faults.push(PolygonError::Close { polygons: self.nearest_two(p), place: p });
+                    continue;
                 }
                 let angle = libm::atan2(gap, dot(off, along) / span).to_degrees();
                 if is_segment(a, c) && angle < SHARP {
-                    return Err(PolygonError::Sharp { polygons: self.nearest_two(p), angle, place: p });
+                    faults.push(PolygonError::Sharp { polygons: self.nearest_two(p), angle, place: p });
                 }
             }
         }
-        Ok(())
     }
 
     /// The two polygons nearest to a place: the same twice if only one is near.

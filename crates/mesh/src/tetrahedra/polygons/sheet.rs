@@ -102,6 +102,18 @@ impl Sheet {
         !self.triangles.is_empty()
     }
 
+    /// The polygon, moved along its normal.
+    pub(super) fn moved(&self, by: f64) -> Self {
+        let mut new = self.clone();
+        if by != 0.0 {
+            let by = times(self.normal, by);
+            new.origin = plus(new.origin, by);
+            new.corners.iter_mut().for_each(|corner| *corner = plus(*corner, by));
+            new.flatten();
+        }
+        new
+    }
+
     /// Distance of a point from the plane, on the side of the normal.
     pub(super) fn height(&self, point: Point) -> f64 {
         dot(self.normal, minus(point, self.origin))

@@ -1,7 +1,8 @@
 //! Moves of planes and corners that keep small gaps out of the mesh.
 
-use super::sheet::Sheet;
 use super::SNAP;
+use super::sheet::Sheet;
+use super::warp::RoundNodes;
 use crate::grading::Grading;
 use crate::tetrahedra::Surface;
 use crate::tetrahedra::skin::FlatFaces;
@@ -13,6 +14,8 @@ const TILT: f64 = 0.35;
 /// Flat faces and polygons while they are moved.
 pub(super) struct Snapping<'a> {
     pub(super) faces: Vec<Sheet>,
+    /// Whether each face is a part of a round one.
+    round: Vec<bool>,
     /// Without triangles where there is nothing left of a polygon.
     pub(super) polygons: Vec<Sheet>,
     /// The plane of each polygon: that of a face, or the number of faces plus that of a polygon.
@@ -28,6 +31,15 @@ pub(super) struct Snapping<'a> {
     vertices: Vec<Point>,
 }
 
+/// The flat faces of a surface.
+pub(super) fn sheets_of(surface: &Surface, of: &FlatFaces) -> Vec<Sheet> {
+    let mut triangles = vec![Vec::new(); of.count];
+    for (facet, &face) in of.of_facet.iter().enumerate() {
+        triangles[face as usize].push(surface.corners(facet));
+    }
+    triangles.into_iter().map(Sheet::of_face).collect()
+}
+
 impl<'a> Snapping<'a> {
     pub(super) fn new(
         surface: &Surface,
@@ -36,12 +48,11 @@ impl<'a> Snapping<'a> {
         size: &'a Grading<3>,
         same: f64,
     ) -> Self {
-        let mut triangles = vec![Vec::new(); of.count];
-        for (facet, &face) in of.of_facet.iter().enumerate() {
-            triangles[face as usize].push(surface.corners(facet));
-        }
-        let faces: Vec<Sheet> = triangles.into_iter().map(Sheet::of_face).collect();
+        let faces = sheets_of(surface, of);
+        // Nodes of round faces can go to where polygons are.
+        let nodes = RoundNodes::new(surface, of);
         let mut used: Vec<u32> = of.edges.iter().flatten().copied().collect();
+        used.retain(|&node| nodes.is_fixed(node));
         used.sort_unstable();
         used.dedup();
         let at = |node: u32| surface.nodes[node as usize];
@@ -52,7 +63,8 @@ impl<'a> Snapping<'a> {
             size,
             same,
             bounds: crate::bounds(surface.nodes.iter().copied()),
-            segments: of.edges.iter().map(|ends| ends.map(at)).collect(),
+            segments: of.edges.iter().filter(|ends| ends.iter().any(|&end| nodes.is_fixed(end))).map(|ends| ends.map(at)).collect(),
+            round: of.round.clone(),
             vertices: used.into_iter().map(at).collect(),
         }
     }
@@ -99,7 +111,7 @@ impl<'a> Snapping<'a> {
                 && sheet.angle(other)[0] < TILT
                 && sheet.corners.iter().all(|&corner| other.height(corner).abs() < self.reach(corner))
         };
-        let face = self.faces.iter().position(is_same);
+        let face = (0..self.faces.len()).find(|&face| !self.round[face] && is_same(&self.faces[face]));
         face.or_else(|| done.iter().find(|&&other| is_same(&self.polygons[other])).map(|&other| self.planes[other]))
     }
 
