@@ -44,8 +44,10 @@ mod materials;
 mod settings;
 mod stages;
 
+mod polygons;
 mod polylines;
 mod joint_lines;
+mod joint_planes;
 mod joint_sets;
 
 mod connected;
@@ -330,7 +332,7 @@ impl Checked<'_> {
         }
         let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
         let mut found = Vec::new();
-        let lines = JointLines::of(file, document, load, &mut found);
+        let lines = JointLines::of(D, file, document, load, &mut found);
         let (mesh, placed, missing) = bodies::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);

@@ -2,6 +2,7 @@
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
 //! - `joint_sets`: joints in the mesh, and their laws.
+//! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
@@ -21,6 +22,8 @@
 mod examples;
 #[path = "model/joint_sets.rs"]
 mod joint_sets;
+#[path = "model/joint_planes.rs"]
+mod joint_planes;
 #[path = "model/included.rs"]
 mod included;
 #[path = "model/limits.rs"]

@@ -19,6 +19,7 @@ mod improve;
 mod numbering;
 pub(crate) mod order;
 pub(crate) mod plane;
+mod polygons;
 mod predicates;
 mod recover;
 mod regions;
@@ -28,6 +29,7 @@ mod skin;
 pub(crate) mod vector;
 
 pub use error::MeshError;
+pub use polygons::{PolygonError, add_polygons};
 pub use sharpest::{SharpCorner, SharpEdge, sharpest_corner, sharpest_edge};
 
 use std::collections::BTreeMap;
@@ -42,6 +44,9 @@ use vector::{Point, minus, plus, times};
 
 /// The region outside of all bodies.
 pub const OUTSIDE: u32 = u32::MAX;
+
+/// The region on both sides of a facet that lies inside of a region, whichever this is: such a facet becomes facets of the mesh, and parts nothing.
+pub const INNER: u32 = u32::MAX - 1;
 
 /// Volume of a tetrahedron over the cube of the mean edge, in a large mesh.
 const VOLUME: f64 = 0.1;
@@ -77,7 +82,7 @@ pub struct Surface {
     pub facets: Vec<[u32; 3]>,
     /// Face of each facet `[m]`.
     pub faces: Vec<u32>,
-    /// Regions behind and before each facet `[m]`, or [`OUTSIDE`]: its corners are counter-clockwise seen from before.
+    /// Regions behind and before each facet `[m]`, or [`OUTSIDE`], or [`INNER`] on both sides: its corners are counter-clockwise seen from before.
     pub sides: Vec<[u32; 2]>,
     /// Names of the first faces; faces beyond have none.
     pub names: Vec<String>,
@@ -102,6 +107,10 @@ pub struct Tetrahedra {
     pub facets: Vec<[u32; 3]>,
     /// Face of each of those facets `[k]`.
     pub faces: Vec<u32>,
+    /// Facets on those of the surface that are inside of a region `[l]`, once each.
+    pub inner: Vec<[u32; 3]>,
+    /// Face of each of those facets `[l]`.
+    pub inner_faces: Vec<u32>,
 }
 
 /// Meshes what a surface bounds with edges as long as `size` says.
@@ -226,7 +235,7 @@ fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
         let [a, b, c] = corners.map(|corner| minus(corner, origin));
         let area = vector::length(vector::normal(a, b, c));
         let volume = vector::dot(a, vector::cross(b, c));
-        for (&region, sign) in sides.iter().zip([1.0, -1.0]).filter(|(region, _)| **region != OUTSIDE) {
+        for (&region, sign) in sides.iter().zip([1.0, -1.0]).filter(|(region, _)| **region < INNER) {
             let sum = sums.entry(region).or_default();
             *sum = [sum[0] + sign * volume, sum[1] + area, sum[2] + area * size(middle)];
         }

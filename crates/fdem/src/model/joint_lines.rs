@@ -1,4 +1,4 @@
-//! The lines of joint sets: those of a list or a file, and those that statistics give.
+//! The lines and polygons of joint sets: those of a list or a file. The lines that statistics give, and bodies in the plane with joints.
 
 use fdem_mesh::Grading;
 use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, triangles};
@@ -6,10 +6,11 @@ use fdem_scenes::random::Random;
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, Problem};
-use crate::model::file::{Body, JointSet, ModelFile};
+use crate::model::file::{Body, JointSet, ModelFile, Vector};
 use crate::model::mesh_file::Load;
 use crate::model::outline::{Domain, Point};
 use crate::model::piece::JointFacet;
+use crate::model::polygons::{self, Polygon};
 use crate::model::polylines;
 
 /// Lines of a statistical set in one body, at most.
@@ -18,9 +19,11 @@ const MOST: f64 = 1e5;
 /// A line by its two ends, m.
 type Line = [Point; 2];
 
-/// The lines of all joint sets, in the order of the file; none for statistical sets, whose lines follow from the place of a body.
+/// The lines and polygons of all joint sets, in the order of the file; none for statistical sets, whose joints follow from the place of a body.
 pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
+    /// Polygons of each set.
+    pub(crate) polygons: Vec<(&'f JointSet, Vec<Polygon>)>,
 }
 
 /// A line in a body.
@@ -30,35 +33,46 @@ struct Trace {
 }
 
 impl<'f> JointLines<'f> {
-    /// Reads the files that joint sets name.
+    /// Reads the files that joint sets name: polygons in three dimensions, lines in two.
     pub(crate) fn of(
+        dimensions: usize,
         file: &'f ModelFile,
         document: &Document<'_>,
         load: &mut Load<'_>,
         faults: &mut Vec<Fault>,
     ) -> Self {
-        let mut sets = Vec::new();
+        let (mut sets, mut in_space) = (Vec::new(), Vec::new());
         for (index, set) in file.joint_set.iter().enumerate() {
             let given = set.lines.iter().flatten().filter_map(|numbers| polylines::points(numbers));
             let chains = given
                 .flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<Line>>());
             let mut lines: Vec<Line> = chains.collect();
+            let corners = set.polygons.iter().flatten().filter_map(|numbers| polygons::corners(numbers));
+            let mut polygons: Vec<Polygon> = corners.collect();
             if let Some(name) = &set.file {
                 let read = load(name).map_err(|why| format!("cannot read {name}: {why}"));
-                match read.and_then(|bytes| polylines::read(&bytes, name)) {
-                    Ok(found) => lines.extend(found),
-                    Err(message) => faults.push(
+                let read = read.and_then(|bytes| {
+                    if dimensions == 2 {
+                        lines.extend(polylines::read(&bytes, name)?);
+                    } else {
+                        polygons.extend(polygons::read(&bytes, name)?);
+                    }
+                    Ok(())
+                });
+                if let Err(message) = read {
+                    faults.push(
                         Fault::at(
                             document.value(Table::of("joint_set", index), "file"),
                             format!("[[joint_set]] \"{}\": {message}", set.name),
                         )
                         .label("this file"),
-                    ),
+                    );
                 }
             }
             sets.push((set, lines));
+            in_space.push((set, polygons));
         }
-        Self { sets }
+        Self { sets, polygons: in_space }
     }
 
     /// The lines in a body, in the coordinates in which it is meshed.
@@ -213,7 +227,8 @@ impl Placing {
 /// Joints lie on parallel lines, which are numbered from the origin, and along each line on places that are numbered from it. Each number has random numbers of its own, so that the joints
 /// are the same wherever the box is, and those of bodies beside each other continue each other.
 fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) -> Option<Vec<Line>> {
-    let (seed, origin) = (set.seed.unwrap_or(1), set.origin.unwrap_or_default());
+    let seed = set.seed.unwrap_or(1);
+    let origin: Point = set.origin.as_ref().map_or([0.0; 2], Vector::components);
     let persistence = set.persistence.unwrap_or(1.0);
     let [turned, shifted, longer] =
         [set.dip_deviation, set.spacing_deviation, set.trace_deviation].map(Option::unwrap_or_default);

@@ -12,11 +12,14 @@ use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{self, ModelFile};
 use crate::model::joint_lines::has_joints;
+use crate::model::joint_planes::PERSISTENT;
 use crate::model::placed::{self, Placed};
-use crate::model::polylines;
+use crate::model::{polygons, polylines};
 
 /// Keys of statistical sets.
-const STATISTICAL: [&str; 8] = [
+const STATISTICAL: [&str; 10] = [
+    "dip_direction",
+    "dip_direction_deviation",
     "spacing",
     "persistence",
     "trace_length",
@@ -34,17 +37,27 @@ pub struct Joints {
     pub name: String,
     /// Number of joints in the bodies.
     pub joints: usize,
-    /// Number of edges of elements on them.
-    pub edges: usize,
-    /// Their length, m.
-    pub length: f64,
+    /// Number of edges of elements on them, or of faces in three dimensions.
+    pub facets: usize,
+    /// Their length, m; in two dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Their area, m²; in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
 }
 
 impl fmt::Display for Joints {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, joints, edges, length } = self;
-        let [joints, edges] = [*joints, *edges].map(|count| grouped(count as u64));
-        write!(out, "{name}: {joints}, {} m long together, along {edges} edges", brief(*length))
+        let Self { name, joints, facets, length, area } = self;
+        let [joints, facets] = [*joints, *facets].map(|count| grouped(count as u64));
+        match (length, area) {
+            (_, Some(area)) => write!(out, "{name}: {joints}, {} m² together, on {facets} faces", brief(*area)),
+            (length, None) => {
+                let length = brief(length.unwrap_or(0.0));
+                write!(out, "{name}: {joints}, {length} m long together, along {facets} edges")
+            }
+        }
     }
 }
 
@@ -56,15 +69,13 @@ pub(crate) fn check(
     faults: &mut Vec<Fault>,
 ) -> Vec<JointSet> {
     for (index, set) in file.joint_set.iter().enumerate() {
-        let check = Check { file, document, set, table: Table::of("joint_set", index) };
-        if dimensions == 3 {
-            let message = "joint sets are for models in two dimensions so far";
-            faults.push(check.fault("name", message).label("not in three dimensions").help(
-                "in three dimensions, give bodies or grains materials of their own, and the joints between them an [[interface]] with a strength",
-            ));
-            continue;
+        let check = Check { file, document, set, table: Table::of("joint_set", index), dimensions };
+        check.sources(faults);
+        check.numbers(faults);
+        check.fits(faults);
+        if set.dip.is_some() {
+            check.statistics(faults);
         }
-        check.lines(faults);
         check.bodies(faults);
         check.law(faults);
     }
@@ -97,6 +108,7 @@ struct Check<'a> {
     document: &'a Document<'a>,
     set: &'a file::JointSet,
     table: Table,
+    dimensions: u8,
 }
 
 impl Check<'_> {
@@ -106,29 +118,26 @@ impl Check<'_> {
         Fault::at(self.document.value(self.table, key), message)
     }
 
-    /// Where the lines come from.
-    fn lines(&self, faults: &mut Vec<Fault>) {
+    /// Where the joints come from.
+    fn sources(&self, faults: &mut Vec<Fault>) {
         let set = self.set;
-        let sources =
-            [("lines", set.lines.is_some()), ("file", set.file.is_some()), ("dip", set.dip.is_some())];
+        let sources = [
+            ("lines", set.lines.is_some()),
+            ("polygons", set.polygons.is_some()),
+            ("file", set.file.is_some()),
+            ("dip", set.dip.is_some()),
+        ];
         let given: Vec<&str> = sources.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
         match given[..] {
             [_] => {}
             [] => {
                 faults
-                    .push(self.fault("name", "it has no joints").help("give it one of lines, file and dip"));
+                    .push(self.fault("name", "it has no joints").help(format!("give it one of {}, file and dip", self.list())));
             }
             [first, second, ..] => faults.push(
                 self.fault(second, &format!("its joints are given twice, by {first} and {second}"))
                     .help("write a second [[joint_set]]"),
             ),
-        }
-        if let Some(wrong) =
-            set.lines.iter().flatten().position(|numbers| polylines::points(numbers).is_none())
-        {
-            let fault = self.fault("lines", &format!("line {} is not [x1, y1, x2, y2, …]", wrong + 1));
-            let span = self.document.entry(self.table, "lines", wrong);
-            faults.push(Fault { span: Some(span), ..fault }.label("this line"));
         }
         if set.dip.is_none() {
             for key in STATISTICAL.into_iter().filter(|key| self.document.has(self.table, key)) {
@@ -137,7 +146,61 @@ impl Check<'_> {
                         .label("take it out"),
                 );
             }
-            return;
+        }
+    }
+
+    /// The key of a list of joints.
+    fn list(&self) -> &'static str {
+        if self.dimensions == 2 { "lines" } else { "polygons" }
+    }
+
+    /// Keys that are for the other number of dimensions.
+    fn fits(&self, faults: &mut Vec<Fault>) {
+        let flat = self.dimensions == 2;
+        let in_space = ["polygons", "dip_direction", "dip_direction_deviation"];
+        let others = if flat { &in_space[..] } else { &["lines"][..] };
+        for key in others.iter().filter(|key| self.document.has(self.table, key)) {
+            let message = format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
+            let fault = self.fault(key, &message).label("not in this model");
+            let instead = format!("give the joints by \"{}\"", self.list());
+            let is_list = ["lines", "polygons"].contains(key);
+            faults.push(if is_list { fault.help(instead) } else { fault });
+        }
+        let found = self.set.origin.as_ref().map_or(usize::from(self.dimensions), |origin| origin.0.len());
+        if found != usize::from(self.dimensions) {
+            let message = format!("\"origin\" has {found} numbers, where a model in {0} dimensions has {0}", self.dimensions);
+            faults.push(self.fault("origin", &message).label(format!("{found} numbers")));
+        }
+    }
+
+    /// The numbers of lists.
+    fn numbers(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        if let Some(wrong) =
+            set.lines.iter().flatten().position(|numbers| polylines::points(numbers).is_none())
+        {
+            let fault = self.fault("lines", &format!("line {} is not [x1, y1, x2, y2, …]", wrong + 1));
+            let span = self.document.entry(self.table, "lines", wrong);
+            faults.push(Fault { span: Some(span), ..fault }.label("this line"));
+        }
+        if let Some(wrong) =
+            set.polygons.iter().flatten().position(|numbers| polygons::corners(numbers).is_none())
+        {
+            let message = format!("polygon {} is not [x1, y1, z1, x2, y2, z2, x3, y3, z3, …]", wrong + 1);
+            let span = self.document.entry(self.table, "polygons", wrong);
+            faults.push(Fault { span: Some(span), ..self.fault("polygons", &message) }.label("this polygon"));
+        }
+    }
+
+    /// The keys of a statistical set.
+    fn statistics(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        if self.dimensions == 3 && set.dip_direction.is_none() {
+            faults.push(self.fault("dip", "in three dimensions a dip needs a dip_direction").label("needs dip_direction"));
+        }
+        if self.dimensions == 3 && set.dip.is_some_and(|dip| dip < 0.0) {
+            let help = "turn the dip_direction by 180 degrees";
+            faults.push(self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help));
         }
         let Some(spacing) = set.spacing else {
             faults.push(self.fault("dip", "a set with a dip needs a spacing").label("needs spacing"));
@@ -161,6 +224,10 @@ impl Check<'_> {
                 self.fault("persistence", "a persistence below 1 needs a trace_length")
                     .label("needs trace_length"),
             ),
+            Some(_) if self.dimensions == 3 && persistence > PERSISTENT && persistence < 1.0 => {
+                let message = format!("a persistence in three dimensions is at most {PERSISTENT}, or 1");
+                faults.push(self.fault("persistence", &message).label("too large"));
+            }
             Some(_) if persistence >= 1.0 => faults.push(
                 self.fault("trace_length", "joints with a persistence of 1 have no end, and no trace_length")
                     .help("give it a persistence below 1, or take trace_length out"),
@@ -175,6 +242,13 @@ impl Check<'_> {
 
     /// The bodies that are named.
     fn bodies(&self, faults: &mut Vec<Fault>) {
+        let mut all = self.file.body.iter();
+        let grains = all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
+        if let Some(body) = grains {
+            let key = if self.set.bodies.is_some() { "bodies" } else { "name" };
+            let message = format!("the body \"{}\" has grains, into which no joints can be put in three dimensions", body.name);
+            faults.push(self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""));
+        }
         for (place, name) in self.set.bodies.iter().flatten().enumerate() {
             let span = self.document.entry(self.table, "bodies", place);
             match self.file.body.iter().find(|body| body.name == *name) {
@@ -247,13 +321,13 @@ where
     let mut all = Vec::new();
     for number in 0..model.joint_sets.len() as u32 {
         let mut traces = BTreeSet::new();
-        let (mut facets, mut length) = (Vec::new(), 0.0);
+        let (mut facets, mut measure) = (Vec::new(), 0.0);
         for (body, Placed { piece, first, .. }) in placed.iter().enumerate() {
             for joint in piece.joints.iter().filter(|joint| joint.set == number) {
                 traces.insert((body, joint.trace));
                 facets.push(joint.facet.map(|node| node + first[0]));
                 let corners = joint.facet.map(|node| piece.nodes[node as usize]);
-                length += <[[f64; D]; N]>::facet_measure(&corners);
+                measure += <[[f64; D]; N]>::facet_measure(&corners);
             }
         }
         let name = model.joint_sets[number as usize].name.clone();
@@ -262,7 +336,8 @@ where
         } else {
             model.add_joints(number, &facets);
         }
-        all.push(Joints { name, joints: traces.len(), edges: facets.len(), length });
+        let [length, area] = if D == 2 { [Some(measure), None] } else { [None, Some(measure)] };
+        all.push(Joints { name, joints: traces.len(), facets: facets.len(), length, area });
     }
     all
 }

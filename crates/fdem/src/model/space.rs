@@ -16,6 +16,7 @@ use crate::model::fault::Problem;
 use crate::model::file::{
     self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
 };
+use crate::model::joint_lines::JointLines;
 use crate::model::limits::{MOST, VOLUME, too_many};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, materials_of_groups};
@@ -36,6 +37,7 @@ const WIDE: f64 = 1000.0;
 pub(crate) fn pieces(
     file: &ModelFile,
     body: &Body,
+    joints: &JointLines<'_>,
     load: &mut Load<'_>,
 ) -> Result<Vec<Piece<3, 4>>, Problem> {
     // Checked before: names are known, and there is a size.
@@ -50,7 +52,7 @@ pub(crate) fn pieces(
     let grading = grading::<3>(body);
     let Some(packing) = &body.packing else {
         let (key, shape) = surface(body, &|place| grading.at(place), load)?;
-        return Ok(vec![meshed(file, body, key, shape, &grading)?]);
+        return Ok(vec![meshed(file, (body, joints), key, shape, &grading)?]);
     };
     // All copies are of one file, which is read once.
     let mut known = BTreeMap::new();
@@ -75,7 +77,7 @@ pub(crate) fn pieces(
                 }
                 None => shapes::sphere(ball.0, ball.1, &|place| grading.at(place), seed).map(Shape::numbered),
             };
-            meshed(file, &one, "packing", shape, &grading)
+            meshed(file, (&one, joints), "packing", shape, &grading)
         })
         .collect()
 }
@@ -83,13 +85,13 @@ pub(crate) fn pieces(
 /// A shape, meshed.
 fn meshed(
     file: &ModelFile,
-    body: &Body,
+    (body, joints): (&Body, &JointLines<'_>),
     key: &'static str,
     shape: Result<Shape, MeshError>,
     grading: &Grading<3>,
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let Shape { surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
+    let Shape { mut surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
     if let Some(problem) = far::problem(key, &body.name, fdem_mesh::bounds(surface.nodes.iter().copied())) {
         return Err(problem);
     }
@@ -99,6 +101,7 @@ fn meshed(
     if let Some(problem) = near::problem(key, &corners, &surface.nodes, edges) {
         return Err(problem);
     }
+    let joints = joints.into_surface(body, &mut surface, grading)?;
     let meshed = match round {
         Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),
         Some(Round::Sphere(of)) => {
@@ -117,7 +120,9 @@ fn meshed(
         }
         _ => vec![material; meshed.elements.len()],
     };
+    let facets = joints.facets(&meshed);
     let piece = piece(meshed, &names, materials, body.voronoi.is_some());
+    let piece = piece.map(|piece| Piece { joints: facets, ..piece });
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 
@@ -388,7 +393,7 @@ fn piece(
     materials: Vec<u32>,
     has_grains: bool,
 ) -> Result<Piece<3, 4>, String> {
-    let Tetrahedra { nodes, elements, regions, facets, faces } = meshed;
+    let Tetrahedra { nodes, elements, regions, facets, faces, .. } = meshed;
     let grains = if has_grains { regions } else { Vec::new() };
     let mut piece = Piece { nodes, elements, materials, grains, ..Piece::default() };
     piece.find_outline()?;

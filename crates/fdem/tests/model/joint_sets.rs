@@ -38,8 +38,8 @@ fn lines_of_a_list_are_edges_with_their_clipped_length() {
     let expected = 1.0 + 0.2_f64.hypot(0.3) + 0.3;
     assert!((length(&edges) - expected).abs() < 1e-9, "{}", length(&edges));
     let joints = &prepared.joint_sets[0];
-    assert_eq!((joints.name.as_str(), joints.joints, joints.edges), ("bedding", 3, edges.len()));
-    assert!((joints.length - expected).abs() < 1e-9);
+    assert_eq!((joints.name.as_str(), joints.joints, joints.facets), ("bedding", 3, edges.len()));
+    assert!((joints.length.unwrap() - expected).abs() < 1e-9);
     let set = &prepared.model.joint_sets[0];
     let tangent = 30.0_f64.to_radians().tan();
     assert!(
@@ -98,11 +98,4 @@ fn what_is_wrong_with_a_set_is_told() {
     }
     let prepared = right(&with("lines = [[50, 50, 60, 60]]\n"));
     assert!(prepared.warnings.iter().any(|warning| warning.contains("\"bedding\" has no joint")));
-    let space = "[model]\nend_time = 1e-3\n[[body]]\nname = \"a\"\nmaterial = \"b\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n\
-                 [[material]]\nname = \"b\"\ndensity = 2000\nyoungs_modulus = 1e9\npoissons_ratio = 0.2\n";
-    let load = &mut |_: &str| Err("none".to_owned());
-    let errors =
-        fdem::model::prepare_any(&format!("{space}{SET}dip = 3\nspacing = 1\n"), "a.toml", load, None)
-            .unwrap_err();
-    assert!(errors.to_string().contains("two dimensions so far"), "{errors}");
 }

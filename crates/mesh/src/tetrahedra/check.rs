@@ -3,7 +3,7 @@
 use super::delaunay::in_line;
 use super::predicates::side;
 use super::vector::{Point, cross, dot, minus};
-use super::{MeshError, OUTSIDE, Surface};
+use super::{INNER, MeshError, Surface};
 use crate::simplex::sorted;
 
 impl Surface {
@@ -36,12 +36,13 @@ impl Surface {
             if in_line(a, b, c) {
                 return Err(MeshError::Degenerate { facet, place: a });
             }
-            if self.sides[facet][0] == self.sides[facet][1] {
+            let [behind, before] = self.sides[facet];
+            if (behind == before) != (behind == INNER) {
                 return Err(MeshError::Sides { place: a });
             }
         }
         let mut regions: Vec<u32> =
-            self.sides.iter().flatten().copied().filter(|&region| region != OUTSIDE).collect();
+            self.sides.iter().flatten().copied().filter(|&region| region < INNER).collect();
         regions.sort_unstable();
         regions.dedup();
         self.has_none_twice()?;
@@ -82,7 +83,7 @@ impl Surface {
         edges.sort_unstable();
         for group in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
             let (region, [a, b], _, facet) = group[0];
-            if region == OUTSIDE {
+            if region >= INNER {
                 continue;
             }
             let back = group.iter().filter(|edge| edge.2).count();

@@ -5,7 +5,7 @@ use super::improve::body::{BORDER, Body};
 use super::order;
 use super::skin::Skin;
 use super::vector::{Point, plus, times};
-use super::{OUTSIDE, Tetrahedra};
+use super::{INNER, OUTSIDE, Tetrahedra};
 
 /// The mesh without unused nodes and elements, in order along a space-filling curve.
 pub(super) fn number(body: &Body, skin: &Skin) -> Tetrahedra {
@@ -23,7 +23,8 @@ pub(super) fn number(body: &Body, skin: &Skin) -> Tetrahedra {
         times(plus(plus(a, b), plus(c, d)), 0.25)
     };
     let middles: Vec<Point> = all.iter().map(middle).collect();
-    let faces = between(skin);
+    let faces = between(skin, false);
+    let inner = between(skin, true);
     for place in order::along_curve(&middles) {
         let t = all[place as usize];
         let corners = body.corners[t];
@@ -32,11 +33,17 @@ pub(super) fn number(body: &Body, skin: &Skin) -> Tetrahedra {
         for (place, facet) in FACETS.iter().enumerate() {
             let code = body.across[t][place];
             let facet = facet.map(|k| corners[k]);
+            let mut key = facet;
+            key.sort_unstable();
+            if body.walls[t] >> place & 1 == 1 && (t as u32) < code / 4 {
+                let Ok(found) = inner.binary_search_by_key(&key, |(corners, _)| *corners) else { continue };
+                new.inner.push(facet.map(|corner| numbers[corner as usize]));
+                new.inner_faces.push(inner[found].1);
+                continue;
+            }
             let face = if code >= BORDER {
                 skin.patches[(code - BORDER) as usize].face
             } else if body.regions[t] < body.regions[(code / 4) as usize] {
-                let mut key = facet;
-                key.sort_unstable();
                 let Ok(found) = faces.binary_search_by_key(&key, |(corners, _)| *corners) else { continue };
                 faces[found].1
             } else {
@@ -49,12 +56,12 @@ pub(super) fn number(body: &Body, skin: &Skin) -> Tetrahedra {
     new
 }
 
-/// Triangles of the skin between regions, by their corners, with their faces.
-fn between(skin: &Skin) -> Vec<([u32; 3], u32)> {
+/// Triangles of the skin between regions, or those inside of regions, by their corners, with their faces.
+fn between(skin: &Skin, inner: bool) -> Vec<([u32; 3], u32)> {
     let mut faces = Vec::new();
     for (&triangle, &patch) in skin.triangles.iter().zip(&skin.of) {
         let patch = &skin.patches[patch as usize];
-        if !patch.sides.contains(&OUTSIDE) {
+        if !patch.sides.contains(&OUTSIDE) && (patch.sides[0] == INNER) == inner {
             let mut key = triangle;
             key.sort_unstable();
             faces.push((key, patch.face));

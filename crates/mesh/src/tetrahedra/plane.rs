@@ -60,6 +60,16 @@ fn centre(u: Point2, v: Point2) -> Point2 {
 impl Plane {
     /// Triangles that meet in edges, each of which has at most two.
     pub(crate) fn new(points: Vec<Point2>, triangles: Vec<[u32; 3]>, period: f64) -> Self {
+        Self::with_walls(points, triangles, period, &[])
+    }
+
+    /// The same with edges inside that stay as those of the border do: pairs of ends in ascending order, sorted.
+    pub(crate) fn with_walls(
+        points: Vec<Point2>,
+        triangles: Vec<[u32; 3]>,
+        period: f64,
+        walls: &[[u32; 2]],
+    ) -> Self {
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
         for (t, triangle) in triangles.iter().enumerate() {
             for place in 0..3 {
@@ -70,6 +80,9 @@ impl Plane {
         edges.sort_unstable();
         let mut across = vec![[NONE; 3]; triangles.len()];
         for pair in edges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            if walls.binary_search(&pair[0].0).is_ok() {
+                continue;
+            }
             let [one, other] = [pair[0].1, pair[1].1];
             across[(one / 3) as usize][(one % 3) as usize] = other;
             across[(other / 3) as usize][(other % 3) as usize] = one;

@@ -7,7 +7,7 @@
 //! J. Ruppert, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation", J. Algorithms 18 (1995), for the circles around corners on which edges with
 //! a sharp angle between them are split; J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998.
 
-use super::MeshError;
+use super::{INNER, MeshError};
 use super::delaunay::{Delaunay, FACETS, GHOST, NONE};
 use super::order;
 use super::plane::{Plane, Point2};
@@ -195,8 +195,13 @@ fn mend(skin: &mut Skin, mesh: &Delaunay, missing: &[u32], nodes: usize) {
     }
     patches.sort_unstable();
     patches.dedup();
+    // Only facets inside of a region meet a patch within it.
+    let has_inner = skin.patches.iter().any(|patch| patch.sides[0] == INNER);
+    let edges = if has_inner { Edges::new(&skin.triangles) } else { Edges(Vec::new()) };
+    let groups = edges.0.chunk_by(|one, other| one.0 == other.0);
+    let shared: Vec<[u32; 2]> = groups.filter(|group| group.len() > 2).map(|group| group[0].0).collect();
     for patch in patches {
-        flip_patch(skin, patch);
+        flip_patch(skin, &shared, patch);
     }
 }
 
@@ -297,8 +302,8 @@ fn power(span: f64) -> f64 {
     power
 }
 
-/// Flips the edges of a patch until its triangles are Delaunay's in its plane.
-fn flip_patch(skin: &mut Skin, patch: u32) {
+/// Flips the edges of a patch until its triangles are Delaunay's in its plane; the `shared` ones, which have more than two, stay.
+fn flip_patch(skin: &mut Skin, shared: &[[u32; 2]], patch: u32) {
     let all: Vec<usize> = (0..skin.triangles.len()).filter(|&t| skin.of[t] == patch).collect();
     let mut used: Vec<u32> = all.iter().flat_map(|&t| skin.triangles[t]).collect();
     used.sort_unstable();
@@ -310,7 +315,10 @@ fn flip_patch(skin: &mut Skin, patch: u32) {
         .iter()
         .map(|&node| axes.map(|axis| dot(axis, minus(skin.points[node as usize], origin))))
         .collect();
-    let mut plane = Plane::new(points, all.iter().map(|&t| skin.triangles[t].map(local)).collect(), 0.0);
+    let triangles: Vec<[u32; 3]> = all.iter().map(|&t| skin.triangles[t].map(local)).collect();
+    let is_used = |ends: &&[u32; 2]| ends.iter().all(|end| used.binary_search(end).is_ok());
+    let walls: Vec<[u32; 2]> = shared.iter().filter(is_used).map(|ends| ends.map(local)).collect();
+    let mut plane = Plane::with_walls(points, triangles, 0.0, &walls);
     plane.make_delaunay();
     for (&t, corners) in all.iter().zip(&plane.triangles) {
         skin.triangles[t] = corners.map(|node| used[node as usize]);

@@ -5,7 +5,7 @@ use super::predicates::side;
 use super::recover::Hits;
 use super::skin::Skin;
 use super::vector::{Point, distance, plus, times};
-use super::{MeshError, OUTSIDE};
+use super::{INNER, MeshError, OUTSIDE};
 
 /// Not yet known.
 const UNKNOWN: u32 = NONE - 1;
@@ -23,8 +23,14 @@ pub(crate) fn classify(mesh: &mut Delaunay, skin: &Skin, hits: &Hits) -> Result<
             open.push(t as u32);
         }
     }
+    // Facets inside of a region are no end of it.
+    let mut walls = mesh.locked.clone();
     for &(facet, triangle) in hits {
         let (t, place) = ((facet / 4) as usize, (facet % 4) as usize);
+        if skin.patches[skin.of[triangle as usize] as usize].sides[0] == INNER {
+            walls[t] &= !(1 << place);
+            continue;
+        }
         let [a, b, c] = FACETS[place].map(|k| mesh.corners[t][k]);
         let corners = skin.triangles[triangle as usize];
         let behind = [[a, b, c], [b, c, a], [c, a, b]].contains(&corners);
@@ -39,7 +45,7 @@ pub(crate) fn classify(mesh: &mut Delaunay, skin: &Skin, hits: &Hits) -> Result<
     while let Some(t) = open.pop() {
         let t = t as usize;
         let region = mesh.regions[t];
-        for place in (0..4).filter(|place| mesh.locked[t] >> place & 1 == 0) {
+        for place in (0..4).filter(|place| walls[t] >> place & 1 == 0) {
             let u = (mesh.across[t][place] / 4) as usize;
             if mesh.regions[u] == UNKNOWN {
                 mesh.regions[u] = region;

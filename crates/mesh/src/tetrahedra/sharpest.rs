@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::vector::{Point, cross, dot, length, minus, normal, unit};
-use super::{OUTSIDE, Surface};
+use super::vector::{Point, cross, dot, length, minus, normal, times, unit};
+use super::{INNER, Surface};
 
 /// An edge of a closed surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,8 +119,46 @@ pub(super) fn of_surface(surface: &Surface) -> Option<SharpEdge> {
         });
         sharpest_edge(&surface.nodes, &around.collect::<Vec<_>>())
     };
-    let all = regions.into_iter().filter(|&region| region != OUTSIDE).filter_map(of);
+    let all = regions.into_iter().filter(|&region| region < INNER).filter_map(of).chain(beside_inner(surface));
     all.min_by(|one, other| one.angle.total_cmp(&other.angle))
+}
+
+/// The edge of a facet inside of a region with the smallest angle to another facet.
+pub(super) fn beside_inner(surface: &Surface) -> Option<SharpEdge> {
+    if surface.sides.iter().all(|sides| sides[0] != INNER) {
+        return None;
+    }
+    let mut edges: Vec<([u32; 2], usize, u32)> = Vec::with_capacity(3 * surface.facets.len());
+    for (number, facet) in surface.facets.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (facet[k], facet[(k + 1) % 3]);
+            edges.push(([a.min(b), a.max(b)], number, facet[(k + 2) % 3]));
+        }
+    }
+    edges.sort_unstable();
+    let at = |node: u32| surface.nodes[node as usize];
+    let mut sharpest: Option<SharpEdge> = None;
+    for group in edges.chunk_by(|one, other| one.0 == other.0) {
+        let [a, b] = group[0].0.map(at);
+        let along = unit(minus(b, a));
+        let away = |apex: u32| {
+            let off = minus(at(apex), a);
+            minus(off, times(along, dot(off, along)))
+        };
+        for (place, &(_, one, apex)) in group.iter().enumerate() {
+            for &(_, other, opposite) in &group[place + 1..] {
+                if [one, other].iter().all(|&facet| surface.sides[facet][0] != INNER) {
+                    continue;
+                }
+                let (u, v) = (away(apex), away(opposite));
+                let angle = libm::atan2(length(cross(u, v)), dot(u, v)).to_degrees();
+                if sharpest.is_none_or(|sharpest| angle < sharpest.angle) {
+                    sharpest = Some(SharpEdge { angle, ends: [a, b] });
+                }
+            }
+        }
+    }
+    sharpest
 }
 
 #[cfg(test)]

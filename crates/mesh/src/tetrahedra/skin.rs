@@ -43,6 +43,8 @@ struct Edge {
     count: u32,
     /// Whether it is on a curved face: edges of its triangles differ in length anyway, so only long ones are cut.
     curved: bool,
+    /// Whether it has more than two facets: two of them may be of one patch.
+    shared: bool,
 }
 
 impl Skin {
@@ -82,15 +84,16 @@ impl Skin {
     ) {
         let number = self.patches.len() as u32;
         let one = facets[0].1 as usize;
-        let axes = axes(surface.corners(one));
+        let axes = axes_of(surface.corners(one));
         let mut triangles = Vec::new();
         for &(_, facet) in facets {
             cut(surface.facets[facet as usize], borders, &mut triangles);
         }
+        let mut walls = walls(surface, facets, borders);
         let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
-        for corner in triangles.iter_mut().flatten() {
+        for corner in triangles.iter_mut().flatten().chain(walls.iter_mut().flatten()) {
             *corner = used.binary_search(corner).unwrap_or(0) as u32;
         }
         let origin = self.points[used[0] as usize];
@@ -100,7 +103,7 @@ impl Skin {
             .collect();
         let fixed = flat.len();
         let place = |[x, y]: Point2| plus(origin, plus(times(axes[0], x), times(axes[1], y)));
-        let mut plane = Plane::new(flat, triangles, 0.0);
+        let mut plane = Plane::with_walls(flat, triangles, 0.0, &walls);
         // A facet of a curved face that no edge of was cut is as small as its neighbours want it.
         if fixed > 3 || is_large(surface.corners(one), sizes) {
             plane.fill(
@@ -127,6 +130,30 @@ impl Skin {
     }
 }
 
+/// The pieces of edges that have facets of this patch on both sides and another facet besides: sorted, by their ends in ascending order.
+fn walls(surface: &Surface, facets: &[(u32, u32)], borders: &[Edge]) -> Vec<[u32; 2]> {
+    let mut edges = Vec::new();
+    for &(_, facet) in facets {
+        let facet = surface.facets[facet as usize];
+        for k in 0..3 {
+            let (a, b) = (facet[k], facet[(k + 1) % 3]);
+            let place = borders.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends);
+            edges.extend(place.ok().filter(|&place| borders[place].shared));
+        }
+    }
+    edges.sort_unstable();
+    let mut walls = Vec::new();
+    for twice in edges.windows(2).filter(|pair| pair[0] == pair[1]) {
+        let edge = &borders[twice[0]];
+        let [a, b] = edge.ends;
+        let on = edge.first..edge.first + edge.count;
+        let chain: Vec<u32> = std::iter::once(a).chain(on).chain([b]).collect();
+        walls.extend(chain.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]));
+    }
+    walls.sort_unstable();
+    walls
+}
+
 /// Whether the circle around a facet is too large for the size.
 fn is_large(corners: [Point; 3], sizes: &Sizes<'_>) -> bool {
     let size = sizes.at(times(plus(plus(corners[0], corners[1]), corners[2]), 1.0 / 3.0));
@@ -134,7 +161,7 @@ fn is_large(corners: [Point; 3], sizes: &Sizes<'_>) -> bool {
 }
 
 /// Two directions of length 1 in the plane of a triangle: counter-clockwise seen from the tip of its normal. Along the axes, exactly, if the plane is.
-fn axes([a, b, c]: [Point; 3]) -> [Point; 2] {
+pub(super) fn axes_of([a, b, c]: [Point; 3]) -> [Point; 2] {
     let normal = unit(normal(a, b, c));
     for axis in 0..3 {
         if normal[(axis + 1) % 3] == 0.0 && normal[(axis + 2) % 3] == 0.0 {
@@ -171,10 +198,43 @@ fn patches(surface: &Surface) -> (Vec<u32>, Vec<Edge>) {
             }
             curved = surface.faces[one as usize] == surface.faces[other as usize];
         }
-        borders.push(Edge { ends: group[0].0, first: 0, count: 0, curved });
+        borders.push(Edge { ends: group[0].0, first: 0, count: 0, curved, shared: group.len() > 2 });
     }
     let roots = (0..count as u32).map(|facet| root(&mut parent, facet)).collect();
     (roots, borders)
+}
+
+/// The flat faces of a surface.
+pub(super) struct FlatFaces {
+    /// Flat face of each facet.
+    pub(super) of_facet: Vec<u32>,
+    /// Their number.
+    pub(super) count: usize,
+    /// Whether each is a part of a round face.
+    pub(super) round: Vec<bool>,
+    /// Ends of the edges between them.
+    pub(super) edges: Vec<[u32; 2]>,
+}
+
+/// The facets of one face in one plane are a flat face; they are numbered in the order of their first facets.
+pub(super) fn flat_faces(surface: &Surface) -> FlatFaces {
+    let (mut of_facet, borders) = patches(surface);
+    let mut roots = of_facet.clone();
+    roots.sort_unstable();
+    roots.dedup();
+    for of in &mut of_facet {
+        *of = roots.binary_search(of).unwrap_or(0) as u32;
+    }
+    let mut round = vec![false; roots.len()];
+    for (facet, of) in surface.facets.iter().zip(&of_facet) {
+        for k in 0..3 {
+            let (a, b) = (facet[k], facet[(k + 1) % 3]);
+            let place = borders.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends);
+            round[*of as usize] |= place.is_ok_and(|place| borders[place].curved);
+        }
+    }
+    let edges = borders.into_iter().map(|edge| edge.ends).collect();
+    FlatFaces { of_facet, count: roots.len(), round, edges }
 }
 
 fn root(parent: &mut [u32], facet: u32) -> u32 {

@@ -62,10 +62,10 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
     fn pieces(
         file: &ModelFile,
         body: &Body,
-        _: &JointLines<'_>,
+        joints: &JointLines<'_>,
         load: &mut Load<'_>,
     ) -> Result<Vec<Piece<3, 4>>, Problem> {
-        space::pieces(file, body, load)
+        space::pieces(file, body, joints, load)
     }
 
     fn gap(&self, other: &Self) -> Option<f64> {

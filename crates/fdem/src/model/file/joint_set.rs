@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A set of joints in two dimensions: bedding, foliation, faults, or a discrete fracture network, with a law of its own. Its lines are given by exactly one of `lines`, `file` and `dip`. They become edges of the
-/// meshes of the bodies; lines that nearly coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and then slides with its residual friction.
+use super::Vector;
+
+/// A set of joints: bedding, foliation, faults, or a discrete fracture network, with a law of its own. Its joints are lines in two dimensions and polygons in three, given by exactly one of `lines` or `polygons`,
+/// `file` and `dip`. They become edges or faces of the meshes of the bodies; joints that nearly coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and then slides with its residual friction.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSet {
@@ -15,26 +17,35 @@ pub struct JointSet {
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub bodies: Option<Vec<String>>,
-    /// Lines [x1, y1, x2, y2], or polylines [x1, y1, x2, y2, x3, y3, …], m. What is outside of the bodies is left out.
+    /// In two dimensions: lines [x1, y1, x2, y2], or polylines [x1, y1, x2, y2, x3, y3, …], m. What is outside of the bodies is left out.
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"), length(min = 1))]
     pub lines: Option<Vec<Vec<f64>>>,
-    /// File with lines: CSV with one line or polyline x1,y1,x2,y2,… a row, GeoJSON with `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE` or `LWPOLYLINE`. Coordinates in m.
+    /// In three dimensions: flat polygons [x1, y1, z1, x2, y2, z2, x3, y3, z3, …] by their corners in order, m. What is outside of the bodies is left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"), length(min = 1))]
+    pub polygons: Option<Vec<Vec<f64>>>,
+    /// File with joints. In two dimensions: CSV with one line or polyline x1,y1,x2,y2,… a row, GeoJSON with `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE` or `LWPOLYLINE`. In three dimensions: CSV with one polygon x1,y1,z1,x2,y2,z2,… a row, GeoJSON with `Polygon` or `MultiPolygon` and heights, or DXF with `3DFACE`, or closed `POLYLINE` or `LWPOLYLINE`. Coordinates in m.
     #[serde(default)]
     pub file: Option<String>,
-    /// Mean angle of the joints of a statistical set to the x axis, degrees. Joints with a positive angle rise to the right.
+    /// In two dimensions: mean angle of the joints of a statistical set to the x axis, degrees; joints with a positive angle rise to the right. In three: mean angle at which they dip below the horizontal (x and y), 0 to
+    /// 90 degrees.
     #[serde(default)]
     #[schemars(extend("minimum" = -90, "maximum" = 90, "x-unit" = "deg"))]
     pub dip: Option<f64>,
+    /// In three dimensions: direction in which joints dip, clockwise from y (north) seen from above, so that 90 is x (east), degrees. Needed with `dip`.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 360, "x-unit" = "deg"))]
+    pub dip_direction: Option<f64>,
     /// Mean distance of neighbouring joints, across them, m. Needed with `dip`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub spacing: Option<f64>,
-    /// Length of joints over the length of the line on which they lie. The rest is rock between joints. Default: 1, joints without end.
+    /// Length of joints over the length of the line on which they lie, or their area over that of their plane, then at most 0.8 or 1. The rest is rock between joints. Default: 1, joints without end.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub persistence: Option<f64>,
-    /// Mean length of a joint, m. Needed with a `persistence` below 1.
+    /// Mean length of a joint, m; in three dimensions its width, as joints are octagons. Needed with a `persistence` below 1.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub trace_length: Option<f64>,
@@ -42,6 +53,10 @@ pub struct JointSet {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 45, "x-unit" = "deg"))]
     pub dip_deviation: Option<f64>,
+    /// In three dimensions: greatest deviation of the direction of each joint from `dip_direction`, degrees. Deviations are uniformly distributed. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 180, "x-unit" = "deg"))]
+    pub dip_direction_deviation: Option<f64>,
     /// Greatest deviation of each joint from its place across the joints, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
@@ -50,10 +65,10 @@ pub struct JointSet {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
     pub trace_deviation: Option<f64>,
-    /// Point through which one joint passes if there is no deviation, m. Default: [0, 0].
+    /// Point through which one joint passes if there is no deviation, [x, y] or [x, y, z], m. Default: the origin.
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
-    pub origin: Option<[f64; 2]>,
+    pub origin: Option<Vector>,
     /// Seed of the places, lengths and deviations. Default: 1.
     #[serde(default)]
     pub seed: Option<u64>,

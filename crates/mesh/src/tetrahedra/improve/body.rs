@@ -1,7 +1,7 @@
 //! Tetrahedra of one or several regions that can be replaced a few at a time.
 
 use super::quality::quality;
-use crate::tetrahedra::OUTSIDE;
+use crate::tetrahedra::{INNER, OUTSIDE};
 use crate::tetrahedra::delaunay::{Delaunay, FACETS, NONE};
 use crate::tetrahedra::recover::Hits;
 use crate::tetrahedra::skin::Skin;
@@ -24,6 +24,8 @@ pub(crate) struct Body {
     /// Beyond the facet opposite each corner: four times the neighbour plus the place of its opposite corner, or [`BORDER`].
     pub(crate) across: Vec<[u32; 4]>,
     pub(crate) regions: Vec<u32>,
+    /// Bit `k` is set if the facet opposite corner `k` is one of the skin inside of a region: it stays.
+    pub(crate) walls: Vec<u8>,
     /// A tetrahedron at each point, or [`NONE`].
     pub(crate) at: Vec<u32>,
     free: Vec<u32>,
@@ -72,6 +74,7 @@ impl Body {
             corners: kept.iter().map(|&t| mesh.corners[t]).collect(),
             across: Vec::with_capacity(kept.len()),
             regions: kept.iter().map(|&t| mesh.regions[t]).collect(),
+            walls: vec![0; kept.len()],
             free: Vec::new(),
         };
         for (number, &t) in (0..).zip(&kept) {
@@ -84,6 +87,9 @@ impl Body {
         }
         for &(facet, triangle) in hits {
             let t = numbers[(facet / 4) as usize];
+            if t != NONE && skin.patches[skin.of[triangle as usize] as usize].sides[0] == INNER {
+                new.walls[t as usize] |= 1 << (facet % 4);
+            }
             if t != NONE && new.across[t as usize][(facet % 4) as usize] >= BORDER {
                 new.across[t as usize][(facet % 4) as usize] = BORDER + skin.of[triangle as usize];
             }
@@ -107,12 +113,18 @@ impl Body {
         quality(a, b, c, d)
     }
 
-    /// The neighbour beyond a facet, if it is in the same region.
+    /// Whether a facet stays because it is one of the skin.
+    #[inline]
+    fn is_wall(&self, t: usize, place: usize) -> bool {
+        self.walls[t] >> place & 1 == 1
+    }
+
+    /// The neighbour beyond a facet, if it is in the same region, and the facet may go.
     #[inline]
     pub(crate) fn beyond(&self, t: usize, place: usize) -> Option<(usize, usize)> {
         let code = self.across[t][place];
         let (u, opposite) = ((code / 4) as usize, (code % 4) as usize);
-        (code < BORDER && self.regions[u] == self.regions[t]).then_some((u, opposite))
+        (code < BORDER && self.regions[u] == self.regions[t] && !self.is_wall(t, place)).then_some((u, opposite))
     }
 
     /// All tetrahedra at a point, of any region.
@@ -135,7 +147,7 @@ impl Body {
     }
 
     /// The tetrahedra around the edge between two corners of a tetrahedron, such that each of them has positive volume as (a, b, one node, the next node).
-    /// `None` if they are of several regions.
+    /// `None` if they are of several regions, or on both sides of a facet that stays.
     pub(crate) fn ring(&self, t: usize, a: u32, b: u32) -> Option<Ring> {
         let mut others = self.corners[t].iter().copied().filter(|&corner| corner != a && corner != b);
         let (mut c, mut d) = (others.next()?, others.next()?);
@@ -149,10 +161,14 @@ impl Body {
         let (mut at, mut last) = (t, c);
         let mut end = BORDER;
         while ring.around.len() < MOST_AROUND {
-            let code = self.across[at][place(at, last)?];
+            let leave = place(at, last)?;
+            let code = self.across[at][leave];
             if code >= BORDER {
                 end = code;
                 break;
+            }
+            if self.is_wall(at, leave) {
+                return None;
             }
             let (next, opposite) = ((code / 4) as usize, (code % 4) as usize);
             if next == t {
@@ -171,14 +187,15 @@ impl Body {
         let mut before = Vec::new();
         let (mut at, mut last, mut far) = (t, d, c);
         while before.len() < MOST_AROUND {
-            let code = self.across[at][place(at, last)?];
+            let leave = place(at, last)?;
+            let code = self.across[at][leave];
             if code >= BORDER {
                 let nodes = before.iter().rev().map(|&(_, node)| node).chain(ring.nodes).collect();
                 let around = before.iter().rev().map(|&(t, _)| t).chain(ring.around).collect();
                 return Some(Ring { around, nodes, ends: Some([code - BORDER, end - BORDER]) });
             }
             let (next, opposite) = ((code / 4) as usize, (code % 4) as usize);
-            if self.regions[next] != region {
+            if self.regions[next] != region || self.is_wall(at, leave) {
                 return None;
             }
             last = far;
@@ -198,13 +215,14 @@ impl Body {
             key.sort_unstable();
             key
         };
-        // Facets with what is beyond them, then facets with their own code.
-        let mut facets: Vec<([u32; 3], bool, u32)> = Vec::new();
+        // Facets with what is beyond them, and whether they are walls, then facets with their own code.
+        let mut facets: Vec<([u32; 3], bool, u32, bool)> = Vec::new();
         for &t in old {
             for place in 0..4 {
                 let code = self.across[t as usize][place];
                 if code >= BORDER || !old.contains(&(code / 4)) {
-                    facets.push((key(self.corners[t as usize], place), false, code));
+                    let wall = self.is_wall(t as usize, place);
+                    facets.push((key(self.corners[t as usize], place), false, code, wall));
                 }
             }
         }
@@ -218,20 +236,25 @@ impl Body {
                 self.corners.push([NONE; 4]);
                 self.across.push([border; 4]);
                 self.regions.push(region);
+                self.walls.push(0);
                 self.corners.len() as u32 - 1
             });
             self.corners[t as usize] = corners;
             self.across[t as usize] = [border; 4];
             self.regions[t as usize] = region;
+            self.walls[t as usize] = 0;
             places.push(t);
             for (place, &corner) in corners.iter().enumerate() {
                 self.at[corner as usize] = t;
-                facets.push((key(corners, place), true, 4 * t + place as u32));
+                facets.push((key(corners, place), true, 4 * t + place as u32, false));
             }
         }
         facets.sort_unstable();
         for pair in facets.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let (one, other) = (pair[0].2, pair[1].2);
+            if pair[0].3 {
+                self.walls[(other / 4) as usize] |= 1 << (other % 4);
+            }
             for (code, to) in [(one, other), (other, one)] {
                 if code < BORDER {
                     self.across[(code / 4) as usize][(code % 4) as usize] = to;

@@ -1,0 +1,240 @@
+//! Polygons inside of bodies, such as joints in rock, that become facets of the mesh.
+//!
+//! Polygons are cut where they cross each other and the faces of the surface, and what is outside is left out. What would give elements much smaller than the mesh size is moved by less than a
+//! share of it: polygons that nearly coincide become one, planes that pass a corner or a crossing go through it, and corners and edges of a polygon that are near another polygon or a face end on it.
+//! All stays flat: planes are moved along their normals, and corners within their planes. Nodes of round faces are moved along these, onto polygons.
+//!
+//! - `sheet`: flat pieces, and the segments that two of them have in common.
+//! - `snap`: moves of planes and corners.
+//! - `warp`: moves of the nodes of round faces.
+//! - `arrange`: all segments are cut by each other; what is between them is triangulated plane by plane.
+
+mod arrange;
+mod sheet;
+mod snap;
+mod warp;
+
+use std::error::Error;
+use std::fmt;
+
+use super::skin::{FlatFaces, flat_faces};
+use super::vector::{Point, distance};
+use super::{MeshError, Surface, bounds, finite};
+use crate::grading::Grading;
+use fdem_scenes::random::Random;
+use arrange::Arrangement;
+use sheet::Sheet;
+use snap::{Snapping, sheets_of};
+use warp::RoundNodes;
+
+/// Distance over mesh size up to which polygons are moved.
+const SNAP: f64 = 0.35;
+
+/// Length over mesh size below which an edge, or a gap beside one, is refused.
+const LEAST: f64 = 0.05;
+
+/// Smallest angle between polygons and faces, and between edges in a plane, degrees.
+const SHARP: f64 = 5.0;
+
+/// Distance over the width of a body up to which points are the same.
+const SAME: f64 = 1e-9;
+
+/// Distance from the mean plane over the width of a polygon up to which it is flat.
+const FLAT: f64 = 1e-3;
+
+/// How often polygons that are too close to others are moved to another place, by up to [`SNAP`], before they are refused.
+const ATTEMPTS: usize = 30;
+
+/// Most polygons.
+const MOST: usize = 20_000;
+
+/// Why polygons cannot be put into a surface. Numbers of polygons count from 0.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PolygonError {
+    /// The surface itself is wrong.
+    Surface(MeshError),
+    /// A corner is not finite.
+    NotFinite {
+        /// The polygon.
+        polygon: usize,
+    },
+    /// A polygon has less than three corners, or they are in a line.
+    NoArea {
+        /// The polygon.
+        polygon: usize,
+    },
+    /// The corners of a polygon are in no plane.
+    NotFlat {
+        /// The polygon.
+        polygon: usize,
+        /// Largest distance of a corner from the mean plane.
+        distance: f64,
+    },
+    /// A polygon crosses itself.
+    Crossed {
+        /// The polygon.
+        polygon: usize,
+    },
+    /// Polygons, or a polygon and the surface, are too close to each other.
+    Close {
+        /// The two polygons nearest to the place; once the same where there is only one.
+        polygons: [usize; 2],
+        /// The place.
+        place: Point,
+    },
+    /// Polygons, or a polygon and the surface, meet at a small angle.
+    Sharp {
+        /// The two polygons nearest to the place; once the same where there is only one.
+        polygons: [usize; 2],
+        /// The angle, degrees.
+        angle: f64,
+        /// The place.
+        place: Point,
+    },
+    /// There are too many polygons.
+    TooMany {
+        /// Their number.
+        polygons: usize,
+    },
+}
+
+impl fmt::Display for PolygonError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let beside = |[a, b]: [usize; 2]| {
+            if a == b { format!("polygon {a} and the surface") } else { format!("polygons {a} and {b}") }
+        };
+        match self {
+            Self::Surface(error) => error.fmt(out),
+            Self::NotFinite { polygon } => {
+                write!(out, "polygon {polygon} has a coordinate that is not finite or above 1e60")
+            }
+            Self::NoArea { polygon } => write!(out, "polygon {polygon} has no area"),
+            Self::NotFlat { polygon, distance } => {
+                write!(out, "polygon {polygon} is not flat: a corner is {distance:.2e} beside the plane of the others")
+            }
+            Self::Crossed { polygon } => write!(out, "polygon {polygon} crosses itself"),
+            Self::Close { polygons, place } => {
+                write!(out, "{} are too close to each other for the mesh size near {place:?}", beside(*polygons))
+            }
+            Self::Sharp { polygons, angle, place } => write!(
+                out,
+                "{} meet at an angle of {angle:.1} degrees near {place:?}, below {SHARP}",
+                beside(*polygons)
+            ),
+            Self::TooMany { polygons } => write!(out, "{polygons} polygons are more than {MOST}"),
+        }
+    }
+}
+
+impl Error for PolygonError {}
+
+/// Puts polygons, by their corners in order, into a surface as facets with [`INNER`](super::INNER) on both sides. Returns the face of the facets of the first polygon; those of the others follow.
+/// Where polygons coincide, the facets are those of the first.
+///
+/// Faces that are cut are triangulated anew; others keep their facets. Without a polygon inside, the surface stays what it is.
+///
+/// # Units
+/// `size` is in the unit of the coordinates.
+///
+/// # Cost
+/// In proportion to the square of the number of polygons that cross each other.
+///
+/// # Errors
+/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.05 of the mesh size, or meets at less than 5 degrees, after all moves.
+///
+/// # Example
+/// ```
+/// use fdem_mesh::Grading;
+/// use fdem_mesh::shapes::cuboid;
+/// use fdem_mesh::tetrahedra::{add_polygons, graded};
+///
+/// let mut cube = cuboid([0.0; 3], [1.0; 3])?;
+/// let size = Grading::even(0.25);
+/// // From outside to outside: it cuts the cube in two.
+/// let level = vec![[-1.0, -1.0, 0.5], [2.0, -1.0, 0.5], [2.0, 2.0, 0.5], [-1.0, 2.0, 0.5]];
+/// let face = add_polygons(&mut cube, &[level], &size)?;
+/// let mesh = graded(&cube, &size, 1)?;
+/// assert!(mesh.inner.len() > 30 && mesh.inner_faces.iter().all(|&of| of == face));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn add_polygons(
+    surface: &mut Surface,
+    polygons: &[Vec<Point>],
+    size: &Grading<3>,
+) -> Result<u32, PolygonError> {
+    surface.check().map_err(PolygonError::Surface)?;
+    if polygons.len() > MOST {
+        return Err(PolygonError::TooMany { polygons: polygons.len() });
+    }
+    let first = surface.faces.iter().max().map_or(0, |most| most + 1).max(surface.names.len() as u32);
+    let (low, high) = bounds(&surface.nodes);
+    let wide = distance(low, high);
+    let same = (SAME * wide).min(1e-4 * size.least());
+    // Beyond the body, with room for moves.
+    let margin = size.size.min(wide);
+    let around = [low.map(|x| x - margin), high.map(|x| x + margin)];
+    let mut sheets = Vec::with_capacity(polygons.len());
+    for (polygon, corners) in polygons.iter().enumerate() {
+        finite(corners).map_err(|_| PolygonError::NotFinite { polygon })?;
+        let (mut sheet, off) = Sheet::of_polygon(corners).ok_or(PolygonError::NoArea { polygon })?;
+        let (least, most) = bounds(corners);
+        if off > FLAT * distance(least, most) {
+            return Err(PolygonError::NotFlat { polygon, distance: off });
+        }
+        if sheet.triangles.is_empty() {
+            return Err(PolygonError::Crossed { polygon });
+        }
+        sheet.clip(around);
+        sheets.push(sheet);
+    }
+    let faces = flat_faces(surface);
+    let mut random = Random::new(1);
+    let mut by = vec![0.0; sheets.len()];
+    for attempt in 0.. {
+        let moved: Vec<Sheet> = sheets.iter().zip(&by).map(|(sheet, &by)| sheet.moved(by)).collect();
+        let (found, faults) = put(surface, &faces, moved, size, same, first);
+        let Some(fault) = faults.first() else {
+            if let Some(found) = found {
+                *surface = found;
+            }
+            break;
+        };
+        if attempt == ATTEMPTS {
+            return Err(fault.clone());
+        }
+        // What is too close to another may be farther from it elsewhere.
+        for fault in &faults {
+            if let PolygonError::Close { polygons, place } | PolygonError::Sharp { polygons, place, .. } = fault {
+                let number = polygons[random.below(2) as usize];
+                by[number] = SNAP * size.at(*place) * random.between(-1.0, 1.0);
+            }
+        }
+    }
+    Ok(first)
+}
+
+/// Puts polygons into a surface, once. Returns the surface, if any of them is inside, and what is wrong with it.
+fn put(
+    surface: &Surface,
+    faces: &FlatFaces,
+    polygons: Vec<Sheet>,
+    size: &Grading<3>,
+    same: f64,
+    first: u32,
+) -> (Option<Surface>, Vec<PolygonError>) {
+    let mut snapping = Snapping::new(surface, faces, polygons, size, same);
+    snapping.planes();
+    let warped = RoundNodes::new(surface, faces).warped(surface, &snapping.polygons, size);
+    let new_faces = warped.as_ref().map(flat_faces);
+    let (surface, faces) = (warped.as_ref().unwrap_or(surface), new_faces.as_ref().unwrap_or(faces));
+    if warped.is_some() {
+        snapping.faces = sheets_of(surface, faces);
+    }
+    snapping.corners();
+    let Snapping { faces: flat, polygons, .. } = snapping;
+    if polygons.iter().all(|sheet| sheet.triangles.is_empty()) {
+        return (None, Vec::new());
+    }
+    Arrangement::new(surface, faces, flat, polygons, size, same).surface(first)
+}
