@@ -39,6 +39,7 @@ mod space;
 mod crowded;
 mod sizes;
 mod bodies;
+mod bonds;
 mod boundaries;
 mod materials;
 mod settings;
@@ -85,6 +86,7 @@ pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 pub(crate) use stages::Present;
 
+use bonds::Bonds;
 use conditions::Resolved;
 pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
@@ -341,6 +343,11 @@ impl Checked<'_> {
         } else {
             Vec::new()
         };
+        let bonds = if missing.is_empty() {
+            Bonds::find(file, document, &placed, &mut found)
+        } else {
+            Bonds::default()
+        };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(bodies::crowded(document, &placed));
         none_or(faults)?;
@@ -386,7 +393,8 @@ impl Checked<'_> {
                 energy_bound: file.model.energy_bound,
             },
         };
-        let joint_sets = joint_sets::put(&mut model, &placed, &mut warnings);
+        let between: Vec<bool> = file.joint_set.iter().map(|set| set.between.is_some()).collect();
+        let joint_sets = joint_sets::put(&mut model, &placed, &between, &mut warnings);
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
         for body in &placed {
@@ -398,7 +406,7 @@ impl Checked<'_> {
         plausible::without_effect(file, document, &model, &mut warnings);
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
-        Ok(Prepared {
+        let mut prepared = Prepared {
             title: file.model.title.clone(),
             end_time: file.model.end_time,
             groups: groups_of(&placed),
@@ -406,11 +414,7 @@ impl Checked<'_> {
             joint_sets,
             output: settings::settings(file, &placed),
             histories,
-            hash: if stages.is_empty() && until.is_none() && servos.is_empty() {
-                hash(&model)
-            } else {
-                hash(&(&model, &stages, &until, &servos))
-            },
+            hash: String::new(),
             stages,
             until,
             servos,
@@ -420,7 +424,18 @@ impl Checked<'_> {
             quality,
             bodies,
             warnings,
-        })
+        };
+        let joined = bonds.join(&mut prepared);
+        joined.map_err(|error| {
+            vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error.to_string())]
+        })?;
+        let Prepared { model, stages, until, servos, .. } = &prepared;
+        prepared.hash = if stages.is_empty() && until.is_none() && servos.is_empty() {
+            hash(model)
+        } else {
+            hash(&(model, stages, until, servos))
+        };
+        Ok(prepared)
     }
 }
 

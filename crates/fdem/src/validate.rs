@@ -2,6 +2,7 @@
 //!
 //! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] holds the comparison. [`table`] and [`html`] show reports.
 
+mod arch;
 mod brazilian;
 mod cantilever;
 mod compliance;
@@ -504,6 +505,20 @@ const CASES: &[Case] = &[
         what: "A block lies on a plane with cohesion and friction that dips. Gravity grows until it slides: then the factor of safety of limit equilibrium is 1.",
         source: "E. Hoek and J. W. Bray, Rock Slope Engineering (1981), ch. 7",
         run: ground::plane_failure,
+    },
+    Case {
+        number: 37,
+        name: "triaxial envelope",
+        what: "Blocks of rock are crushed under four pressures on their sides. A line through the strengths has the slope and the intercept of Mohr and Coulomb.",
+        source: "Mohr and Coulomb",
+        run: compression::envelope,
+    },
+    Case {
+        number: 38,
+        name: "arch",
+        what: "A semicircular arch of 24 voussoirs without mortar stands under its weight if it is thicker than 0.1075 of its mean radius, and falls if it is thinner.",
+        source: "J. Heyman, Int. J. Solids Struct. 2 (1966) 249–279, after Couplet (1730) and Milankovitch (1907)",
+        run: arch::run,
     },
 ];
 

@@ -19,6 +19,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 #[path = "model/examples.rs"]
+mod bonds;
 mod examples;
 #[path = "model/joint_sets.rs"]
 mod joint_sets;

@@ -68,10 +68,12 @@ fn area([a, b, c]: [Point; 3]) -> f64 {
 
 fn volume(surface: &Surface) -> f64 {
     let facets = surface.facets.iter().zip(&surface.sides).filter(|(_, sides)| sides[0] != sides[1]);
-    facets.map(|(facet, _)| {
-        let [a, b, c] = facet.map(|node| surface.nodes[node as usize]);
-        dot(a, cross(b, c)) / 6.0
-    }).sum()
+    facets
+        .map(|(facet, _)| {
+            let [a, b, c] = facet.map(|node| surface.nodes[node as usize]);
+            dot(a, cross(b, c)) / 6.0
+        })
+        .sum()
 }
 
 /// What is measured of a mesh.
@@ -209,7 +211,14 @@ fn oblique_sets() {
             }
         }
         let found = meshed(&cube(), &polygons, 0.1, seed).unwrap();
-        println!("oblique {seed}: {} {} {} {} {}", found.angle, found.shortest, found.mesh.elements.len(), found.off, found.blocks().len());
+        println!(
+            "oblique {seed}: {} {} {} {} {}",
+            found.angle,
+            found.shortest,
+            found.mesh.elements.len(),
+            found.off,
+            found.blocks().len()
+        );
     }
 }
 
@@ -229,8 +238,17 @@ fn random_discs() {
             .collect();
         all += 1;
         match meshed(&cube(), &polygons, 0.1, round as u64) {
-            Ok(found) => println!("{count}: {:.1} {:.4} {} off {:.3}", found.angle, found.shortest, found.mesh.elements.len(), found.off),
-            Err(error) => { refused += 1; println!("{count}: {error}") }
+            Ok(found) => println!(
+                "{count}: {:.1} {:.4} {} off {:.3}",
+                found.angle,
+                found.shortest,
+                found.mesh.elements.len(),
+                found.off
+            ),
+            Err(error) => {
+                refused += 1;
+                println!("{count}: {error}")
+            }
         }
     }
     println!("refused {refused} of {all}");

@@ -1,5 +1,7 @@
 //! Checks of the numbers of a model, once before anything is computed.
 
+use std::collections::BTreeSet;
+
 use crate::error::ModelError;
 use crate::model::{Load, Material, Model, Schedule, Strength, Target};
 use crate::simplex::Simplex;
@@ -70,6 +72,13 @@ fn joint_sets<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
         let place = format!("joint set '{}'", set.name);
         strength_of_joints(&place, &set.strength)?;
         not_negative(&place, "residual friction", set.residual_friction)?;
+        not_negative(&place, "dilation", set.dilation)?;
+        if set.dilation > set.residual_friction {
+            return Err(out_of_range(&place, "dilation", set.dilation, "at most the residual friction"));
+        }
+        if let Some(slip) = set.dilation_slip {
+            not_negative(&place, "slip of dilation", slip)?;
+        }
         for (what, stiffness) in
             [("normal stiffness", set.normal_stiffness), ("shear stiffness", set.shear_stiffness)]
         {
@@ -112,6 +121,7 @@ where
     for (node, coordinates) in mesh.nodes.iter().enumerate() {
         finite(&format!("node {node}"), "a coordinate", coordinates)?;
     }
+    let bonded = bonded_nodes(model);
     let mut body_of = vec![None; nodes];
     for (element, corners) in mesh.elements.iter().enumerate() {
         let place = || format!("element {element}");
@@ -121,7 +131,7 @@ where
             };
             let body = mesh.bodies[element];
             match *known {
-                Some(other) if other != body => {
+                Some(other) if other != body && !bonded.contains(&node) => {
                     return Err(ModelError::SharedNode { node, bodies: [other, body] });
                 }
                 _ => *known = Some(body),
@@ -247,4 +257,17 @@ fn finite<'a>(
         Some(&value) => Err(out_of_range(place, what, value, "a finite number")),
         None => Ok(()),
     }
+}
+
+/// Nodes of facets on joints of joint sets: bodies that are bonded share them.
+fn bonded_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> BTreeSet<u32>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let facets = model.mesh.elements.iter().zip(&model.joint_facets);
+    let on_joints = |(element, sets): (&[u32; N], &[u32; N])| {
+        let facets = <[[f64; D]; N]>::FACETS.into_iter().zip(*sets).filter(|(_, set)| *set != NONE);
+        facets.flat_map(|(facet, _)| facet.map(|corner| element[corner])).collect::<Vec<u32>>()
+    };
+    facets.flat_map(on_joints).collect()
 }

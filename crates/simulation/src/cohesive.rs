@@ -63,6 +63,9 @@ pub(crate) fn softening(d: f64) -> f64 {
     factor * (A * rest + B * sixth)
 }
 
+/// Slip over the length of a joint up to which it dilates, if nothing else is said.
+const DILATES: f64 = 0.05;
+
 /// Parameters of one joint. Those of sliding are in the variables that the head of this file explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
@@ -78,6 +81,10 @@ pub(crate) struct Law {
     pub(crate) shear: f64,
     /// Opening and sliding beyond the elastic range at which the joint is broken, m.
     pub(crate) critical: [f64; 2],
+    /// Opening for each length that the sides slip under friction.
+    pub(crate) dilation: f64,
+    /// The opening, m, up to which they dilate.
+    pub(crate) dilated: f64,
 }
 
 /// Fracture energies that are less than what a joint stores before it softens.
@@ -129,6 +136,8 @@ impl Law {
                 residual: strength.friction,
                 shear: 1.0,
                 critical,
+                dilation: 0.0,
+                dilated: 0.0,
             }),
         }
     }
@@ -143,7 +152,14 @@ impl Law {
         let (cohesion, friction) = (set.strength.cohesion / shear, set.strength.friction / shear);
         let law =
             Self::new(&Strength { cohesion, friction, ..set.strength }, penalty, opening, true, length)?;
-        Ok(Self { residual: set.residual_friction / shear, shear, ..law })
+        let dilated = set.dilation * set.dilation_slip.unwrap_or(DILATES * length);
+        Ok(Self {
+            residual: set.residual_friction / shear,
+            shear,
+            dilation: set.dilation / shear,
+            dilated,
+            ..law
+        })
     }
 
     /// Coefficient of friction at this damage.
@@ -367,6 +383,10 @@ impl<const D: usize> Memory<D> {
         let held = at_most(trial, friction);
         if held != trial {
             self.rubbed = std::array::from_fn(|axis| gap[axis] - held[axis] / lost);
+            if law.dilation > 0.0 && self.origin[0] < law.dilated {
+                let opening = self.origin[0] + law.dilation * length(minus(trial, held)) / lost;
+                self.origin[0] = opening.min(law.dilated);
+            }
             if law.cohesion == 0.0 {
                 let slip = length(minus(trial, held)) / lost;
                 let opening_alone = law.in_direction([1.0, 0.0]);

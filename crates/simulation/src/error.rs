@@ -61,7 +61,7 @@ pub enum ModelError {
         /// Three of them.
         elements: [u32; 3],
     },
-    /// Two elements of different bodies have a node in common.
+    /// Two elements of different bodies have a node in common, and it is not on a joint of a joint set.
     SharedNode {
         /// The node.
         node: u32,
@@ -180,7 +180,10 @@ impl fmt::Display for ModelError {
                 write!(out, "elements {a}, {b} and {c} have one edge or face in common, two can")
             }
             Self::SharedNode { node, bodies: [a, b] } => {
-                write!(out, "node {node} belongs to bodies {a} and {b}: bodies share no nodes")
+                write!(
+                    out,
+                    "node {node} belongs to bodies {a} and {b}: bodies share no nodes, except on joints of joint sets"
+                )
             }
             Self::NotOuter { boundary, facet } => match facet[..] {
                 [a, b] => {

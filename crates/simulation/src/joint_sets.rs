@@ -25,6 +25,10 @@ pub struct JointSet {
     pub normal_stiffness: Option<f64>,
     /// Shear stiffness, Pa/m; `None` for the normal stiffness.
     pub shear_stiffness: Option<f64>,
+    /// Tangent of the dilation angle: how far the sides of a joint move apart for each length that they slip under friction. At most the residual friction. 0 for none.
+    pub dilation: f64,
+    /// Slip, m, up to which joints dilate; `None` for 5 % of the length of each.
+    pub dilation_slip: Option<f64>,
     /// Whether the joints are broken from the beginning: they have no strength, carry no initial stress, and leave pressure and friction to contacts.
     pub open: bool,
 }

@@ -52,7 +52,9 @@ impl fmt::Display for Joints {
         let Self { name, joints, facets, length, area } = self;
         let [joints, facets] = [*joints, *facets].map(|count| grouped(count as u64));
         match (length, area) {
-            (_, Some(area)) => write!(out, "{name}: {joints}, {} m² together, on {facets} faces", brief(*area)),
+            (_, Some(area)) => {
+                write!(out, "{name}: {joints}, {} m² together, on {facets} faces", brief(*area))
+            }
             (length, None) => {
                 let length = brief(length.unwrap_or(0.0));
                 write!(out, "{name}: {joints}, {length} m long together, along {facets} edges")
@@ -97,6 +99,8 @@ fn law(set: &file::JointSet) -> JointSet {
             seed: 0,
         },
         residual_friction: tangent(set.residual_friction_angle.unwrap_or(set.friction_angle)),
+        dilation: tangent(set.dilation_angle),
+        dilation_slip: set.dilation_slip,
         normal_stiffness: set.normal_stiffness,
         shear_stiffness: set.shear_stiffness,
         open: set.open,
@@ -126,18 +130,24 @@ impl Check<'_> {
             ("polygons", set.polygons.is_some()),
             ("file", set.file.is_some()),
             ("dip", set.dip.is_some()),
+            ("between", set.between.is_some()),
         ];
         let given: Vec<&str> = sources.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
         match given[..] {
             [_] => {}
             [] => {
-                faults
-                    .push(self.fault("name", "it has no joints").help(format!("give it one of {}, file and dip", self.list())));
+                faults.push(
+                    self.fault("name", "it has no joints")
+                        .help(format!("give it one of {}, file, dip and between", self.list())),
+                );
             }
             [first, second, ..] => faults.push(
                 self.fault(second, &format!("its joints are given twice, by {first} and {second}"))
                     .help("write a second [[joint_set]]"),
             ),
+        }
+        if set.between.is_some() && set.bodies.is_some() {
+            faults.push(self.fault("bodies", "\"between\" names the bodies").label("take it out"));
         }
         if set.dip.is_none() {
             for key in STATISTICAL.into_iter().filter(|key| self.document.has(self.table, key)) {
@@ -160,7 +170,8 @@ impl Check<'_> {
         let in_space = ["polygons", "dip_direction", "dip_direction_deviation"];
         let others = if flat { &in_space[..] } else { &["lines"][..] };
         for key in others.iter().filter(|key| self.document.has(self.table, key)) {
-            let message = format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
+            let message =
+                format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
             let fault = self.fault(key, &message).label("not in this model");
             let instead = format!("give the joints by \"{}\"", self.list());
             let is_list = ["lines", "polygons"].contains(key);
@@ -168,7 +179,10 @@ impl Check<'_> {
         }
         let found = self.set.origin.as_ref().map_or(usize::from(self.dimensions), |origin| origin.0.len());
         if found != usize::from(self.dimensions) {
-            let message = format!("\"origin\" has {found} numbers, where a model in {0} dimensions has {0}", self.dimensions);
+            let message = format!(
+                "\"origin\" has {found} numbers, where a model in {0} dimensions has {0}",
+                self.dimensions
+            );
             faults.push(self.fault("origin", &message).label(format!("{found} numbers")));
         }
     }
@@ -196,11 +210,16 @@ impl Check<'_> {
     fn statistics(&self, faults: &mut Vec<Fault>) {
         let set = self.set;
         if self.dimensions == 3 && set.dip_direction.is_none() {
-            faults.push(self.fault("dip", "in three dimensions a dip needs a dip_direction").label("needs dip_direction"));
+            faults.push(
+                self.fault("dip", "in three dimensions a dip needs a dip_direction")
+                    .label("needs dip_direction"),
+            );
         }
         if self.dimensions == 3 && set.dip.is_some_and(|dip| dip < 0.0) {
             let help = "turn the dip_direction by 180 degrees";
-            faults.push(self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help));
+            faults.push(
+                self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help),
+            );
         }
         let Some(spacing) = set.spacing else {
             faults.push(self.fault("dip", "a set with a dip needs a spacing").label("needs spacing"));
@@ -243,11 +262,27 @@ impl Check<'_> {
     /// The bodies that are named.
     fn bodies(&self, faults: &mut Vec<Fault>) {
         let mut all = self.file.body.iter();
-        let grains = all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
+        let grains =
+            all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
         if let Some(body) = grains {
             let key = if self.set.bodies.is_some() { "bodies" } else { "name" };
-            let message = format!("the body \"{}\" has grains, into which no joints can be put in three dimensions", body.name);
-            faults.push(self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""));
+            let message = format!(
+                "the body \"{}\" has grains, into which no joints can be put in three dimensions",
+                body.name
+            );
+            faults.push(
+                self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""),
+            );
+        }
+        for (place, name) in self.set.between.iter().flatten().enumerate() {
+            if !placed::is_body(self.file, name) {
+                let span = self.document.entry(self.table, "between", place);
+                faults.push(
+                    Fault::at(span, format!("there is no body \"{name}\""))
+                        .label("unknown body")
+                        .help(placed::suggestion(self.file, name)),
+                );
+            }
         }
         for (place, name) in self.set.bodies.iter().flatten().enumerate() {
             let span = self.document.entry(self.table, "bodies", place);
@@ -297,6 +332,18 @@ impl Check<'_> {
                 );
             }
         }
+        if set.dilation_angle > set.residual_friction_angle.unwrap_or(set.friction_angle) {
+            let message = "the dilation angle is above the residual friction angle: joints would give back more energy than they take";
+            faults.push(self.fault("dilation_angle", message).label("too large"));
+        }
+        if set.open && set.dilation_angle > 0.0 {
+            let message = "open joints leave their sides to contacts, which do not dilate";
+            faults.push(self.fault("dilation_angle", message).label("take it out"));
+        }
+        if set.dilation_slip.is_some() && set.dilation_angle == 0.0 {
+            let message = "\"dilation_slip\" goes with a dilation_angle";
+            faults.push(self.fault("dilation_slip", message).label("take it out"));
+        }
         if set.residual_friction_angle.is_some_and(|residual| residual > set.friction_angle) {
             faults.push(
                 self.fault(
@@ -309,10 +356,11 @@ impl Check<'_> {
     }
 }
 
-/// Puts the joints of all bodies into the model. Returns how many each set has.
+/// Puts the joints of all bodies into the model. Returns how many each set has. `between`: whether the joints of a set are between bodies, which come later.
 pub(crate) fn put<const D: usize, const N: usize>(
     model: &mut Model<D, N>,
     placed: &[Placed<D, N>],
+    between: &[bool],
     warnings: &mut Vec<String>,
 ) -> Vec<Joints>
 where
@@ -331,9 +379,9 @@ where
             }
         }
         let name = model.joint_sets[number as usize].name.clone();
-        if facets.is_empty() {
+        if facets.is_empty() && !between[number as usize] {
             warnings.push(format!("[[joint_set]] \"{name}\" has no joint in any body"));
-        } else {
+        } else if !facets.is_empty() {
             model.add_joints(number, &facets);
         }
         let [length, area] = if D == 2 { [Some(measure), None] } else { [None, Some(measure)] };

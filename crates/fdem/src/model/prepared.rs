@@ -87,6 +87,8 @@ pub struct Stage {
     pub until: Option<Until>,
     /// Whether each element of the model is there.
     pub elements: Vec<bool>,
+    /// Material of each element of the model; empty if no stage changes them.
+    pub materials: Vec<u32>,
     /// Whether each boundary of the model acts.
     pub boundaries: Vec<bool>,
     /// Factor of the forces of all that vanishes at its beginning; `None` if they vanish too.

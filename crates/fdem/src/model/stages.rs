@@ -10,6 +10,7 @@ use crate::model::conditions::Servo;
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{self, ModelFile, Release};
+use crate::model::materials;
 use crate::model::placed::{self, Placed};
 use crate::model::prepared::{Body, Entered, Prepared, Stage};
 use crate::model::settings::Quantity;
@@ -49,6 +50,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 ("excavate", !stage.excavate.is_empty()),
                 ("excavate_boxes", !stage.excavate_boxes.is_empty()),
                 ("activate", !stage.activate.is_empty()),
+                ("materials", !stage.materials.is_empty()),
                 ("release", stage.release.is_some()),
             ] {
                 if given {
@@ -81,6 +83,19 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 )
                 .label("out of order"),
             );
+        }
+        for (body, material) in &stage.materials {
+            let key = format!("materials.{body}");
+            if !placed::is_body(file, body) {
+                faults.push(
+                    Fault::at(document.key(table, &key), format!("there is no body \"{body}\""))
+                        .label("unknown body")
+                        .help(placed::suggestion(file, body)),
+                );
+            }
+            if let Err(help) = materials::number(file, material) {
+                faults.push(materials::unknown(document.value(table, &key), material, help));
+            }
         }
         for (key, bodies) in [("excavate", &stage.excavate), ("activate", &stage.activate)] {
             for (entry, name) in bodies.iter().enumerate() {
@@ -136,6 +151,8 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
     for range in appearing(file, placed) {
         there[range].fill(false);
     }
+    let mut of_elements = mesh.materials.clone();
+    let changes = file.stage.iter().any(|stage| !stage.materials.is_empty());
     let mut stages: Vec<Stage> = Vec::with_capacity(file.stage.len());
     for (index, stage) in file.stage.iter().enumerate() {
         let table = Table::of("stage", index);
@@ -144,6 +161,24 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
         }
         for range in of(&stage.excavate) {
             there[range].fill(false);
+        }
+        for (body, name) in &stage.materials {
+            let Ok(material) = materials::number(file, name) else { continue };
+            let density =
+                |material: u32| file.material.get(material as usize).map(|material| material.density);
+            for range in of(std::slice::from_ref(body)) {
+                let part = &mut of_elements[range];
+                if let Some(&old) = part.iter().find(|&&old| density(old) != density(material)) {
+                    let old = &file.material[old as usize].name;
+                    let message = format!(
+                        "[[stage]] \"{}\": \"{name}\" has another density than \"{old}\"",
+                        stage.name
+                    );
+                    let span = document.value(table, &format!("materials.{body}"));
+                    faults.push(Fault::at(span, message).label("not this density"));
+                }
+                part.fill(material);
+            }
         }
         for (entry, limits) in stage.excavate_boxes.iter().enumerate() {
             if limits.len() != 2 * D {
@@ -193,6 +228,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
             // Its column is known once the histories are.
             until: None,
             elements: there.clone(),
+            materials: if changes { of_elements.clone() } else { Vec::new() },
             boundaries: file.boundary.iter().map(acts).collect(),
             release: stage.release.as_ref().map(|release| match release {
                 Release::Within(time) => Schedule::Table(vec![[0.0, 1.0], [*time, 0.0]]),
@@ -241,6 +277,9 @@ where
         let stage = &self.stages[entered.stage()];
         let mut model = self.model.clone();
         model.time.local_damping = stage.local_damping;
+        if !stage.materials.is_empty() {
+            model.mesh.materials.clone_from(&stage.materials);
+        }
         let all = std::mem::take(&mut model.boundaries);
         for (number, mut boundary) in
             all.into_iter().enumerate().filter(|(number, _)| stage.boundaries[*number])

@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Boundary, Load, Model, Schedule, Target};
 
-use super::models::{edges_where, mean_load, start, worse};
+use super::models::{edges_where, line, mean_load, start, worse};
 use super::rocks::prepared;
 use super::{Outcome, Size};
 
@@ -52,6 +52,39 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     }
     outcomes.push(Outcome::absolute("error of the energy balance", 0.0, balance, 1e-2, ""));
     Ok(outcomes)
+}
+
+/// Strengths under four pressures on the sides, against the line of Mohr and Coulomb.
+pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
+    let mesh_size = size.choose(3e-3, 2e-3);
+    let seeds = size.choose(1..=1, 1..=3);
+    let (sin, cos) = FRICTION.atan().sin_cos();
+    let (at_zero, slope) = (2.0 * COHESION * cos / (1.0 - sin), (1.0 + sin) / (1.0 - sin));
+    let pressures = [0.0, 2e6, 4e6, 8e6];
+    let mut strengths = Vec::new();
+    for pressure in pressures {
+        let mut sum = 0.0;
+        for seed in seeds.clone() {
+            sum += crush(mesh_size, seed, 5.0, pressure)?.strength;
+        }
+        strengths.push(sum / seeds.clone().count() as f64);
+    }
+    let [found_slope, found] = line(&pressures, &strengths);
+    let farthest = pressures.iter().zip(&strengths).map(|(pressure, strength)| {
+        let on_line = found + found_slope * pressure;
+        ((strength - on_line) / on_line).abs()
+    });
+    Ok(vec![
+        Outcome::relative("strength without pressure, on the line", at_zero, found, 0.05, "Pa"),
+        Outcome::relative("growth with the pressure", slope, found_slope, 0.05, ""),
+        Outcome::absolute(
+            "distance of a strength from the line, as a share",
+            0.0,
+            farthest.fold(0.0, f64::max),
+            0.03,
+            "",
+        ),
+    ])
 }
 
 struct Crushed {

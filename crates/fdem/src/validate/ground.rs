@@ -5,7 +5,8 @@ use fdem_simulation::{
 };
 
 use super::models::{
-    DENSITY, advance_to, edges_where, force, granite, mean_velocity, moved, nodes_where, rectangle, start,
+    DENSITY, advance, advance_to, edges_where, force, granite, line, mean_velocity, moved, nodes_where,
+    rectangle, start,
 };
 use super::rocks::{prepared, prepared_in_space};
 use super::{Outcome, Size};
@@ -178,6 +179,8 @@ fn gravity_of_failure(dip: f64, expected: f64, size: Size) -> Result<f64, String
                 seed: 0,
             },
             residual_friction: FRICTION,
+            dilation: 0.0,
+            dilation_slip: None,
             normal_stiffness: Some(5e9),
             shear_stiffness: Some(2e9),
             open: false,
@@ -220,15 +223,6 @@ pub(super) fn direct_shear(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-/// The slope of the straight line nearest to points, and its value at 0.
-fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (across, up) = (mean(x), mean(y));
-    let both: f64 = x.iter().zip(y).map(|(x, y)| (x - across) * (y - up)).sum();
-    let slope = both / x.iter().map(|x| (x - across) * (x - across)).sum::<f64>();
-    [slope, up - slope * across]
-}
-
 /// The largest traction along a joint under a normal stress, and the last one, Pa.
 fn sheared(
     stress: f64,
@@ -268,6 +262,8 @@ fn sheared(
                 seed: 0,
             },
             residual_friction: residual,
+            dilation: 0.0,
+            dilation_slip: None,
             normal_stiffness: Some(4e11),
             shear_stiffness: Some(1e11),
             open: false,
@@ -280,7 +276,7 @@ fn sheared(
     let mut run = start(model)?;
     let (mut peak, mut last) = (0.0_f64, [0.0, 0.0]);
     while run.time() < 1.6e-2 {
-        super::models::advance(&mut run, 10)?;
+        advance(&mut run, 10)?;
         let traction = -force(&run, 0)?[0] / length;
         peak = peak.max(traction);
         if run.time() > 1.4e-2 {

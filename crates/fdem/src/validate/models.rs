@@ -108,6 +108,15 @@ pub(super) fn turned(mesh: &Mesh, angle: f64, shift: [f64; 2]) -> Mesh {
     Mesh { nodes: mesh.nodes.iter().map(|&node| turn(node)).collect(), ..mesh.clone() }
 }
 
+/// The slope of the straight line nearest to points, and its value at 0.
+pub(super) fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (across, up) = (mean(x), mean(y));
+    let both: f64 = x.iter().zip(y).map(|(x, y)| (x - across) * (y - up)).sum();
+    let slope = both / x.iter().map(|x| (x - across) * (x - across)).sum::<f64>();
+    [slope, up - slope * across]
+}
+
 /// A vector turned by an angle.
 pub(super) fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();

@@ -39,6 +39,16 @@ fn a_block_slides_where_the_factor_of_safety_is_one() {
 }
 
 #[test]
+fn blocks_under_pressure_break_on_the_line_of_mohr_and_coulomb() {
+    passes("triaxial envelope");
+}
+
+#[test]
+fn an_arch_stands_from_the_thickness_of_couplet_on() {
+    passes("arch");
+}
+
+#[test]
 fn joints_soften_as_springs_in_series_do_and_adaptive_ones_not_at_all() {
     passes("artificial compliance");
 }

@@ -74,7 +74,7 @@ checkpoint_steps = 5
 "#;
 
 /// The numbers of a column of a history.
-pub fn column(history: &str, name: &str) -> Vec<f64> {
+pub(crate) fn column(history: &str, name: &str) -> Vec<f64> {
     let place = history.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
     history.lines().skip(1).map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
 }
@@ -143,6 +143,32 @@ fn a_run_in_stages_is_resumed() {
         let read = |folder: &str| std::fs::read(bench.path(&format!("{folder}/history.csv"))).unwrap();
         assert!(read("two") == read("one"), "killed after {wait} ms");
     }
+}
+
+/// A core that becomes ten times softer lets a part of the convergence of an open tunnel happen.
+#[test]
+fn a_stage_softens_a_body() {
+    let bench = Bench::new();
+    let soft = "[[material]]\nname = \"soft\"\ndensity = 2700\nyoungs_modulus = 1e9\npoissons_ratio = 0.25\nfriction = 0.6\ndamping = 0.2\n[initial]";
+    let model = TUNNEL.replace("[initial]", soft).replace(
+        "excavate = [\"core\"]\nrelease = [[0, 1], [5e-4, 0.5]]",
+        "materials = { core = \"soft\" }\nrelease = 5e-4",
+    );
+    bench.write("soft.toml", &model);
+    bench.run(&["run", "soft.toml", "-o", "one", "-q"]).succeeds();
+    let history = String::from_utf8(std::fs::read(bench.path("one/history.csv")).unwrap()).unwrap();
+    let crown = *column(&history, "crown uy [m]").last().unwrap();
+    assert!((-0.7e-3..-0.05e-3).contains(&crown), "{crown}");
+    let error = column(&history, "error");
+    assert!(error.iter().all(|error| error.abs() < 1e-3), "{error:?}");
+    let wrong = |from: &str, to: &str, parts: &[&str]| {
+        assert!(model.contains(from), "{from}");
+        bench.write("wrong.toml", model.replacen(from, to, 1));
+        bench.run(&["check", "wrong.toml"]).refused_with(parts);
+    };
+    wrong("core = \"soft\"", "cor = \"soft\"", &["there is no body \"cor\"", "core"]);
+    wrong("core = \"soft\"", "core = \"sofft\"", &["sofft", "soft"]);
+    wrong("name = \"soft\"\ndensity = 2700", "name = \"soft\"\ndensity = 2600", &["another density"]);
 }
 
 #[test]

@@ -21,8 +21,8 @@ use super::skin::{FlatFaces, flat_faces};
 use super::vector::{Point, distance};
 use super::{MeshError, Surface, bounds, finite};
 use crate::grading::Grading;
-use fdem_scenes::random::Random;
 use arrange::Arrangement;
+use fdem_scenes::random::Random;
 use sheet::Sheet;
 use snap::{Snapping, sheets_of};
 use warp::RoundNodes;
@@ -111,11 +111,18 @@ impl fmt::Display for PolygonError {
             }
             Self::NoArea { polygon } => write!(out, "polygon {polygon} has no area"),
             Self::NotFlat { polygon, distance } => {
-                write!(out, "polygon {polygon} is not flat: a corner is {distance:.2e} beside the plane of the others")
+                write!(
+                    out,
+                    "polygon {polygon} is not flat: a corner is {distance:.2e} beside the plane of the others"
+                )
             }
             Self::Crossed { polygon } => write!(out, "polygon {polygon} crosses itself"),
             Self::Close { polygons, place } => {
-                write!(out, "{} are too close to each other for the mesh size near {place:?}", beside(*polygons))
+                write!(
+                    out,
+                    "{} are too close to each other for the mesh size near {place:?}",
+                    beside(*polygons)
+                )
             }
             Self::Sharp { polygons, angle, place } => write!(
                 out,
@@ -205,7 +212,9 @@ pub fn add_polygons(
         }
         // What is too close to another may be farther from it elsewhere.
         for fault in &faults {
-            if let PolygonError::Close { polygons, place } | PolygonError::Sharp { polygons, place, .. } = fault {
+            if let PolygonError::Close { polygons, place } | PolygonError::Sharp { polygons, place, .. } =
+                fault
+            {
                 let number = polygons[random.below(2) as usize];
                 by[number] = SNAP * size.at(*place) * random.between(-1.0, 1.0);
             }

@@ -112,6 +112,8 @@ fn no_law() -> Law {
         residual: 0.0,
         shear: 1.0,
         critical: [1.0; 2],
+        dilation: 0.0,
+        dilated: 0.0,
     }
 }
 

@@ -240,6 +240,8 @@ fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step:
         residual: 0.0,
         shear: 1.0,
         critical: [0.0; 2],
+        dilation: 0.0,
+        dilated: 0.0,
     };
     let share = batch.share.get(lane);
     let open = batch.open[end].get(lane) > 0.0;

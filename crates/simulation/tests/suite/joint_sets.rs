@@ -9,6 +9,8 @@ fn open(friction: f64) -> JointSet {
         name: "bedding".to_owned(),
         strength: Strength { tensile: 0.0, cohesion: 0.0, friction, energy_i: 0.0, energy_ii: 0.0, ..rock() },
         residual_friction: friction,
+        dilation: 0.0,
+        dilation_slip: None,
         normal_stiffness: None,
         shear_stiffness: None,
         open: false,
@@ -93,6 +95,48 @@ fn a_block_on_a_dipping_joint_slides_above_its_friction_angle() {
             assert!(last.abs() < 1e-3, "{last}");
         }
     }
+}
+
+/// A block that slides on a joint with dilation rises by the tangent of its angle times the slip, up to the slip where that ends; its friction is that of the set, and the balance of energy holds.
+#[test]
+fn joints_dilate_as_they_slip() {
+    let (dilation, most) = (0.2, 4e-4);
+    let set = JointSet { dilation, dilation_slip: Some(most), ..open(0.6) };
+    let mut model = halves(set, 0.02, 10);
+    model.plane = Plane::Strain;
+    let edges = top_edges(&model);
+    let moved = nodes_where(&model.mesh, |[_, y]| y > 0.101);
+    model.boundaries.push(Boundary {
+        name: "pressure".to_owned(),
+        target: Target::Facets(edges),
+        load: Load::Pressure(1e6),
+        schedule: Schedule::Ramp(3e-4),
+    });
+    model.boundaries.push(Boundary {
+        name: "shear".to_owned(),
+        target: Target::Nodes(moved),
+        load: Load::Velocity([Some(0.1), None]),
+        schedule: Schedule::Table(vec![[1e-3, 0.0], [2e-3, 1.0]]),
+    });
+    let corner = *top(&model).first().expect("a node");
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let rises = |run: &mut Simulation, time: f64| {
+        run.advance(((time - run.time()) / run.time_step()).ceil() as u64).expect("steps");
+        let ([x, y], _) = run.node(corner).expect("a node");
+        (x, y, -run.force(0).expect("a boundary")[0] / 0.2)
+    };
+    let (from, low, _) = rises(&mut run, 2.5e-3);
+    let (to, high, traction) = rises(&mut run, 4.5e-3);
+    let found = (high - low) / (to - from);
+    assert!((found / dilation - 1.0).abs() < 0.02, "{found}");
+    assert!((traction / 0.6e6 - 1.0).abs() < 0.02, "{traction}");
+    let (_, first, _) = rises(&mut run, 8e-3);
+    let (_, last, _) = rises(&mut run, 1e-2);
+    assert!(
+        (first / (dilation * most) - 1.0).abs() < 0.05 && (last - first).abs() < 1e-3 * first,
+        "{first} {last}"
+    );
+    assert!(run.energies().error().abs() < 1e-4, "{:?}", run.energies());
 }
 
 /// Direct shear at three normal stresses: the peaks are on the line of cohesion and friction, and the residuals on that of the residual friction.
@@ -279,6 +323,8 @@ fn wrong_sets_are_refused() {
     let soft = JointSet { strength, normal_stiffness: Some(1e10), ..open(0.3) };
     let text = refused(soft);
     assert!(text.contains("joint set 'bedding'") && text.contains("fracture_energy_i"), "{text}");
+    let text = refused(JointSet { dilation: 0.4, ..open(0.3) });
+    assert!(text.contains("dilation") && text.contains("residual friction"), "{text}");
     let text = refused(JointSet { normal_stiffness: Some(-1.0), ..open(0.3) });
     assert!(text.contains("normal stiffness"), "{text}");
     let mut model = cut(open(0.3));

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::Vector;
 
 /// A set of joints: bedding, foliation, faults, or a discrete fracture network, with a law of its own. Its joints are lines in two dimensions and polygons in three, given by exactly one of `lines` or `polygons`,
-/// `file` and `dip`. They become edges or faces of the meshes of the bodies; joints that nearly coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and then slides with its residual friction.
+/// `file`, `dip` and `between`. They become edges or faces of the meshes of the bodies; joints that nearly coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and then slides with its residual friction.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSet {
@@ -28,6 +28,11 @@ pub struct JointSet {
     /// File with joints. In two dimensions: CSV with one line or polyline x1,y1,x2,y2,… a row, GeoJSON with `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE` or `LWPOLYLINE`. In three dimensions: CSV with one polygon x1,y1,z1,x2,y2,z2,… a row, GeoJSON with `Polygon` or `MultiPolygon` and heights, or DXF with `3DFACE`, or closed `POLYLINE` or `LWPOLYLINE`. Coordinates in m.
     #[serde(default)]
     pub file: Option<String>,
+    /// Names of two bodies that are bonded, such as bricks by mortar: their common edges or faces are the joints. The name of a body with `repeat`, or of a packing, stands for all of its copies, and twice the same name
+    /// for every two of them. The meshes have to fit together: common sides have the same nodes.
+    #[serde(default)]
+    #[schemars(length(min = 2, max = 2))]
+    pub between: Option<Vec<String>>,
     /// In two dimensions: mean angle of the joints of a statistical set to the x axis, degrees; joints with a positive angle rise to the right. In three: mean angle at which they dip below the horizontal (x and y), 0 to
     /// 90 degrees.
     #[serde(default)]
@@ -72,6 +77,14 @@ pub struct JointSet {
     /// Seed of the places, lengths and deviations. Default: 1.
     #[serde(default)]
     pub seed: Option<u64>,
+    /// Dilation angle, degrees: sides that slip under friction move apart by its tangent times the slip. At most the residual friction angle. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 60, "x-unit" = "deg"))]
+    pub dilation_angle: f64,
+    /// Slip after which joints dilate no more, m: asperities are worn. Default: 5 % of the length of the edge, or of the edges of an even face of the same area.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
+    pub dilation_slip: Option<f64>,
     /// Whether the joints are open at the start: they have no strength, carry no initial stress, and transmit pressure and friction only where they close, as contacts do. Default: false, joints are closed.
     #[serde(default)]
     pub open: bool,

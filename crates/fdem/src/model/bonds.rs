@@ -1,0 +1,311 @@
+//! Bonds: joint sets on the common sides of two bodies, such as mortar between bricks.
+//!
+//! Where facets of two bodies lie on each other, their nodes become one, and the facet is a joint of the set. The bodies are meshed by then; facets that lie on each other only in part are refused.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use fdem_mesh::{Simplex, bounds, sorted};
+use fdem_simulation::{Element, Kept, ModelError, Target};
+
+use crate::model::document::{Document, Table};
+use crate::model::fault::Fault;
+use crate::model::file::ModelFile;
+use crate::model::joint_sets::Joints;
+use crate::model::placed::{self, Placed};
+use crate::model::prepared::Prepared;
+use crate::model::settings::Quantity;
+
+/// Distance up to which two nodes are one, over the longest edge of their facets.
+const NEAR: f64 = 1e-5;
+
+/// Facets of two bodies that lie on each other: their nodes, in pairs.
+#[derive(Default)]
+pub(crate) struct Bonds<const D: usize> {
+    /// For each joint set with bonds: its number, the number of pairs of bodies, and the bonded facets, by the nodes of the body that comes first.
+    sets: Vec<(u32, usize, Vec<[u32; D]>)>,
+    /// The node that each node of a second body becomes.
+    merged: BTreeMap<u32, u32>,
+}
+
+impl<const D: usize> Bonds<D> {
+    /// Finds the bonds of all joint sets that are `between` bodies. Tells what does not lie on each other.
+    pub(crate) fn find<const N: usize>(
+        file: &ModelFile,
+        document: &Document<'_>,
+        placed: &[Placed<D, N>],
+        faults: &mut Vec<Fault>,
+    ) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+    {
+        let mut bonds = Self { sets: Vec::new(), merged: BTreeMap::new() };
+        let mut outsides: BTreeMap<usize, Outside<D>> = BTreeMap::new();
+        for (number, set) in file.joint_set.iter().enumerate() {
+            let Some([one, other]) =
+                set.between.as_deref().and_then(|names| <&[String; 2]>::try_from(names).ok())
+            else {
+                continue;
+            };
+            let [ones, others] = [one, other].map(|name| placed::named(placed, file, name));
+            for &body in ones.iter().chain(&others) {
+                outsides.entry(body).or_insert_with(|| Outside::of(&placed[body]));
+            }
+            let (mut facets, mut bonded) = (Vec::new(), 0);
+            let mut pairs = BTreeSet::new();
+            for &a in &ones {
+                pairs.extend(others.iter().filter(|&&b| a != b).map(|&b| (a.min(b), a.max(b))));
+            }
+            let mut wrong = None;
+            for (a, b) in pairs {
+                match outsides[&a].on(&outsides[&b]) {
+                    Ok(found) => {
+                        bonded += usize::from(!found.is_empty());
+                        for (first, second) in found {
+                            bonds.merged.extend(second.into_iter().zip(first));
+                            facets.push(first);
+                        }
+                    }
+                    Err(place) => {
+                        wrong = wrong.or(Some((a, b, place)));
+                    }
+                }
+            }
+            let span = document.value(Table::of("joint_set", number), "between");
+            if let Some((a, b, place)) = wrong {
+                let message = format!(
+                    "[[joint_set]] \"{}\": the meshes of \"{}\" and \"{}\" do not fit together near {place:?}",
+                    set.name, placed[a].name, placed[b].name
+                );
+                faults.push(Fault::at(span, message).label("bonds need common edges or faces").help(
+                    "give both the same mesh_size, one that divides the common sides into a whole number of parts; or make the two one body with a joint set along a line, or a mesh file in which they share nodes",
+                ));
+            } else if facets.is_empty() {
+                let message = format!(
+                    "[[joint_set]] \"{}\": \"{one}\" and \"{other}\" do not lie on each other",
+                    set.name
+                );
+                faults.push(Fault::at(span, message).label("no common side"));
+            }
+            bonds.sets.push((number as u32, bonded, facets));
+        }
+        bonds
+    }
+
+    /// Makes bonded facets joints of their sets, and their nodes one.
+    ///
+    /// # Errors
+    /// Those of the mesh.
+    pub(crate) fn join<const N: usize>(&self, prepared: &mut Prepared<D, N>) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+    {
+        if self.sets.is_empty() {
+            return Ok(());
+        }
+        // Three bodies may meet in a node.
+        let first = |node: u32| {
+            let mut node = node;
+            while let Some(&other) = self.merged.get(&node) {
+                node = other;
+            }
+            node
+        };
+        let model = &mut prepared.model;
+        for nodes in &mut model.mesh.elements {
+            *nodes = nodes.map(first);
+        }
+        for boundary in &mut model.boundaries {
+            match &mut boundary.target {
+                Target::Nodes(nodes) => {
+                    *nodes =
+                        nodes.iter().map(|&node| first(node)).collect::<BTreeSet<u32>>().into_iter().collect()
+                }
+                Target::Facets(facets) | Target::Held(facets, _) => {
+                    facets.iter_mut().for_each(|facet| *facet = facet.map(first));
+                }
+            }
+        }
+        for (set, pairs, facets) in &self.sets {
+            let facets: Vec<[u32; D]> = facets.iter().map(|facet| facet.map(first)).collect();
+            let corners = |facet: &[u32; D]| facet.map(|node| model.mesh.nodes[node as usize]);
+            let measure =
+                facets.iter().map(|facet| <[[f64; D]; N]>::facet_measure(&corners(facet))).sum::<f64>();
+            let Joints { facets: count, joints, length, area, .. } = &mut prepared.joint_sets[*set as usize];
+            (*count, *joints) = (facets.len(), *pairs);
+            length.iter_mut().chain(area).for_each(|all| *all = measure);
+            model.add_joints(*set, &facets);
+        }
+        let Kept { model, nodes, .. } = model.keeping(&vec![true; model.mesh.elements.len()])?;
+        prepared.model = model;
+        let number = |node: u32| nodes[first(node) as usize];
+        for body in &mut prepared.bodies {
+            let own = body.nodes.clone().filter_map(|node| nodes[node as usize]);
+            body.nodes = range(own, prepared.model.mesh.nodes.len() as u32);
+        }
+        for group in &mut prepared.groups {
+            group.nodes = group.nodes.iter().filter_map(|&node| number(node)).collect();
+            let bonded: BTreeSet<[u32; D]> = self
+                .sets
+                .iter()
+                .flat_map(|(_, _, facets)| facets)
+                .map(|facet| sorted(facet.map(first)))
+                .collect();
+            group.facets.retain(|facet| !bonded.contains(&sorted(facet.map(first))));
+            for facet in &mut group.facets {
+                *facet = facet.map(|node| number(node).unwrap_or_default());
+            }
+        }
+        for history in &mut prepared.histories {
+            if let Quantity::Node(node) = &mut history.quantity {
+                *node = number(*node).unwrap_or(u32::MAX);
+            }
+        }
+        for probe in &mut prepared.probes {
+            *probe = probe.renumbered(Some, number);
+        }
+        Ok(())
+    }
+}
+
+/// The range of ascending numbers without gaps; an empty one at the end if there are none.
+fn range(mut numbers: impl Iterator<Item = u32>, end: u32) -> Range<u32> {
+    let first = numbers.next();
+    first.map_or(end..end, |first| first..first + 1 + numbers.count() as u32)
+}
+
+/// The outer facets of a body, and their nodes from left to right.
+struct Outside<const D: usize> {
+    facets: Vec<Outer<D>>,
+    nodes: Vec<(u32, [f64; D])>,
+    low: [f64; D],
+    high: [f64; D],
+}
+
+/// An outer facet.
+struct Outer<const D: usize> {
+    nodes: [u32; D],
+    places: [[f64; D]; D],
+    /// Distance up to which nodes are one, m.
+    near: f64,
+}
+
+impl<const D: usize> Outside<D> {
+    fn of<const N: usize>(placed: &Placed<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let piece = &placed.piece;
+        let mut facets = Vec::new();
+        let mut nodes = BTreeMap::new();
+        for &facet in &piece.outline {
+            let places = facet.map(|node| piece.nodes[node as usize]);
+            let longest =
+                places.iter().flat_map(|a| places.iter().map(|b| distance(*a, *b))).fold(0.0, f64::max);
+            let numbers = facet.map(|node| node + placed.first[0]);
+            nodes.extend(numbers.into_iter().zip(places));
+            facets.push(Outer { nodes: numbers, places, near: NEAR * longest });
+        }
+        let mut nodes: Vec<(u32, [f64; D])> = nodes.into_iter().collect();
+        nodes.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+        let [low, high] = bounds(nodes.iter().map(|node| node.1));
+        Self { facets, nodes, low, high }
+    }
+
+    /// The nodes within a box.
+    fn within(&self, low: [f64; D], high: [f64; D]) -> impl Iterator<Item = (u32, [f64; D])> {
+        let first = self.nodes.partition_point(|node| node.1[0] < low[0]);
+        let near = self.nodes[first..].iter().take_while(move |node| node.1[0] <= high[0]);
+        near.filter(move |node| (0..D).all(|axis| low[axis] <= node.1[axis] && node.1[axis] <= high[axis]))
+            .copied()
+    }
+
+    /// The facets of this body that lie on facets of another, each with the nodes of the other in the order of its own. The error is a place where facets lie on each other in part.
+    #[allow(clippy::type_complexity, reason = "pairs of facets, named where they are used")]
+    fn on(&self, other: &Self) -> Result<Vec<([u32; D], [u32; D])>, [f64; D]> {
+        let apart = |axis: usize| {
+            let near = NEAR * (self.high[axis] - self.low[axis]);
+            self.low[axis] > other.high[axis] + near || other.low[axis] > self.high[axis] + near
+        };
+        if (0..D).any(apart) {
+            return Ok(Vec::new());
+        }
+        let theirs: BTreeSet<[u32; D]> = other.facets.iter().map(|facet| sorted(facet.nodes)).collect();
+        let mut found = Vec::new();
+        let mut matched = BTreeSet::new();
+        for facet in &self.facets {
+            let partners = facet.places.map(|place| other.at(place, facet.near));
+            if let Some(partners) = all(partners) {
+                if !theirs.contains(&sorted(partners)) {
+                    return Err(facet.places[0]);
+                }
+                matched.insert(sorted(partners));
+                found.push((facet.nodes, partners));
+            } else if let Some(place) = other.inside(facet) {
+                return Err(place);
+            }
+        }
+        let unmatched = other.facets.iter().filter(|facet| !matched.contains(&sorted(facet.nodes)));
+        match unmatched.filter_map(|facet| self.inside(facet)).next() {
+            Some(place) => Err(place),
+            None => Ok(found),
+        }
+    }
+
+    /// The node at a place.
+    fn at(&self, place: [f64; D], near: f64) -> Option<u32> {
+        let nodes = self.within(place.map(|x| x - near), place.map(|x| x + near));
+        nodes.min_by(|a, b| distance(a.1, place).total_cmp(&distance(b.1, place))).map(|node| node.0)
+    }
+
+    /// The place of a node that is on a facet of another body, and not at one of its nodes.
+    fn inside(&self, facet: &Outer<D>) -> Option<[f64; D]> {
+        let [low, high] = bounds(facet.places.into_iter());
+        let near = facet.near;
+        let mut nodes = self.within(low.map(|x| x - near), high.map(|x| x + near));
+        nodes
+            .find(|(_, place)| {
+                facet.places.iter().all(|corner| distance(*corner, *place) > near)
+                    && is_on(&facet.places, *place, near)
+            })
+            .map(|node| node.1)
+    }
+}
+
+/// All of some values, or none.
+fn all<const D: usize>(values: [Option<u32>; D]) -> Option<[u32; D]> {
+    values.iter().all(Option::is_some).then(|| values.map(Option::unwrap_or_default))
+}
+
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Whether a place is on a facet: its coordinates along the edges from the first corner, by least squares, are within the facet, and it is as near to their point as that.
+fn is_on<const D: usize>(corners: &[[f64; D]; D], place: [f64; D], near: f64) -> bool {
+    let minus = |a: [f64; D], b: [f64; D]| -> [f64; D] { std::array::from_fn(|axis| a[axis] - b[axis]) };
+    let dot = |a: [f64; D], b: [f64; D]| (0..D).map(|axis| a[axis] * b[axis]).sum::<f64>();
+    let to = minus(place, corners[0]);
+    let edges: Vec<[f64; D]> = corners[1..].iter().map(|corner| minus(*corner, corners[0])).collect();
+    // Gram and Schmidt, from the last edge back.
+    let mut axes: Vec<[f64; D]> = Vec::new();
+    for edge in &edges {
+        let mut axis = *edge;
+        for before in &axes {
+            let share = dot(axis, *before) / dot(*before, *before);
+            axis = std::array::from_fn(|k| axis[k] - share * before[k]);
+        }
+        axes.push(axis);
+    }
+    let mut left = to;
+    let mut shares = vec![0.0; edges.len()];
+    for k in (0..edges.len()).rev() {
+        let share = dot(left, axes[k]) / dot(edges[k], axes[k]);
+        shares[k] = share;
+        left = std::array::from_fn(|axis| left[axis] - share * edges[k][axis]);
+    }
+    let rest = 1.0 - shares.iter().sum::<f64>();
+    let size = edges.iter().map(|edge| dot(*edge, *edge).sqrt()).fold(0.0, f64::max);
+    let slack = near / size;
+    dot(left, left).sqrt() <= near && shares.iter().chain([&rest]).all(|share| *share >= -slack)
+}

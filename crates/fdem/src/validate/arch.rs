@@ -1,0 +1,107 @@
+//! Couplet's arch: a semicircle of voussoirs without mortar that stands under its own weight if it is thick enough.
+//!
+//! With friction that keeps the voussoirs from sliding, the arch of the mean radius R falls by hinges at the springings, at about 55° from the crown and at the crown once its thickness is below 0.1075 R.
+
+use std::f64::consts::PI;
+
+use fdem_simulation::{ContactOptions, Material, Mesh, Model, Schedule, Simulation};
+
+use super::models::{DENSITY, advance_to, granite, moved, one_body, rectangle, start, together};
+use super::{Outcome, Size};
+
+/// Mean radius, m.
+const RADIUS: f64 = 1.0;
+
+/// Least thickness over the mean radius.
+const LEAST: f64 = 0.1075;
+
+/// m/s².
+const GRAVITY: f64 = 9.81;
+
+pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
+    let shares: &[(f64, bool)] = size.choose(
+        &[(0.95, false), (1.05, true)],
+        &[(0.95, false), (0.975, false), (1.025, true), (1.05, true)],
+    );
+    let mut outcomes = Vec::new();
+    for &(share, stands) in shares {
+        let found = f64::from(u8::from(is_standing(share * LEAST)?));
+        let name = format!("arch of {share} times the least thickness: 1 if it stands");
+        outcomes.push(Outcome::absolute(name, f64::from(u8::from(stands)), found, 0.0, ""));
+    }
+    Ok(outcomes)
+}
+
+/// Whether an arch of this thickness, m, stands under its weight.
+fn is_standing(thickness: f64) -> Result<bool, String> {
+    let count = 24;
+    let bases = [-1.0, 1.0].map(|side: f64| {
+        let middle = side * RADIUS;
+        rectangle([middle - thickness, -0.1], [middle + thickness, 0.0], [2, 1])
+    });
+    let held: Vec<u32> = (0..bases.iter().map(|base| base.nodes.len() as u32).sum()).collect();
+    let mut parts = bases.to_vec();
+    parts.extend(
+        (0..count).map(|k| voussoir(thickness, [k, k + 1].map(|k| PI * f64::from(k) / f64::from(count)))),
+    );
+    let mesh = together(&parts);
+    let crown = (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][1].total_cmp(&mesh.nodes[b][1]));
+    let crown = crown.unwrap_or_default() as u32;
+    let model = Model {
+        mesh,
+        materials: vec![Material {
+            density: DENSITY,
+            youngs_modulus: 2e9,
+            friction: 1.0,
+            damping: 0.3,
+            ..granite()
+        }],
+        contact: ContactOptions { damping: 0.3, ..ContactOptions::default() },
+        gravity: [0.0, -GRAVITY],
+        gravity_schedule: Schedule::Ramp(0.2),
+        boundaries: vec![moved("bases", held, [Some(0.0); 2], Schedule::Constant)],
+        ..Model::default()
+    };
+    let mut run = start(model)?;
+    let sinks = |run: &Simulation| run.node(crown).map_or(f64::NAN, |([_, y], _)| -y / RADIUS);
+    while run.time() < 3.0 {
+        let next = run.time() + 0.05;
+        advance_to(&mut run, next)?;
+        if sinks(&run) > 0.1 {
+            return Ok(false);
+        }
+    }
+    // Neither standing nor falling yet would be neither: what falls has moved by far more.
+    if sinks(&run) < 0.01 {
+        Ok(true)
+    } else {
+        Err(format!("an arch {thickness} m thick neither stands nor falls"))
+    }
+}
+
+/// A voussoir between two angles, from the right.
+fn voussoir(thickness: f64, [from, to]: [f64; 2]) -> Mesh {
+    let cells = 2;
+    let mut nodes = Vec::new();
+    for row in 0..=cells {
+        let radius = RADIUS + thickness * (row as f64 / cells as f64 - 0.5);
+        for column in 0..=cells {
+            let (sin, cos) = (from + (to - from) * column as f64 / cells as f64).sin_cos();
+            nodes.push([radius * cos, radius * sin]);
+        }
+    }
+    let node = |row: usize, column: usize| (row * (cells + 1) + column) as u32;
+    let mut elements = Vec::new();
+    for row in 0..cells {
+        for column in 0..cells {
+            let [a, b] = [node(row, column), node(row + 1, column)];
+            let [d, c] = [node(row, column + 1), node(row + 1, column + 1)];
+            if (row + column) % 2 == 0 {
+                elements.extend([[a, b, c], [a, c, d]]);
+            } else {
+                elements.extend([[a, b, d], [b, c, d]]);
+            }
+        }
+    }
+    one_body(nodes, elements)
+}
