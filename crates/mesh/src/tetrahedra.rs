@@ -8,6 +8,8 @@
 //! 4. Points are inserted into spheres that are too large, then moved to where tetrahedra are even (`fill`).
 //! 5. Thin tetrahedra are removed by flips, moves, and points that come and go (`improve`).
 //!
+//! [`add_polygons`] puts polygons, such as joints in rock, into a surface before it is meshed.
+//!
 //! Directions of edges are random, as cracks along facets need it. The same seed gives the same mesh on every platform: what decides is exact, or uses only
 //! operations that IEEE 754 defines.
 

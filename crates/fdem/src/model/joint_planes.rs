@@ -58,14 +58,16 @@ impl JointLines<'_> {
                 continue;
             }
             let found = match (set.dip, set.spacing) {
-                (Some(dip), Some(spacing)) => statistical(set, dip, spacing, placing.bounds).ok_or_else(|| {
-                    let message = format!(
-                        "the joints of the [[joint_set]] \"{}\" are more than {MOST} in the body \"{}\"",
-                        set.name, body.name
-                    );
-                    let help = "take a larger spacing or trace_length";
-                    Problem { help: Some(help.to_owned()), ..Problem::new("mesh_size", message) }
-                })?,
+                (Some(dip), Some(spacing)) => {
+                    statistical(set, dip, spacing, placing.bounds).ok_or_else(|| {
+                        let message = format!(
+                            "the joints of the [[joint_set]] \"{}\" are more than {MOST} in the body \"{}\"",
+                            set.name, body.name
+                        );
+                        let help = "take a larger spacing or trace_length";
+                        Problem { help: Some(help.to_owned()), ..Problem::new("mesh_size", message) }
+                    })?
+                }
                 _ => given.clone(),
             };
             let [low, high] = placing.bounds;
@@ -80,7 +82,8 @@ impl JointLines<'_> {
         if polygons.is_empty() {
             return Ok(Placed { first: 0, sets });
         }
-        let first = add_polygons(surface, &polygons, size).map_err(|error| self.refused(body, &sets, &error))?;
+        let first =
+            add_polygons(surface, &polygons, size).map_err(|error| self.refused(body, &sets, &error))?;
         Ok(Placed { first, sets })
     }
 
@@ -103,7 +106,10 @@ impl JointLines<'_> {
                 "take a smaller mesh_size, or move one of them",
             ),
             PolygonError::Sharp { polygons, angle, place } => (
-                format!("{} meet at {angle:.1} degrees near {place:?}, too small an angle for elements", both(*polygons)),
+                format!(
+                    "{} meet at {angle:.1} degrees near {place:?}, too small an angle for elements",
+                    both(*polygons)
+                ),
                 "turn or move one of them",
             ),
             PolygonError::NotFlat { polygon, distance } => (
@@ -210,7 +216,8 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
             .map(Option::unwrap_or_default);
     let [normal, strike, down] = orientation(dip, direction);
     let corners = (0..8).map(|k| {
-        let corner = [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] } - origin[axis]);
+        let corner =
+            [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] } - origin[axis]);
         [dot(corner, strike), dot(corner, down), dot(corner, normal)]
     });
     let [least, most] = fdem_mesh::bounds(corners);
@@ -224,7 +231,8 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
     // The mean square of the widths counts for the area.
     let cell = width.map(|width| ((width * width + longer * longer / 3.0) * OCTAGON / persistence).sqrt());
     let steps = cell.map_or([[0.0; 2]; 2], |cell| {
-        [0, 1].map(|axis| [((least[axis] - reach) / cell).floor() - 1.0, ((most[axis] + reach) / cell).ceil()])
+        [0, 1]
+            .map(|axis| [((least[axis] - reach) / cell).floor() - 1.0, ((most[axis] + reach) / cell).ceil()])
     });
     let places: f64 = steps.iter().map(|[first, last]| last - first + 1.0).product();
     if (rows[1] - rows[0] + 1.0) * places > MOST {
@@ -262,7 +270,8 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
                 let wide = width + longer * random.between(-1.0, 1.0);
                 // Within its square, so that no two of a plane overlap.
                 let room = (cell - wide).max(0.0);
-                let along = [i, j].map(|number| (number as f64 + 0.5) * cell + 0.5 * room * random.between(-1.0, 1.0));
+                let along = [i, j]
+                    .map(|number| (number as f64 + 0.5) * cell + 0.5 * room * random.between(-1.0, 1.0));
                 let along = [0, 1].map(|axis| along[axis] + phase[axis] * cell);
                 let (height, [_, u, v]) = oriented(&mut random);
                 let (a, b) = (0.5 * wide, 0.5 * wide * (std::f64::consts::SQRT_2 - 1.0));

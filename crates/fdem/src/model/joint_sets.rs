@@ -52,7 +52,9 @@ impl fmt::Display for Joints {
         let Self { name, joints, facets, length, area } = self;
         let [joints, facets] = [*joints, *facets].map(|count| grouped(count as u64));
         match (length, area) {
-            (_, Some(area)) => write!(out, "{name}: {joints}, {} m² together, on {facets} faces", brief(*area)),
+            (_, Some(area)) => {
+                write!(out, "{name}: {joints}, {} m² together, on {facets} faces", brief(*area))
+            }
             (length, None) => {
                 let length = brief(length.unwrap_or(0.0));
                 write!(out, "{name}: {joints}, {length} m long together, along {facets} edges")
@@ -131,8 +133,10 @@ impl Check<'_> {
         match given[..] {
             [_] => {}
             [] => {
-                faults
-                    .push(self.fault("name", "it has no joints").help(format!("give it one of {}, file and dip", self.list())));
+                faults.push(
+                    self.fault("name", "it has no joints")
+                        .help(format!("give it one of {}, file and dip", self.list())),
+                );
             }
             [first, second, ..] => faults.push(
                 self.fault(second, &format!("its joints are given twice, by {first} and {second}"))
@@ -160,7 +164,8 @@ impl Check<'_> {
         let in_space = ["polygons", "dip_direction", "dip_direction_deviation"];
         let others = if flat { &in_space[..] } else { &["lines"][..] };
         for key in others.iter().filter(|key| self.document.has(self.table, key)) {
-            let message = format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
+            let message =
+                format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
             let fault = self.fault(key, &message).label("not in this model");
             let instead = format!("give the joints by \"{}\"", self.list());
             let is_list = ["lines", "polygons"].contains(key);
@@ -168,7 +173,10 @@ impl Check<'_> {
         }
         let found = self.set.origin.as_ref().map_or(usize::from(self.dimensions), |origin| origin.0.len());
         if found != usize::from(self.dimensions) {
-            let message = format!("\"origin\" has {found} numbers, where a model in {0} dimensions has {0}", self.dimensions);
+            let message = format!(
+                "\"origin\" has {found} numbers, where a model in {0} dimensions has {0}",
+                self.dimensions
+            );
             faults.push(self.fault("origin", &message).label(format!("{found} numbers")));
         }
     }
@@ -196,11 +204,16 @@ impl Check<'_> {
     fn statistics(&self, faults: &mut Vec<Fault>) {
         let set = self.set;
         if self.dimensions == 3 && set.dip_direction.is_none() {
-            faults.push(self.fault("dip", "in three dimensions a dip needs a dip_direction").label("needs dip_direction"));
+            faults.push(
+                self.fault("dip", "in three dimensions a dip needs a dip_direction")
+                    .label("needs dip_direction"),
+            );
         }
         if self.dimensions == 3 && set.dip.is_some_and(|dip| dip < 0.0) {
             let help = "turn the dip_direction by 180 degrees";
-            faults.push(self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help));
+            faults.push(
+                self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help),
+            );
         }
         let Some(spacing) = set.spacing else {
             faults.push(self.fault("dip", "a set with a dip needs a spacing").label("needs spacing"));
@@ -243,11 +256,17 @@ impl Check<'_> {
     /// The bodies that are named.
     fn bodies(&self, faults: &mut Vec<Fault>) {
         let mut all = self.file.body.iter();
-        let grains = all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
+        let grains =
+            all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
         if let Some(body) = grains {
             let key = if self.set.bodies.is_some() { "bodies" } else { "name" };
-            let message = format!("the body \"{}\" has grains, into which no joints can be put in three dimensions", body.name);
-            faults.push(self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""));
+            let message = format!(
+                "the body \"{}\" has grains, into which no joints can be put in three dimensions",
+                body.name
+            );
+            faults.push(
+                self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""),
+            );
         }
         for (place, name) in self.set.bodies.iter().flatten().enumerate() {
             let span = self.document.entry(self.table, "bodies", place);

@@ -73,8 +73,10 @@ fn geojson(value: &Value, polygons: &mut Vec<Polygon>) -> Result<(), String> {
         if rings.len() > 1 {
             return Err("a polygon has a hole: joints are polygons without holes".to_owned());
         }
-        let corner = |point: &Value| Some([point.get(0)?.as_f64()?, point.get(1)?.as_f64()?, point.get(2)?.as_f64()?]);
-        let ring: Option<Polygon> = rings[0].as_array().and_then(|points| points.iter().map(corner).collect());
+        let corner =
+            |point: &Value| Some([point.get(0)?.as_f64()?, point.get(1)?.as_f64()?, point.get(2)?.as_f64()?]);
+        let ring: Option<Polygon> =
+            rings[0].as_array().and_then(|points| points.iter().map(corner).collect());
         let ring = ring.map(open).filter(|ring| ring.len() >= 3);
         polygons.push(ring.ok_or("coordinates of a polygon are not three corners [x, y, z] or more")?);
         Ok(())
@@ -121,7 +123,11 @@ impl Entity {
             _ => return None,
         };
         let corner = |&[x, y, z]: &[Option<f64>; 3]| {
-            [x.unwrap_or(0.0), y.unwrap_or(0.0), z.filter(|_| !flat).unwrap_or(if flat { self.elevation } else { 0.0 })]
+            [
+                x.unwrap_or(0.0),
+                y.unwrap_or(0.0),
+                z.filter(|_| !flat).unwrap_or(if flat { self.elevation } else { 0.0 }),
+            ]
         };
         let mut corners: Polygon = self.corners.iter().map(corner).collect();
         // A triangle has its third corner twice.
@@ -193,8 +199,15 @@ mod tests {
         };
         let begin = rows(&[("0", "SECTION"), ("2", "ENTITIES")]);
         let flat = rows(&[
-            ("0", "LWPOLYLINE"), ("38", "1"), ("70", "1"), ("10", "0"), ("20", "0"), ("10", "2"), ("20", "0"),
-            ("10", "0"), ("20", "2"),
+            ("0", "LWPOLYLINE"),
+            ("38", "1"),
+            ("70", "1"),
+            ("10", "0"),
+            ("20", "0"),
+            ("10", "2"),
+            ("20", "0"),
+            ("10", "0"),
+            ("20", "2"),
         ]);
         let face = |codes: [[&str; 3]; 4]| -> String {
             let corners = ["0", "0", "0", "1", "0", "0", "1", "1", "1", "0", "1", "1"];
@@ -204,7 +217,8 @@ mod tests {
         let face = face([["10", "20", "30"], ["11", "21", "31"], ["12", "22", "32"], ["13", "23", "33"]]);
         let end = rows(&[("0", "ENDSEC"), ("0", "EOF")]);
         assert_eq!(read(format!("{begin}{flat}{face}{end}").as_bytes(), "a.dxf"), both);
-        let mut chain = rows(&[("0", "POLYLINE"), ("66", "1"), ("10", "0"), ("20", "0"), ("30", "0"), ("70", "9")]);
+        let mut chain =
+            rows(&[("0", "POLYLINE"), ("66", "1"), ("10", "0"), ("20", "0"), ("30", "0"), ("70", "9")]);
         for [x, y, z] in [["0", "0", "0"], ["1", "0", "0"], ["1", "1", "1"], ["0", "1", "1"]] {
             chain += &rows(&[("0", "VERTEX"), ("10", x), ("20", y), ("30", z), ("70", "32")]);
         }

@@ -76,7 +76,9 @@ fn polygons_of_a_list_a_file_and_statistics_are_faces_of_the_mesh() {
 /// The normal of a joint that dips at 30 degrees to the east points up and to the east.
 #[test]
 fn dip_and_dip_direction_follow_the_convention() {
-    for (direction, to) in [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])] {
+    for (direction, to) in
+        [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])]
+    {
         let keys = format!("dip = 30\ndip_direction = {direction}\nspacing = 5\norigin = [0.5, 0.5, 0.5]\n");
         let prepared = right(&format!("{CUBE}{SET}{keys}"));
         let normal = [0.5 * to[0], 0.5 * to[1], 0.75_f64.sqrt()];

@@ -7,12 +7,12 @@
 //! J. Ruppert, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation", J. Algorithms 18 (1995), for the circles around corners on which edges with
 //! a sharp angle between them are split; J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998.
 
-use super::{INNER, MeshError};
 use super::delaunay::{Delaunay, FACETS, GHOST, NONE};
 use super::order;
 use super::plane::{Plane, Point2};
 use super::skin::Skin;
 use super::vector::{distance, dot, minus, plus, times};
+use super::{INNER, MeshError};
 
 /// Rounds of splitting.
 const ROUNDS: usize = 60;

@@ -119,7 +119,8 @@ pub(super) fn of_surface(surface: &Surface) -> Option<SharpEdge> {
         });
         sharpest_edge(&surface.nodes, &around.collect::<Vec<_>>())
     };
-    let all = regions.into_iter().filter(|&region| region < INNER).filter_map(of).chain(beside_inner(surface));
+    let all =
+        regions.into_iter().filter(|&region| region < INNER).filter_map(of).chain(beside_inner(surface));
     all.min_by(|one, other| one.angle.total_cmp(&other.angle))
 }
 

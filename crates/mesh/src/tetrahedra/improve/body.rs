@@ -1,11 +1,11 @@
 //! Tetrahedra of one or several regions that can be replaced a few at a time.
 
 use super::quality::quality;
-use crate::tetrahedra::{INNER, OUTSIDE};
 use crate::tetrahedra::delaunay::{Delaunay, FACETS, NONE};
 use crate::tetrahedra::recover::Hits;
 use crate::tetrahedra::skin::Skin;
 use crate::tetrahedra::vector::Point;
+use crate::tetrahedra::{INNER, OUTSIDE};
 
 /// Beyond a facet of the outer surface there is this plus the number of its patch, instead of a neighbour.
 pub(crate) const BORDER: u32 = 1 << 31;
@@ -124,7 +124,8 @@ impl Body {
     pub(crate) fn beyond(&self, t: usize, place: usize) -> Option<(usize, usize)> {
         let code = self.across[t][place];
         let (u, opposite) = ((code / 4) as usize, (code % 4) as usize);
-        (code < BORDER && self.regions[u] == self.regions[t] && !self.is_wall(t, place)).then_some((u, opposite))
+        (code < BORDER && self.regions[u] == self.regions[t] && !self.is_wall(t, place))
+            .then_some((u, opposite))
     }
 
     /// All tetrahedra at a point, of any region.

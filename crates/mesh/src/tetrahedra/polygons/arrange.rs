@@ -125,7 +125,8 @@ impl<'a> Arrangement<'a> {
         let nodes = before.nodes.len();
         let added = &new.vertices.points[nodes..];
         for (face, touched) in new.faces.iter().zip(&mut new.touched) {
-            let is_on = |&point: &Point| face.height(point).abs() < 4.0 * same && face.contains(point, 4.0 * same);
+            let is_on =
+                |&point: &Point| face.height(point).abs() < 4.0 * same && face.contains(point, 4.0 * same);
             *touched = *touched || added.iter().any(is_on);
         }
         new
@@ -138,11 +139,8 @@ impl<'a> Arrangement<'a> {
     /// Cuts segments where they cross each other or pass a vertex. Returns whether there was anything to cut.
     fn cut(&mut self) -> bool {
         let margin = self.vertices.same;
-        let boxes: Vec<[Point; 2]> = self
-            .segments
-            .iter()
-            .map(|&segment| crate::bounds(self.ends(segment).into_iter()))
-            .collect();
+        let boxes: Vec<[Point; 2]> =
+            self.segments.iter().map(|&segment| crate::bounds(self.ends(segment).into_iter())).collect();
         let mut order: Vec<usize> = (0..boxes.len()).collect();
         order.sort_by(|&a, &b| boxes[a][0][0].total_cmp(&boxes[b][0][0]).then(a.cmp(&b)));
         let mut cuts: Vec<Vec<(f64, u32)>> = vec![Vec::new(); boxes.len()];
@@ -255,7 +253,10 @@ impl<'a> Arrangement<'a> {
         }
         for face in (0..self.faces.len()).filter(|&face| self.touched[face]) {
             let Some(layer) = self.layer(&[&self.faces[face]], faults) else { continue };
-            let kept = layer.triangles.iter().filter(|&&triangle| self.faces[face].contains(self.middle(triangle), 0.0));
+            let kept = layer
+                .triangles
+                .iter()
+                .filter(|&&triangle| self.faces[face].contains(self.middle(triangle), 0.0));
             let kept: Vec<[u32; 3]> = kept.copied().collect();
             self.check(&kept, &layer.segments, faults);
             let Some(facet) = self.of.of_facet.iter().position(|&of| of as usize == face) else { continue };
@@ -277,7 +278,8 @@ impl<'a> Arrangement<'a> {
     /// Gives the nodes that are used their numbers: those of the surface keep theirs.
     fn number(&self, new: &mut Surface) {
         let nodes = self.before.nodes.len();
-        let mut used: Vec<u32> = new.facets.iter().flatten().copied().filter(|&node| node as usize >= nodes).collect();
+        let mut used: Vec<u32> =
+            new.facets.iter().flatten().copied().filter(|&node| node as usize >= nodes).collect();
         used.sort_unstable();
         used.dedup();
         new.nodes.clone_from(&self.before.nodes);
@@ -327,19 +329,11 @@ impl<'a> Arrangement<'a> {
         };
         let triangles = triangles.into_iter().filter(|triangle| !is_flat(triangle));
         let global = |triangle: [u32; 3]| triangle.map(|vertex| used[vertex as usize]);
-        Some(Layer {
-            triangles: triangles.map(global).collect(),
-            segments: segments.into_iter().collect(),
-        })
+        Some(Layer { triangles: triangles.map(global).collect(), segments: segments.into_iter().collect() })
     }
 
     /// Adds the triangles of the polygons of one plane that are inside of the body, with the numbers of their polygons.
-    fn add_plane(
-        &self,
-        group: &[usize],
-        inner: &mut Vec<([u32; 3], u32)>,
-        faults: &mut Vec<PolygonError>,
-    ) {
+    fn add_plane(&self, group: &[usize], inner: &mut Vec<([u32; 3], u32)>, faults: &mut Vec<PolygonError>) {
         let sheets: Vec<&Sheet> = group.iter().map(|&number| &self.polygons[number]).collect();
         let Some(layer) = self.layer(&sheets, faults) else { return };
         let margin = 4.0 * self.vertices.same;

@@ -52,7 +52,8 @@ impl Sheet {
             return None;
         }
         let unit_normal = unit(sum);
-        let far = corners.iter().map(|&corner| dot(unit_normal, minus(corner, middle)).abs()).fold(0.0, f64::max);
+        let far =
+            corners.iter().map(|&corner| dot(unit_normal, minus(corner, middle)).abs()).fold(0.0, f64::max);
         // A plane along the axes goes through the corners exactly.
         let exact = corners.iter().all(|&corner| dot(unit_normal, minus(corner, corners[0])) == 0.0);
         let origin = if exact { corners[0] } else { middle };
@@ -122,7 +123,9 @@ impl Sheet {
     /// The place of a point in the plane.
     pub(super) fn flat(&self, point: Point) -> Point2 {
         // What is 0 but for rounding is 0: the triangulation takes no numbers that are all but 0.
-        self.axes.map(|axis| dot(axis, minus(point, self.origin))).map(|x| if x.abs() < 1e-30 { 0.0 } else { x })
+        self.axes
+            .map(|axis| dot(axis, minus(point, self.origin)))
+            .map(|x| if x.abs() < 1e-30 { 0.0 } else { x })
     }
 
     /// Whether the foot of a point is in the piece, or no farther from it than `margin`.
@@ -176,7 +179,8 @@ impl Sheet {
     fn on_line(&self, other: &Self, start: Point, along: Point, least: f64) -> Vec<[f64; 2]> {
         let mut parts = Vec::new();
         for triangle in &self.triangles {
-            let heights = triangle.map(|corner| other.height(corner)).map(|h| if h.abs() < least { 0.0 } else { h });
+            let heights =
+                triangle.map(|corner| other.height(corner)).map(|h| if h.abs() < least { 0.0 } else { h });
             let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
             let mut take = |point: Point| {
                 let t = dot(along, minus(point, start));
@@ -244,7 +248,8 @@ impl Sheet {
 
 /// A direction across a normal, along an axis if the normal is.
 fn sum_axis(normal: Point) -> Point {
-    let least = (0..3).fold(0, |least, axis| if normal[axis].abs() < normal[least].abs() { axis } else { least });
+    let least =
+        (0..3).fold(0, |least, axis| if normal[axis].abs() < normal[least].abs() { axis } else { least });
     let mut axis = [0.0; 3];
     axis[least] = 1.0;
     unit(minus(axis, times(normal, normal[least])))
@@ -266,9 +271,10 @@ pub(super) fn contains(corners: &[Point2], [x, y]: Point2) -> bool {
 pub(super) fn triangulate(points: &[Point2], edges: &[[usize; 2]]) -> Option<Vec<[u32; 3]>> {
     let vertices = points.iter().map(|&[x, y]| Vertex::new(x, y)).collect();
     let mut crossing = false;
-    let all = ConstrainedDelaunayTriangulation::<Vertex<f64>>::try_bulk_load_cdt(vertices, edges.to_vec(), |_| {
-        crossing = true;
-    });
+    let all =
+        ConstrainedDelaunayTriangulation::<Vertex<f64>>::try_bulk_load_cdt(vertices, edges.to_vec(), |_| {
+            crossing = true;
+        });
     let all = all.ok().filter(|all| all.num_vertices() == points.len() && !crossing)?;
     Some(all.inner_faces().map(|face| face.vertices().map(|node| node.fix().index() as u32)).collect())
 }

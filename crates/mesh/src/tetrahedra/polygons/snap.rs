@@ -63,7 +63,12 @@ impl<'a> Snapping<'a> {
             size,
             same,
             bounds: crate::bounds(surface.nodes.iter().copied()),
-            segments: of.edges.iter().filter(|ends| ends.iter().any(|&end| nodes.is_fixed(end))).map(|ends| ends.map(at)).collect(),
+            segments: of
+                .edges
+                .iter()
+                .filter(|ends| ends.iter().any(|&end| nodes.is_fixed(end)))
+                .map(|ends| ends.map(at))
+                .collect(),
             round: of.round.clone(),
             vertices: used.into_iter().map(at).collect(),
         }
@@ -75,9 +80,8 @@ impl<'a> Snapping<'a> {
 
     /// Makes planes one that nearly coincide, and moves others to the corners and crossings that they nearly pass: large polygons first, and small ones to them.
     pub(super) fn planes(&mut self) {
-        let area = |sheet: &Sheet| -> f64 {
-            sheet.triangles.iter().map(|&[a, b, c]| length(normal(a, b, c))).sum()
-        };
+        let area =
+            |sheet: &Sheet| -> f64 { sheet.triangles.iter().map(|&[a, b, c]| length(normal(a, b, c))).sum() };
         let mut order: Vec<usize> = (0..self.polygons.len()).collect();
         order.retain(|&number| !self.polygons[number].triangles.is_empty());
         order.sort_by(|&a, &b| area(&self.polygons[b]).total_cmp(&area(&self.polygons[a])).then(a.cmp(&b)));
@@ -90,7 +94,8 @@ impl<'a> Snapping<'a> {
             let sheet = &self.polygons[number];
             let [low, high] = self.bounds;
             let is_within = |point: Point| {
-                (0..3).all(|axis| point[axis] >= low[axis] - self.same && point[axis] <= high[axis] + self.same)
+                (0..3)
+                    .all(|axis| point[axis] >= low[axis] - self.same && point[axis] <= high[axis] + self.same)
             };
             let crossings = self.segments.iter().filter_map(|&ends| self.crossing(sheet, ends));
             let crossings: Vec<Point> = crossings.filter(|&point| is_within(point)).collect();
@@ -112,7 +117,9 @@ impl<'a> Snapping<'a> {
                 && sheet.corners.iter().all(|&corner| other.height(corner).abs() < self.reach(corner))
         };
         let face = (0..self.faces.len()).find(|&face| !self.round[face] && is_same(&self.faces[face]));
-        face.or_else(|| done.iter().find(|&&other| is_same(&self.polygons[other])).map(|&other| self.planes[other]))
+        face.or_else(|| {
+            done.iter().find(|&&other| is_same(&self.polygons[other])).map(|&other| self.planes[other])
+        })
     }
 
     /// Puts a polygon into a plane.
@@ -176,7 +183,8 @@ impl<'a> Snapping<'a> {
                 continue;
             }
             let sheet = &self.polygons[number];
-            let on_plane = self.vertices.iter().copied().filter(|&vertex| sheet.height(vertex).abs() < self.same);
+            let on_plane =
+                self.vertices.iter().copied().filter(|&vertex| sheet.height(vertex).abs() < self.same);
             let vertices: Vec<Point> = on_plane.collect();
             let corners: Vec<Point> =
                 sheet.corners.iter().map(|&corner| self.corner(number, corner, &vertices)).collect();
@@ -195,7 +203,9 @@ impl<'a> Snapping<'a> {
             let mut new = sheet.corners.clone();
             let count = sheet.corners.len();
             let others = (0..self.polygons.len()).filter(|&other| self.planes[other] != self.planes[number]);
-            for other in others.map(|other| &self.polygons[other]).filter(|other| sheet.is_near(other, self.same)) {
+            for other in
+                others.map(|other| &self.polygons[other]).filter(|other| sheet.is_near(other, self.same))
+            {
                 let edges = (0..count).map(|k| [sheet.corners[k], sheet.corners[(k + 1) % count]]);
                 new.extend(edges.filter_map(|ends| self.crossing(other, ends)));
             }
