@@ -8,6 +8,7 @@
 //! |---|---|
 //! | a shape, and its surface | `src/shapes.rs`, then the shape in `src/shapes` |
 //! | lines inside of triangles' domains: joints | `src/triangles/network.rs` |
+//! | polygons inside of bodies in space: joints | `src/tetrahedra/polygons.rs`, then its parts in `src/tetrahedra/polygons` |
 //! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
 //! | the order of elements in memory | `src/curve.rs` |
 //! | angles, measures and facets of triangles and tetrahedra | `src/simplex.rs` |

@@ -8,6 +8,8 @@
 //! 4. Points are inserted into spheres that are too large, then moved to where tetrahedra are even (`fill`).
 //! 5. Thin tetrahedra are removed by flips, moves, and points that come and go (`improve`).
 //!
+//! [`add_polygons`] puts polygons, such as joints in rock, into a surface before it is meshed.
+//!
 //! Directions of edges are random, as cracks along facets need it. The same seed gives the same mesh on every platform: what decides is exact, or uses only
 //! operations that IEEE 754 defines.
 
@@ -57,8 +59,9 @@ pub const THICK: f64 = 3.0;
 /// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
 pub(crate) const FLAT: f64 = 12.0;
 
-/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers; how often at most; and by which share of the size it is finer each time.
+/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers, also with polygons inside; how often at most; and by which share of the size it is finer each time.
 const POOR: f64 = 8.0;
+const POOR_WITHIN: f64 = 2.0;
 const AGAIN: u64 = 6;
 
 /// Elements in all meshes of a surface together, from which on it is not meshed again: it would take longer than anyone waits.
@@ -192,7 +195,10 @@ fn mesh_again(
     };
     let mesh = mesh_once(0)?;
     let mut best = (smallest_angle(&mesh), mesh);
-    if best.0 >= POOR || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < POOR) {
+    // Polygons meet at corners of any angle.
+    let has_inner = surface.sides.iter().any(|sides| sides[0] == INNER);
+    let enough = if has_inner { POOR_WITHIN } else { POOR };
+    if best.0 >= enough || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < enough) {
         return Ok(best.1);
     }
     let mut elements = best.1.elements.len();
@@ -206,7 +212,7 @@ fn mesh_again(
         if angle > best.0 {
             best = (angle, mesh);
         }
-        if best.0 >= POOR {
+        if best.0 >= enough {
             break;
         }
     }

@@ -1,7 +1,7 @@
 //! Joint sets in three dimensions: their polygons in the mesh, blocks that slide, and what is refused.
 
-use fdem::model::{AnyPrepared, Prepared, prepare_any};
-use fdem_simulation::Simulation;
+use fdem::model::{AnyPrepared, ModelErrors, Prepared, prepare_any};
+use fdem_simulation::{Boundary, Load, Model, Schedule, Simulation, Target};
 
 const CUBE: &str = r#"[model]
 end_time = 1e-3
@@ -21,15 +21,15 @@ poissons_ratio = 0.25
 
 const SET: &str = "\n[[joint_set]]\nname = \"bedding\"\nfriction_angle = 30\n";
 
-fn read(text: &str) -> Result<Prepared<3, 4>, fdem::model::ModelErrors> {
+fn read(text: &str) -> Result<Prepared<3, 4>, ModelErrors> {
     let load = &mut |name: &str| match name {
         "network.csv" => Ok(b"0,0,0.25,1,0,0.25,1,1,0.25,0,1,0.25\n".to_vec()),
         _ => Err("there is no such file".to_owned()),
     };
-    prepare_any(text, "model.toml", load, None).map(|prepared| match prepared {
-        AnyPrepared::Space(prepared) => prepared,
+    match prepare_any(text, "model.toml", load, None)? {
+        AnyPrepared::Space(prepared) => Ok(*prepared),
         AnyPrepared::Plane(_) => panic!("a model in three dimensions"),
-    })
+    }
 }
 
 #[track_caller]
@@ -39,7 +39,7 @@ fn right(text: &str) -> Prepared<3, 4> {
 
 /// The faces that are of a set, with their corners.
 fn faces(prepared: &Prepared<3, 4>, set: u32) -> Vec<[[f64; 3]; 3]> {
-    const FACETS: [[usize; 3]; 4] = <[[f64; 3]; 4] as fdem_mesh::Simplex<3, 4>>::FACETS;
+    const FACETS: [[usize; 3]; 4] = <[[f64; 3]; 4] as fdem::mesh::Simplex<3, 4>>::FACETS;
     let model = &prepared.model;
     let mut found = Vec::new();
     for (nodes, sets) in model.mesh.elements.iter().zip(&model.joint_facets) {
@@ -76,7 +76,9 @@ fn polygons_of_a_list_a_file_and_statistics_are_faces_of_the_mesh() {
 /// The normal of a joint that dips at 30 degrees to the east points up and to the east.
 #[test]
 fn dip_and_dip_direction_follow_the_convention() {
-    for (direction, to) in [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])] {
+    for (direction, to) in
+        [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])]
+    {
         let keys = format!("dip = 30\ndip_direction = {direction}\nspacing = 5\norigin = [0.5, 0.5, 0.5]\n");
         let prepared = right(&format!("{CUBE}{SET}{keys}"));
         let normal = [0.5 * to[0], 0.5 * to[1], 0.75_f64.sqrt()];
@@ -87,4 +89,177 @@ fn dip_and_dip_direction_follow_the_convention() {
             assert!(height.abs() < 1e-9, "{direction}: {point:?}");
         }
     }
+}
+
+/// The area of joints in a volume is persistence over spacing times the volume, in the mean, and a seed gives the same joints.
+#[test]
+fn statistical_sets_have_their_persistence_and_seed() {
+    let keys = "dip = 40\ndip_direction = 120\nspacing = 0.3\npersistence = 0.5\ntrace_length = 0.3\n\
+                dip_deviation = 5\ndip_direction_deviation = 5\nspacing_deviation = 0.03\ntrace_deviation = 0.05\n";
+    let areas: Vec<f64> = (1..=8)
+        .map(|seed| {
+            let prepared = right(&format!("{CUBE}{SET}{keys}seed = {seed}\n"));
+            prepared.joint_sets[0].area.unwrap()
+        })
+        .collect();
+    let mean = areas.iter().sum::<f64>() / 8.0;
+    assert!((mean / (0.5 / 0.3) - 1.0).abs() < 0.15, "{areas:?}");
+    assert!(areas.windows(2).all(|pair| pair[0] != pair[1]), "{areas:?}");
+    let [one, again] = [(); 2].map(|()| right(&format!("{CUBE}{SET}{keys}")).hash);
+    assert_eq!(one, again);
+}
+
+#[test]
+fn a_body_that_is_turned_and_moved_has_its_joints_where_they_are_asked_for() {
+    let moved =
+        CUBE.replacen("mesh_size", "angle = 20\naxis = [1, 2, 3]\ntranslate = [3, 4, 5]\nmesh_size", 1);
+    let prepared =
+        right(&format!("{moved}{SET}dip = 0\ndip_direction = 0\nspacing = 9\norigin = [0, 0, 5.5]\n"));
+    let faces = faces(&prepared, 0);
+    assert!(faces.len() > 10 && faces.iter().flatten().all(|point| (point[2] - 5.5).abs() < 1e-9));
+}
+
+#[test]
+fn an_open_joint_parts_a_cube_and_a_closed_one_does_not() {
+    for (keys, fragments) in [("open = true\n", 2), ("", 1)] {
+        let prepared = right(&format!(
+            "{CUBE}{SET}{keys}dip = 0\ndip_direction = 0\nspacing = 9\norigin = [0, 0, 0.4]\n"
+        ));
+        let mut run = Simulation::new(prepared.model, 1).unwrap();
+        run.advance(2).unwrap();
+        let mut found = run.fragments();
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found.len(), fragments, "{keys}");
+    }
+}
+
+/// Nodes of a mesh at places.
+fn nodes(model: &Model<3, 4>, is_there: impl Fn([f64; 3]) -> bool) -> Target<3> {
+    let nodes = (0..).zip(&model.mesh.nodes);
+    Target::Nodes(nodes.filter(|(_, node)| is_there(**node)).map(|(number, _)| number).collect())
+}
+
+fn boundary(name: &str, target: Target<3>, velocity: [Option<f64>; 3], schedule: Schedule) -> Boundary<3> {
+    Boundary { name: name.to_owned(), target, load: Load::Velocity(velocity), schedule }
+}
+
+/// Direct shear of a block with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
+#[test]
+fn direct_shear_gives_cohesion_and_friction() {
+    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.2, 0.1, 0.04]", 1).replacen("0.25", "0.02", 1);
+    let law = "cohesion = 1e6\nfracture_energy_ii = 60\nresidual_friction_angle = 20\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
+    let load = "[[boundary]]\nname = \"pressure\"\nside = \"top\"\npressure = 2e6\nramp = 3e-4\n";
+    let keys = "polygons = [[0, 0, 0.02, 0.2, 0, 0.02, 0.2, 0.1, 0.02, 0, 0.1, 0.02]]\n";
+    let mut model = right(&format!("{plate}{SET}{law}{keys}{load}")).model;
+    model.materials[0].damping = 0.3;
+    let below = nodes(&model, |[_, _, z]| z < 0.0199);
+    let above = nodes(&model, |[_, _, z]| z > 0.0201);
+    model.boundaries.push(boundary("below", below, [Some(0.0); 3], Schedule::Constant));
+    let table = Schedule::Table(vec![[1e-3, 0.0], [1.5e-3, 1.0]]);
+    model.boundaries.push(boundary("above", above, [Some(0.05), None, None], table));
+    let mut run = Simulation::new(model, 2).unwrap();
+    let (mut peak, mut last) = (0.0_f64, [0.0; 2]);
+    while run.time() < 7e-3 {
+        run.advance(10).unwrap();
+        // That which holds what is below.
+        let traction = run.force(1).unwrap()[0].abs() / 0.02;
+        peak = peak.max(traction);
+        if run.time() > 6e-3 {
+            last = [last[0] + traction, last[1] + 1.0];
+        }
+    }
+    let expected = [1e6 + 2e6 * 30.0_f64.to_radians().tan(), 2e6 * 20.0_f64.to_radians().tan()];
+    let residual = last[0] / last[1];
+    assert!((peak / expected[0] - 1.0).abs() < 0.04, "{peak} {expected:?}");
+    assert!((residual / expected[1] - 1.0).abs() < 0.06, "{residual} {expected:?}");
+}
+
+/// A wedge between two joints at right angles, symmetric about the vertical, slides along their line where the tangent of the slope is above that of the friction angle over the sine of half of the
+/// angle between them, with the acceleration of a rigid body.
+///
+/// # Source
+/// E. Hoek, J. W. Bray, "Rock slope engineering" (1981), wedge failure: FS = tan φ / (tan ψ sin(ξ/2)) of a symmetric wedge with friction only.
+#[test]
+fn a_wedge_slides_above_the_slope_of_its_friction() {
+    let friction = 0.5_f64;
+    let angle = friction.atan().to_degrees();
+    let critical = friction / std::f64::consts::FRAC_1_SQRT_2;
+    let set = format!(
+        "\n[[joint_set]]\nname = \"wedge\"\nfriction_angle = {angle}\npolygons = [[0.5, -1, 0.3, 0.5, 2, 0.3, 2, 2, 1.8, 2, -1, 1.8], [0.5, -1, 0.3, 0.5, 2, 0.3, -1, 2, 1.8, -1, -1, 1.8]]\n"
+    );
+    for slope in [0.9 * critical, 1.2 * critical] {
+        let mut model = right(&format!("{CUBE}{set}")).model;
+        let (sine, cosine) = slope.atan().sin_cos();
+        let gravity = 1000.0;
+        model.gravity = [0.0, gravity * sine, -gravity * cosine];
+        model.gravity_schedule = Schedule::Ramp(4e-4);
+        model.materials[0].damping = 0.3;
+        let floor = |[x, _, z]: [f64; 3]| z - 0.3 - (x - 0.5_f64).abs();
+        let held = nodes(&model, |node| floor(node) < -1e-6);
+        model.boundaries.push(boundary("rock", held, [Some(0.0); 3], Schedule::Constant));
+        let mut run = Simulation::new(model, 2).unwrap();
+        let mut to = |time: f64| {
+            while run.time() < time {
+                run.advance(20).unwrap();
+            }
+            let snapshot = run.snapshot();
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (position, velocity) in snapshot.positions.iter().zip(&snapshot.velocities) {
+                if floor(*position) > 0.1 {
+                    (sum, count) = (sum + velocity[1], count + 1.0);
+                }
+            }
+            [run.time(), sum / count]
+        };
+        let [from, first] = to(4e-3);
+        let [until, last] = to(1.2e-2);
+        if slope > critical {
+            let expected = gravity * (sine - critical * cosine);
+            let found = (last - first) / (until - from);
+            assert!((found / expected - 1.0).abs() < 0.08, "{found} {expected}");
+        } else {
+            assert!(last.abs() < 2e-3 * gravity * sine * until, "{last}");
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_set_is_told() {
+    let level = "polygons = [[-1, -1, 0.4, 2, -1, 0.4, 2, 2, 0.4, -1, 2, 0.4]]\n";
+    for (keys, part) in [
+        ("", "give it one of polygons, file and dip"),
+        ("lines = [[0, 0, 1, 1]]\n", "\"lines\" is for models in two dimensions"),
+        ("polygons = [[0, 0, 0, 1, 1, 1]]\n", "polygon 1 is not [x1, y1, z1"),
+        ("polygons = [[0, 0, 0, 1, 0, 0, 2, 0, 0]]\n", "has no area"),
+        ("polygons = [[0, 0, 0.4, 1, 0, 0.4, 1, 1, 0.6, 0, 1, 0.4]]\n", "\"bedding\" is not flat"),
+        ("dip = 30\nspacing = 0.4\n", "needs a dip_direction"),
+        ("dip = -30\ndip_direction = 10\nspacing = 0.4\n", "0 to 90 degrees"),
+        ("dip = 30\ndip_direction = 10\nspacing = 0.4\norigin = [0, 0]\n", "\"origin\" has 2 numbers"),
+        (
+            "dip = 30\ndip_direction = 10\nspacing = 0.4\npersistence = 0.9\ntrace_length = 0.4\n",
+            "at most 0.8, or 1",
+        ),
+        ("file = \"no.csv\"\n", "cannot read no.csv"),
+    ] {
+        let errors = read(&format!("{CUBE}{SET}{keys}")).unwrap_err();
+        let drawn = format!("{errors}{}", errors.render(fdem::model::Drawing::Plain));
+        assert!(drawn.contains(part), "{keys}: {drawn}");
+    }
+    let fine = CUBE.replacen("0.25", "0.02", 1);
+    let tilted = "[[joint_set]]\nname = \"fault\"\nfriction_angle = 30\npolygons = [[-1, -1, 0.34, 2, -1, 0.46, 2, 2, 0.46, -1, 2, 0.34]]\n";
+    let errors = read(&format!("{fine}{SET}{level}{tilted}")).unwrap_err().to_string();
+    assert!(
+        errors.contains("\"bedding\"") && errors.contains("\"fault\"") && errors.contains("2.3 degrees"),
+        "{errors}"
+    );
+    let grains = CUBE.replacen(
+        "box = { min = [0, 0, 0], max = [1, 1, 1] }",
+        "voronoi = { outline = { box = { min = [0, 0, 0], max = [1, 1, 1] } }, grains = 4 }",
+        1,
+    );
+    let errors = read(&format!("{grains}{SET}{level}")).unwrap_err().to_string();
+    assert!(errors.contains("has grains"), "{errors}");
+    let prepared = right(&format!("{CUBE}{SET}{}", level.replace("0.4", "7")));
+    assert!(prepared.warnings.iter().any(|warning| warning.contains("\"bedding\" has no joint")));
 }

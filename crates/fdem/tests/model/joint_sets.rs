@@ -76,6 +76,12 @@ fn what_is_wrong_with_a_set_is_told() {
         ("lines = [[0, 0, 1, 1]]\ndip = 3\nspacing = 0.3\n", "given twice, by lines and dip"),
         ("lines = [[0, 0, 1]]\n", "line 1 is not [x1, y1, x2, y2"),
         ("lines = [[0, 0, 1, 1]]\nseed = 3\n", "statistical sets"),
+        ("polygons = [[0, 0, 0, 1, 0, 0, 0, 1, 0]]\n", "\"polygons\" is for models in three dimensions"),
+        (
+            "dip = 3\ndip_direction = 3\nspacing = 0.3\n",
+            "\"dip_direction\" is for models in three dimensions",
+        ),
+        ("dip = 3\nspacing = 0.3\norigin = [0, 0, 0]\n", "\"origin\" has 3 numbers"),
         ("dip = 3\n", "needs a spacing"),
         ("dip = 3\nspacing = 1e-3\n", "below the mesh_size"),
         ("dip = 3\nspacing = 0.3\npersistence = 0.5\n", "trace_length"),

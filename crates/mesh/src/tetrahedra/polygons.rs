@@ -31,10 +31,10 @@ use warp::RoundNodes;
 const SNAP: f64 = 0.35;
 
 /// Length over mesh size below which an edge, or a gap beside one, is refused.
-const LEAST: f64 = 0.05;
+const LEAST: f64 = 0.03;
 
 /// Smallest angle between polygons and faces, and between edges in a plane, degrees.
-const SHARP: f64 = 5.0;
+const SHARP: f64 = 3.0;
 
 /// Distance over the width of a body up to which points are the same.
 const SAME: f64 = 1e-9;
@@ -44,6 +44,9 @@ const FLAT: f64 = 1e-3;
 
 /// How often polygons that are too close to others are moved to another place, by up to [`SNAP`], before they are refused.
 const ATTEMPTS: usize = 30;
+
+/// The square of the number of polygons times the attempts, at most, if there are more than three.
+const WORK: usize = 500_000;
 
 /// Most polygons.
 const MOST: usize = 20_000;
@@ -139,16 +142,18 @@ impl Error for PolygonError {}
 /// Puts polygons, by their corners in order, into a surface as facets with [`INNER`](super::INNER) on both sides. Returns the face of the facets of the first polygon; those of the others follow.
 /// Where polygons coincide, the facets are those of the first.
 ///
-/// Faces that are cut are triangulated anew; others keep their facets. Without a polygon inside, the surface stays what it is.
+/// Polygons are moved by up to 0.35 of the mesh size onto each other, onto faces, and to corners and crossings. What is still too close to be meshed is tried again at other places, up to 0.35 of the
+/// mesh size from where it was; these are random, and always the same. Faces that are cut are triangulated anew; others keep their facets, but nodes of round faces are moved along these, onto polygons.
+/// Without a polygon inside, the surface stays what it is.
 ///
 /// # Units
 /// `size` is in the unit of the coordinates.
 ///
 /// # Cost
-/// In proportion to the square of the number of polygons that cross each other.
+/// In proportion to the square of the number of segments in which polygons meet each other and faces, and of the number of polygons; up to 30 times where polygons are too close.
 ///
 /// # Errors
-/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.05 of the mesh size, or meets at less than 5 degrees, after all moves.
+/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.03 of the mesh size, or meets at less than 3 degrees, after all moves.
 ///
 /// # Example
 /// ```
@@ -198,6 +203,7 @@ pub fn add_polygons(
     let faces = flat_faces(surface);
     let mut random = Random::new(1);
     let mut by = vec![0.0; sheets.len()];
+    let attempts = ATTEMPTS.min(WORK / (sheets.len() * sheets.len() + 1)).max(3);
     for attempt in 0.. {
         let moved: Vec<Sheet> = sheets.iter().zip(&by).map(|(sheet, &by)| sheet.moved(by)).collect();
         let (found, faults) = put(surface, &faces, moved, size, same, first);
@@ -207,7 +213,7 @@ pub fn add_polygons(
             }
             break;
         };
-        if attempt == ATTEMPTS {
+        if attempt == attempts {
             return Err(fault.clone());
         }
         // What is too close to another may be farther from it elsewhere.

@@ -148,11 +148,16 @@ impl<'a> Snapping<'a> {
             let gaps = near.iter().map(|(height, reach)| ((height - by).abs(), reach));
             gaps.filter(|(gap, _)| *gap > self.same).map(|(gap, reach)| gap / reach).fold(1.0, f64::min)
         };
+        // Through one of them, or between two.
+        let mut heights: Vec<f64> =
+            near.iter().filter(|(height, reach)| height.abs() < *reach).map(|(height, _)| *height).collect();
+        heights.sort_by(f64::total_cmp);
+        let between: Vec<f64> = heights.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
         let mut best = (gap(0.0), 0.0);
-        for &(height, reach) in near.iter().filter(|(height, reach)| height.abs() < *reach) {
-            let found = gap(height);
-            if best.0 < 1.0 && reach > 0.0 && (found, -height.abs()) > (best.0, -f64::abs(best.1)) {
-                best = (found, height);
+        for by in heights.into_iter().chain(between) {
+            let found = gap(by);
+            if best.0 < 1.0 && (found, -by.abs()) > (best.0, -f64::abs(best.1)) {
+                best = (found, by);
             }
         }
         if best.1.abs() > 0.0 {
