@@ -21,6 +21,7 @@ mod label_axes;
 mod label_middles;
 mod label_summary;
 mod labels;
+mod materials;
 mod memory;
 mod mesh_summary;
 mod meshes;
@@ -93,6 +94,7 @@ fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Generate(arguments) => generate::run(&arguments),
         Task::New(arguments) => new::run(&arguments),
+        Task::Materials(arguments) => materials::run(&arguments),
         Task::Check(arguments) => check::run(&arguments),
         Task::Run(arguments) => run::run(&arguments, ranks.communicator()),
         Task::Resume(arguments) => run::resume(&arguments, ranks.communicator()),
@@ -113,6 +115,7 @@ fn refuse_several(task: &Task, ranks: &Ranks) -> Result<(), Failure> {
         Task::Bench(_) => "bench",
         Task::Generate(_) => "generate",
         Task::New(_) => "new",
+        Task::Materials(_) => "materials",
         Task::Check(_) => "check",
         Task::Validate(_) => "validate",
     };

@@ -5,12 +5,13 @@
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! ```text
-//! text ── included ── document ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
+//! text ── included ── document ── library ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 
 mod document;
 mod fault;
 pub mod file;
+mod library;
 mod partial;
 mod schema;
 mod values;
@@ -72,6 +73,7 @@ use sha2::{Digest, Sha256};
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
 pub(crate) use gmsh::stop as stop_gmsh;
+pub use library::{FromLibrary, LibraryMaterial, library};
 pub use mesh_file::Load;
 pub use on_ranks::OnRanks;
 pub(crate) use preflight::steps;
@@ -239,7 +241,8 @@ fn prepare_or_faults(
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<AnyPrepared, Vec<Fault>> {
-    let document = parse(&sources.text, sources.parse())?;
+    let mut document = parse(&sources.text, sources.parse())?;
+    let from_library = library::resolve(&mut document);
     let evaluated = values::evaluate(&document, &sources.text, schema::evaluated());
     let document = values::replace(document, &evaluated);
     let mut faults = evaluated.faults.clone();
@@ -283,7 +286,8 @@ fn prepare_or_faults(
     let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
     let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
     let document = &document;
-    let checked = Checked { file: &file, document, elements, materials, interfaces, joint_sets, warnings };
+    let checked =
+        Checked { file: &file, document, elements, materials, interfaces, joint_sets, from_library, warnings };
     if dimensions == 3 {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Space(Box::new(prepared)))
@@ -302,6 +306,7 @@ struct Checked<'a> {
     materials: Vec<Material>,
     interfaces: Vec<Interface>,
     joint_sets: Vec<JointSet>,
+    from_library: Vec<FromLibrary>,
     /// Warnings about the text of the file.
     warnings: Vec<String>,
 }
@@ -318,7 +323,8 @@ impl Checked<'_> {
         [[f64; D]; N]: Dimensions<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self { file, document, elements, materials, interfaces, joint_sets, mut warnings } = self;
+        let Self { file, document, elements, materials, interfaces, joint_sets, from_library, mut warnings } =
+            self;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
@@ -392,6 +398,7 @@ impl Checked<'_> {
             groups: groups_of(&placed),
             grains: grains_of(&placed),
             joint_sets,
+            from_library,
             output: settings::settings(file, &placed),
             histories,
             hash: if stages.is_empty() { hash(&model) } else { hash(&(&model, &stages)) },

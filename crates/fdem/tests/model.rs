@@ -3,6 +3,7 @@
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `included`: files that a model includes, and copies of a body.
+//! - `library`: materials of the library.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
@@ -23,6 +24,8 @@ mod examples;
 mod joint_sets;
 #[path = "model/included.rs"]
 mod included;
+#[path = "model/library.rs"]
+mod library;
 #[path = "model/limits.rs"]
 mod limits;
 #[path = "model/locking.rs"]

@@ -15,7 +15,7 @@ use crate::command::frames::Frames;
 use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
-    CheckArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
+    CheckArguments, MaterialsArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
 };
 
 /// Contact detection and the combined finite-discrete element method.
@@ -32,6 +32,7 @@ pub(crate) enum Task {
     Bench(BenchArguments),
     Generate(GenerateArguments),
     New(NewArguments),
+    Materials(MaterialsArguments),
     Check(CheckArguments),
     Run(RunArguments),
     Resume(ResumeArguments),

@@ -270,7 +270,7 @@ impl<'t> Parameters<'t> {
 }
 
 /// The number that a value is.
-fn number(value: &DeValue<'_>) -> Option<f64> {
+pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
     let found = match value {
         DeValue::Integer(number) => {
             i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64

@@ -8,6 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fdem_results::Field;
 
 use crate::command::templates::TEMPLATES;
+use crate::model::library;
 
 /// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
@@ -34,6 +35,15 @@ pub(crate) struct NewArguments {
     /// Replace an existing file.
     #[arg(long)]
     pub(crate) force: bool,
+}
+
+/// List the materials that `library = "…"` in a `[[material]]` of a model gives, with their figures and sources.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  fdem materials\n  fdem materials granite >> model.toml")]
+pub(crate) struct MaterialsArguments {
+    /// Print this material as a table of a model file, to be changed.
+    #[arg(value_name = "NAME", value_parser = materials())]
+    pub(crate) name: Option<String>,
 }
 
 /// Check a model without running it: print all errors of the file, or else its mesh, time step, run time, memory, and warnings.
@@ -142,6 +152,11 @@ fn fields() -> impl TypedValueParser<Value = Field> {
 /// The templates by their names.
 fn templates() -> PossibleValuesParser {
     PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name))
+}
+
+/// The materials of the library by their names.
+fn materials() -> PossibleValuesParser {
+    PossibleValuesParser::new(library().iter().map(|material| material.name.as_str()))
 }
 
 fn positive(text: &str) -> Result<f64, String> {
