@@ -24,6 +24,7 @@ mod near;
 mod outline;
 mod refine;
 mod repeat;
+mod set;
 mod packing;
 mod mesh_file;
 mod gmsh;
@@ -69,6 +70,8 @@ use fdem_mesh::Mesh;
 use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOptions};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use toml::Spanned;
+use toml::de::DeTable;
 
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
@@ -76,10 +79,11 @@ pub(crate) use gmsh::stop as stop_gmsh;
 pub use library::{FromLibrary, LibraryMaterial, library};
 pub use mesh_file::Load;
 pub use on_ranks::OnRanks;
-pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
+pub(crate) use preflight::{check, steps};
 pub use prepared::{AnyPrepared, Body, Entered, Group, Prepared, Stage};
 pub use schema::schema;
+pub use set::{Setting, with_end_time, with_values};
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 pub(crate) use stages::Present;
 
@@ -87,7 +91,7 @@ pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
 use document::{Document, Table};
-use fault::nearest;
+pub(crate) use fault::nearest;
 use file::{ModelFile, Vector};
 use included::Sources;
 use joint_lines::JointLines;
@@ -95,6 +99,7 @@ pub use joint_sets::Joints;
 use partial::Partial;
 use piece::Piece;
 use placed::Placed;
+pub(crate) use values::{constant, number};
 
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
@@ -139,37 +144,6 @@ pub const STARTER_3D: &str = include_str!("model/starter_3d.toml");
 /// ```
 pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, ModelErrors> {
     prepare_within(text, name, load, None)
-}
-
-/// The same model file with another `end_time`, s; `None` if it has none. A model that includes files may have it from one of them; then it gets one of its own, which wins.
-///
-/// # Example
-/// ```
-/// let text = "[model]\nend_time = 1e-3 # short";
-/// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
-/// ```
-pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
-    let (document, faults) = Document::parse(text);
-    if !faults.is_empty() {
-        return None;
-    }
-    // A TOML number with an exponent needs no point, and one without has it.
-    let number = format!("{seconds:?}");
-    let model = Table::one("model");
-    if let Some(place) = document.value_if_any(model, "end_time") {
-        return Some(format!("{}{number}{}", &text[..place.start], &text[place.end..]));
-    }
-    if !document.has(Table::one("include"), "") {
-        return None;
-    }
-    if !document.has(model, "") {
-        return Some(format!("{text}\n[model]\nend_time = {number}\n"));
-    }
-    // The table has a heading, or its keys are in braces or dotted, where a line cannot be added.
-    let heading = document.value_if_any(model, "")?;
-    let after = heading.end + text[heading.end..].find('\n').unwrap_or(text.len() - heading.end);
-    let changed = format!("{}\nend_time = {number}{}", &text[..after], &text[after..]);
-    text[heading].starts_with('[').then_some(changed)
 }
 
 /// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
@@ -286,8 +260,16 @@ fn prepare_or_faults(
     let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
     let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
     let document = &document;
-    let checked =
-        Checked { file: &file, document, elements, materials, interfaces, joint_sets, from_library, warnings };
+    let checked = Checked {
+        file: &file,
+        document,
+        elements,
+        materials,
+        interfaces,
+        joint_sets,
+        from_library,
+        warnings,
+    };
     if dimensions == 3 {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Space(Box::new(prepared)))
@@ -411,6 +393,12 @@ impl Checked<'_> {
             warnings,
         })
     }
+}
+
+/// A text of TOML as a tree with the place of every key and value. Also returns what is no TOML.
+pub(crate) fn toml_tree(text: &str) -> (Spanned<DeTable<'_>>, Vec<Fault>) {
+    let (document, faults) = Document::parse(text);
+    (document.into_root(), faults)
 }
 
 /// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.

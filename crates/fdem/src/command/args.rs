@@ -15,7 +15,8 @@ use crate::command::frames::Frames;
 use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
-    CheckArguments, MaterialsArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
+    CheckArguments, MaterialsArguments, NewArguments, ResumeArguments, RunArguments, RunOptions,
+    SweepArguments, ValidateArguments,
 };
 
 /// Contact detection and the combined finite-discrete element method.
@@ -36,6 +37,7 @@ pub(crate) enum Task {
     Check(CheckArguments),
     Run(RunArguments),
     Resume(ResumeArguments),
+    Sweep(SweepArguments),
     Validate(ValidateArguments),
 }
 

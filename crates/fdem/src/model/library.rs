@@ -72,7 +72,9 @@ impl FromLibrary {
         match (&keys[..], &own[..]) {
             ([], _) => format!("\"{material}\" has nothing of {library}: all its keys are in the file"),
             (_, []) => format!("\"{material}\" is {library}: {}", keys.join(", ")),
-            _ => format!("\"{material}\" is {library}: {}; the file gives {}", keys.join(", "), own.join(", ")),
+            _ => {
+                format!("\"{material}\" is {library}: {}; the file gives {}", keys.join(", "), own.join(", "))
+            }
         }
     }
 }
@@ -122,7 +124,8 @@ pub(crate) fn names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 pub(crate) fn relax(schema: &mut Value) {
     let Some(material) = schema.pointer_mut("/$defs/Material").and_then(Value::as_object_mut) else { return };
     let required = material.get("required").and_then(Value::as_array).cloned().unwrap_or_default();
-    let given = |key: &Value| library().iter().any(|one| key.as_str().is_some_and(|key| one.value(key).is_some()));
+    let given =
+        |key: &Value| library().iter().any(|one| key.as_str().is_some_and(|key| one.value(key).is_some()));
     let (given, always): (Vec<Value>, Vec<Value>) = required.into_iter().partition(given);
     material.insert("required".into(), always.into());
     material.insert("anyOf".into(), json!([{ "required": [KEY] }, { "required": given }]));

@@ -199,6 +199,25 @@ impl Preflight {
     }
 }
 
+/// Finds all errors that a run would find before its first step.
+///
+/// # Errors
+/// Says why the model cannot be run.
+pub(crate) fn check<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<(), String>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let first;
+    let prepared = if prepared.stages.is_empty() {
+        prepared
+    } else {
+        first = prepared.clone().in_stages()?.1.prepared;
+        &first
+    };
+    let run = Simulation::new(prepared.model.clone(), 1).map_err(|error| error.to_string())?;
+    steps(prepared, run.critical_step().step).map(|_| ())
+}
+
 /// The time step of a run, s, and the number of steps until its end time.
 ///
 /// # Errors
@@ -311,7 +330,9 @@ impl fmt::Display for Preflight {
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
         self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
         let from_library = self.from_library.iter();
-        from_library.map(FromLibrary::in_words).try_for_each(|text| writeln!(out, "library          {text}"))?;
+        from_library
+            .map(FromLibrary::in_words)
+            .try_for_each(|text| writeln!(out, "library          {text}"))?;
         let at = quality.worst_at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         writeln!(
             out,

@@ -406,6 +406,18 @@ impl<'a> Pass<'a> {
     }
 }
 
+/// The number of an expression that names no parameters, and its dimension in words; `None` for one that fits any.
+///
+/// # Errors
+/// Says why it has none.
+pub(crate) fn constant(text: &str) -> Result<(f64, Option<String>), String> {
+    let value = expression::parse(text).and_then(|parsed| {
+        parsed.value(&mut |name, at| Err(Wrong::new(at, format!("\"{name}\" is no unit and no function"))))
+    });
+    let value = value.map_err(|wrong| format!("\"{text}\" has no value: {}", wrong.message))?;
+    Ok((value.number(), value.dimension().map(|dimension| dimension.to_string())))
+}
+
 /// The dimension of a unit of the schema; none for "1".
 fn dimension_of(unit: &str) -> Option<units::Dimension> {
     if unit == "1" {

@@ -13,6 +13,7 @@
 //! - `model`: new models, and models checked without a run.
 //! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, with boxes of their own, of any format.
+//! - `sweeps`: many runs of one model.
 //! - `drawings`: pictures, plots and reports.
 //! - `beds`: a real bed that this project did not make.
 
@@ -34,6 +35,7 @@ mod periodic;
 mod runs;
 mod series;
 mod stages;
+mod sweeps;
 
 use std::fs;
 use std::path::{Path, PathBuf};

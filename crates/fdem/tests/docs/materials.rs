@@ -32,7 +32,8 @@ pub(crate) fn page() -> String {
          A test writes this page from the file of the library, so it is always that of this version.\n\n",
     );
     let headings: Vec<&str> = COLUMNS.iter().map(|(heading, _, _)| *heading).collect();
-    writeln!(page, "| `library` | {} |\n|---|{}", headings.join(" | "), "---:|".repeat(COLUMNS.len())).unwrap();
+    writeln!(page, "| `library` | {} |\n|---|{}", headings.join(" | "), "---:|".repeat(COLUMNS.len()))
+        .unwrap();
     for material in library() {
         let cell = |(_, key, unit): &(&str, &str, f64)| {
             material.value(key).map_or("–".to_owned(), |value| fdem::io::numbers::brief(value / unit))

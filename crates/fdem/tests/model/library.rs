@@ -30,7 +30,8 @@ fn hash(body: &str, material: &str) -> (String, Vec<String>, Preflight) {
 #[test]
 fn a_material_of_the_library_is_the_one_written_out() {
     for material in library() {
-        let written: String = material.keys.iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();
+        let written: String =
+            material.keys.iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();
         for body in [PLANE, SPACE] {
             let (whole, _, _) = hash(body, &written);
             let (short, warnings, _) = hash(body, &format!("library = \"{}\"\n", material.name));
@@ -54,7 +55,8 @@ fn the_figures_are_plausible() {
         };
         assert!((900.0..8000.0).contains(&density) && (0.1..0.4).contains(&ratio), "{name}");
         assert!((0.05..1.0).contains(&friction), "{name}");
-        let five = ["tensile_strength", "cohesion", "friction_angle", "fracture_energy_i", "fracture_energy_ii"];
+        let five =
+            ["tensile_strength", "cohesion", "friction_angle", "fracture_energy_i", "fracture_energy_ii"];
         let [Some(tensile), Some(cohesion), Some(angle), Some(one), Some(two)] = five.map(key) else {
             assert_eq!(five.map(key), [None; 5], "{name} has some keys of strength");
             continue;
@@ -72,7 +74,8 @@ fn the_figures_are_plausible() {
 
 #[test]
 fn keys_of_the_table_win() {
-    let (changed, _, preflight) = hash(PLANE, "library = \"granite\"\ndensity = \"2.7 g/cm^3\"\ncohesion = 1e7\n");
+    let (changed, _, preflight) =
+        hash(PLANE, "library = \"granite\"\ndensity = \"2.7 g/cm^3\"\ncohesion = 1e7\n");
     let (plain, _, _) = hash(PLANE, "library = \"granite\"\n");
     assert_ne!(changed, plain);
     let AnyPrepared::Plane(found) =

@@ -127,3 +127,20 @@ class Model:
         count = len(self.bodies)
         bodies = "1 body" if count == 1 else f"{count:,} bodies"
         return f"<fdem.Model{title}: {self.dimensions}D, {bodies}, {self.elements:,} elements, end_time {self.end_time:g} s>"
+
+
+def materials() -> dict[str, dict[str, float]]:
+    """The library of materials, by the names that ``library`` in a ``[[material]]`` takes.
+
+    Returns
+    -------
+    dict
+        Keys of ``[[material]]`` and their values in SI units, for each material. ``fdem materials`` shows them with their sources.
+
+    Examples
+    --------
+    >>> import fdem
+    >>> fdem.materials()["granite"]["density"]
+    2650.0
+    """
+    return {name: dict(keys) for name, keys, _, _ in _fdem.materials()}
