@@ -195,7 +195,6 @@ fn identity(plan: &Plan, source: &str) -> Value {
     let row = |row: &Vec<crate::model::Setting>| row.iter().map(ToString::to_string).collect::<Vec<_>>();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "model": plan.model,
         "model_and_files": source,
         "parameters": plan.names,
         "runs": plan.rows.iter().map(row).collect::<Vec<_>>(),

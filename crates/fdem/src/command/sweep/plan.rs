@@ -83,7 +83,10 @@ fn flatten<'t, 'a>(
     found: &mut Vec<Named<'t, 'a>>,
 ) {
     let is_range = |table: &DeTable<'_>| {
-        table.is_empty() || table.iter().any(|(key, value)| RANGE.contains(&key.get_ref().as_ref()) && !value.get_ref().is_table())
+        table.is_empty()
+            || table
+                .iter()
+                .any(|(key, value)| RANGE.contains(&key.get_ref().as_ref()) && !value.get_ref().is_table())
     };
     match value.get_ref().as_table().filter(|table| !is_range(table)) {
         Some(table) => {
@@ -433,9 +436,7 @@ impl Reader {
         let file = self.text("table", value)?;
         let read = load(&file).and_then(|bytes| values::csv(&bytes, self.most));
         match read {
-            Ok((names, rows)) => {
-                Some((names, rows))
-            }
+            Ok((names, rows)) => Some((names, rows)),
             Err(why) => {
                 self.fault(value.span(), format!("{file}: {why}"), None);
                 None

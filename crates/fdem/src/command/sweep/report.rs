@@ -11,7 +11,7 @@ pub(super) fn page(sweep: &Sweep<'_>, rows: &[Row], table: &Table) -> String {
     let first = sweep.checked.iter().find_map(|(_, checked)| checked.as_ref().ok());
     let curves: &[HistoryCurve] = first.map_or(&[], |checked| &checked.curves);
     let title = first.map_or("", |checked| checked.title.as_str());
-    let model = &sweep.models.plan.model;
+    let model = sweep.models.path.file_name().unwrap_or_default().to_string_lossy();
     let title =
         if title.is_empty() { format!("Sweep of {model}") } else { format!("Sweep of {model}: {title}") };
     let history = |row: &Row| {
