@@ -43,9 +43,11 @@ pub(crate) fn sweep(
     })
 }
 
-/// The library of materials: name, keys and values, description, source.
+/// A material by its name, with its keys and their values.
+type Named = (String, Vec<(String, f64)>);
+
+/// The library of materials.
 #[pyfunction]
-pub(crate) fn materials() -> Vec<(String, Vec<(String, f64)>, String, String)> {
-    let all = fdem::model::library().iter().cloned();
-    all.map(|material| (material.name, material.keys, material.about, material.source)).collect()
+pub(crate) fn materials() -> Vec<Named> {
+    fdem::model::library().iter().map(|material| (material.name.clone(), material.keys.clone())).collect()
 }

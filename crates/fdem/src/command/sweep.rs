@@ -26,7 +26,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::output::{is_device, print};
 use crate::command::progress::{Bar, Progress, is_terminal};
 use crate::command::run::watch::Watch;
-use check::{Checked, Models, brief};
+use check::{Checked, Models, Numbered, brief};
 use children::Job;
 use plan::Plan;
 use store::{Found, Store, TABLE};
@@ -219,7 +219,7 @@ pub(crate) struct Sweep<'s> {
     pub(crate) models: &'s Models<'s>,
     pub(crate) store: &'s Store,
     /// The models that were checked, by the numbers of their runs. Those that have ended before are not.
-    pub(crate) checked: Vec<(usize, Result<Checked, String>)>,
+    pub(crate) checked: Vec<Numbered>,
     threads: usize,
 }
 

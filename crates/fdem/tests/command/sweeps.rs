@@ -275,7 +275,7 @@ fn mistakes_are_told_before_anything_runs() {
         (format!("{model}[latin_hypercube]\ncount = 3\nranges = {{}}\n"), &["\"ranges\" is empty"]),
         (format!("{model}processes = 0\n[grid]\nspeed = [1]\n"), &["\"processes\" is a whole number from 1"]),
         (format!("{model}table = \"empty.csv\"\n"), &["empty.csv: it has no rows"]),
-        (format!("{model}table = \"short.csv\"\n"), &["short.csv: ", "line: 3"]),
+        (format!("{model}table = \"short.csv\"\n"), &["short.csv: ", "line 3 has 1 value"]),
         (format!("{model}table = \"absent.csv\"\n"), &["absent.csv: "]),
         ("model = \"absent.toml\"\n[grid]\nspeed = [1]\n".to_owned(), &["cannot read absent.toml"]),
         ("model = plate\n".to_owned(), &["not TOML", "quotes"]),

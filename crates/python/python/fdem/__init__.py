@@ -42,7 +42,7 @@ from ._fdem import __version__
 from ._kdtree import KDTree
 from ._labels import LabelContacts, labels
 from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
-from ._model import Model, materials
+from ._model import Model, material
 from ._neighbors import NeighborList
 from ._picture import Picture
 from ._query import Neighbours, query
@@ -79,7 +79,7 @@ __all__ = [
     "boxes",
     "contacts",
     "labels",
-    "materials",
+    "material",
     "mesh",
     "neighbor_list",
     "query",

@@ -1,5 +1,6 @@
 //! The models of a sweep, checked before any of them runs.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use fdem_io::numbers::grouped;
@@ -18,6 +19,9 @@ use crate::model::{AnyPrepared, Drawing, Prepared, Setting, check, prepare_any, 
 
 /// Refused runs that are named; the rest is counted.
 const NAMED: usize = 10;
+
+/// A run by its number, and its model, or why it is refused.
+pub(crate) type Numbered = (usize, Result<Checked, String>);
 
 /// A model that can run.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +87,7 @@ impl Models<'_> {
         numbers: Vec<usize>,
         processes: usize,
         progress: &Progress,
-    ) -> Result<Vec<(usize, Result<Checked, String>)>, Failure> {
+    ) -> Result<Vec<Numbered>, Failure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(processes).build();
         let pool = pool.map_err(|error| Failure::Unusable(format!("cannot start threads: {error}")))?;
         let total = numbers.len() as u64;
@@ -106,10 +110,11 @@ impl Models<'_> {
         let of = self.plan.rows.len();
         let mut text = format!("{} of {} is refused: {why}", self.name(*first), grouped(of as u64));
         for (number, why) in others.iter().take(NAMED) {
-            text.push_str(&format!("\n\n{} is refused: {}", self.name(*number), brief(why)));
+            // Writing to a string does not fail.
+            let _ = write!(text, "\n\n{} is refused: {}", self.name(*number), brief(why));
         }
         if let Some(more) = others.len().checked_sub(NAMED).filter(|more| *more > 0) {
-            text.push_str(&format!("\n\nand {} more", grouped(more as u64)));
+            let _ = write!(text, "\n\nand {} more", grouped(more as u64));
         }
         Failure::Unusable(format!("{text}\n\nnothing has run; --skip-refused runs the others"))
     }

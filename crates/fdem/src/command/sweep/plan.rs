@@ -191,14 +191,12 @@ impl Reader {
             MOST
         };
         let whole = number(value.get_ref()).filter(|whole| whole.fract() == 0.0);
-        match whole.filter(|whole| (least..=most).contains(whole)) {
-            Some(whole) => Some(whole as u64),
-            None => {
-                let message = format!("\"{key}\" is a whole number from {least} to {most}");
-                self.fault(value.span(), message, None);
-                None
-            }
+        let fits = whole.filter(|whole| (least..=most).contains(whole));
+        if fits.is_none() {
+            let message = format!("\"{key}\" is a whole number from {least} to {most}");
+            self.fault(value.span(), message, None);
         }
+        fits.map(|whole| whole as u64)
     }
 
     fn entries<'t, 'a>(&mut self, key: &str, value: &'t Spanned<DeValue<'a>>) -> Option<Vec<Entry<'t, 'a>>> {
@@ -327,7 +325,11 @@ impl Reader {
         };
         let [((from, of), _), ((to, other), span)] = &ends[..] else { return None };
         if of.is_some() && other.is_some() && of != other {
-            self.fault(span.clone(), format!("\"{name}\" goes from {} to {}", said(of), said(other)), None);
+            self.fault(
+                span.clone(),
+                format!("\"{name}\" goes from {} to {}", said(of.as_deref()), said(other.as_deref())),
+                None,
+            );
             return None;
         }
         if from == to {
@@ -484,6 +486,6 @@ impl Reader {
 }
 
 /// A dimension in words.
-fn said(dimension: &Option<String>) -> &str {
-    dimension.as_deref().unwrap_or("a plain number")
+fn said(dimension: Option<&str>) -> &str {
+    dimension.unwrap_or("a plain number")
 }

@@ -58,7 +58,7 @@ pub(crate) fn product(lists: &[Vec<Setting>]) -> Vec<Vec<Setting>> {
 /// parameter depend on the seed, the number of points and its name alone.
 ///
 /// # Source
-/// M. D. McKay, R. J. Beckman, W. J. Conover, "A comparison of three methods for selecting values of input variables in the analysis of output from a computer code",
+/// M. D. `McKay`, R. J. Beckman, W. J. Conover, "A comparison of three methods for selecting values of input variables in the analysis of output from a computer code",
 /// Technometrics 21 (1979) 239.
 pub(crate) fn latin_hypercube(axes: &[(String, Axis)], count: u64, seed: u64) -> Vec<Vec<Setting>> {
     let column = |(name, axis): &(String, Axis)| -> Vec<f64> {
@@ -75,6 +75,18 @@ pub(crate) fn latin_hypercube(axes: &[(String, Axis)], count: u64, seed: u64) ->
     let columns: Vec<Vec<f64>> = axes.iter().map(column).collect();
     let row = |row: usize| columns.iter().map(|column| Setting::Number(column[row])).collect();
     (0..count as usize).map(row).collect()
+}
+
+/// Says why a row cannot be read. `columns`: number of names.
+fn wrong(error: &csv::Error, columns: usize) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos: Some(place), len, .. } => {
+            let values = if *len == 1 { "value" } else { "values" };
+            format!("line {} has {len} {values}, and the first line has {columns} names", place.line())
+        }
+        csv::ErrorKind::Utf8 { pos: Some(place), .. } => format!("line {} is not UTF-8 text", place.line()),
+        _ => error.to_string(),
+    }
 }
 
 /// Names and rows of a CSV file. `most`: largest number of rows.
@@ -94,7 +106,7 @@ pub(crate) fn csv(bytes: &[u8], most: usize) -> Result<(Vec<String>, Vec<Vec<Set
     }
     let mut rows = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|error| error.to_string())?;
+        let record = record.map_err(|error| wrong(&error, names.len()))?;
         if rows.len() == most {
             return Err(format!("it has more than {} rows; --max-runs allows more", grouped(most as u64)));
         }
@@ -164,7 +176,7 @@ mod tests {
         assert_eq!(first, PINNED);
     }
 
-    const PINNED: [u64; 3] = [0, 0, 0];
+    const PINNED: [u64; 3] = [0x4010_ef79_454e_8f22, 0x4020_d719_7dae_5532, 0x4016_3001_ada8_50f2];
 
     #[test]
     fn tables_are_read_and_faults_told_with_their_line() {
@@ -173,7 +185,7 @@ mod tests {
         assert_eq!(rows[0], [Setting::Number(1.0), Setting::Text("6 MPa".into())]);
         assert_eq!(rows[1], [Setting::Flag(true), Setting::Text("x, y".into())]);
         for (text, why) in [
-            ("a,b\n1,2\n3\n", "line 3"),
+            ("a,b\n1,2\n3\n", "line 3 has 1 value, and the first line has 2 names"),
             ("a,b\n1,\n", "line 2 has no value of \"b\""),
             ("a,a\n1,2\n", "two columns \"a\""),
             ("a,b\n", "no rows"),
