@@ -11,6 +11,7 @@
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
+//! - `set`: values that are set from outside.
 //! - `space`, `space_warned`: the same in three dimensions.
 //! - `values`: parameters, arithmetic and units.
 //! - `warned`: what is allowed, and probably not meant.
@@ -42,6 +43,8 @@ mod prepared;
 mod probes;
 #[path = "model/refine.rs"]
 mod refine;
+#[path = "model/set.rs"]
+mod set;
 #[path = "model/space.rs"]
 mod space;
 #[path = "model/space_warned.rs"]

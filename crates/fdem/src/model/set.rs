@@ -176,6 +176,9 @@ fn with_key(
     if let Some(text) = replaced(text, &document, place, &key, &value.toml()) {
         return Ok(text);
     }
+    if document.has(place, &key) {
+        return Err(format!("\"{whole}\" is a table of the model: set one of its keys"));
+    }
     if place.index.is_none() && is_included(text, load, table, path) && !document.has(place, "") {
         return Err(format!("\"{whole}\" is in an included file: use a parameter there, and set that"));
     }
