@@ -25,7 +25,7 @@ pub(crate) const TABLE: &str = "runs.csv";
 /// The start of the status of a run that stopped because a file could not be read or written, and not by itself.
 const OUTSIDE: &str = "stopped: cannot ";
 
-/// What the folder of a run holds.
+/// Contents of the folder of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Found {
     /// Nothing.
@@ -132,7 +132,7 @@ impl Store {
         self.path.join(self.name(number))
     }
 
-    /// What the folder of a run holds.
+    /// Looks at the contents of the folder of a run.
     pub(crate) fn found(&self, number: usize) -> Found {
         let folder = self.run(number);
         let json = self.summary(number);
