@@ -90,6 +90,7 @@ pub(crate) use stages::Present;
 pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
+pub(crate) use document::number;
 use document::{Document, Table};
 pub(crate) use fault::nearest;
 use file::{ModelFile, Vector};
@@ -99,7 +100,7 @@ pub use joint_sets::Joints;
 use partial::Partial;
 use piece::Piece;
 use placed::Placed;
-pub(crate) use values::{constant, number};
+pub(crate) use values::constant;
 
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");

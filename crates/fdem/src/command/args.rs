@@ -15,8 +15,8 @@ use crate::command::frames::Frames;
 use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
-    CheckArguments, MaterialsArguments, NewArguments, ResumeArguments, RunArguments, RunOptions,
-    SweepArguments, ValidateArguments,
+    CheckArguments, MOST_RUNS as MOST_RUNS_OF_A_SWEEP, MaterialsArguments, NewArguments, ResumeArguments,
+    RunArguments, RunOptions, SweepArguments, ValidateArguments,
 };
 
 /// Contact detection and the combined finite-discrete element method.

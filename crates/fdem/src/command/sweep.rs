@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use fdem_io::numbers::grouped;
 use serde_json::{Value, json};
 
-use crate::command::args::SweepArguments;
+use crate::command::args::{MOST_RUNS_OF_A_SWEEP, SweepArguments};
 use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
 use crate::command::output::{is_device, print};
@@ -35,7 +35,7 @@ use table::{Row, results};
 pub use table::Table;
 
 /// Largest number of runs, unless another is asked for.
-pub const MOST_RUNS: usize = 1000;
+pub const MOST_RUNS: usize = MOST_RUNS_OF_A_SWEEP;
 
 /// A sweep that is asked for.
 #[derive(Debug, Clone)]
@@ -168,7 +168,7 @@ fn swept(
     })?;
     told.end();
     let table = Table::of(&plan.names, &told.rows);
-    let (page, _) = progress.step("drawing the report", None, |_| report::page(&sweep, &told.rows, &table));
+    let (page, _) = progress.step("drawing the report", None, |_| sweep.page(&told.rows, &table));
     store.write(crate::command::run::folder::REPORT, page.as_bytes())?;
     let finished = told.rows.iter().filter(|row| row.status == "finished").count();
     Ok(Swept { folder, table, finished, signal })
@@ -215,11 +215,11 @@ impl Earlier {
 }
 
 /// A sweep whose models are checked and whose folder is open.
-pub(crate) struct Sweep<'s> {
-    pub(crate) models: &'s Models<'s>,
-    pub(crate) store: &'s Store,
+struct Sweep<'s> {
+    models: &'s Models<'s>,
+    store: &'s Store,
     /// The models that were checked, by the numbers of their runs. Those that have ended before are not.
-    pub(crate) checked: Vec<Numbered>,
+    checked: Vec<Numbered>,
     threads: usize,
 }
 
@@ -290,6 +290,12 @@ impl Sweep<'_> {
             folder: self.store.name(number),
             results: json.filter(|_| has_results).map(|json| results(&json)).unwrap_or_default(),
         }
+    }
+
+    /// The page that compares the runs.
+    fn page(&self, rows: &[Row], table: &Table) -> String {
+        let first = self.checked.iter().find_map(|(_, checked)| checked.as_ref().ok());
+        report::page(self.models.path, first, rows, table, self.store)
     }
 
     fn write_table(&self, rows: &[Row]) -> Result<(), Failure> {

@@ -170,6 +170,18 @@ impl<'a> Document<'a> {
     }
 }
 
+/// The number that a value is.
+pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
+    let found = match value {
+        DeValue::Integer(number) => {
+            i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64
+        }
+        DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok()?,
+        _ => return None,
+    };
+    Some(found).filter(|number| number.is_finite())
+}
+
 /// Widens a part of the text by all that a value has.
 fn widen(extent: &mut Range<usize>, value: &Spanned<DeValue<'_>>) {
     let include = |extent: &mut Range<usize>, span: Range<usize>| {

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::model::document::Document;
+use crate::model::document::{Document, number};
 use crate::model::fault::nearest;
 
 /// The figures.
@@ -103,9 +103,8 @@ fn material(name: &str, table: &DeValue<'_>) -> Option<LibraryMaterial> {
         let entry = entries.iter().find(|(key, _)| key.get_ref() == wanted);
         entry.and_then(|(_, value)| value.get_ref().as_str()).unwrap_or_default().to_owned()
     };
-    let keys = entries.iter().filter_map(|(key, value)| {
-        Some((key.get_ref().to_string(), crate::model::values::number(value.get_ref())?))
-    });
+    let keys =
+        entries.iter().filter_map(|(key, value)| Some((key.get_ref().to_string(), number(value.get_ref())?)));
     Some(LibraryMaterial {
         name: name.to_owned(),
         about: text("about"),

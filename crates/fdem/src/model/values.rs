@@ -18,7 +18,7 @@ use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::model::document::Document;
+use crate::model::document::{Document, number};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::schema::{branches, types, words};
 use expression::{Wrong, is_name, meaning};
@@ -267,18 +267,6 @@ impl<'t> Parameters<'t> {
         let unused = self.entries.iter().filter(|(_, parameter)| !*parameter.used.borrow());
         unused.map(|(name, parameter)| (name.clone(), parameter.key.clone())).collect()
     }
-}
-
-/// The number that a value is.
-pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
-    let found = match value {
-        DeValue::Integer(number) => {
-            i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64
-        }
-        DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok()?,
-        _ => return None,
-    };
-    Some(found).filter(|number| number.is_finite())
 }
 
 /// Alternatives of a schema, without references, each with its unit.

@@ -315,7 +315,7 @@ fn a_latin_hypercube_is_run() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_sweep_goes_on() {
-    let long = PLATE.replace("end_time = 2e-4", "end_time = 4e-3");
+    let long = PLATE.replace("end_time = 2e-4", "end_time = 2e-3");
     let sweep = "model = \"plate.toml\"\nprocesses = 2\n[grid]\nspeed = [0.1, 0.2, 0.3]\n";
     let whole = bench(sweep);
     whole.write("plate.toml", &long);

@@ -30,8 +30,17 @@ fn hash(body: &str, material: &str) -> (String, Vec<String>, Preflight) {
 #[test]
 fn a_material_of_the_library_is_the_one_written_out() {
     for material in library() {
-        let written: String =
-            material.keys.iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();
+        let lines: Vec<String> = material
+            .keys
+            .iter()
+            .map(|(key, value)| {
+                format!(
+                    "{key} = {value:?}
+"
+                )
+            })
+            .collect();
+        let written = lines.concat();
         for body in [PLANE, SPACE] {
             let (whole, _, _) = hash(body, &written);
             let (short, warnings, _) = hash(body, &format!("library = \"{}\"\n", material.name));

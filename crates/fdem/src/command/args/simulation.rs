@@ -7,9 +7,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use fdem_results::Field;
 
-use crate::command::sweep::MOST_RUNS;
 use crate::command::templates::TEMPLATES;
 use crate::model::{Setting, library};
+
+/// Largest number of runs of a sweep, unless another is asked for.
+pub(crate) const MOST_RUNS: usize = 1000;
 
 /// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
