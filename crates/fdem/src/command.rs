@@ -21,6 +21,7 @@ mod label_axes;
 mod label_middles;
 mod label_summary;
 mod labels;
+mod materials;
 mod memory;
 mod mesh_summary;
 mod meshes;
@@ -40,6 +41,7 @@ mod series_table;
 pub mod session;
 mod shapes;
 mod summary;
+pub mod sweep;
 mod tables;
 mod templates;
 mod validate;
@@ -84,7 +86,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
     // Interrupted simulations keep their results and handle signals themselves.
     let watched = match arguments.task {
-        Task::Run(_) | Task::Resume(_) => Ok(()),
+        Task::Run(_) | Task::Resume(_) | Task::Sweep(_) => Ok(()),
         _ => output::remove_partial_output_when_interrupted(),
     };
     let watched = ranks.agree(watched).and_then(|()| refuse_several(&arguments.task, ranks));
@@ -93,9 +95,11 @@ fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Generate(arguments) => generate::run(&arguments),
         Task::New(arguments) => new::run(&arguments),
+        Task::Materials(arguments) => materials::run(&arguments),
         Task::Check(arguments) => check::run(&arguments),
         Task::Run(arguments) => run::run(&arguments, ranks.communicator()),
         Task::Resume(arguments) => run::resume(&arguments, ranks.communicator()),
+        Task::Sweep(arguments) => sweep::run(&arguments),
         Task::Validate(arguments) => validate::run(&arguments),
     });
     match done {
@@ -113,7 +117,9 @@ fn refuse_several(task: &Task, ranks: &Ranks) -> Result<(), Failure> {
         Task::Bench(_) => "bench",
         Task::Generate(_) => "generate",
         Task::New(_) => "new",
+        Task::Materials(_) => "materials",
         Task::Check(_) => "check",
+        Task::Sweep(_) => "sweep",
         Task::Validate(_) => "validate",
     };
     ranks.refuse_several(name)

@@ -43,6 +43,8 @@
 //! | options for pictures | `src/command/args/drawings.rs`, `src/command/drawings.rs` |
 //! | a key of the model file | `src/model/file.rs` and the files below `src/model/file`; then `BLESS=1 cargo test -p fdem --test docs` |
 //! | expressions, units, parameters | `src/model/values.rs`; the unit of a key is `x-unit` beside it in `src/model/file` |
+//! | the library of materials | `src/model/library.toml`, `src/model/library.rs`, `src/command/materials.rs`; then `BLESS=1 cargo test -p fdem --test docs` |
+//! | values that are set from outside, `--set` | `src/model/set.rs` |
 //! | included files; copies of a body | `src/model/included.rs`; `src/model/repeat.rs` |
 //! | templates of `fdem new` | `src/command/templates.rs` |
 //! | bounds on numbers, size and memory before meshing | `src/model/limits.rs`, `src/model/far.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
@@ -53,6 +55,7 @@
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
 //! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
 //! | stages of a run | `src/model/stages.rs`, `src/command/run/stages.rs` |
+//! | sweeps: their file, values, processes, folder, table, page | `src/command/sweep/plan.rs`, `src/command/sweep/values.rs`, `src/command/sweep/children.rs`, `src/command/sweep/store.rs`, `src/command/sweep/table.rs`, `src/command/sweep/report.rs` |
 //! | runs that a program holds, as the Python package does | `src/command/session.rs` |
 //! | histories of probes, curves, acoustic emission | `src/model/probes.rs`, `src/model/curves.rs`, `src/command/run/emission.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
@@ -66,7 +69,7 @@ pub mod model;
 mod state_hash;
 mod validate;
 
-pub use command::session;
+pub use command::{session, sweep};
 pub use fdem_contact as contact;
 pub use fdem_distributed as distributed;
 pub use fdem_io as io;

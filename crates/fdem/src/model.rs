@@ -5,12 +5,13 @@
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! ```text
-//! text ── included ── document ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
+//! text ── included ── document ── library ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 
 mod document;
 mod fault;
 pub mod file;
+mod library;
 mod partial;
 mod schema;
 mod values;
@@ -23,6 +24,7 @@ mod near;
 mod outline;
 mod refine;
 mod repeat;
+mod set;
 mod packing;
 mod mesh_file;
 mod gmsh;
@@ -72,17 +74,21 @@ use fdem_mesh::Mesh;
 use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOptions};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use toml::Spanned;
+use toml::de::DeTable;
 
 pub use conditions::{Bound, Reached, Servo, Until};
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
 pub(crate) use gmsh::stop as stop_gmsh;
+pub use library::{FromLibrary, LibraryMaterial, library};
 pub use mesh_file::Load;
 pub use on_ranks::OnRanks;
-pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
+pub(crate) use preflight::{check, steps};
 pub use prepared::{AnyPrepared, Body, Entered, Group, Prepared, Stage};
 pub use schema::schema;
+pub use set::{Setting, with_end_time, with_values};
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 pub(crate) use stages::Present;
 
@@ -91,8 +97,9 @@ use conditions::Resolved;
 pub(crate) use curves::columns;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
+pub(crate) use document::number;
 use document::{Document, Table};
-use fault::nearest;
+pub(crate) use fault::nearest;
 use file::{ModelFile, Vector};
 use included::Sources;
 use joint_lines::JointLines;
@@ -100,6 +107,7 @@ pub use joint_sets::Joints;
 use partial::Partial;
 use piece::Piece;
 use placed::Placed;
+pub(crate) use values::constant;
 
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
@@ -144,37 +152,6 @@ pub const STARTER_3D: &str = include_str!("model/starter_3d.toml");
 /// ```
 pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, ModelErrors> {
     prepare_within(text, name, load, None)
-}
-
-/// The same model file with another `end_time`, s; `None` if it has none. A model that includes files may have it from one of them; then it gets one of its own, which wins.
-///
-/// # Example
-/// ```
-/// let text = "[model]\nend_time = 1e-3 # short";
-/// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
-/// ```
-pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
-    let (document, faults) = Document::parse(text);
-    if !faults.is_empty() {
-        return None;
-    }
-    // A TOML number with an exponent needs no point, and one without has it.
-    let number = format!("{seconds:?}");
-    let model = Table::one("model");
-    if let Some(place) = document.value_if_any(model, "end_time") {
-        return Some(format!("{}{number}{}", &text[..place.start], &text[place.end..]));
-    }
-    if !document.has(Table::one("include"), "") {
-        return None;
-    }
-    if !document.has(model, "") {
-        return Some(format!("{text}\n[model]\nend_time = {number}\n"));
-    }
-    // The table has a heading, or its keys are in braces or dotted, where a line cannot be added.
-    let heading = document.value_if_any(model, "")?;
-    let after = heading.end + text[heading.end..].find('\n').unwrap_or(text.len() - heading.end);
-    let changed = format!("{}\nend_time = {number}{}", &text[..after], &text[after..]);
-    text[heading].starts_with('[').then_some(changed)
 }
 
 /// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
@@ -246,7 +223,8 @@ fn prepare_or_faults(
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<AnyPrepared, Vec<Fault>> {
-    let document = parse(&sources.text, sources.parse())?;
+    let mut document = parse(&sources.text, sources.parse())?;
+    let from_library = library::resolve(&mut document);
     let evaluated = values::evaluate(&document, &sources.text, schema::evaluated());
     let document = values::replace(document, &evaluated);
     let mut faults = evaluated.faults.clone();
@@ -291,7 +269,16 @@ fn prepare_or_faults(
     let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
     let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
     let document = &document;
-    let checked = Checked { file: &file, document, elements, materials, interfaces, joint_sets, warnings };
+    let checked = Checked {
+        file: &file,
+        document,
+        elements,
+        materials,
+        interfaces,
+        joint_sets,
+        from_library,
+        warnings,
+    };
     if dimensions == 3 {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Space(Box::new(prepared)))
@@ -310,6 +297,7 @@ struct Checked<'a> {
     materials: Vec<Material>,
     interfaces: Vec<Interface>,
     joint_sets: Vec<JointSet>,
+    from_library: Vec<FromLibrary>,
     /// Warnings about the text of the file.
     warnings: Vec<String>,
 }
@@ -326,7 +314,8 @@ impl Checked<'_> {
         [[f64; D]; N]: Dimensions<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self { file, document, elements, materials, interfaces, joint_sets, mut warnings } = self;
+        let Self { file, document, elements, materials, interfaces, joint_sets, from_library, mut warnings } =
+            self;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
@@ -412,6 +401,7 @@ impl Checked<'_> {
             groups: groups_of(&placed),
             grains: grains_of(&placed),
             joint_sets,
+            from_library,
             output: settings::settings(file, &placed),
             histories,
             hash: String::new(),
@@ -437,6 +427,12 @@ impl Checked<'_> {
         };
         Ok(prepared)
     }
+}
+
+/// A text of TOML as a tree with the place of every key and value. Also returns what is no TOML.
+pub(crate) fn toml_tree(text: &str) -> (Spanned<DeTable<'_>>, Vec<Fault>) {
+    let (document, faults) = Document::parse(text);
+    (document.into_root(), faults)
 }
 
 /// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.

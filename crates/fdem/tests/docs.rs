@@ -12,6 +12,8 @@ mod book_figures;
 mod figures;
 #[path = "docs/layers.rs"]
 mod layers;
+#[path = "docs/materials.rs"]
+mod materials;
 #[path = "docs/model_keys.rs"]
 mod model_keys;
 
@@ -189,9 +191,19 @@ fn the_figures_of_the_book_are_up_to_date() {
 /// The book's list of keys is that of the schema; `BLESS=1` writes it anew.
 #[test]
 fn every_key_of_a_model_file_is_in_the_book() {
-    let (name, page) = ("book/src/simulation/keys.md", model_keys::page(&fdem::model::schema()));
+    assert_written("book/src/simulation/keys.md", &model_keys::page(&fdem::model::schema()));
+}
+
+/// The book's table of materials is that of the library; `BLESS=1` writes it anew.
+#[test]
+fn every_material_of_the_library_is_in_the_book() {
+    assert_written("book/src/simulation/materials.md", &materials::page());
+}
+
+#[track_caller]
+fn assert_written(name: &str, page: &str) {
     if std::env::var_os("BLESS").is_some() {
-        fs::write(root().join(name), &page).unwrap();
+        fs::write(root().join(name), page).unwrap();
     }
     assert!(page == read(name), "BLESS=1 cargo test -p fdem --test docs writes {name} anew");
 }

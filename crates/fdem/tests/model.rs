@@ -4,6 +4,7 @@
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
+//! - `library`: materials of the library.
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
@@ -11,6 +12,7 @@
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
+//! - `set`: values that are set from outside.
 //! - `space`, `space_warned`: the same in three dimensions.
 //! - `values`: parameters, arithmetic and units.
 //! - `warned`: what is allowed, and probably not meant.
@@ -27,6 +29,8 @@ mod joint_sets;
 mod joint_planes;
 #[path = "model/included.rs"]
 mod included;
+#[path = "model/library.rs"]
+mod library;
 #[path = "model/limits.rs"]
 mod limits;
 #[path = "model/locking.rs"]
@@ -43,6 +47,8 @@ mod prepared;
 mod probes;
 #[path = "model/refine.rs"]
 mod refine;
+#[path = "model/set.rs"]
+mod set;
 #[path = "model/space.rs"]
 mod space;
 #[path = "model/space_warned.rs"]

@@ -32,6 +32,7 @@
 //! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
 //! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |
 //! | models and runs in Python | `src/model.rs`, `src/simulation.rs`, `python/fdem/_model.py`, `python/fdem/_simulation.py`; below them `crates/fdem/src/command/session.rs` |
+//! | sweeps in Python | `src/sweep.rs`, `python/fdem/_sweep.py`; below them `crates/fdem/src/command/sweep.rs` |
 //! | folders of results in Python | `python/fdem/_results.py`, `python/fdem/_vtk.py` |
 //! | Ctrl-C during a search | `src/interrupt.rs`, `crates/contact/src/stop.rs` |
 //! | analysis and pictures in Python | `src/network.rs`, `python/fdem/_analysis.py` |
@@ -59,6 +60,7 @@ mod mesh;
 mod model;
 mod read;
 mod simulation;
+mod sweep;
 mod tree;
 
 use std::ffi::OsString;
@@ -97,6 +99,8 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::PyReady>()?;
     module.add_class::<simulation::PyRun>()?;
     module.add_function(wrap_pyfunction!(model::to_toml, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::materials, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

@@ -4,6 +4,7 @@
 
 pub mod network;
 pub(crate) mod run;
+pub mod sweep;
 
 use std::fmt::Write;
 

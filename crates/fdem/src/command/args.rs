@@ -15,7 +15,8 @@ use crate::command::frames::Frames;
 use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
-    CheckArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
+    CheckArguments, MOST_RUNS as MOST_RUNS_OF_A_SWEEP, MaterialsArguments, NewArguments, ResumeArguments,
+    RunArguments, RunOptions, SweepArguments, ValidateArguments,
 };
 
 /// Contact detection and the combined finite-discrete element method.
@@ -32,9 +33,11 @@ pub(crate) enum Task {
     Bench(BenchArguments),
     Generate(GenerateArguments),
     New(NewArguments),
+    Materials(MaterialsArguments),
     Check(CheckArguments),
     Run(RunArguments),
     Resume(ResumeArguments),
+    Sweep(SweepArguments),
     Validate(ValidateArguments),
 }
 

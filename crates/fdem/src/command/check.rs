@@ -12,7 +12,7 @@ use crate::command::memory;
 use crate::command::output::{is_device, print};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
-use crate::model::{AnyPrepared, Drawing, ModelErrors, Preflight, prepare_any, schema};
+use crate::model::{AnyPrepared, Drawing, ModelErrors, Preflight, Setting, prepare_any, schema, with_values};
 
 /// Largest model file, bytes. The check against the schema and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;
@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let Some(path) = &arguments.model else {
         return Err(Failure::Unusable("no model file is given".to_owned()));
     };
-    match (preflight(path, arguments.ranks), arguments.json) {
+    match (preflight(path, arguments.ranks, &arguments.set), arguments.json) {
         (Ok(preflight), false) => print(&preflight.to_string()),
         (Ok(preflight), true) => {
             let text = serde_json::to_string_pretty(&preflight)
@@ -81,9 +81,9 @@ impl Problem {
 }
 
 /// Reads, checks and meshes a model file. Paths in the file are relative to its folder. `ranks`: number of ranks to divide the run among, if that is asked for.
-fn preflight(path: &Path, ranks: Option<usize>) -> Result<Preflight, Problem> {
+fn preflight(path: &Path, ranks: Option<usize>, set: &[(String, Setting)]) -> Result<Preflight, Problem> {
     let name = display_name(path);
-    let text = read_text(path).map_err(Problem::Other)?;
+    let text = read_text(path).and_then(|text| with_settings(text, path, set)).map_err(Problem::Other)?;
     let mut load = inputs_of(path);
     let progress = Progress::new(false);
     let (prepared, _) =
@@ -111,6 +111,15 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
         let line = start.matches('\n').count() + 1;
         Failure::Unusable(format!("{name}:{line}: this is not UTF-8 text"))
     })
+}
+
+/// The text of a model with the values of `--set`.
+pub(crate) fn with_settings(text: String, path: &Path, set: &[(String, Setting)]) -> Result<String, Failure> {
+    if set.is_empty() {
+        return Ok(text);
+    }
+    let changed = with_values(&text, &mut inputs_of(path), set);
+    changed.map_err(|why| Failure::Unusable(format!("{}: {why}", display_name(path))))
 }
 
 /// Returns a function that reads the files that a model names. Paths are relative to the folder of the model. In a folder of results, a file that is missing

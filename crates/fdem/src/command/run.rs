@@ -13,7 +13,7 @@ mod recorder;
 pub(crate) mod results;
 mod stages;
 mod told;
-mod watch;
+pub(crate) mod watch;
 mod writer;
 
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ use fdem_simulation::{Simulation, Stop};
 use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
-use crate::command::check::{inputs_of, read_text, refused};
+use crate::command::check::{inputs_of, read_text, refused, with_settings};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &RunArguments, ranks: Option<&dyn Communicator>) ->
     let watch = Watch::new()?;
     let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let path = &arguments.model;
-    let text = read_text(path)?;
+    let text = with_settings(read_text(path)?, path, &arguments.set)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     Folder::check(&target, arguments.force)?;
     let mut inputs = Vec::new();

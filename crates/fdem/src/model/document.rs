@@ -57,6 +57,10 @@ impl<'a> Document<'a> {
         &self.root
     }
 
+    pub(crate) fn into_root(self) -> Spanned<DeTable<'a>> {
+        self.root
+    }
+
     pub(crate) fn root_mut(&mut self) -> &mut Spanned<DeTable<'a>> {
         &mut self.root
     }
@@ -87,6 +91,26 @@ impl<'a> Document<'a> {
     /// Returns the place of the value of a key, or `None` if the key is missing.
     pub(crate) fn value_if_any(&self, table: Table, dotted: &str) -> Option<Range<usize>> {
         self.walk(table, dotted).map(Spanned::span)
+    }
+
+    /// The tables of a list `[[name]]`; `None` if it is no list.
+    pub(crate) fn list(&self, table: Table) -> Option<&[Spanned<DeValue<'a>>]> {
+        self.walk(table, "")?.get_ref().as_array().map(|list| &list[..])
+    }
+
+    /// Names of the keys of a table, sorted.
+    pub(crate) fn keys(&self, table: Table) -> Vec<String> {
+        let table = self.walk(table, "").and_then(|value| value.get_ref().as_table());
+        table.into_iter().flatten().map(|(key, _)| key.get_ref().to_string()).collect()
+    }
+
+    /// Whether the value of a key is a table, or a list of tables.
+    pub(crate) fn has_entries(&self, table: Table, dotted: &str) -> bool {
+        self.walk(table, dotted).is_some_and(|value| match value.get_ref() {
+            DeValue::Table(_) => true,
+            DeValue::Array(list) => list.iter().any(|entry| entry.get_ref().is_table()),
+            _ => false,
+        })
     }
 
     /// Returns the place of an entry of the list that is the value of a key.
@@ -144,6 +168,18 @@ impl<'a> Document<'a> {
         }
         found
     }
+}
+
+/// The number that a value is.
+pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
+    let found = match value {
+        DeValue::Integer(number) => {
+            i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64
+        }
+        DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok()?,
+        _ => return None,
+    };
+    Some(found).filter(|number| number.is_finite())
 }
 
 /// Widens a part of the text by all that a value has.

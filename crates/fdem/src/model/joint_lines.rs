@@ -160,7 +160,9 @@ impl<'f> JointLines<'f> {
 
 /// Whether a body has the joints of a set.
 pub(crate) fn has_joints(set: &JointSet, body: &Body) -> bool {
-    body.mesh.is_none() && set.bodies.as_ref().is_none_or(|bodies| bodies.contains(&body.name))
+    set.between.is_none()
+        && body.mesh.is_none()
+        && set.bodies.as_ref().is_none_or(|bodies| bodies.contains(&body.name))
 }
 
 /// The two lines nearest to a place.

@@ -138,11 +138,7 @@ impl Check<'_> {
             [] => {
                 faults.push(
                     self.fault("name", "it has no joints")
-<<<<<<< HEAD
                         .help(format!("give it one of {}, file, dip and between", self.list())),
-=======
-                        .help(format!("give it one of {}, file and dip", self.list())),
->>>>>>> 08366266d2b79be5a380eb589c0d238cdc28affe
                 );
             }
             [first, second, ..] => faults.push(
@@ -277,7 +273,6 @@ impl Check<'_> {
             faults.push(
                 self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""),
             );
-<<<<<<< HEAD
         }
         for (place, name) in self.set.between.iter().flatten().enumerate() {
             if !placed::is_body(self.file, name) {
@@ -288,8 +283,6 @@ impl Check<'_> {
                         .help(placed::suggestion(self.file, name)),
                 );
             }
-=======
->>>>>>> 08366266d2b79be5a380eb589c0d238cdc28affe
         }
         for (place, name) in self.set.bodies.iter().flatten().enumerate() {
             let span = self.document.entry(self.table, "bodies", place);

@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::model::amounts::{YEAR, duration, size};
 use crate::model::dimensions::Dimensions;
 use crate::model::joint_sets::Joints;
+use crate::model::library::FromLibrary;
 use crate::model::on_ranks::OnRanks;
 use crate::model::prepared::Prepared;
 
@@ -82,6 +83,8 @@ pub struct Preflight {
     pub quality: Quality,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
+    /// Materials that have keys from the library.
+    pub from_library: Vec<FromLibrary>,
     /// The critical time step.
     pub critical: Critical,
     /// The time step that the run takes, s.
@@ -181,6 +184,7 @@ impl Preflight {
             names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
             quality: prepared.quality.clone(),
             joint_sets: prepared.joint_sets.clone(),
+            from_library: prepared.from_library.clone(),
             critical,
             step,
             steps,
@@ -193,6 +197,25 @@ impl Preflight {
             hash: prepared.hash.clone(),
         })
     }
+}
+
+/// Finds all errors that a run would find before its first step.
+///
+/// # Errors
+/// Says why the model cannot be run.
+pub(crate) fn check<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<(), String>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let first;
+    let prepared = if prepared.stages.is_empty() {
+        prepared
+    } else {
+        first = prepared.clone().in_stages()?.1.prepared;
+        &first
+    };
+    let run = Simulation::new(prepared.model.clone(), 1).map_err(|error| error.to_string())?;
+    steps(prepared, run.critical_step().step).map(|_| ())
 }
 
 /// The time step of a run, s, and the number of steps until its end time.
@@ -306,6 +329,10 @@ impl fmt::Display for Preflight {
         let [least, mean, most] = quality.edges.map(brief);
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
         self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
+        let from_library = self.from_library.iter();
+        from_library
+            .map(FromLibrary::in_words)
+            .try_for_each(|text| writeln!(out, "library          {text}"))?;
         let at = quality.worst_at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         writeln!(
             out,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::conditions::{Servo, Until};
 use crate::model::joint_sets::Joints;
+use crate::model::library::FromLibrary;
 use crate::model::settings::{History, OutputSettings};
 
 /// A model that is ready to run.
@@ -28,6 +29,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub grains: Vec<u32>,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
+    /// Materials that have keys from the library.
+    pub from_library: Vec<FromLibrary>,
     /// Settings of the output.
     pub output: OutputSettings,
     /// Quantities to record over time.

@@ -13,12 +13,14 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
+use crate::model::library;
 use crate::model::limits::LARGEST;
 
 /// The JSON schema of model files, for editors: keys with descriptions, types, ranges, units and defaults. Where there is a number, there may be an expression.
 pub fn schema() -> Value {
     let mut schema = evaluated().clone();
     allow_expressions(&mut schema);
+    library::relax(&mut schema);
     schema
 }
 

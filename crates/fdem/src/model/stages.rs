@@ -336,6 +336,7 @@ where
             groups: Vec::new(),
             grains,
             joint_sets: self.joint_sets.clone(),
+            from_library: self.from_library.clone(),
             probes: self
                 .probes
                 .iter()

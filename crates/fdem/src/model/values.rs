@@ -18,7 +18,7 @@ use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::model::document::Document;
+use crate::model::document::{Document, number};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::schema::{branches, types, words};
 use expression::{Wrong, is_name, meaning};
@@ -269,18 +269,6 @@ impl<'t> Parameters<'t> {
     }
 }
 
-/// The number that a value is.
-fn number(value: &DeValue<'_>) -> Option<f64> {
-    let found = match value {
-        DeValue::Integer(number) => {
-            i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64
-        }
-        DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok()?,
-        _ => return None,
-    };
-    Some(found).filter(|number| number.is_finite())
-}
-
 /// Alternatives of a schema, without references, each with its unit.
 fn alternatives<'s>(
     root: &'s Value,
@@ -404,6 +392,18 @@ impl<'a> Pass<'a> {
         }
         Ok(format!("{number:.0}"))
     }
+}
+
+/// The number of an expression that names no parameters, and its dimension in words; `None` for one that fits any.
+///
+/// # Errors
+/// Says why it has none.
+pub(crate) fn constant(text: &str) -> Result<(f64, Option<String>), String> {
+    let value = expression::parse(text).and_then(|parsed| {
+        parsed.value(&mut |name, at| Err(Wrong::new(at, format!("\"{name}\" is no unit and no function"))))
+    });
+    let value = value.map_err(|wrong| format!("\"{text}\" has no value: {}", wrong.message))?;
+    Ok((value.number(), value.dimension().map(|dimension| dimension.to_string())))
 }
 
 /// The dimension of a unit of the schema; none for "1".

@@ -16,6 +16,7 @@
 //! - `earlier`: runs that begin with the end of another one.
 //! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, with boxes of their own, of any format.
+//! - `sweeps`: many runs of one model.
 //! - `drawings`: pictures, plots and reports.
 //! - `beds`: a real bed that this project did not make.
 
@@ -39,6 +40,7 @@ mod periodic;
 mod runs;
 mod series;
 mod stages;
+mod sweeps;
 
 use std::fs;
 use std::path::{Path, PathBuf};

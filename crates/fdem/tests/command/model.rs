@@ -345,3 +345,34 @@ fn a_run_with_included_files_is_resumed_from_its_folder_alone() {
     assert_eq!((run.code, json["errors"][0]["line"].as_u64()), (Some(2), Some(6)), "{json}");
     assert_eq!(json["errors"][0]["file"], "case/../lib/rock.toml");
 }
+
+/// The library is listed with its sources, a material of it is a table of a model file, and `check` tells what comes from it.
+#[test]
+fn the_library_of_materials_is_listed() {
+    let bench = Bench::new();
+    let list = bench.run(&["materials"]).succeeds().stdout;
+    for material in fdem::model::library() {
+        assert!(list.contains(&format!("\n{}: {}. ", material.name, material.about)), "{list}");
+    }
+    let granite = list.lines().find(|line| line.starts_with("granite ")).unwrap();
+    let cells: Vec<&str> = granite.split_whitespace().collect();
+    assert_eq!(cells, ["granite", "2650", "60", "0.25", "0.6", "10", "35", "50", "45", "225"]);
+    let table = bench.run(&["materials", "granite"]).succeeds().stdout;
+    let body = "[model]\nend_time = 1e-6\n[[body]]\nname = \"block\"\nmaterial = \"granite\"\nmesh_size = 0.01\n\
+        rectangle = { min = [0, 0], max = [0.04, 0.02] }\n";
+    bench.write("whole.toml", format!("{body}{table}"));
+    bench.write("short.toml", format!("{body}[[material]]\nname = \"granite\"\nlibrary = \"granite\"\n"));
+    let hash = |name: &str| {
+        let text = bench.run(&["check", name, "--json"]).succeeds().stdout;
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        (json["hash"].clone(), json["from_library"].clone())
+    };
+    let (whole, short) = (hash("whole.toml"), hash("short.toml"));
+    assert_eq!(whole.0, short.0);
+    assert_eq!(whole.1, serde_json::json!([]));
+    assert_eq!(
+        (&short.1[0]["library"], short.1[0]["keys"].as_array().unwrap().len()),
+        (&"granite".into(), 9)
+    );
+    bench.run(&["materials", "granit"]).refused_with(&["granit", "granite"]);
+}

@@ -22,6 +22,7 @@ a file                                            :func:`read`
 code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighbor_list`,
                                                   :meth:`Contacts.neighbor_list`
 a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`
+many runs of a model with other values            :func:`sweep`
 a folder of results of a simulation               :func:`results`
 ================================================= ====================================================
 
@@ -41,7 +42,7 @@ from ._fdem import __version__
 from ._kdtree import KDTree
 from ._labels import LabelContacts, labels
 from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
-from ._model import Model
+from ._model import Model, material
 from ._neighbors import NeighborList
 from ._picture import Picture
 from ._query import Neighbours, query
@@ -49,6 +50,7 @@ from ._read import Mesh, Packing, read
 from ._results import Frame, Results, results
 from ._search import boxes, contacts
 from ._simulation import Simulation, resume
+from ._sweep import Sweep, sweep
 
 __all__ = [
     "Analysis",
@@ -70,17 +72,20 @@ __all__ = [
     "Picture",
     "Results",
     "Simulation",
+    "Sweep",
     "WallContacts",
     "__version__",
     "between",
     "boxes",
     "contacts",
     "labels",
+    "material",
     "mesh",
     "neighbor_list",
     "query",
     "read",
     "results",
     "resume",
+    "sweep",
     "walls",
 ]

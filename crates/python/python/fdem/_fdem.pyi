@@ -21,11 +21,13 @@ __all__ = [
     "file",
     "labels",
     "main",
+    "materials",
     "measure",
     "mesh",
     "nearest",
     "neighbor_list",
     "read",
+    "sweep",
     "to_toml",
     "verify",
     "walls",
@@ -121,6 +123,20 @@ class Run:
     def save(self, path: str) -> None: ...
     def picture(self, field: Optional[str], width: Optional[int]) -> bytes: ...
 
+def sweep(
+    text: str,
+    name: str,
+    place: str,
+    output: Optional[str],
+    processes: Optional[int],
+    threads: Optional[int],
+    most: Optional[int],
+    force: bool,
+    skip_refused: bool,
+    quiet: bool,
+    program: list[str],
+) -> str: ...
+def materials() -> list[tuple[str, list[tuple[str, float]]]]: ...
 def to_toml(tables: dict[str, Any]) -> str: ...
 def contacts(elements: Elements, engine: str, threads: int) -> _Found: ...
 def verify(elements: Elements, pairs: npt.NDArray[np.uint32], sample: int, seed: int) -> tuple[int, Optional[str]]: ...

@@ -127,3 +127,33 @@ class Model:
         count = len(self.bodies)
         bodies = "1 body" if count == 1 else f"{count:,} bodies"
         return f"<fdem.Model{title}: {self.dimensions}D, {bodies}, {self.elements:,} elements, end_time {self.end_time:g} s>"
+
+
+def material(name: str) -> dict[str, float]:
+    """A material of the library, which ``library`` in a ``[[material]]`` names.
+
+    Parameters
+    ----------
+    name : str
+        Name of the material in the library.
+
+    Returns
+    -------
+    dict
+        Keys of ``[[material]]`` and their values in SI units. ``fdem materials`` shows them with their sources.
+
+    Raises
+    ------
+    ValueError
+        A name that the library does not have; the message lists them all.
+
+    Examples
+    --------
+    >>> import fdem
+    >>> fdem.material("granite")["density"]
+    2650.0
+    """
+    known = {name: dict(keys) for name, keys in _fdem.materials()}
+    if name not in known:
+        raise ValueError(f"the library has no material {name!r}: it has {', '.join(known)}")
+    return known[name]

@@ -8,6 +8,10 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fdem_results::Field;
 
 use crate::command::templates::TEMPLATES;
+use crate::model::{Setting, library};
+
+/// Largest number of runs of a sweep, unless another is asked for.
+pub(crate) const MOST_RUNS: usize = 1000;
 
 /// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
@@ -36,6 +40,15 @@ pub(crate) struct NewArguments {
     pub(crate) force: bool,
 }
 
+/// List the materials that `library = "…"` in a `[[material]]` of a model gives, with their figures and sources.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  fdem materials\n  fdem materials granite >> model.toml")]
+pub(crate) struct MaterialsArguments {
+    /// Print this material as a table of a model file, to be changed.
+    #[arg(value_name = "NAME", value_parser = materials())]
+    pub(crate) name: Option<String>,
+}
+
 /// Check a model without running it: print all errors of the file, or else its mesh, time step, run time, memory, and warnings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem check model.toml --ranks 64")]
@@ -48,12 +61,16 @@ pub(crate) struct CheckArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
+    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`, `--set material.rock.friction=0.4`. May come several times.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    pub(crate) set: Vec<(String, Setting)>,
+
     /// Also tell how a run would be divided among RANKS processes: elements, halos, messages, memory, and the time of a step on a network that is assumed.
     #[arg(long, value_name = "RANKS", allow_negative_numbers = true, value_parser = ranks)]
     pub(crate) ranks: Option<usize>,
 
     /// Print the JSON schema of model files, for editors: keys, descriptions, types, ranges, defaults.
-    #[arg(long, conflicts_with_all = ["model", "json", "ranks"])]
+    #[arg(long, conflicts_with_all = ["model", "json", "ranks", "set"])]
     pub(crate) schema: bool,
 }
 
@@ -78,6 +95,11 @@ pub(crate) struct RunArguments {
     /// Replace the results of an earlier run in the folder.
     #[arg(long)]
     pub(crate) force: bool,
+
+    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`, `--set material.rock.friction=0.4`. May come several times. The folder keeps the
+    /// changed model.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    pub(crate) set: Vec<(String, Setting)>,
 
     #[command(flatten)]
     pub(crate) options: RunOptions,
@@ -110,6 +132,47 @@ pub(crate) struct RunOptions {
     /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
     #[arg(long, value_name = "FIELD", num_args = 0..=1, require_equals = true, value_parser = fields())]
     pub(crate) animate: Option<Option<Field>>,
+
+    /// Show no progress.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Run a model many times with other values of its parameters: all combinations, rows of a table, or a Latin hypercube. All models are checked before the first
+/// run. The same command goes on with an interrupted sweep.
+///
+/// The sweep file, in TOML, has `model = "disc.toml"`, and one of `[grid]`, `[[run]]`, `table = "values.csv"` and `[latin_hypercube]`, whose names are parameters of
+/// the model, or paths of keys such as `material.rock.cohesion`. It may have `folder`, `processes` and `threads`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: fdem sweep sweep.toml --processes 4")]
+pub(crate) struct SweepArguments {
+    /// The sweep, a TOML file. The model that it names is relative to its folder.
+    #[arg(value_name = "SWEEP")]
+    pub(crate) sweep: PathBuf,
+
+    /// Folder for the results [default: `folder` of the sweep file, or its name with `_results`, in the working directory].
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Number of runs at once [default: `processes` of the sweep file, or as many as there are processors]. Results do not depend on it.
+    #[arg(short, long, value_name = "N", allow_negative_numbers = true, value_parser = at_once)]
+    pub(crate) processes: Option<usize>,
+
+    /// Number of threads of each run [default: `threads` of the sweep file, or 1]. Results do not depend on it.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+
+    /// Largest number of runs.
+    #[arg(long, value_name = "N", default_value_t = MOST_RUNS)]
+    pub(crate) max_runs: usize,
+
+    /// Replace the runs of another sweep in the folder.
+    #[arg(long)]
+    pub(crate) force: bool,
+
+    /// If the models of some runs are refused, note it in the table and run the others.
+    #[arg(long)]
+    pub(crate) skip_refused: bool,
 
     /// Show no progress.
     #[arg(short, long)]
@@ -150,6 +213,11 @@ fn templates() -> PossibleValuesParser {
     PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name))
 }
 
+/// The materials of the library by their names.
+fn materials() -> PossibleValuesParser {
+    PossibleValuesParser::new(library().iter().map(|material| material.name.as_str()))
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
@@ -163,6 +231,24 @@ fn ranks(text: &str) -> Result<usize, String> {
         Ok(0) => Err("a run on 0 ranks computes nothing".to_owned()),
         Ok(count) => Ok(count),
         Err(_) => Err("a whole number above 0 is needed".to_owned()),
+    }
+}
+
+/// A name and a value with an equals sign between them.
+fn setting(text: &str) -> Result<(String, Setting), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), Setting::parse(value)))
+        }
+        _ => Err("a name and a value with an equals sign between them are needed".to_owned()),
+    }
+}
+
+/// More processes than 1024 are hardly meant.
+fn at_once(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..=1024) => Ok(count),
+        _ => Err("a whole number from 1 to 1024 is needed".to_owned()),
     }
 }
 

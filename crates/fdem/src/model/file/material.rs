@@ -10,6 +10,11 @@ pub struct Material {
     /// Name of the material for bodies and interfaces.
     #[schemars(length(min = 1))]
     pub name: String,
+    /// Name of a material of the library, which gives all keys that this table does not give: "granite", for instance. `fdem materials` lists them. Default: none, and `density`,
+    /// `youngs_modulus` and `poissons_ratio` must be there.
+    #[serde(default)]
+    #[schemars(schema_with = "crate::model::library::names")]
+    pub library: Option<String>,
     /// Density, kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "kg/m³"))]
     pub density: f64,

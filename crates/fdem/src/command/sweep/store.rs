@@ -1,0 +1,173 @@
+//! The folder of a sweep.
+//!
+//! ```text
+//! sweep.json     what the sweep is: model, names and values of its runs; it marks the folder as that of a sweep
+//! runs/001, …    a folder of `fdem run` for each run
+//! runs.csv       the table of results
+//! report.html    the page that compares the runs
+//! ```
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::command::aside;
+use crate::command::failure::{Failure, display_name};
+use crate::command::run::folder::{CHECKPOINT, HISTORY, REPORT, SUMMARY};
+
+/// Marks a folder as that of a sweep.
+const SWEEP: &str = "sweep.json";
+const RUNS: &str = "runs";
+pub(crate) const TABLE: &str = "runs.csv";
+
+/// The start of the status of a run that stopped because a file could not be read or written, and not by itself.
+const OUTSIDE: &str = "stopped: cannot ";
+
+/// Contents of the folder of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Found {
+    /// Nothing.
+    Nothing,
+    /// A run that has no checkpoint yet.
+    Begun,
+    /// A run that can go on.
+    Interrupted,
+    /// A run that has finished, or stopped by itself, with its `run.json`.
+    Ended(Value),
+}
+
+/// The folder of a sweep. It is locked while a sweep uses it.
+#[derive(Debug)]
+pub(crate) struct Store {
+    path: PathBuf,
+    /// Digits of the names of runs.
+    digits: usize,
+    lock: Option<File>,
+}
+
+impl Store {
+    /// The folder of a sweep of so many runs, to be looked at only.
+    pub(crate) fn unopened(path: &Path, runs: usize) -> Self {
+        Self { path: path.to_owned(), digits: runs.to_string().len().max(3), lock: None }
+    }
+
+    /// Opens the folder of a sweep of so many runs, or makes it. `identity`: what the sweep is; `force`: removes the runs of an earlier sweep.
+    ///
+    /// # Errors
+    /// A folder that has something else, or another sweep.
+    pub(crate) fn open(path: &Path, identity: &Value, runs: usize, force: bool) -> Result<Self, Failure> {
+        let mut store = Self::unopened(path, runs);
+        let place = display_name(path);
+        let is_there = match fs::read_dir(path) {
+            Ok(mut entries) => entries.any(|entry| {
+                entry.is_ok_and(|entry| !entry.file_name().to_str().is_some_and(aside::is_aside))
+            }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+            Err(error) => return Err(Failure::writing(path, error)),
+        };
+        if is_there {
+            let earlier = fs::read(path.join(SWEEP)).ok();
+            let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
+                return Err(Failure::Unusable(format!(
+                    "{place} is not empty and has no sweep: choose another folder with --output"
+                )));
+            };
+            store.lock()?;
+            if earlier == *identity && !force {
+                return Ok(store);
+            }
+            if !force {
+                return Err(Failure::Unusable(format!(
+                    "{place} has another sweep: {}. Choose another folder with --output, or replace its runs with --force",
+                    difference(&earlier, identity)
+                )));
+            }
+            store.clear()?;
+        }
+        fs::create_dir_all(store.path.join(RUNS)).map_err(|error| Failure::writing(path, error))?;
+        store.write(SWEEP, format!("{identity:#}\n").as_bytes())?;
+        store.lock()?;
+        Ok(store)
+    }
+
+    fn lock(&mut self) -> Result<(), Failure> {
+        let Ok(file) = File::open(self.path.join(SWEEP)) else { return Ok(()) };
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            let place = display_name(&self.path);
+            return Err(Failure::Unusable(format!("another fdem process is using {place}")));
+        }
+        self.lock = Some(file);
+        Ok(())
+    }
+
+    /// Removes what an earlier sweep has made, and nothing else.
+    fn clear(&self) -> Result<(), Failure> {
+        let remove = |name: &str, how: fn(PathBuf) -> io::Result<()>| {
+            let path = self.path.join(name);
+            match how(path.clone()) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
+                _ => Ok(()),
+            }
+        };
+        remove(RUNS, fs::remove_dir_all)?;
+        remove(TABLE, fs::remove_file)?;
+        remove(REPORT, fs::remove_file)
+    }
+
+    /// Writes a file, which is complete or absent.
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        let path = self.path.join(name);
+        aside::replace(&path, bytes).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// The name of a run's folder in that of the sweep. `number`: from 1.
+    pub(crate) fn name(&self, number: usize) -> String {
+        format!("{RUNS}/{number:0digits$}", digits = self.digits)
+    }
+
+    /// The folder of a run.
+    pub(crate) fn run(&self, number: usize) -> PathBuf {
+        self.path.join(self.name(number))
+    }
+
+    /// Looks at the contents of the folder of a run.
+    pub(crate) fn found(&self, number: usize) -> Found {
+        let folder = self.run(number);
+        let json = self.summary(number);
+        let status = json.as_ref().and_then(|json| json["status"].as_str()).unwrap_or("");
+        let is_drawn = folder.join(REPORT).exists();
+        let is_over = status == "finished" && is_drawn
+            || status.starts_with("stopped: ") && !status.starts_with(OUTSIDE);
+        match json {
+            Some(json) if is_over => Found::Ended(json),
+            _ if folder.join(CHECKPOINT).exists() => Found::Interrupted,
+            _ if folder.join(SUMMARY).exists() => Found::Begun,
+            _ => Found::Nothing,
+        }
+    }
+
+    /// The `run.json` of a run.
+    pub(crate) fn summary(&self, number: usize) -> Option<Value> {
+        serde_json::from_slice(&fs::read(self.run(number).join(SUMMARY)).ok()?).ok()
+    }
+
+    /// The history of a run.
+    pub(crate) fn history(&self, number: usize) -> Option<Vec<u8>> {
+        fs::read(self.run(number).join(HISTORY)).ok()
+    }
+}
+
+/// Describes what differs between two sweeps.
+fn difference(earlier: &Value, now: &Value) -> String {
+    let differs = |key: &str| earlier.get(key) != now.get(key);
+    let [version, other] =
+        [&earlier["version"], &now["version"]].map(|version| version.as_str().unwrap_or("?"));
+    match () {
+        () if differs("version") => format!("it was made by fdem {version}, and this is {other}"),
+        () if differs("parameters") => "its parameters are others".to_owned(),
+        () if differs("runs") => "the values of its runs are others".to_owned(),
+        () => "its model has changed".to_owned(),
+    }
+}
