@@ -245,8 +245,8 @@ mod tests {
         assert!(page.contains("<h1>discs &amp; more</h1>"));
         assert!(page.contains("2 runs: 1 finished, 1 refused"));
         assert!(page.contains(
-            "<tr><th scope=\"row\"><a href=\"runs/001/report.html\">1</a></th><td>2500000</td><td>finished</td><td></td><td>0.125</td></tr>"
-        ) || page.contains("<td>2.5e6</td>"), "the row of run 1");
+            "<tr><th scope=\"row\"><a href=\"runs/001/report.html\">1</a></th><td>2.5e6</td><td>finished</td><td></td><td>0.125</td></tr>"
+        ));
         assert!(page.contains("<th scope=\"col\">a&lt;b</th>") && !page.contains("state_hash</th>"));
         let meta = page.split("<script type=\"application/json\" id=\"meta\">").nth(1).unwrap();
         let meta: Value = serde_json::from_str(meta.split("</script>").next().unwrap()).unwrap();
