@@ -516,7 +516,7 @@ const CASES: &[Case] = &[
     Case {
         number: 38,
         name: "arch",
-        what: "A semicircular arch of 24 voussoirs without mortar stands under its weight if it is thicker than 0.1075 of its mean radius, and falls if it is thinner.",
+        what: "A semicircular arch of 32 voussoirs without mortar stands under its weight if it is thicker than 0.1075 of its mean radius, and falls if it is thinner.",
         source: "J. Heyman, Int. J. Solids Struct. 2 (1966) 249–279, after Couplet (1730) and Milankovitch (1907)",
         run: arch::run,
     },

@@ -56,7 +56,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 
 /// Strengths under four pressures on the sides, against the line of Mohr and Coulomb.
 pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
-    let mesh_size = size.choose(3e-3, 2e-3);
+    let mesh_size = size.choose(4e-3, 2e-3);
     let seeds = size.choose(1..=1, 1..=3);
     let (sin, cos) = FRICTION.atan().sin_cos();
     let (at_zero, slope) = (2.0 * COHESION * cos / (1.0 - sin), (1.0 + sin) / (1.0 - sin));
