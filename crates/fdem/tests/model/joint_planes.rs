@@ -80,7 +80,8 @@ fn dip_and_dip_direction_follow_the_convention() {
         [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])]
     {
         let keys = format!("dip = 30\ndip_direction = {direction}\nspacing = 5\norigin = [0.5, 0.5, 0.5]\n");
-        let prepared = right(&format!("{CUBE}{SET}{keys}"));
+        // Fine enough that no corner is near the plane.
+        let prepared = right(&format!("{}{SET}{keys}", CUBE.replacen("0.25", "0.15", 1)));
         let normal = [0.5 * to[0], 0.5 * to[1], 0.75_f64.sqrt()];
         let faces = faces(&prepared, 0);
         assert!(faces.len() > 10);
@@ -147,25 +148,25 @@ fn boundary(name: &str, target: Target<3>, velocity: [Option<f64>; 3], schedule:
 /// Direct shear of a block with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
-    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.2, 0.1, 0.04]", 1).replacen("0.25", "0.02", 1);
-    let law = "cohesion = 1e6\nfracture_energy_ii = 60\nresidual_friction_angle = 20\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
+    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.1, 0.06, 0.04]", 1).replacen("0.25", "0.02", 1);
+    let law = "cohesion = 1e6\nfracture_energy_ii = 30\nresidual_friction_angle = 20\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
     let load = "[[boundary]]\nname = \"pressure\"\nside = \"top\"\npressure = 2e6\nramp = 3e-4\n";
-    let keys = "polygons = [[0, 0, 0.02, 0.2, 0, 0.02, 0.2, 0.1, 0.02, 0, 0.1, 0.02]]\n";
+    let keys = "polygons = [[0, 0, 0.02, 0.1, 0, 0.02, 0.1, 0.06, 0.02, 0, 0.06, 0.02]]\n";
     let mut model = right(&format!("{plate}{SET}{law}{keys}{load}")).model;
     model.materials[0].damping = 0.3;
     let below = nodes(&model, |[_, _, z]| z < 0.0199);
     let above = nodes(&model, |[_, _, z]| z > 0.0201);
     model.boundaries.push(boundary("below", below, [Some(0.0); 3], Schedule::Constant));
-    let table = Schedule::Table(vec![[1e-3, 0.0], [1.5e-3, 1.0]]);
-    model.boundaries.push(boundary("above", above, [Some(0.05), None, None], table));
-    let mut run = Simulation::new(model, 2).unwrap();
+    let table = Schedule::Table(vec![[6e-4, 0.0], [1.2e-3, 1.0]]);
+    model.boundaries.push(boundary("above", above, [Some(0.04), None, None], table));
+    let mut run = Simulation::new(model, 1).unwrap();
     let (mut peak, mut last) = (0.0_f64, [0.0; 2]);
-    while run.time() < 7e-3 {
+    while run.time() < 4e-3 {
         run.advance(10).unwrap();
         // That which holds what is below.
-        let traction = run.force(1).unwrap()[0].abs() / 0.02;
+        let traction = run.force(1).unwrap()[0].abs() / 0.006;
         peak = peak.max(traction);
-        if run.time() > 6e-3 {
+        if run.time() > 3.4e-3 {
             last = [last[0] + traction, last[1] + 1.0];
         }
     }
@@ -198,7 +199,7 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
         let floor = |[x, _, z]: [f64; 3]| z - 0.3 - (x - 0.5_f64).abs();
         let held = nodes(&model, |node| floor(node) < -1e-6);
         model.boundaries.push(boundary("rock", held, [Some(0.0); 3], Schedule::Constant));
-        let mut run = Simulation::new(model, 2).unwrap();
+        let mut run = Simulation::new(model, 1).unwrap();
         let mut to = |time: f64| {
             while run.time() < time {
                 run.advance(20).unwrap();
