@@ -145,34 +145,34 @@ fn boundary(name: &str, target: Target<3>, velocity: [Option<f64>; 3], schedule:
     Boundary { name: name.to_owned(), target, load: Load::Velocity(velocity), schedule }
 }
 
-/// Direct shear of a block with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
+/// Direct shear of a plate, flat so that it does not tilt, with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
-    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.1, 0.06, 0.04]", 1).replacen("0.25", "0.02", 1);
-    let law = "cohesion = 1e6\nfracture_energy_ii = 30\nresidual_friction_angle = 20\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
+    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.24, 0.04, 0.02]", 1).replacen("0.25", "0.02", 1);
+    let law = "cohesion = 1e6\nfracture_energy_ii = 120\nresidual_friction_angle = 25\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
     let load = "[[boundary]]\nname = \"pressure\"\nside = \"top\"\npressure = 2e6\nramp = 3e-4\n";
-    let keys = "polygons = [[0, 0, 0.02, 0.1, 0, 0.02, 0.1, 0.06, 0.02, 0, 0.06, 0.02]]\n";
+    let keys = "polygons = [[0, 0, 0.01, 0.24, 0, 0.01, 0.24, 0.04, 0.01, 0, 0.04, 0.01]]\n";
     let mut model = right(&format!("{plate}{SET}{law}{keys}{load}")).model;
     model.materials[0].damping = 0.3;
-    let below = nodes(&model, |[_, _, z]| z < 0.0199);
-    let above = nodes(&model, |[_, _, z]| z > 0.0201);
+    let below = nodes(&model, |[_, _, z]| z < 0.0099);
+    let above = nodes(&model, |[_, _, z]| z > 0.0101);
     model.boundaries.push(boundary("below", below, [Some(0.0); 3], Schedule::Constant));
     let table = Schedule::Table(vec![[6e-4, 0.0], [1.2e-3, 1.0]]);
-    model.boundaries.push(boundary("above", above, [Some(0.04), None, None], table));
+    model.boundaries.push(boundary("above", above, [Some(0.08), None, None], table));
     let mut run = Simulation::new(model, 1).unwrap();
     let (mut peak, mut last) = (0.0_f64, [0.0; 2]);
-    while run.time() < 4e-3 {
+    while run.time() < 4.8e-3 {
         run.advance(10).unwrap();
         // That which holds what is below.
-        let traction = run.force(1).unwrap()[0].abs() / 0.006;
+        let traction = run.force(1).unwrap()[0].abs() / 0.0096;
         peak = peak.max(traction);
-        if run.time() > 3.4e-3 {
+        if run.time() > 4.4e-3 {
             last = [last[0] + traction, last[1] + 1.0];
         }
     }
-    let expected = [1e6 + 2e6 * 30.0_f64.to_radians().tan(), 2e6 * 20.0_f64.to_radians().tan()];
+    let expected = [1e6 + 2e6 * 30.0_f64.to_radians().tan(), 2e6 * 25.0_f64.to_radians().tan()];
     let residual = last[0] / last[1];
-    assert!((peak / expected[0] - 1.0).abs() < 0.04, "{peak} {expected:?}");
+    assert!((peak / expected[0] - 1.0).abs() < 0.05, "{peak} {expected:?}");
     assert!((residual / expected[1] - 1.0).abs() < 0.06, "{residual} {expected:?}");
 }
 
@@ -192,7 +192,7 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
     for slope in [0.9 * critical, 1.2 * critical] {
         let mut model = right(&format!("{CUBE}{set}")).model;
         let (sine, cosine) = slope.atan().sin_cos();
-        let gravity = 1000.0;
+        let gravity = 4000.0;
         model.gravity = [0.0, gravity * sine, -gravity * cosine];
         model.gravity_schedule = Schedule::Ramp(4e-4);
         model.materials[0].damping = 0.3;
@@ -213,8 +213,8 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
             }
             [run.time(), sum / count]
         };
-        let [from, first] = to(4e-3);
-        let [until, last] = to(1.2e-2);
+        let [from, first] = to(1.5e-3);
+        let [until, last] = to(5e-3);
         if slope > critical {
             let expected = gravity * (sine - critical * cosine);
             let found = (last - first) / (until - from);
