@@ -50,6 +50,7 @@
 //! | bounds on numbers, size and memory before meshing | `src/model/limits.rs`, `src/model/far.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
 //! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it |
 //! | joint sets: keys and laws, lines, files of lines | `src/model/joint_sets.rs`, `src/model/joint_lines.rs`, `src/model/polylines.rs` |
+//! | joint sets in space: polygons, files of polygons | `src/model/joint_planes.rs`, `src/model/polygons.rs` |
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |

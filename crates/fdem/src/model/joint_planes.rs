@@ -23,14 +23,14 @@ const OCTAGON: f64 = 2.0 * (std::f64::consts::SQRT_2 - 1.0);
 pub(crate) const PERSISTENT: f64 = 0.8;
 
 /// The joints of a body, in the order of their faces.
-pub(crate) struct Placed {
+pub(crate) struct BodyJoints {
     /// Face of the first joint in the surface.
     first: u32,
     /// Set of each joint.
     sets: Vec<u32>,
 }
 
-impl Placed {
+impl BodyJoints {
     /// The facets of a mesh that are on joints.
     pub(crate) fn facets(&self, mesh: &Tetrahedra) -> Vec<JointFacet<3>> {
         let facets = mesh.inner.iter().zip(&mesh.inner_faces);
@@ -44,12 +44,12 @@ impl Placed {
 
 impl JointLines<'_> {
     /// Puts the joints of a body into its surface, before it is meshed.
-    pub(crate) fn into_surface(
+    pub(crate) fn put_into(
         &self,
         body: &Body,
         surface: &mut Surface,
         size: &Grading<3>,
-    ) -> Result<Placed, Problem> {
+    ) -> Result<BodyJoints, Problem> {
         let mut sets = Vec::new();
         let mut polygons = Vec::new();
         let placing = Placing::of(body, surface);
@@ -80,11 +80,11 @@ impl JointLines<'_> {
             }
         }
         if polygons.is_empty() {
-            return Ok(Placed { first: 0, sets });
+            return Ok(BodyJoints { first: 0, sets });
         }
         let first =
             add_polygons(surface, &polygons, size).map_err(|error| self.refused(body, &sets, &error))?;
-        Ok(Placed { first, sets })
+        Ok(BodyJoints { first, sets })
     }
 
     /// An error of the mesher as a problem of a body.

@@ -195,7 +195,7 @@ mod tests {
             {"type":"MultiPolygon","coordinates":[[[[0,0,0],[1,0,0],[1,1,1],[0,1,1],[0,0,0]]]]}]}"#;
         assert_eq!(read(json.as_bytes(), "a.geojson"), both);
         let rows = |pairs: &[(&str, &str)]| -> String {
-            pairs.iter().map(|(code, value)| format!("{code}\n{value}\n")).collect()
+            pairs.iter().flat_map(|(code, value)| [*code, "\n", *value, "\n"]).collect()
         };
         let begin = rows(&[("0", "SECTION"), ("2", "ENTITIES")]);
         let flat = rows(&[

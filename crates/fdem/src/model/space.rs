@@ -101,7 +101,7 @@ fn meshed(
     if let Some(problem) = near::problem(key, &corners, &surface.nodes, edges) {
         return Err(problem);
     }
-    let joints = joints.into_surface(body, &mut surface, grading)?;
+    let joints = joints.put_into(body, &mut surface, grading)?;
     let meshed = match round {
         Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),
         Some(Round::Sphere(of)) => {

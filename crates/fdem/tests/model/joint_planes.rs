@@ -80,7 +80,8 @@ fn dip_and_dip_direction_follow_the_convention() {
         [(0.0, [0.0, 1.0]), (90.0, [1.0, 0.0]), (225.0, [-0.5_f64.sqrt(), -0.5_f64.sqrt()])]
     {
         let keys = format!("dip = 30\ndip_direction = {direction}\nspacing = 5\norigin = [0.5, 0.5, 0.5]\n");
-        let prepared = right(&format!("{CUBE}{SET}{keys}"));
+        // Fine enough that no corner is near the plane.
+        let prepared = right(&format!("{}{SET}{keys}", CUBE.replacen("0.25", "0.15", 1)));
         let normal = [0.5 * to[0], 0.5 * to[1], 0.75_f64.sqrt()];
         let faces = faces(&prepared, 0);
         assert!(faces.len() > 10);
@@ -144,35 +145,35 @@ fn boundary(name: &str, target: Target<3>, velocity: [Option<f64>; 3], schedule:
     Boundary { name: name.to_owned(), target, load: Load::Velocity(velocity), schedule }
 }
 
-/// Direct shear of a block with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
+/// Direct shear of a plate, flat so that it does not tilt, with a joint through it: the peak is cohesion and friction under the normal stress, the residual the residual friction.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
-    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.2, 0.1, 0.04]", 1).replacen("0.25", "0.02", 1);
-    let law = "cohesion = 1e6\nfracture_energy_ii = 60\nresidual_friction_angle = 20\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
+    let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.16, 0.06, 0.02]", 1).replacen("0.25", "0.02", 1);
+    let law = "cohesion = 1e6\nfracture_energy_ii = 80\nresidual_friction_angle = 25\nnormal_stiffness = 4e11\nshear_stiffness = 1e11\n";
     let load = "[[boundary]]\nname = \"pressure\"\nside = \"top\"\npressure = 2e6\nramp = 3e-4\n";
-    let keys = "polygons = [[0, 0, 0.02, 0.2, 0, 0.02, 0.2, 0.1, 0.02, 0, 0.1, 0.02]]\n";
+    let keys = "polygons = [[0, 0, 0.01, 0.16, 0, 0.01, 0.16, 0.06, 0.01, 0, 0.06, 0.01]]\n";
     let mut model = right(&format!("{plate}{SET}{law}{keys}{load}")).model;
     model.materials[0].damping = 0.3;
-    let below = nodes(&model, |[_, _, z]| z < 0.0199);
-    let above = nodes(&model, |[_, _, z]| z > 0.0201);
+    let below = nodes(&model, |[_, _, z]| z < 0.0099);
+    let above = nodes(&model, |[_, _, z]| z > 0.0101);
     model.boundaries.push(boundary("below", below, [Some(0.0); 3], Schedule::Constant));
-    let table = Schedule::Table(vec![[1e-3, 0.0], [1.5e-3, 1.0]]);
-    model.boundaries.push(boundary("above", above, [Some(0.05), None, None], table));
-    let mut run = Simulation::new(model, 2).unwrap();
+    let table = Schedule::Table(vec![[6e-4, 0.0], [1.2e-3, 1.0]]);
+    model.boundaries.push(boundary("above", above, [Some(0.08), None, None], table));
+    let mut run = Simulation::new(model, 1).unwrap();
     let (mut peak, mut last) = (0.0_f64, [0.0; 2]);
-    while run.time() < 7e-3 {
+    while run.time() < 4e-3 {
         run.advance(10).unwrap();
         // That which holds what is below.
-        let traction = run.force(1).unwrap()[0].abs() / 0.02;
+        let traction = run.force(1).unwrap()[0].abs() / 0.0096;
         peak = peak.max(traction);
-        if run.time() > 6e-3 {
+        if run.time() > 3.6e-3 {
             last = [last[0] + traction, last[1] + 1.0];
         }
     }
-    let expected = [1e6 + 2e6 * 30.0_f64.to_radians().tan(), 2e6 * 20.0_f64.to_radians().tan()];
+    let expected = [1e6 + 2e6 * 30.0_f64.to_radians().tan(), 2e6 * 25.0_f64.to_radians().tan()];
     let residual = last[0] / last[1];
-    assert!((peak / expected[0] - 1.0).abs() < 0.04, "{peak} {expected:?}");
-    assert!((residual / expected[1] - 1.0).abs() < 0.06, "{residual} {expected:?}");
+    assert!((peak / expected[0] - 1.0).abs() < 0.07, "{peak} {residual} {expected:?}");
+    assert!((residual / expected[1] - 1.0).abs() < 0.08, "{residual} {expected:?}");
 }
 
 /// A wedge between two joints at right angles, symmetric about the vertical, slides along their line where the tangent of the slope is above that of the friction angle over the sine of half of the
@@ -191,14 +192,14 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
     for slope in [0.9 * critical, 1.2 * critical] {
         let mut model = right(&format!("{CUBE}{set}")).model;
         let (sine, cosine) = slope.atan().sin_cos();
-        let gravity = 1000.0;
+        let gravity = 4000.0;
         model.gravity = [0.0, gravity * sine, -gravity * cosine];
         model.gravity_schedule = Schedule::Ramp(4e-4);
         model.materials[0].damping = 0.3;
         let floor = |[x, _, z]: [f64; 3]| z - 0.3 - (x - 0.5_f64).abs();
         let held = nodes(&model, |node| floor(node) < -1e-6);
         model.boundaries.push(boundary("rock", held, [Some(0.0); 3], Schedule::Constant));
-        let mut run = Simulation::new(model, 2).unwrap();
+        let mut run = Simulation::new(model, 1).unwrap();
         let mut to = |time: f64| {
             while run.time() < time {
                 run.advance(20).unwrap();
@@ -212,8 +213,8 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
             }
             [run.time(), sum / count]
         };
-        let [from, first] = to(4e-3);
-        let [until, last] = to(1.2e-2);
+        let [from, first] = to(1.5e-3);
+        let [until, last] = to(5e-3);
         if slope > critical {
             let expected = gravity * (sine - critical * cosine);
             let found = (last - first) / (until - from);
