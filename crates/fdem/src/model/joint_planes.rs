@@ -4,7 +4,6 @@ use fdem_mesh::Grading;
 use fdem_mesh::tetrahedra::{PolygonError, Surface, Tetrahedra, add_polygons};
 use fdem_scenes::random::Random;
 
-use crate::model::dimensions::Dimensions;
 use crate::model::fault::Problem;
 use crate::model::file::{Body, JointSet, Vector};
 use crate::model::joint_lines::{JointLines, has_joints};
@@ -43,16 +42,16 @@ impl BodyJoints {
 }
 
 impl JointLines<'_> {
-    /// Puts the joints of a body into its surface, before it is meshed.
+    /// Puts the joints of a body into its surface, before it is meshed. `turn`: the rotation of the body after that.
     pub(crate) fn put_into(
         &self,
-        body: &Body,
+        (body, turn): (&Body, [Point; 3]),
         surface: &mut Surface,
         size: &Grading<3>,
     ) -> Result<BodyJoints, Problem> {
         let mut sets = Vec::new();
         let mut polygons = Vec::new();
-        let placing = Placing::of(body, surface);
+        let placing = Placing::of(body, turn, surface);
         for (number, (set, given)) in (0..).zip(&self.polygons) {
             if !has_joints(set, body) {
                 continue;
@@ -140,11 +139,9 @@ struct Placing {
 }
 
 impl Placing {
-    fn of(body: &Body, surface: &Surface) -> Self {
+    fn of(body: &Body, turn: [Point; 3], surface: &Surface) -> Self {
         let [low, high] = fdem_mesh::bounds(surface.nodes.iter().copied());
         let middle = [0, 1, 2].map(|axis| f64::midpoint(low[axis], high[axis]));
-        let one = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let turn = if body.angle == 0.0 { one } else { <[Point; 4]>::turn(body.angle, body.axis) };
         let by = body.translate.as_ref().map_or([0.0; 3], Vector::components);
         let mut placing = Self { middle, turn, by, bounds: [low, high] };
         placing.bounds = fdem_mesh::bounds(surface.nodes.iter().map(|&node| placing.forth(node)));

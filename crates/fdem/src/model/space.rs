@@ -101,7 +101,8 @@ fn meshed(
     if let Some(problem) = near::problem(key, &corners, &surface.nodes, edges) {
         return Err(problem);
     }
-    let joints = joints.put_into(body, &mut surface, grading)?;
+    let turn = <[[f64; 3]; 4]>::turn(body.angle, body.axis);
+    let joints = joints.put_into((body, turn), &mut surface, grading)?;
     let meshed = match round {
         Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),
         Some(Round::Sphere(of)) => {

@@ -19,6 +19,19 @@ fn a_new_model_is_one_that_checks() {
 }
 
 #[test]
+fn joints_in_space_are_told_with_their_number_faces_and_area() {
+    let bench = Bench::new();
+    let model = "[model]\nend_time = 1e-3\n[[body]]\nname = \"block\"\nmaterial = \"rock\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.25\n\
+                 [[material]]\nname = \"rock\"\ndensity = 2700\nyoungs_modulus = 30e9\npoissons_ratio = 0.25\n\
+                 [[joint_set]]\nname = \"bedding\"\nfriction_angle = 30\ndip = 0\ndip_direction = 0\nspacing = 0.4\norigin = [0, 0, 0.3]\n";
+    bench.write("model.toml", model);
+    let run = bench.run(&["check", "model.toml"]).succeeds();
+    assert!(run.stdout.contains("joints           bedding: 2, 2 m² together, on "), "{}", run.stdout);
+    bench.write("model.toml", model.replacen("dip_direction = 0\n", "", 1));
+    bench.run(&["check", "model.toml"]).refused_with(&["model.toml:16", "needs a dip_direction"]);
+}
+
+#[test]
 fn a_model_that_is_there_is_replaced_only_if_that_is_asked_for() {
     let bench = Bench::new();
     bench.write("mine.toml", "precious");

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::Vector;
+use crate::model::file::vector::Vector;
 
 /// A set of joints: bedding, foliation, faults, or a discrete fracture network, with a law of its own. Its joints are lines in two dimensions and polygons in three, given by exactly one of `lines` or `polygons`,
 /// `file`, `dip` and `between`. They become edges or faces of the meshes of the bodies; joints that nearly coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and then slides with its residual friction.
