@@ -56,6 +56,9 @@
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
 //! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
 //! | stages of a run | `src/model/stages.rs`, `src/command/run/stages.rs` |
+//! | conditions that end a run or a stage, servos | `src/model/conditions.rs` |
+//! | a run that begins with the end of another | `src/command/run/earlier.rs` |
+//! | bonds between bodies | `src/model/bonds.rs` |
 //! | sweeps: their file, values, processes, folder, table, page | `src/command/sweep/plan.rs`, `src/command/sweep/values.rs`, `src/command/sweep/children.rs`, `src/command/sweep/store.rs`, `src/command/sweep/table.rs`, `src/command/sweep/report.rs` |
 //! | runs that a program holds, as the Python package does | `src/command/session.rs` |
 //! | histories of probes, curves, acoustic emission | `src/model/probes.rs`, `src/model/curves.rs`, `src/command/run/emission.rs` |
