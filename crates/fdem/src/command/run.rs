@@ -1,6 +1,7 @@
 //! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
 mod account;
+mod begun;
 pub(crate) mod checkpoint;
 mod earlier;
 mod emission;
@@ -34,8 +35,9 @@ use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared, Reached};
 use crate::model::{prepare_any, steps, with_end_time};
 use account::{Account, Spent};
+use begun::Begun;
 use checkpoint::{Checkpoint, Unsaved};
-use earlier::{Begun, Earlier};
+use earlier::Earlier;
 use emission::Emission;
 use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};

@@ -4,7 +4,7 @@ use fdem_simulation::{Boundary, State};
 use serde::{Deserialize, Serialize};
 
 use crate::command::run::account::Account;
-use crate::command::run::earlier::Begun;
+use crate::command::run::begun::Begun;
 use crate::model::{Entered, Reached};
 
 /// The state of a run, with the state of its files.

@@ -7,49 +7,17 @@ use std::ops::Range;
 use std::path::Path;
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_simulation::{Boundary, Change, Model, Schedule, State};
-use serde::{Deserialize, Serialize};
+use fdem_simulation::{Boundary, Change, Model, State};
 
 use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
+use crate::command::run::begun::Begun;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
 use crate::command::run::stages::Stages;
 use crate::model::{Body, Prepared, prepare_any};
-
-/// When a run has begun from another one. With it, its model is made again when it goes on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Begun {
-    /// Step at which it has begun.
-    pub(crate) step: u64,
-    /// Time step, s, of both runs.
-    time_step: f64,
-    /// Whether the schedule of each boundary begins then.
-    boundaries: Vec<bool>,
-    /// Whether that of gravity does.
-    gravity: bool,
-}
-
-impl Begun {
-    /// Gives the model the time step of the earlier run, and its schedules their beginning.
-    pub(crate) fn apply<const D: usize, const N: usize>(&self, model: &mut Model<D, N>) {
-        model.time.step = Some(self.time_step);
-        let start = self.step as f64 * self.time_step;
-        let from = |schedule: &mut Schedule| {
-            let own = std::mem::replace(schedule, Schedule::Constant);
-            *schedule = Schedule::From(start, Box::new(own));
-        };
-        for (boundary, _) in model.boundaries.iter_mut().zip(&self.boundaries).filter(|(_, begins)| **begins)
-        {
-            from(&mut boundary.schedule);
-        }
-        if self.gravity {
-            from(&mut model.gravity_schedule);
-        }
-    }
-}
 
 /// The end of an earlier run.
 pub(crate) struct Earlier<const D: usize, const N: usize> {
