@@ -95,7 +95,7 @@ fn what_is_wrong_with_a_set_is_told() {
             "open joints have no cohesion",
         ),
         ("lines = [[0, 0, 1, 1]]\nresidual_friction_angle = 40\n", "residual friction angle"),
-        ("lines = [[0, 0, 1, 1]]\ndilation_angle = 4\n", "unknown key"),
+        ("lines = [[0, 0, 1, 1]]\nswelling = 4\n", "unknown key"),
     ] {
         let text = with(keys);
         let errors = read(&text).unwrap_err();
