@@ -372,15 +372,7 @@ impl Checked<'_> {
             gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
             contact: file.contact,
             fracture: file.fracture,
-            time: TimeOptions {
-                step: match file.model.time_step {
-                    file::TimeStep::Seconds(step) => Some(step),
-                    file::TimeStep::Auto(_) => None,
-                },
-                safety: file.model.safety,
-                local_damping: file.model.local_damping,
-                energy_bound: file.model.energy_bound,
-            },
+            time: time_options(file),
         };
         let between: Vec<bool> = file.joint_set.iter().map(|set| set.between.is_some()).collect();
         let joint_sets = joint_sets::put(&mut model, &placed, &between, &mut warnings);
@@ -419,12 +411,7 @@ impl Checked<'_> {
         joined.map_err(|error| {
             vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error.to_string())]
         })?;
-        let Prepared { model, stages, until, servos, .. } = &prepared;
-        prepared.hash = if stages.is_empty() && until.is_none() && servos.is_empty() {
-            hash(model)
-        } else {
-            hash(&(model, stages, until, servos))
-        };
+        prepared.hash = hash_of(&prepared);
         Ok(prepared)
     }
 }
@@ -433,6 +420,32 @@ impl Checked<'_> {
 pub(crate) fn toml_tree(text: &str) -> (Spanned<DeTable<'_>>, Vec<Fault>) {
     let (document, faults) = Document::parse(text);
     (document.into_root(), faults)
+}
+
+/// Options of the integration in time.
+fn time_options(file: &ModelFile) -> TimeOptions {
+    TimeOptions {
+        step: match file.model.time_step {
+            file::TimeStep::Seconds(step) => Some(step),
+            file::TimeStep::Auto(_) => None,
+        },
+        safety: file.model.safety,
+        local_damping: file.model.local_damping,
+        energy_bound: file.model.energy_bound,
+    }
+}
+
+/// The hash of a model, and of what changes it during a run.
+fn hash_of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> String
+where
+    Model<D, N>: Serialize,
+{
+    let Prepared { model, stages, until, servos, .. } = prepared;
+    if stages.is_empty() && until.is_none() && servos.is_empty() {
+        hash(model)
+    } else {
+        hash(&(model, stages, until, servos))
+    }
 }
 
 /// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.

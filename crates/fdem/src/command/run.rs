@@ -506,7 +506,7 @@ where
         let step = self.run.steps();
         let mut values = None;
         for servo in &self.prepared.servos {
-            if !all && step % u64::from(servo.steps) != 0 {
+            if !all && !step.is_multiple_of(u64::from(servo.steps)) {
                 continue;
             }
             let values =

@@ -118,11 +118,14 @@ impl<const D: usize> Bonds<D> {
         for boundary in &mut model.boundaries {
             match &mut boundary.target {
                 Target::Nodes(nodes) => {
-                    *nodes =
-                        nodes.iter().map(|&node| first(node)).collect::<BTreeSet<u32>>().into_iter().collect()
+                    *nodes = nodes.iter().map(|&node| first(node)).collect();
+                    nodes.sort_unstable();
+                    nodes.dedup();
                 }
                 Target::Facets(facets) | Target::Held(facets, _) => {
-                    facets.iter_mut().for_each(|facet| *facet = facet.map(first));
+                    for facet in facets {
+                        *facet = facet.map(first);
+                    }
                 }
             }
         }
@@ -245,8 +248,8 @@ impl<const D: usize> Outside<D> {
                 return Err(place);
             }
         }
-        let unmatched = other.facets.iter().filter(|facet| !matched.contains(&sorted(facet.nodes)));
-        match unmatched.filter_map(|facet| self.inside(facet)).next() {
+        let mut unmatched = other.facets.iter().filter(|facet| !matched.contains(&sorted(facet.nodes)));
+        match unmatched.find_map(|facet| self.inside(facet)) {
             Some(place) => Err(place),
             None => Ok(found),
         }

@@ -159,7 +159,7 @@ pub struct General {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: f64,
-    /// Condition at which the run ends before its `end_time`, such as { column = "platen fy", share_of_peak = 0.5 }. Default: none.
+    /// Condition at which the run ends before its `end_time`, such as `{ column = "platen fy", share_of_peak = 0.5 }`. Default: none.
     #[serde(default)]
     pub until: Option<Until>,
     /// Error of the energy balance at which a run stops, as a share of the energy that has been exchanged. Default: 0.05.

@@ -81,7 +81,7 @@ pub(super) fn sudden(size: Size) -> Result<Vec<Outcome>, String> {
         schedule: Schedule::Constant,
     });
     let before = start(model)?;
-    let mut run = without_core(before, &core, None)?;
+    let mut run = without_core(&before, &core, None)?;
     advance_to(&mut run, REST * passage())?;
     let (a, b) = (HOLE * HOLE, PLATE * PLATE);
     let modulus = granite().youngs_modulus;
@@ -132,13 +132,13 @@ fn excavated(columns: usize) -> Result<Simulation, String> {
     let mut before = start(model)?;
     advance_to(&mut before, begin)?;
     let release = Schedule::Table(vec![[0.0, 1.0], [RELEASE * passage(), 0.0]]);
-    let mut run = without_core(before, &core, Some(release))?;
+    let mut run = without_core(&before, &core, Some(release))?;
     advance_to(&mut run, REST * passage())?;
     Ok(run)
 }
 
 /// The run without its core.
-fn without_core(run: Simulation, core: &[bool], release: Option<Schedule>) -> Result<Simulation, String> {
+fn without_core(run: &Simulation, core: &[bool], release: Option<Schedule>) -> Result<Simulation, String> {
     let text = |error: fdem_simulation::ModelError| error.to_string();
     let model = run.model().clone();
     let keep: Vec<bool> = core.iter().map(|core| !core).collect();

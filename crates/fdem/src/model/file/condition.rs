@@ -8,7 +8,7 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "until")]
 pub struct Until {
-    /// Column of the history: the name of a `[[history]]` and its part, such as "platen fy" or "axial strain", or a column of every history, such as "broken_joints".
+    /// Column of the history: the name of a `[[history]]` and its part, such as "platen fy" or "axial strain", or a column of every history, such as `broken_joints`.
     pub column: String,
     /// Met when the column is above this, in its unit.
     #[serde(default)]
