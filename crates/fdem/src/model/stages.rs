@@ -278,6 +278,14 @@ where
         let mut model = self.model.clone();
         model.time.local_damping = stage.local_damping;
         if !stage.materials.is_empty() {
+            let modulus = |material: u32| self.model.materials[material as usize].youngs_modulus;
+            // Initial stress is that of a strain, which stays.
+            for (element, stress) in model.stresses.iter_mut().enumerate() {
+                let [old, new] = [self.model.mesh.materials[element], stage.materials[element]].map(modulus);
+                if old != new {
+                    *stress = stress.map(|row| row.map(|part| part * (new / old)));
+                }
+            }
             model.mesh.materials.clone_from(&stage.materials);
         }
         let all = std::mem::take(&mut model.boundaries);

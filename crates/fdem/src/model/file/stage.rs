@@ -35,7 +35,7 @@ pub struct Stage {
     /// Names of bodies that appear at the beginning of the stage, with their `velocity` and without initial stress. Before it they are not there.
     #[serde(default)]
     pub activate: Vec<String>,
-    /// Materials of bodies from this stage on, `{ core = "soft rock" }`: the core of a tunnel is softened, ground is grouted. Strain stays, and stress follows the new stiffness; what that takes from the rest is released with `release`. A new material has the density of the old one.
+    /// Materials of bodies from this stage on, `{ core = "soft rock" }`: the core of a tunnel is softened, ground is grouted. Strain stays, and stress follows the new stiffness, initial stress by the ratio of Young's moduli; what that takes from the rest is released with `release`. A new material has the density of the old one.
     #[serde(default)]
     pub materials: BTreeMap<String, String>,
     /// Release of the forces with which vanished bodies and ended boundaries held the rest: the time within which they fall to 0, s, or a table [[time, factor], …], s from the beginning of the stage. A factor that stays above 0 leaves that share of the forces (the core of a tunnel that is only partly relieved), until a later stage with a `release` lets go of it. Default: at once.
