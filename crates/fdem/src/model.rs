@@ -384,6 +384,7 @@ impl Checked<'_> {
         }
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
+        conditions::warnings(&model, &servos, &own, &mut warnings);
         plausible::without_effect(file, document, &model, &mut warnings);
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
@@ -408,9 +409,7 @@ impl Checked<'_> {
             warnings,
         };
         let joined = bonds.join(&mut prepared);
-        joined.map_err(|error| {
-            vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error.to_string())]
-        })?;
+        joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
     }

@@ -1,6 +1,7 @@
 //! Model files: what is read, what is refused and how it is told, and the meshes.
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `bonds`: joint sets between bodies.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
@@ -20,8 +21,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
-#[path = "model/examples.rs"]
+#[path = "model/bonds.rs"]
 mod bonds;
+#[path = "model/examples.rs"]
 mod examples;
 #[path = "model/joint_sets.rs"]
 mod joint_sets;

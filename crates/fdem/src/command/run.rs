@@ -220,9 +220,14 @@ where
     }
     if (steps == step || reached.over) && arguments.options.animate.is_none() && folder.is_finished() {
         return print(&format!(
-            "nothing to do: the run in {place} is finished, {} s in {} steps; --end-time makes it longer\n",
+            "nothing to do: the run in {place} is finished, {} s in {} steps{}\n",
             brief(simulation.time()),
-            grouped(step)
+            grouped(step),
+            if reached.over {
+                ": its condition was met, or its last stage is over; `fdem run --from` begins with its end"
+            } else {
+                "; --end-time makes it longer"
+            }
         ));
     }
     let (recorder, _) = progress
@@ -361,6 +366,9 @@ where
             // A launcher may give little time: this is said before the drawings.
             self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
         }
+        if matches!(end, End::Finished) {
+            self.warn_of_the_unmet()?;
+        }
         let history = recorder.history()?;
         self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
         self.emission = Emission::of(&self.run, &self.prepared);
@@ -493,6 +501,33 @@ where
             self.reached.over = true;
             self.told.say(&format!("the run ends at {} s: {why}", brief(self.run.time())));
         }
+    }
+
+    /// Warns of conditions that were not met, stages that were not reached, and servos that are far from their targets at the end.
+    fn warn_of_the_unmet(&mut self) -> Result<(), Failure> {
+        let mut warnings = Vec::new();
+        if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
+            warnings.push(format!("until of [model], on {}, was not met", until.column));
+        }
+        warnings.extend(self.stages.as_ref().and_then(Stages::unreached));
+        let values = self.observer.values(&self.run, &self.prepared).concat();
+        for servo in &self.prepared.servos {
+            let boundary = &self.prepared.model.boundaries[servo.boundary];
+            let scale = boundary.schedule.factor(self.run.time());
+            let found = values[servo.place];
+            if servo.factor(found, scale).abs() >= 1.0 {
+                warnings.push(format!(
+                    "the servo \"{}\" has not held its target: {} and not {} at the end; see that its velocity has the right sign and is not too high",
+                    boundary.name,
+                    brief(found),
+                    brief(servo.target * scale)
+                ));
+            }
+        }
+        for warning in warnings {
+            self.told.say(&format!("warning: {warning}"));
+        }
+        Ok(())
     }
 
     /// The first step after this one at which a servo looks at its column.

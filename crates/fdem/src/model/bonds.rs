@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use fdem_mesh::{Simplex, bounds, sorted};
-use fdem_simulation::{Element, Kept, ModelError, Target};
+use fdem_simulation::{Element, Kept, Target};
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
@@ -15,6 +15,10 @@ use crate::model::joint_sets::Joints;
 use crate::model::placed::{self, Placed};
 use crate::model::prepared::Prepared;
 use crate::model::settings::Quantity;
+
+/// What to do where meshes do not fit together.
+const IN_THE_PLANE: &str = "give both the same mesh_size, one that divides the common sides into a whole number of parts; or make the two one body with a joint set along a line, or take a mesh file in which they share nodes";
+const IN_SPACE: &str = "faces of shapes seldom have the same triangles: make the two one body with a joint set on a polygon, or take a mesh file in which they share nodes";
 
 /// Distance up to which two nodes are one, over the longest edge of their facets.
 const NEAR: f64 = 1e-5;
@@ -41,6 +45,10 @@ impl<const D: usize> Bonds<D> {
     {
         let mut bonds = Self { sets: Vec::new(), merged: BTreeMap::new() };
         let mut outsides: BTreeMap<usize, Outside<D>> = BTreeMap::new();
+        let appears = |body: usize| {
+            let activates = |name: &String| placed::named(placed, file, name).contains(&body);
+            file.stage.iter().position(|stage| stage.activate.iter().any(activates))
+        };
         for (number, set) in file.joint_set.iter().enumerate() {
             let Some([one, other]) =
                 set.between.as_deref().and_then(|names| <&[String; 2]>::try_from(names).ok())
@@ -52,15 +60,15 @@ impl<const D: usize> Bonds<D> {
                 outsides.entry(body).or_insert_with(|| Outside::of(&placed[body]));
             }
             let (mut facets, mut bonded) = (Vec::new(), 0);
-            let mut pairs = BTreeSet::new();
-            for &a in &ones {
-                pairs.extend(others.iter().filter(|&&b| a != b).map(|&b| (a.min(b), a.max(b))));
-            }
-            let mut wrong = None;
+            let pairs = near(&outsides, &ones, &others);
+            let (mut wrong, mut apart) = (None, None);
             for (a, b) in pairs {
                 match outsides[&a].on(&outsides[&b]) {
                     Ok(found) => {
                         bonded += usize::from(!found.is_empty());
+                        if !found.is_empty() && appears(a) != appears(b) {
+                            apart = apart.or(Some((a, b)));
+                        }
                         for (first, second) in found {
                             bonds.merged.extend(second.into_iter().zip(first));
                             facets.push(first);
@@ -77,9 +85,19 @@ impl<const D: usize> Bonds<D> {
                     "[[joint_set]] \"{}\": the meshes of \"{}\" and \"{}\" do not fit together near {place:?}",
                     set.name, placed[a].name, placed[b].name
                 );
-                faults.push(Fault::at(span, message).label("bonds need common edges or faces").help(
-                    "give both the same mesh_size, one that divides the common sides into a whole number of parts; or make the two one body with a joint set along a line, or a mesh file in which they share nodes",
-                ));
+                faults.push(
+                    Fault::at(span, message).label("bonds need common edges or faces").help(if D == 2 {
+                        IN_THE_PLANE
+                    } else {
+                        IN_SPACE
+                    }),
+                );
+            } else if let Some((early, late)) = apart {
+                let message = format!(
+                    "[[joint_set]] \"{}\": \"{}\" and \"{}\" do not appear in the same stage",
+                    set.name, placed[early].name, placed[late].name
+                );
+                faults.push(Fault::at(span, message).label("bonded bodies appear together"));
             } else if facets.is_empty() {
                 let message = format!(
                     "[[joint_set]] \"{}\": \"{one}\" and \"{other}\" do not lie on each other",
@@ -94,9 +112,11 @@ impl<const D: usize> Bonds<D> {
 
     /// Makes bonded facets joints of their sets, and their nodes one.
     ///
+    /// A boundary on one of two bonded bodies leaves out their common nodes, which it would move in both.
+    ///
     /// # Errors
-    /// Those of the mesh.
-    pub(crate) fn join<const N: usize>(&self, prepared: &mut Prepared<D, N>) -> Result<(), ModelError>
+    /// Says which boundary is on nothing else, or which velocities differ.
+    pub(crate) fn join<const N: usize>(&self, prepared: &mut Prepared<D, N>) -> Result<(), String>
     where
         [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
     {
@@ -112,15 +132,45 @@ impl<const D: usize> Bonds<D> {
             node
         };
         let model = &mut prepared.model;
+        let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for &node in self.merged.keys() {
+            members.entry(first(node)).or_insert_with(|| vec![first(node)]).push(node);
+        }
+        let velocity = |node: u32| model.velocities.get(node as usize);
+        if let Some((node, _)) =
+            members.iter().find(|(_, all)| all.iter().any(|node| velocity(*node) != velocity(all[0])))
+        {
+            let place = model.mesh.nodes[*node as usize];
+            return Err(format!("bonded bodies begin with different velocities near {place:?}"));
+        }
         for nodes in &mut model.mesh.elements {
             *nodes = nodes.map(first);
         }
         for boundary in &mut model.boundaries {
             match &mut boundary.target {
                 Target::Nodes(nodes) => {
-                    *nodes = nodes.iter().map(|&node| first(node)).collect();
-                    nodes.sort_unstable();
-                    nodes.dedup();
+                    let all: BTreeSet<u32> = nodes.iter().copied().collect();
+                    let is_whole = |node: &u32| {
+                        members
+                            .get(&first(*node))
+                            .is_none_or(|members| members.iter().all(|node| all.contains(node)))
+                    };
+                    let kept: BTreeSet<u32> =
+                        all.iter().filter(|node| is_whole(node)).map(|&node| first(node)).collect();
+                    let left_out = all.iter().filter(|node| !is_whole(node)).count();
+                    if kept.is_empty() && left_out > 0 {
+                        return Err(format!(
+                            "[[boundary]] \"{}\" is on nodes of bonds alone, which belong to other bodies too",
+                            boundary.name
+                        ));
+                    }
+                    if left_out > 0 {
+                        prepared.warnings.push(format!(
+                            "[[boundary]] \"{}\" leaves out {left_out} nodes on bonds: they belong to other bodies too",
+                            boundary.name
+                        ));
+                    }
+                    *nodes = kept.into_iter().collect();
                 }
                 Target::Facets(facets) | Target::Held(facets, _) => {
                     for facet in facets {
@@ -139,7 +189,8 @@ impl<const D: usize> Bonds<D> {
             length.iter_mut().chain(area).for_each(|all| *all = measure);
             model.add_joints(*set, &facets);
         }
-        let Kept { model, nodes, .. } = model.keeping(&vec![true; model.mesh.elements.len()])?;
+        let Kept { model, nodes, .. } =
+            model.keeping(&vec![true; model.mesh.elements.len()]).map_err(|error| error.to_string())?;
         prepared.model = model;
         let number = |node: u32| nodes[first(node) as usize];
         for body in &mut prepared.bodies {
@@ -169,6 +220,31 @@ impl<const D: usize> Bonds<D> {
         }
         Ok(())
     }
+}
+
+/// Pairs of different bodies, one of each list, whose boxes are near each other along x.
+fn near<const D: usize>(
+    outsides: &BTreeMap<usize, Outside<D>>,
+    ones: &[usize],
+    others: &[usize],
+) -> BTreeSet<(usize, usize)> {
+    let reach = |body: &usize| {
+        let Outside { low, high, .. } = &outsides[body];
+        let slack = NEAR * (high[0] - low[0]);
+        [low[0] - slack, high[0] + slack]
+    };
+    let mut sorted: Vec<([f64; 2], usize)> = others.iter().map(|body| (reach(body), *body)).collect();
+    sorted.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    let widest = sorted.iter().map(|(reach, _)| reach[1] - reach[0]).fold(0.0, f64::max);
+    let mut pairs = BTreeSet::new();
+    for one in ones {
+        let [low, high] = reach(one);
+        let first = sorted.partition_point(|(reach, _)| reach[0] < low - widest);
+        let candidates = sorted[first..].iter().take_while(|(reach, _)| reach[0] <= high);
+        let touching = candidates.filter(|(reach, body)| reach[1] >= low && body != one);
+        pairs.extend(touching.map(|&(_, body)| (body.min(*one), body.max(*one))));
+    }
+    pairs
 }
 
 /// The range of ascending numbers without gaps; an empty one at the end if there are none.

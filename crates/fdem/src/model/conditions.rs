@@ -1,6 +1,11 @@
 //! What a run does when a column of its history says so: it ends, its stage ends, or a servo moves a boundary.
 
+use std::collections::BTreeSet;
+
+use fdem_io::numbers::brief;
+use fdem_mesh::Simplex;
 use fdem_results::history_columns;
+use fdem_simulation::{Load, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::model::curves::Columns;
@@ -138,6 +143,48 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 .label("0")
                 .help("the sign of the target says which way the velocity moves the column; a table of factors may lead the target through 0"),
             );
+        }
+    }
+}
+
+/// Force of the waves that a servo makes when it starts at full speed, over its band, from which on it swings about its target.
+const LOUD: f64 = 2.0;
+
+/// Warns of servos on a force that are too fast: the waves and the inertia of what they move are larger than their band. `own`: the columns of all `[[history]]` tables.
+pub(crate) fn warnings<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    servos: &[Servo],
+    own: &[String],
+    warnings: &mut Vec<String>,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for servo in servos.iter().filter(|servo| own[servo.place].ends_with("[N]")) {
+        let boundary = &model.boundaries[servo.boundary];
+        let Load::Velocity(velocity) = boundary.load else { continue };
+        let speed = velocity.iter().flatten().map(|v| v * v).sum::<f64>().sqrt();
+        let moved: BTreeSet<u32> = boundary.target.nodes().into_iter().collect();
+        let mut impedance = 0.0;
+        for (nodes, &material) in model.mesh.elements.iter().zip(&model.mesh.materials) {
+            let count = nodes.iter().filter(|node| moved.contains(node)).count();
+            if count > 0 {
+                let corners = nodes.map(|node| model.mesh.nodes[node as usize]);
+                let material = &model.materials[material as usize];
+                let measure = corners.measure();
+                // A row of nodes has half of the mass of a row of elements.
+                let mass = material.density * measure * model.thickness * count as f64 / N as f64;
+                let width = (2.0 * measure).powf(1.0 / D as f64);
+                impedance += 2.0 * mass * (material.youngs_modulus / material.density).sqrt() / width;
+            }
+        }
+        if impedance * speed > LOUD * servo.band {
+            warnings.push(format!(
+                "[[boundary]] \"{}\": at its velocity the servo makes waves of {} N, and its band is {} N: it will swing about its target; take at most {} m/s, or a wider band",
+                boundary.name,
+                brief(impedance * speed),
+                brief(servo.band),
+                brief(servo.band / impedance)
+            ));
         }
     }
 }

@@ -5,7 +5,7 @@ use fdem_mesh::bounds;
 use fdem_simulation::{Load, Material, Model};
 
 use crate::model::document::{Document, Table};
-use crate::model::file::{Body, Boundary, Component, ModelFile, Piece};
+use crate::model::file::{Body, Boundary, Component, ModelFile, Piece, Stage};
 
 /// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name, and its size in that unit.
 struct Range {
@@ -202,7 +202,8 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
         warnings.extend(idle(boundary).map(|what| format!("[[boundary]] \"{}\": {what}", boundary.name)));
     }
     for (number, material) in (0..).zip(&file.material) {
-        if !model.mesh.materials.contains(&number) {
+        let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);
+        if !model.mesh.materials.contains(&number) && !file.stage.iter().any(in_a_stage) {
             warnings.push(format!("[[material]] \"{}\" is that of no element", material.name));
         }
     }

@@ -177,6 +177,24 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
                     let span = document.value(table, &format!("materials.{body}"));
                     faults.push(Fault::at(span, message).label("not this density"));
                 }
+                let breaks = |material: u32| {
+                    file.material
+                        .get(material as usize)
+                        .is_some_and(|material| material.tensile_strength.is_some())
+                };
+                if let Some(&old) = part.iter().find(|&&old| breaks(old) && !breaks(material)) {
+                    let old = &file.material[old as usize].name;
+                    let message = format!(
+                        "[[stage]] \"{}\": \"{name}\" has no strengths, and \"{old}\" has: joints would have no law",
+                        stage.name
+                    );
+                    let span = document.value(table, &format!("materials.{body}"));
+                    faults.push(
+                        Fault::at(span, message)
+                            .label("without strengths")
+                            .help("give it strengths that nothing reaches"),
+                    );
+                }
                 part.fill(material);
             }
         }
@@ -265,6 +283,11 @@ where
             let run = self.at(&alone, 0.0).and_then(|present| Simulation::new(present.prepared.model, 1));
             let run = run.map_err(|error| format!("stage \"{}\": {error}", stage.name))?;
             least = least.min(run.critical_step().step);
+        }
+        if let Some(step) = self.model.time.step.filter(|step| *step > least) {
+            return Err(format!(
+                "its time_step of {step} s is longer than the critical one of its stages, {least:.4e} s"
+            ));
         }
         let step = self.model.time.step.unwrap_or(least * self.model.time.safety);
         self.model.time.step = Some(step);

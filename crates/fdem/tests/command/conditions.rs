@@ -139,6 +139,24 @@ fn a_run_ends_at_a_share_of_the_peak() {
     assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
 }
 
+/// What was asked for and did not happen is told at the end.
+#[test]
+fn what_was_not_reached_is_told() {
+    let bench = Bench::new();
+    bench.write(
+        "servo.toml",
+        SERVO
+            .replace("\"-200 kN\"", "\"200 kN\"")
+            .replace("end_time = 6e-3", "end_time = 1e-3\nuntil = { column = \"platen uy\", above = 1 }"),
+    );
+    let run = bench.run(&["run", "servo.toml", "-o", "one"]).succeeds();
+    for line in
+        ["until of [model], on platen uy [m], was not met", "the servo \"platen\" has not held its target"]
+    {
+        assert!(run.stderr.contains(line), "{line:?} is not in\n{}", run.stderr);
+    }
+}
+
 #[test]
 fn a_stage_ends_on_a_condition() {
     let bench = Bench::new();
@@ -183,6 +201,9 @@ fn conditions_and_servos_that_make_no_sense_are_refused() {
     wrong(BAR, "share_of_peak = 0.2", "share_of_peak = 1.2", &["share_of_peak"]);
     wrong(SERVO, "\"platen fy\"", "\"time\"", &["no column \"time\"", "platen"]);
     wrong(SERVO, "\"-200 kN\"", "0", &["is not 0"]);
+    bench.write("fast.toml", SERVO.replace("[0, -0.02]", "[0, -2]"));
+    let checked = bench.run(&["check", "fast.toml"]).succeeds();
+    assert!(checked.stdout.contains("makes waves of"), "{}", checked.stdout);
     wrong(SERVO, "velocity = [0, -0.02]", "force = [0, -1]", &["a servo needs a velocity"]);
     wrong(SERVO, "[0, -0.02]", "[\"free\", 0]", &["a servo needs a velocity"]);
 }

@@ -111,6 +111,20 @@ force = "push"
     assert!(run.stderr.contains("the body \"block\" is gone"), "{}", run.stderr);
 }
 
+/// Bonded bodies have common nodes, and go on all the same.
+#[test]
+fn bonded_bodies_go_on() {
+    let bench = Bench::new();
+    let bond = "[[joint_set]]\nname = \"bond\"\nbetween = [\"block\", \"cap\"]\nfriction_angle = 30\n\
+                [[body]]\nname = \"cap\"\nmaterial = \"rock\"\nrectangle = { min = [0, 0.101], max = [0.1, 0.151] }\nmesh_size = 0.025\nvelocity = [1, -8]\n";
+    bench.write("first.toml", CRASH.to_owned() + bond);
+    bench.write("long.toml", CRASH.replace("end_time = 1e-3", "end_time = 1.5e-3") + bond);
+    bench.run(&["run", "first.toml", "-o", "first", "-q"]).succeeds();
+    bench.run(&["run", "long.toml", "-o", "long", "-q"]).succeeds();
+    bench.run(&["run", "long.toml", "-o", "next", "--from", "first", "-q"]).succeeds();
+    assert_eq!(summary(&bench, "next")["state_hash"], summary(&bench, "long")["state_hash"]);
+}
+
 #[test]
 fn what_does_not_fit_to_the_other_run_is_refused() {
     let bench = Bench::new();
@@ -129,6 +143,8 @@ fn what_does_not_fit_to_the_other_run_is_refused() {
     wrong("end_time = 2e-3", "end_time = 2e-3\ntime_step = 1e-9", &["time step"]);
     wrong("gravity", "plane = \"strain\"\ngravity", &["plane"]);
     wrong("[output]", "[fracture]\ninsertion = \"intrinsic\"\n[output]", &["insertion"]);
+    let strengths = "tensile_strength = 1e6\ncohesion = 3e6\nfriction_angle = 30\nfracture_energy_i = 5\nfracture_energy_ii = 20\n";
+    wrong(strengths, "", &["\"rock\"", "lost its strengths"]);
     bench.write("long.toml", &long);
     bench
         .run(&["run", "long.toml", "-o", "out", "--from", "nothing"])

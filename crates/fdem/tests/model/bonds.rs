@@ -180,17 +180,82 @@ friction_angle = 30
     assert_eq!(run.fragments(), [0, 0]);
 }
 
+/// Motions of one body do not reach through a bond: a block that is drawn off along the bond slips with its friction, and one that is lifted off meets no force.
+#[test]
+fn boundaries_of_one_body_do_not_move_the_other() {
+    let weak = BLOCKS
+        .replace(
+            "tensile_strength = 1e6\ncohesion = 3e6\nfracture_energy_i = 20\nfracture_energy_ii = 100\n",
+            "",
+        )
+        .replace("side = \"bottom\"\nvelocity = [\"free\", -0.01]\nramp = 2e-4", "fixed = \"xy\"");
+    let pull = weak.replace("side = \"top\"\nvelocity = [\"free\", 0.01]", "velocity = [0, 0.01]");
+    let prepared = flat(&pull);
+    assert!(
+        prepared.warnings.iter().any(|warning| warning.contains("leaves out 9 nodes")),
+        "{:?}",
+        prepared.warnings
+    );
+    let mut run = Simulation::new(prepared.model, 1).expect("a model");
+    while run.time() < 1e-3 {
+        run.advance(20).expect("steps");
+    }
+    // Less than a thousandth of what it takes to strain the blocks as much.
+    let force = run.force(1).expect("a boundary")[1];
+    assert!(force.abs() < 1e3, "{force}");
+
+    let shear = weak.replace("velocity = [\"free\", 0.01]", "velocity = [0.05, \"free\"]")
+        + "\n[[boundary]]\nname = \"weight\"\nbody = \"upper\"\nside = \"top\"\npressure = 1e6\nramp = 2e-4\n";
+    let mut run = Simulation::new(flat(&shear.replace("end_time = 1e-3", "end_time = 5e-3")).model, 1)
+        .expect("a model");
+    let (mut sum, mut count) = (0.0, 0.0);
+    while run.time() < 5e-3 {
+        run.advance(20).expect("steps");
+        if run.time() > 3e-3 {
+            (sum, count) = (sum + run.force(1).expect("a boundary")[0], count + 1.0);
+        }
+    }
+    let expected = 1e6 * 0.1 * 30.0_f64.to_radians().tan();
+    assert!((sum / count / expected - 1.0).abs() < 0.05, "{} {expected}", sum / count);
+}
+
 #[test]
 fn bonds_that_make_no_sense_are_refused() {
     for (from, to, parts) in [
-        ("max = [0.1, 0.1] }\nmesh_size = 0.0125", "max = [0.1, 0.1] }\nmesh_size = 0.01", &["do not fit together", "\"lower\"", "same mesh_size"][..]),
+        (
+            "max = [0.1, 0.1] }\nmesh_size = 0.0125",
+            "max = [0.1, 0.1] }\nmesh_size = 0.01",
+            &["do not fit together", "\"lower\"", "same mesh_size"][..],
+        ),
         ("min = [0, 0.05]", "min = [0, 0.06]", &["do not lie on each other"]),
+        (
+            "mesh_size = 0.0125\n\n[[material]]",
+            "mesh_size = 0.0125\nvelocity = [0, 1]\n\n[[material]]",
+            &["different velocities"],
+        ),
+        (
+            "[[history]]",
+            "[[stage]]\nname = \"one\"\nduration = 1e-4\n[[stage]]\nname = \"two\"\nactivate = [\"upper\"]\n[[history]]",
+            &["do not appear in the same stage"],
+        ),
         ("friction_angle = 30", "friction_angle = 30\ndilation_angle = 40", &["dilation angle is above"]),
         ("friction_angle = 30", "friction_angle = 30\ndilation_slip = 1", &["goes with a dilation_angle"]),
-        ("between = [\"lower\", \"upper\"]", "between = [\"lower\", \"uper\"]", &["there is no body \"uper\"", "upper"]),
+        (
+            "between = [\"lower\", \"upper\"]",
+            "between = [\"lower\", \"uper\"]",
+            &["there is no body \"uper\"", "upper"],
+        ),
         ("between = [\"lower\", \"upper\"]", "between = [\"lower\"]", &["between"]),
-        ("between = [\"lower\", \"upper\"]", "between = [\"lower\", \"upper\"]\ndip = 3\nspacing = 1", &["given twice"]),
-        ("between = [\"lower\", \"upper\"]", "between = [\"lower\", \"upper\"]\nbodies = [\"upper\"]", &["names the bodies"]),
+        (
+            "between = [\"lower\", \"upper\"]",
+            "between = [\"lower\", \"upper\"]\ndip = 3\nspacing = 1",
+            &["given twice"],
+        ),
+        (
+            "between = [\"lower\", \"upper\"]",
+            "between = [\"lower\", \"upper\"]\nbodies = [\"upper\"]",
+            &["names the bodies"],
+        ),
     ] {
         assert!(BLOCKS.contains(from), "{from}");
         let message = match read(&BLOCKS.replacen(from, to, 1)) {

@@ -17,7 +17,7 @@ use crate::simplex::Simplex;
 use crate::simulation::{Actions, Simulation, State};
 use crate::sum::Sum;
 use crate::topology::NONE;
-use crate::vector::{Point, add, minus};
+use crate::vector::{Point, add, dot, minus};
 
 /// How a run goes on: see [`State::changed`].
 #[derive(Clone, Debug)]
@@ -126,6 +126,8 @@ where
         let kinetic = self.kinetic_of_half_step();
         // A reason to stop is found again in the next step.
         let _ = self.press(true);
+        // At the time of the positions, the velocity of a node has changed by half a step of its forces; those of loads have their work of that half step.
+        let impulses = self.impulses_of_half_step();
         let factor = self.model.gravity_schedule.factor(self.time());
         let force = |node: usize| {
             let mut force = force_on(node, &self.solid, &self.joints);
@@ -137,10 +139,25 @@ where
         let [mut energy, viscous] = self.solid.energies(&self.team);
         let seams = self.seams.energies(&self.solid.share);
         let contact = self.touching.energy.clone().unwrap_or_default();
-        for part in [kinetic, viscous, contact].iter().chain(&seams) {
+        for part in [kinetic, impulses, viscous, contact].iter().chain(&seams) {
             energy.add_sum(part);
         }
         Look { forces, energy }
+    }
+
+    /// Works in half a step of the forces on nodes, without those of loads, J.
+    fn impulses_of_half_step(&self) -> Sum {
+        let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
+        for ([_, corner], force) in self.loads.applied(&self.solid) {
+            let node = self.solid.corners.node_at(corner);
+            add(by_loads.entry(node).or_insert([0.0; D]), force, 1.0);
+        }
+        let of = |node: usize| {
+            let force = force_on(node, &self.solid, &self.joints);
+            let loads = by_loads.get(&(node as u32)).copied().unwrap_or([0.0; D]);
+            0.5 * self.scales.time_step * dot(minus(force, loads), self.solid.nodes[node].velocity)
+        };
+        (0..self.solid.nodes.len()).map(of).collect()
     }
 
     /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A node that is not on the surface has none.

@@ -182,3 +182,35 @@ fn changes_that_do_not_fit_are_refused() {
     assert!(refused((0..count as u32).map(|k| (k > 0).then_some(k)).collect()).contains("appears"));
     assert!(model.keeping(&[true]).is_err());
 }
+
+/// A bar that strikes a wall and becomes ten times softer meanwhile: what the change takes is external work, to the last half step.
+#[test]
+fn a_change_in_motion_keeps_the_balance() {
+    let mesh = rectangle([0.0, 0.0], [1.0, 0.1], 20, 2);
+    let wall = Boundary {
+        name: "wall".to_owned(),
+        target: Target::Nodes(nodes_where(&mesh, |[x, _]| x < 1e-9)),
+        load: Load::Velocity([Some(0.0), None]),
+        schedule: Schedule::Constant,
+    };
+    let hard = Model {
+        velocities: vec![[-1.0, 0.0]; mesh.nodes.len()],
+        materials: vec![granite()],
+        boundaries: vec![wall],
+        mesh,
+        ..Model::default()
+    };
+    let soft = Material { youngs_modulus: 0.1 * granite().youngs_modulus, ..granite() };
+    let mut run = Simulation::new(hard.clone(), 1).expect("a model");
+    run.advance(40).expect("steps");
+    let elements = (0..hard.mesh.elements.len() as u32).map(Some).collect();
+    let change = Change { model: Model { materials: vec![soft], ..hard.clone() }, elements, release: None };
+    let (model, state) = run.state().changed(&hard, change, 1).expect("a changed run");
+    let mut run = Simulation::resume(model, state, 1).expect("a run");
+    for _ in 0..20 {
+        run.advance(7).expect("steps");
+        let energies = run.energies();
+        assert!(energies.error().abs() < 1e-6, "{energies:?}");
+    }
+    assert!(run.energies().external < -1.0, "{:?}", run.energies());
+}

@@ -121,13 +121,26 @@ where
     ) -> Result<(Model<D, N>, State<D, N>, Vec<String>), String> {
         let (model, before) = (&prepared.model, &self.present.model);
         for (what, same) in [
-            ("plane and thickness", model.plane == before.plane && model.thickness == before.thickness),
+            ("plane or thickness", model.plane == before.plane && model.thickness == before.thickness),
             ("[fracture] insertion", model.fracture.insertion == before.fracture.insertion),
-            ("[[joint_set]] tables", names(&model.joint_sets) == names(&before.joint_sets)),
+            ("the list of [[joint_set]] tables", names(&model.joint_sets) == names(&before.joint_sets)),
         ] {
             if !same {
-                return Err(format!("{what} differ from those of the run in {}", self.place));
+                return Err(format!("{what} differs from that of the run in {}", self.place));
             }
+        }
+        let had = |name: &str| {
+            before
+                .materials
+                .iter()
+                .find(|other| other.name == name)
+                .is_some_and(|other| other.strength.is_some())
+        };
+        if let Some(lost) = model.materials.iter().find(|now| now.strength.is_none() && had(&now.name)) {
+            return Err(format!(
+                "the material \"{}\" has lost its strengths: joints of the run in {} would have no law; keep strengths that nothing reaches",
+                lost.name, self.place
+            ));
         }
         let mut elements = vec![None; model.mesh.elements.len()];
         let mut told = Vec::new();
@@ -198,20 +211,17 @@ fn list(names: &[&str]) -> String {
     if names.len() > 5 { format!("{} bodies", grouped(names.len() as u64)) } else { names.join(", ") }
 }
 
-/// Whether a body has the same mesh in two models.
+/// Whether a body has the same mesh in two models: elements in the same places.
 fn same_mesh<const D: usize, const N: usize>(
     (model, body): (&Model<D, N>, &Body),
     (other, there): (&Model<D, N>, &Body),
 ) -> bool {
-    let nodes = |model: &Model<D, N>, body: &Body| {
-        let range = body.nodes.start as usize..body.nodes.end as usize;
-        model.mesh.nodes[range].to_vec()
-    };
-    let elements = |model: &Model<D, N>, body: &Body| -> Vec<[u32; N]> {
+    let corners = |model: &Model<D, N>, body: &Body| -> Vec<[[f64; D]; N]> {
         let range = body.elements.start as usize..body.elements.end as usize;
-        model.mesh.elements[range].iter().map(|nodes| nodes.map(|node| node - body.nodes.start)).collect()
+        let of = |nodes: &[u32; N]| nodes.map(|node| model.mesh.nodes[node as usize]);
+        model.mesh.elements[range].iter().map(of).collect()
     };
-    nodes(model, body) == nodes(other, there) && elements(model, body) == elements(other, there)
+    corners(model, body) == corners(other, there)
 }
 
 /// The initial stresses of some elements; zeros are as none.

@@ -107,6 +107,12 @@ where
         self.entered.stage() + 1 == self.whole.stages.len()
     }
 
+    /// Says which stage was not reached, if one was not.
+    pub(crate) fn unreached(&self) -> Option<String> {
+        let next = self.whole.stages.get(self.entered.stage() + 1)?;
+        Some(format!("the run ended before the stage \"{}\"", next.name))
+    }
+
     /// Enters the next stage with a run that is in a state after a step. Returns what is there, and the run that goes on.
     pub(crate) fn next(
         &mut self,
