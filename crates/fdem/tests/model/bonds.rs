@@ -23,6 +23,8 @@ name = "rock"
 density = 2700
 youngs_modulus = 30e9
 poissons_ratio = 0
+damping = 0.5
+friction = 0.577
 
 [[joint_set]]
 name = "mortar"
@@ -30,21 +32,21 @@ between = ["lower", "upper"]
 friction_angle = 30
 tensile_strength = 1e6
 cohesion = 3e6
-fracture_energy_i = 20
-fracture_energy_ii = 100
+fracture_energy_i = 1
+fracture_energy_ii = 5
 
 [[boundary]]
 name = "down"
 body = "lower"
 side = "bottom"
-velocity = ["free", -0.01]
+velocity = ["free", -0.004]
 ramp = 2e-4
 
 [[boundary]]
 name = "up"
 body = "upper"
 side = "top"
-velocity = ["free", 0.01]
+velocity = ["free", 0.004]
 ramp = 2e-4
 
 [[history]]
@@ -129,13 +131,13 @@ fn bonded_blocks_part_at_the_strength_of_the_bond() {
     let mut run = Simulation::new(prepared.model, 1).expect("a model");
     assert_eq!(run.fragments().iter().max(), Some(&0));
     let mut peak = 0.0_f64;
-    while run.time() < 1e-3 {
+    while run.time() < 3e-3 {
         run.advance(5).expect("steps");
         peak = peak.max(run.force(1).expect("a boundary")[1]);
     }
     assert!((peak / 1e5 - 1.0).abs() < 0.05, "{peak}");
     assert_eq!(run.fragments().iter().max(), Some(&1));
-    assert!(run.energies().error().abs() < 1e-6, "{:?}", run.energies());
+    assert!(run.energies().error().abs() < 1e-4, "{:?}", run.energies());
 }
 
 /// Bricks in a bond: each rests on two of the row below, and copies of a body have joints with each other.
@@ -185,11 +187,11 @@ friction_angle = 30
 fn boundaries_of_one_body_do_not_move_the_other() {
     let weak = BLOCKS
         .replace(
-            "tensile_strength = 1e6\ncohesion = 3e6\nfracture_energy_i = 20\nfracture_energy_ii = 100\n",
+            "tensile_strength = 1e6\ncohesion = 3e6\nfracture_energy_i = 1\nfracture_energy_ii = 5\n",
             "",
         )
-        .replace("side = \"bottom\"\nvelocity = [\"free\", -0.01]\nramp = 2e-4", "fixed = \"xy\"");
-    let pull = weak.replace("side = \"top\"\nvelocity = [\"free\", 0.01]", "velocity = [0, 0.01]");
+        .replace("side = \"bottom\"\nvelocity = [\"free\", -0.004]\nramp = 2e-4", "fixed = \"xy\"");
+    let pull = weak.replace("side = \"top\"\nvelocity = [\"free\", 0.004]", "velocity = [0, 0.01]");
     let prepared = flat(&pull);
     assert!(
         prepared.warnings.iter().any(|warning| warning.contains("leaves out 9 nodes")),
@@ -204,7 +206,7 @@ fn boundaries_of_one_body_do_not_move_the_other() {
     let force = run.force(1).expect("a boundary")[1];
     assert!(force.abs() < 1e3, "{force}");
 
-    let shear = weak.replace("velocity = [\"free\", 0.01]", "velocity = [0.05, \"free\"]")
+    let shear = weak.replace("velocity = [\"free\", 0.004]", "velocity = [0.05, \"free\"]")
         + "\n[[boundary]]\nname = \"weight\"\nbody = \"upper\"\nside = \"top\"\npressure = 1e6\nramp = 2e-4\n";
     let mut run = Simulation::new(flat(&shear.replace("end_time = 1e-3", "end_time = 5e-3")).model, 1)
         .expect("a model");
