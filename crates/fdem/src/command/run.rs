@@ -367,7 +367,7 @@ where
             self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
         }
         if matches!(end, End::Finished) {
-            self.warn_of_the_unmet()?;
+            self.warn_of_the_unmet();
         }
         let history = recorder.history()?;
         self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
@@ -504,7 +504,7 @@ where
     }
 
     /// Warns of conditions that were not met, stages that were not reached, and servos that are far from their targets at the end.
-    fn warn_of_the_unmet(&mut self) -> Result<(), Failure> {
+    fn warn_of_the_unmet(&mut self) {
         let mut warnings = Vec::new();
         if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
             warnings.push(format!("until of [model], on {}, was not met", until.column));
@@ -527,7 +527,6 @@ where
         for warning in warnings {
             self.told.say(&format!("warning: {warning}"));
         }
-        Ok(())
     }
 
     /// The first step after this one at which a servo looks at its column.

@@ -138,6 +138,51 @@ fn is_within<const D: usize>(limits: &[f64], point: [f64; D]) -> bool {
     (0..D).all(|axis| limits[axis] <= point[axis] && point[axis] <= limits[D + axis])
 }
 
+/// Gives the elements of bodies the materials of a stage.
+fn change_materials(
+    file: &ModelFile,
+    document: &Document<'_>,
+    index: usize,
+    elements_of: &dyn Fn(&[String]) -> Vec<Range<usize>>,
+    of_elements: &mut [u32],
+    faults: &mut Vec<Fault>,
+) {
+    let (stage, table) = (&file.stage[index], Table::of("stage", index));
+    for (body, name) in &stage.materials {
+        let Ok(material) = materials::number(file, name) else { continue };
+        let density = |material: u32| file.material.get(material as usize).map(|material| material.density);
+        for range in elements_of(std::slice::from_ref(body)) {
+            let part = &mut of_elements[range];
+            if let Some(&old) = part.iter().find(|&&old| density(old) != density(material)) {
+                let old = &file.material[old as usize].name;
+                let message =
+                    format!("[[stage]] \"{}\": \"{name}\" has another density than \"{old}\"", stage.name);
+                let span = document.value(table, &format!("materials.{body}"));
+                faults.push(Fault::at(span, message).label("not this density"));
+            }
+            let breaks = |material: u32| {
+                file.material
+                    .get(material as usize)
+                    .is_some_and(|material| material.tensile_strength.is_some())
+            };
+            if let Some(&old) = part.iter().find(|&&old| breaks(old) && !breaks(material)) {
+                let old = &file.material[old as usize].name;
+                let message = format!(
+                    "[[stage]] \"{}\": \"{name}\" has no strengths, and \"{old}\" has: joints would have no law",
+                    stage.name
+                );
+                let span = document.value(table, &format!("materials.{body}"));
+                faults.push(
+                    Fault::at(span, message)
+                        .label("without strengths")
+                        .help("give it strengths that nothing reaches"),
+                );
+            }
+            part.fill(material);
+        }
+    }
+}
+
 /// The stages of a model; none if its file has none.
 pub(crate) fn resolve<const D: usize, const N: usize>(
     file: &ModelFile,
@@ -162,42 +207,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
         for range in of(&stage.excavate) {
             there[range].fill(false);
         }
-        for (body, name) in &stage.materials {
-            let Ok(material) = materials::number(file, name) else { continue };
-            let density =
-                |material: u32| file.material.get(material as usize).map(|material| material.density);
-            for range in of(std::slice::from_ref(body)) {
-                let part = &mut of_elements[range];
-                if let Some(&old) = part.iter().find(|&&old| density(old) != density(material)) {
-                    let old = &file.material[old as usize].name;
-                    let message = format!(
-                        "[[stage]] \"{}\": \"{name}\" has another density than \"{old}\"",
-                        stage.name
-                    );
-                    let span = document.value(table, &format!("materials.{body}"));
-                    faults.push(Fault::at(span, message).label("not this density"));
-                }
-                let breaks = |material: u32| {
-                    file.material
-                        .get(material as usize)
-                        .is_some_and(|material| material.tensile_strength.is_some())
-                };
-                if let Some(&old) = part.iter().find(|&&old| breaks(old) && !breaks(material)) {
-                    let old = &file.material[old as usize].name;
-                    let message = format!(
-                        "[[stage]] \"{}\": \"{name}\" has no strengths, and \"{old}\" has: joints would have no law",
-                        stage.name
-                    );
-                    let span = document.value(table, &format!("materials.{body}"));
-                    faults.push(
-                        Fault::at(span, message)
-                            .label("without strengths")
-                            .help("give it strengths that nothing reaches"),
-                    );
-                }
-                part.fill(material);
-            }
-        }
+        change_materials(file, document, index, &of, &mut of_elements, faults);
         for (entry, limits) in stage.excavate_boxes.iter().enumerate() {
             if limits.len() != 2 * D {
                 faults.push(
