@@ -199,7 +199,7 @@ fn no_text_makes_the_parser_panic() {
     assert!(right > 500, "only {right} texts were right");
 }
 
-/// Every number of the schema says its unit; a whole number is a count where it says none.
+/// Every number of the schema says its unit, if it has always the same; a whole number is a count where it says none.
 #[test]
 fn every_number_of_the_schema_has_a_unit() {
     fn look(
@@ -240,5 +240,8 @@ fn every_number_of_the_schema_has_a_unit() {
     let (mut wrong, mut count) = (Vec::new(), 0);
     look(schema::evaluated(), schema::evaluated(), None, "", &mut wrong, &mut count);
     assert!(count > 100, "only {count} numbers");
+    // These are in the unit of a column of the history.
+    let of_columns = ["until.above", "until.below", "until.least_peak", "servo.target"];
+    wrong.retain(|path| !of_columns.iter().any(|key| path.ends_with(key)));
     assert!(wrong.is_empty(), "these need an \"x-unit\" in SI units, or \"1\": {}", wrong.join(", "));
 }
