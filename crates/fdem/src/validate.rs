@@ -36,7 +36,7 @@ pub(crate) use page::{html, table};
 /// Size of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Size {
-    /// Smallest models for which the theory holds: all cases take a minute or two.
+    /// Smallest models for which the theory holds: all cases take some minutes.
     Reduced,
     /// Finer models and more variants: all cases take an hour or more.
     Full,
