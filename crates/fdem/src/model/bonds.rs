@@ -28,7 +28,7 @@ const NEAR: f64 = 1e-5;
 pub(crate) struct Bonds<const D: usize> {
     /// For each joint set with bonds: its number, the number of pairs of bodies, and the bonded facets, by the nodes of the body that comes first.
     sets: Vec<(u32, usize, Vec<[u32; D]>)>,
-    /// The node that each node of a second body becomes.
+    /// A node before it that each merged node lies on.
     merged: BTreeMap<u32, u32>,
 }
 
@@ -70,7 +70,7 @@ impl<const D: usize> Bonds<D> {
                             apart = apart.or(Some((a, b)));
                         }
                         for (first, second) in found {
-                            bonds.merged.extend(second.into_iter().zip(first));
+                            first.into_iter().zip(second).for_each(|pair| bonds.merge(pair));
                             facets.push(first);
                         }
                     }
@@ -110,6 +110,22 @@ impl<const D: usize> Bonds<D> {
         bonds
     }
 
+    /// The node that a node becomes: the first of all that lie on each other. Three bodies and more may meet there, whether or not each two of them are bonded.
+    fn first(&self, mut node: u32) -> u32 {
+        while let Some(&other) = self.merged.get(&node) {
+            node = other;
+        }
+        node
+    }
+
+    /// Makes two nodes one.
+    fn merge(&mut self, (one, other): (u32, u32)) {
+        let [one, other] = [one, other].map(|node| self.first(node));
+        if one != other {
+            self.merged.insert(one.max(other), one.min(other));
+        }
+    }
+
     /// Makes bonded facets joints of their sets, and their nodes one.
     ///
     /// A boundary on one of two bonded bodies leaves out their common nodes, which it would move in both.
@@ -123,14 +139,7 @@ impl<const D: usize> Bonds<D> {
         if self.sets.is_empty() {
             return Ok(());
         }
-        // Three bodies may meet in a node.
-        let first = |node: u32| {
-            let mut node = node;
-            while let Some(&other) = self.merged.get(&node) {
-                node = other;
-            }
-            node
-        };
+        let first = |node: u32| self.first(node);
         let model = &mut prepared.model;
         let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for &node in self.merged.keys() {
@@ -187,7 +196,9 @@ impl<const D: usize> Bonds<D> {
             let Joints { facets: count, joints, length, area, .. } = &mut prepared.joint_sets[*set as usize];
             (*count, *joints) = (facets.len(), *pairs);
             length.iter_mut().chain(area).for_each(|all| *all = measure);
-            model.add_joints(*set, &facets);
+            if model.add_joints(*set, &facets) != facets.len() {
+                return Err("bonds are not between two elements each: bodies lie on each other".to_owned());
+            }
         }
         let Kept { model, nodes, .. } =
             model.keeping(&vec![true; model.mesh.elements.len()]).map_err(|error| error.to_string())?;

@@ -149,6 +149,9 @@ fn bricks_of_a_wall_are_bonded_to_their_neighbours() {
     assert_eq!((beds.joints, beds.facets), (15, 30));
     assert!((beds.length.unwrap_or_default() - 3.0).abs() < 1e-9, "{beds:?}");
     assert_eq!((heads.joints, heads.facets), (4, 8));
+    // Each facet is one of two elements, also where two bricks without a bond meet on a third one.
+    let of_sets = prepared.model.joint_facets.iter().flatten().filter(|set| **set != u32::MAX).count();
+    assert_eq!(of_sets, 2 * (30 + 8));
     let run = Simulation::new(prepared.model, 1).expect("a model");
     assert_eq!(run.fragments().iter().max(), Some(&0));
 }
