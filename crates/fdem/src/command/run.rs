@@ -251,7 +251,7 @@ fn default_folder(model: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// What a run keeps of its parts before an interruption, besides its state.
+/// Account, intervals and conditions that a resumed run takes over, besides its state.
 struct Before {
     account: Account,
     /// Time between frames and time between rows of the history, s.
@@ -271,7 +271,7 @@ where
     prepared: Prepared<D, N>,
     /// `None` if the run is one.
     stages: Option<Stages<D, N>>,
-    /// How far the conditions that end the run and the stage have come.
+    /// Peaks of the conditions that end the run and the stage, and whether the run is over.
     reached: Reached,
     run: Engine<'c, D, N>,
     observer: Observer,

@@ -16,7 +16,7 @@ use crate::model::placed::{self, Placed};
 use crate::model::prepared::Prepared;
 use crate::model::settings::Quantity;
 
-/// What to do where meshes do not fit together.
+/// Advice for meshes that do not fit together.
 const IN_THE_PLANE: &str = "give both the same mesh_size, one that divides the common sides into a whole number of parts; or make the two one body with a joint set along a line, or take a mesh file in which they share nodes";
 const IN_SPACE: &str = "faces of shapes seldom have the same triangles: make the two one body with a joint set on a polygon, or take a mesh file in which they share nodes";
 

@@ -1,4 +1,4 @@
-//! What a run does when a column of its history says so: it ends, its stage ends, or a servo moves a boundary.
+//! Conditions on a column of the history, which end a run or a stage, and servos, which move a boundary by it.
 
 use std::collections::BTreeSet;
 
@@ -40,7 +40,7 @@ pub enum Bound {
     },
 }
 
-/// How far the conditions of a run have come.
+/// Peaks of the conditions of a run, and whether it is over.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reached {
     /// Whether the run is over before its end time.

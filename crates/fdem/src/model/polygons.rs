@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::model::polylines::rows;
+
 /// Corners of a polygon in order, m.
 pub(crate) type Polygon = Vec<[f64; 3]>;
 
@@ -19,7 +21,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Polygon>, String> {
         let mut polygons = Vec::new();
         geojson(&value, &mut polygons).map(|()| polygons)
     } else {
-        rows(text)
+        rows(text, corners, "x1,y1,z1,x2,y2,z2,x3,y3,z3,…")
     };
     let polygons = polygons.map_err(|why| format!("{name}: {why}"))?;
     if polygons.is_empty() {
@@ -43,26 +45,6 @@ fn open(mut corners: Polygon) -> Polygon {
         corners.pop();
     }
     corners
-}
-
-/// One polygon a row. A first row of words is a heading.
-fn rows(text: &str) -> Result<Vec<Polygon>, String> {
-    let mut polygons = Vec::new();
-    for (number, row) in (1..).zip(text.lines()) {
-        let row = row.split('#').next().unwrap_or_default().trim();
-        if row.is_empty() {
-            continue;
-        }
-        let cells =
-            row.split(|c: char| ",;".contains(c) || c.is_whitespace()).filter(|cell| !cell.is_empty());
-        let numbers: Result<Vec<f64>, _> = cells.map(str::parse).collect();
-        match numbers.ok().and_then(|numbers| corners(&numbers)) {
-            Some(polygon) => polygons.push(polygon),
-            None if number == 1 && row.chars().any(char::is_alphabetic) => {}
-            None => return Err(format!("row {number} is not x1,y1,z1,x2,y2,z2,x3,y3,z3,…: {row:.60}")),
-        }
-    }
-    Ok(polygons)
 }
 
 /// Adds the polygons of all geometries.

@@ -18,7 +18,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> 
         let mut chains = Vec::new();
         geojson(&value, &mut chains).map(|()| chains)
     } else {
-        rows(text)
+        rows(text, points, "x1,y1,x2,y2,…")
     };
     let chains = chains.map_err(|why| format!("{name}: {why}"))?;
     let lines: Vec<[Point; 2]> =
@@ -38,9 +38,9 @@ pub(crate) fn points(numbers: &[f64]) -> Option<Vec<Point>> {
     whole.then(|| numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
 }
 
-/// One polyline a row. A first row of words is a heading.
-fn rows(text: &str) -> Result<Vec<Vec<Point>>, String> {
-    let mut chains = Vec::new();
+/// One polyline or polygon a row, which `of` makes of its numbers. A first row of words is a heading. `form`: what a row is, for messages.
+pub(crate) fn rows<T>(text: &str, of: impl Fn(&[f64]) -> Option<T>, form: &str) -> Result<Vec<T>, String> {
+    let mut found = Vec::new();
     for (number, row) in (1..).zip(text.lines()) {
         let row = row.split('#').next().unwrap_or_default().trim();
         if row.is_empty() {
@@ -49,14 +49,13 @@ fn rows(text: &str) -> Result<Vec<Vec<Point>>, String> {
         let cells =
             row.split(|c: char| ",;".contains(c) || c.is_whitespace()).filter(|cell| !cell.is_empty());
         let numbers: Result<Vec<f64>, _> = cells.map(str::parse).collect();
-        let chain = numbers.ok().and_then(|numbers| points(&numbers));
-        match chain {
-            Some(chain) => chains.push(chain),
+        match numbers.ok().and_then(|numbers| of(&numbers)) {
+            Some(one) => found.push(one),
             None if number == 1 && row.chars().any(char::is_alphabetic) => {}
-            None => return Err(format!("row {number} is not x1,y1,x2,y2,…: {row:.60}")),
+            None => return Err(format!("row {number} is not {form}: {row:.60}")),
         }
     }
-    Ok(chains)
+    Ok(found)
 }
 
 /// Adds the lines of all geometries.

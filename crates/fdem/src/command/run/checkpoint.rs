@@ -24,7 +24,7 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     pub(crate) intervals: [f64; 2],
     /// The stages so far; none if the run is one.
     pub(crate) entered: Entered<D>,
-    /// How far the conditions that end the run and its stages have come.
+    /// Peaks of the conditions that end the run and its stages, and whether the run is over.
     pub(crate) reached: Reached,
     /// When it has begun from another run.
     pub(crate) begun: Option<Begun>,

@@ -25,7 +25,7 @@ pub(crate) struct Earlier<const D: usize, const N: usize> {
     place: String,
     /// All of its model.
     whole: Prepared<D, N>,
-    /// What was there at its end.
+    /// The part of its model that was there at its end.
     present: Prepared<D, N>,
     state: State<D, N>,
     time_step: f64,
@@ -81,7 +81,7 @@ where
         self.state.step() as f64 * self.time_step
     }
 
-    /// How the run of a model begins now.
+    /// Step and schedules with which the run of a model begins now.
     pub(crate) fn begun(&self, prepared: &Prepared<D, N>) -> Result<Begun, String> {
         let (model, before) = (&prepared.model, &self.whole.model);
         if let Some(step) = model.time.step.filter(|step| *step != self.time_step) {
@@ -230,7 +230,7 @@ fn stresses<const D: usize, const N: usize>(model: &Model<D, N>, range: Range<u3
     range.map(of).collect()
 }
 
-/// What differs between two models, besides their bodies, in words.
+/// Materials and boundaries that differ between two models, in words.
 fn changes<const D: usize, const N: usize>(model: &Model<D, N>, before: &Model<D, N>) -> Vec<String> {
     let mut told = Vec::new();
     for material in &model.materials {
