@@ -44,6 +44,7 @@ mod summary;
 pub mod sweep;
 mod tables;
 mod templates;
+mod threads;
 mod validate;
 mod verify;
 

@@ -99,9 +99,10 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 #[pymethods]
 impl PyRun {
     #[new]
-    fn new(py: Python<'_>, model: &PyReady, threads: usize) -> PyResult<Self> {
+    #[pyo3(signature = (model, threads, earlier))]
+    fn new(py: Python<'_>, model: &PyReady, threads: usize, earlier: Option<PathBuf>) -> PyResult<Self> {
         let ready = model.0.clone();
-        py.detach(|| ready.begin(threads)).map(Self).map_err(PyValueError::new_err)
+        py.detach(|| ready.begin(threads, earlier.as_deref())).map(Self).map_err(PyValueError::new_err)
     }
 
     #[staticmethod]
@@ -109,14 +110,14 @@ impl PyRun {
         py.detach(|| AnySession::resume(&path, threads)).map(Self).map_err(PyValueError::new_err)
     }
 
-    /// Takes so many steps without the interpreter's lock. Between two of them it runs the handlers of signals; where one raises, the run stays at that step.
+    /// Takes so many steps, or fewer if the run is over before, without the interpreter's lock. Between two of them it runs the handlers of signals; where one raises, the run stays at that step.
     fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<()> {
         let (mut left, mut slice) = (steps, 1);
-        while left > 0 {
+        while left > 0 && !self.is_over() {
             let now = slice.min(left);
             let start = Instant::now();
-            let done = py.detach(|| both!(&mut self.0, session => session.run.advance(now)));
-            done.map_err(|stop| PyRuntimeError::new_err(stop.to_string()))?;
+            let done = py.detach(|| both!(&mut self.0, session => session.advance(now)));
+            done.map_err(PyRuntimeError::new_err)?;
             left -= now;
             let each = (start.elapsed().as_secs_f64() / now as f64).max(1e-9);
             slice = ((SLICE.as_secs_f64() / each) as u64).clamp(1, 10 * now);
@@ -126,13 +127,29 @@ impl PyRun {
     }
 
     #[getter]
+    fn is_over(&self) -> bool {
+        both!(&self.0, session => session.is_over())
+    }
+
+    #[getter]
+    fn stage(&self) -> Option<&str> {
+        both!(&self.0, session => session.stage())
+    }
+
+    /// What the run has taken over, how its stages have ended, and why it is over.
+    #[getter]
+    fn told(&self) -> Vec<String> {
+        both!(&self.0, session => session.told().to_vec())
+    }
+
+    #[getter]
     fn text(&self) -> &str {
         both!(&self.0, session => &session.source.text)
     }
 
     #[getter]
     fn steps(&self) -> u64 {
-        both!(&self.0, session => session.run.steps())
+        both!(&self.0, session => session.run().steps())
     }
 
     #[getter]
@@ -142,17 +159,17 @@ impl PyRun {
 
     #[getter]
     fn time(&self) -> f64 {
-        both!(&self.0, session => session.run.time())
+        both!(&self.0, session => session.run().time())
     }
 
     #[getter]
     fn time_step(&self) -> f64 {
-        both!(&self.0, session => session.run.time_step())
+        both!(&self.0, session => session.run().time_step())
     }
 
     #[getter]
     fn threads(&self) -> usize {
-        both!(&self.0, session => session.run.threads())
+        both!(&self.0, session => session.run().threads())
     }
 
     #[getter]
@@ -161,34 +178,34 @@ impl PyRun {
     }
 
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        described(py, both!(&self.0, session => about(&session.prepared)))
+        described(py, both!(&self.0, session => about(session.prepared())))
     }
 
     /// Positions, motion, stress, fragments and joints now, as arrays that nothing else uses.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.0 {
-            AnySession::Plane(session) => snapshot(py, py.detach(|| session.run.snapshot())),
-            AnySession::Space(session) => snapshot(py, py.detach(|| session.run.snapshot())),
+            AnySession::Plane(session) => snapshot(py, py.detach(|| session.run().snapshot())),
+            AnySession::Space(session) => snapshot(py, py.detach(|| session.run().snapshot())),
         }
     }
 
     /// Forces of contacts, and of boundaries on nodes, at the beginning of the last step.
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.0 {
-            AnySession::Plane(session) => forces(py, py.detach(|| session.run.forces())),
-            AnySession::Space(session) => forces(py, py.detach(|| session.run.forces())),
+            AnySession::Plane(session) => forces(py, py.detach(|| session.run().forces())),
+            AnySession::Space(session) => forces(py, py.detach(|| session.run().forces())),
         }
     }
 
     fn energies(&self) -> Vec<(&'static str, f64)> {
-        let energies = both!(&self.0, session => session.run.energies());
+        let energies = both!(&self.0, session => session.run().energies());
         let terms = energies.terms().into_iter().map(|term| (term.key, term.value));
         terms.chain([("balance", energies.balance()), ("error", energies.error())]).collect()
     }
 
     fn counts(&self) -> Vec<(&'static str, u64)> {
-        let counts = both!(&self.0, session => session.run.counts());
-        let elements = both!(&self.0, session => session.run.model().mesh.elements.len());
+        let counts = both!(&self.0, session => session.run().counts());
+        let elements = both!(&self.0, session => session.run().model().mesh.elements.len());
         vec![
             ("elements", elements as u64),
             ("nodes", counts.nodes as u64),
@@ -202,8 +219,8 @@ impl PyRun {
     /// The force of each boundary on the bodies at the beginning of the last step.
     fn boundary_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        both!(&self.0, session => for (number, boundary) in session.run.model().boundaries.iter().enumerate() {
-            let force = session.run.force(number).map_or_else(Vec::new, |force| force.to_vec());
+        both!(&self.0, session => for (number, boundary) in session.run().model().boundaries.iter().enumerate() {
+            let force = session.run().force(number).map_or_else(Vec::new, |force| force.to_vec());
             dict.set_item(&boundary.name, column(py, force))?;
         });
         Ok(dict)
@@ -215,7 +232,8 @@ impl PyRun {
         vectors: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let nodes = nodes.as_slice()?;
-        both!(&mut self.0, session => session.run.set_velocities(nodes, rows_of(&vectors)?)).map_err(wrong)
+        both!(&mut self.0, session => session.run_mut().set_velocities(nodes, rows_of(&vectors)?))
+            .map_err(wrong)
     }
 
     fn set_forces(
@@ -224,15 +242,15 @@ impl PyRun {
         vectors: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let nodes = nodes.as_slice()?;
-        both!(&mut self.0, session => session.run.set_forces(nodes, rows_of(&vectors)?)).map_err(wrong)
+        both!(&mut self.0, session => session.run_mut().set_forces(nodes, rows_of(&vectors)?)).map_err(wrong)
     }
 
     fn clear_forces(&mut self) {
-        both!(&mut self.0, session => session.run.clear_forces());
+        both!(&mut self.0, session => session.run_mut().clear_forces());
     }
 
     fn set_boundary(&mut self, number: usize, factor: Option<f64>) -> PyResult<()> {
-        both!(&mut self.0, session => session.run.set_factor(number, factor)).map_err(wrong)
+        both!(&mut self.0, session => session.run_mut().set_factor(number, factor)).map_err(wrong)
     }
 
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
@@ -248,7 +266,7 @@ impl PyRun {
         field: Option<&str>,
         width: Option<u32>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let first = || both!(&self.0, session => session.prepared.output.fields.first().copied());
+        let first = || both!(&self.0, session => session.prepared().output.fields.first().copied());
         let field = match field {
             None => first().unwrap_or(Field::MaxPrincipal),
             Some(name) => Field::ALL.into_iter().find(|field| field.key() == name).ok_or_else(|| {

@@ -68,6 +68,88 @@ def torn(command, tmp_path_factory):
     return folder / "torn"
 
 
+# Two bars end to end that are squeezed by a servo; then one of them vanishes; then the other is pulled until it has moved.
+STAGED = {
+    "model": {"end_time": 2e-3, "gravity": "none", "local_damping": 0.2},
+    "body": [
+        {"name": "left", "material": "steel", "rectangle": {"min": [0, 0], "max": [0.5, 0.1]}, "mesh_size": 0.05},
+        {"name": "right", "material": "steel", "rectangle": {"min": [0.5, 0], "max": [1.0, 0.1]}, "mesh_size": 0.05},
+    ],
+    "material": [STEEL],
+    "boundary": [
+        {"name": "wall", "body": "left", "side": "left", "velocity": [0, 0]},
+        {"name": "platen", "body": "right", "side": "right", "velocity": [-0.5, "free"], "servo": {"column": "platen fx", "target": "-200 kN"}, "stages": ["squeeze"]},
+        {"name": "pull", "body": "left", "side": "top", "traction": [1e6, 0], "ramp": 1e-4, "stages": ["pull"]},
+    ],
+    "history": [{"name": "platen", "force": "platen"}, {"name": "corner", "body": "left", "node": [0.5, 0.0]}],
+    "stage": [
+        {"name": "squeeze", "duration": 8e-4},
+        {"name": "dig", "excavate": ["right"], "release": 1e-4, "equilibrium": 1e-2, "duration": 4e-4},
+        {"name": "pull", "until": {"column": "corner ux", "above": 1e-6}},
+    ],
+    "output": {"frames": 4, "history_interval": 1e-5},
+}
+
+
+@pytest.fixture(scope="module")
+def staged(command, tmp_path_factory):
+    """A folder of `fdem run` of a model with stages, a servo and a condition."""
+    place = tmp_path_factory.mktemp("staged")
+    fdem.Model(**STAGED).write(place / "staged.toml")
+    subprocess.run([command, "run", "staged.toml", "-o", "out", "-q"], cwd=place, check=True, capture_output=True)
+    return place / "out"
+
+
+def test_stages_servos_and_conditions_act_as_in_the_command(staged, tmp_path):
+    summary = json.loads((staged / "run.json").read_text())
+    model = fdem.Model(**STAGED)
+    run = fdem.Simulation(model, threads=2)
+    assert run.stage == "squeeze"
+    before = len(run.elements)
+    seen = []
+    run.advance(until=9e-4, callback=lambda now: seen.append(now.stage), every=10)
+    assert run.stage == "dig"
+    assert set(seen) == {"squeeze", "dig"}
+    assert len(run.elements) < before
+    with pytest.raises(ValueError, match="there is no boundary 'platen': 'wall'"):
+        run.set_boundary("platen", factor=0.0)
+    run.save(tmp_path / "dug")
+    again = fdem.resume(tmp_path / "dug", threads=1)
+    assert again.stage == "dig"
+    for steps in (1, 17):
+        again.advance(steps)
+    for each in (run, again):
+        each.advance()
+        assert each.is_over
+        assert each.stage == "pull"
+        assert each.steps == summary["steps"] < STAGED["model"]["end_time"] / each.time_step
+        assert each.state_hash == summary["state_hash"]
+        assert "corner ux" in each.log[-1]
+        each.advance()
+        with pytest.raises(RuntimeError, match="the run is over at step"):
+            each.advance(1)
+    assert fdem.resume(staged).is_over
+
+
+def test_a_run_begins_with_the_end_of_another(command, staged, tmp_path):
+    model = {name: value for name, value in STAGED.items() if name not in ("stage", "history", "boundary", "body")}
+    model |= {"body": STAGED["body"][:1], "boundary": STAGED["boundary"][:1]}
+    fdem.Model(**model).write(tmp_path / "later.toml")
+    subprocess.run([command, "run", "later.toml", "--from", staged, "-o", "out", "-q"], cwd=tmp_path, check=True, capture_output=True)
+    summary = json.loads((tmp_path / "out" / "run.json").read_text())
+    run = fdem.Simulation(fdem.Model(**model), earlier=staged)
+    assert run.steps > 0
+    assert "begins with" in run.log[0]
+    assert "pull" in " ".join(run.log)
+    run.advance(5)
+    run.save(tmp_path / "saved")
+    for each in (run, fdem.resume(tmp_path / "saved")):
+        each.advance()
+        assert each.state_hash == summary["state_hash"]
+    with pytest.raises(ValueError, match="nothing"):
+        fdem.Simulation(fdem.Model(**model), earlier=tmp_path / "nothing")
+
+
 def test_the_command_a_file_and_python_give_the_same_state(torn):
     summary = json.loads((torn / "run.json").read_text())
     assert summary["broken_joints"] > 3

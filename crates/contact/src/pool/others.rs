@@ -1,9 +1,13 @@
 //! The threads of a pool, which are threads of rayon.
 
+use std::hint::black_box;
 use std::sync::Arc;
 
 use super::spread::Spread;
 use crate::error::Error;
+
+/// Stack of a thread, bytes.
+const STACK: usize = 2 << 20;
 
 /// Memory that a thread needs when it begins, besides its stack, bytes: more than enough. The standard library and the C library end the program if there is less.
 const BEGINNING: usize = 1 << 18;
@@ -22,15 +26,17 @@ impl Others {
     pub(super) fn new(threads: usize) -> Result<Self, Error> {
         let count = threads - 1;
         let no_threads = |reason| Error::NoThreads { threads, reason };
-        let mut kept = Vec::<u8>::new();
-        kept.try_reserve_exact(count * BEGINNING).map_err(|error| no_threads(error.to_string()))?;
+        let mut room = Vec::<u8>::new();
+        let enough = room.try_reserve_exact(count * (STACK + BEGINNING));
+        enough.map_err(|error| no_threads(error.to_string()))?;
+        // A compiler leaves out memory that nobody looks at.
+        drop(black_box(room));
         let spread = Arc::new(Spread::new(count));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).start_handler({
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).stack_size(STACK).start_handler({
             let spread = spread.clone();
             move |index| spread.enter(index)
         });
         let pool = pool.build().map_err(|error| no_threads(error.to_string()))?;
-        drop(kept);
         // They have begun when they have done something, and the caller may take all memory then.
         pool.broadcast(|_| ());
         Ok(Self { pool: Arc::new(pool), count, spread: Some(spread) })

@@ -220,18 +220,8 @@ pub(crate) fn end(code: i32) {
 fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), io::Error> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP, SIGQUIT])?;
-    let (begin, begun) = std::sync::mpsc::channel();
-    let watch = move || {
-        // The other end waits for it.
-        let _ = begin.send(());
-        signals.forever().for_each(|signal| clean_up(128 + signal));
-    };
-    // The standard library ends a program that has no memory for the beginning of a thread, which is kept here. The work that begins now may take all memory.
-    let mut kept = Vec::<u8>::new();
-    kept.try_reserve_exact(1 << 18)?;
-    std::thread::Builder::new().spawn(watch)?;
-    drop(kept);
-    begun.recv().map_err(io::Error::other)
+    let watch = move || signals.forever().for_each(|signal| clean_up(128 + signal));
+    crate::command::threads::start("signals", watch).map(drop)
 }
 
 #[cfg(not(unix))]

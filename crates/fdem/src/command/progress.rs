@@ -4,10 +4,12 @@ use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::command::threads;
 
 /// Time after which a bar appears: nobody could read the bar of a shorter step.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -72,7 +74,7 @@ impl Watched {
     /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar. `show` waits for the end.
     fn start(show: impl FnOnce(&Receiver<()>) + Send + 'static) -> Option<Self> {
         let (done, wait) = mpsc::channel();
-        let thread = thread::Builder::new().spawn(move || show(&wait)).ok()?;
+        let thread = threads::start("progress", move || show(&wait)).ok()?;
         Some(Self { done, thread })
     }
 

@@ -1,8 +1,9 @@
 //! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
 mod account;
-mod begun;
+pub(crate) mod begun;
 pub(crate) mod checkpoint;
+pub(crate) mod course;
 mod earlier;
 mod emission;
 mod engine;
@@ -23,7 +24,7 @@ use std::time::{Duration, Instant};
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::{CurveFigures, Fragments, Row};
-use fdem_simulation::{Simulation, Stop};
+use fdem_simulation::Stop;
 use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
@@ -32,20 +33,17 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{AnyPrepared, Checkpoint as When, Entered, Preflight, Prepared, Reached};
+use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, Reached};
 use crate::model::{prepare_any, steps, with_end_time};
 use account::{Account, Spent};
-use begun::Begun;
 use checkpoint::{Checkpoint, Unsaved};
-use earlier::Earlier;
+use course::{Course, Start, next};
 use emission::Emission;
 use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use lead::Lead;
-use observer::Observer;
 use recorder::Recorder;
 use results::Results;
-use stages::{Known, Stages};
 use told::Told;
 use watch::Watch;
 use writer::{Task, Then, Writer};
@@ -100,43 +98,25 @@ where
     let path = &arguments.model;
     let progress = Progress::new(arguments.options.quiet);
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
-    let mut prepared = prepared;
-    let earlier = arguments.from.as_deref().map(Earlier::open).transpose()?;
-    let begun = earlier.as_ref().map(|earlier| earlier.begun(&prepared)).transpose().map_err(unusable)?;
-    let mut entered = Entered::first();
-    if let Some(begun) = &begun {
-        begun.apply(&mut prepared.model);
-        entered.begun = vec![begun.step];
-    }
-    let (stages, mut prepared) = Stages::new(prepared, entered).map_err(unusable)?;
-    lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
+    let start = Start::new(prepared, arguments.from.as_deref());
+    let mut start = start.map_err(|error| error.of(&display_name(path)))?;
+    lead.check(start.prepared.model.mesh.elements.len()).map_err(unusable)?;
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
-        let preflight = Preflight::of(&prepared)?;
-        let (simulation, told) = match earlier {
-            None => (Simulation::new(prepared.model.clone(), lead.threads), Vec::new()),
-            Some(earlier) => {
-                let (model, state, told) = earlier.taken_over(&prepared, lead.threads)?;
-                prepared.model = model.clone();
-                (Simulation::resume(model, state, lead.threads), told)
-            }
-        };
-        Ok((preflight, simulation.map_err(|error| error.to_string())?, told))
+        let preflight = Preflight::of(&start.prepared)?;
+        let (simulation, told) = start.simulation(lead.threads)?;
+        Ok((preflight, simulation, told))
     });
     let (preflight, simulation, taken) = ready.map_err(unusable)?;
     let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
-    let recorder = Recorder::new(&folder, &prepared)?;
+    let recorder = Recorder::new(&folder, &start.prepared)?;
     let simulation = lead.distribute(simulation).map_err(unusable)?;
-    let intervals = [prepared.output.interval, prepared.output.history_interval];
-    let mut running = Running::new(
-        folder,
-        (stages, prepared),
-        simulation,
-        recorder,
-        Before { account: Account::default(), intervals, reached: Reached::default(), begun },
-        &arguments.options,
-        watch,
-    )?;
+    let before = Before {
+        account: Account::default(),
+        intervals: [start.prepared.output.interval, start.prepared.output.history_interval],
+        reached: Reached::default(),
+    };
+    let mut running = Running::new(folder, start, simulation, recorder, before, &arguments.options, watch)?;
     let preflight = preflight.to_string();
     for line in preflight.lines().chain(taken.iter().map(String::as_str)) {
         running.told.say(line);
@@ -159,16 +139,9 @@ pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicato
             Failure::Unusable(format!("{} has no end_time that could be changed", display_name(&path)))
         })?;
     }
-    let mut next = 0;
-    let mut load = |_: &str| {
-        next += 1;
-        folder.input(next - 1).map_err(|error| error.to_string())
-    };
     let progress = Progress::new(arguments.options.quiet);
-    let (prepared, _) = progress.step("meshing the model", None, |_| {
-        prepare_any(&text, &display_name(&path), &mut load, memory::free())
-    });
-    match prepared.map_err(|errors| refused(&errors))? {
+    let (prepared, _) = progress.step("meshing the model", None, |_| folder.prepared(&text));
+    match prepared.map_err(|errors| refused(&errors))?.0 {
         AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
         AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
     }
@@ -201,16 +174,12 @@ where
         checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
-    let mut prepared = prepared;
-    if let Some(begun) = &begun {
-        begun.apply(&mut prepared.model);
-    }
-    let (stages, prepared) = Stages::new(prepared, entered).map_err(unusable)?;
+    let start = Start::again(prepared, begun, entered).map_err(unusable)?;
+    let prepared = &start.prepared;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;
-    let (simulation, _) = progress
-        .step("preparing the run", None, |_| Simulation::resume(prepared.model.clone(), state, lead.threads));
+    let (simulation, _) = progress.step("preparing the run", None, |_| start.resumed(state, lead.threads));
     let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
-    let (_, steps) = steps(&prepared, simulation.critical_step().step).map_err(unusable)?;
+    let (_, steps) = steps(prepared, simulation.critical_step().step).map_err(unusable)?;
     if steps < step {
         return Err(unusable(format!(
             "it has reached {} s, but its end_time is {} s",
@@ -231,15 +200,14 @@ where
         ));
     }
     let (recorder, _) = progress
-        .step("checking the frames", None, |_| Recorder::going_on(&folder, &prepared, step, frames, history));
+        .step("checking the frames", None, |_| Recorder::going_on(&folder, prepared, step, frames, history));
     let recorder = recorder?;
     if arguments.end_time.is_some() {
         folder.replace_model(text.as_bytes())?;
     }
     let simulation = lead.distribute(simulation).map_err(unusable)?;
-    let before = Before { account, intervals, reached, begun };
-    let mut running =
-        Running::new(folder, (stages, prepared), simulation, recorder, before, &arguments.options, watch)?;
+    let before = Before { account, intervals, reached };
+    let mut running = Running::new(folder, start, simulation, recorder, before, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
 }
@@ -257,8 +225,6 @@ struct Before {
     /// Time between frames and time between rows of the history, s.
     intervals: [f64; 2],
     reached: Reached,
-    /// When it has begun from another run.
-    begun: Option<Begun>,
 }
 
 /// A simulation with its folder, its records and its progress.
@@ -267,14 +233,7 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     folder: Folder,
-    /// Bodies, boundaries and histories of the present stage.
-    prepared: Prepared<D, N>,
-    /// `None` if the run is one.
-    stages: Option<Stages<D, N>>,
-    /// Peaks of the conditions that end the run and the stage, and whether the run is over.
-    reached: Reached,
-    run: Engine<'c, D, N>,
-    observer: Observer,
+    course: Course<dyn Engine<D, N> + 'c, D, N>,
     /// Rows of the history on their way to the writer.
     rows: Vec<Row>,
     writer: Writer<D, N>,
@@ -285,8 +244,6 @@ where
     before: Before,
     /// Steps of the whole run.
     total: u64,
-    /// Steps between frames and between rows of the history.
-    every: [f64; 2],
     /// What results have taken in this part of the run.
     spent: Spent,
     saved: Instant,
@@ -312,34 +269,29 @@ where
 {
     fn new(
         folder: Folder,
-        (stages, mut prepared): (Option<Stages<D, N>>, Prepared<D, N>),
-        run: Engine<'c, D, N>,
+        mut start: Start<D, N>,
+        run: Box<dyn Engine<D, N> + 'c>,
         recorder: Recorder<D, N>,
         before: Before,
         options: &RunOptions,
         watch: Watch,
     ) -> Result<Self, Failure> {
         watch.begin();
+        let output = &mut start.prepared.output;
         if let Some(asked) = options.animate {
-            prepared.output.animate = asked.or(prepared.output.fields.first().copied());
+            output.animate = asked.or(output.fields.first().copied());
         }
-        let step = run.time_step();
-        let total = ((prepared.end_time / step).ceil() as u64).max(1);
-        let told = Told::new(&folder, &run, total, options.quiet)?;
+        let course = Course::new(start, run, before.intervals[1], before.reached, true)?;
+        let total = course.total();
         Ok(Self {
+            told: Told::new(&folder, &*course.run, total, options.quiet)?,
             folder,
-            observer: Observer::new(&prepared)?,
-            prepared,
-            stages,
-            reached: before.reached,
-            run,
+            course,
             rows: Vec::new(),
             frames: recorder.frames(),
             writer: Writer::start(recorder)?,
-            told,
             watch,
             total,
-            every: before.intervals.map(|interval| interval / step),
             before,
             spent: Spent::default(),
             saved: Instant::now(),
@@ -364,20 +316,26 @@ where
         };
         if let End::Interrupted(_) = end {
             // A launcher may give little time: this is said before the drawings.
-            self.told.say(&format!("interrupted after step {}; the checkpoint is written", self.run.steps()));
+            self.told.say(&format!(
+                "interrupted after step {}; the checkpoint is written",
+                self.course.run.steps()
+            ));
         }
         if matches!(end, End::Finished) {
-            self.warn_of_the_unmet();
+            for warning in self.course.unmet() {
+                self.told.say(&format!("warning: {warning}"));
+            }
         }
         let history = recorder.history()?;
-        self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
-        self.emission = Emission::of(&self.run, &self.prepared);
+        self.curves =
+            self.course.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.emission = Emission::of(&*self.course.run, &self.course.prepared);
         if let Some(emission) = &self.emission {
             self.folder.write(EVENTS, emission.csv.as_bytes())?;
         }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
-        let fragments = self.observer.fragments(&self.run)?;
+        let fragments = self.course.observer.fragments(&*self.course.run)?;
         let facts = self.facts(&status, &fragments);
         let drawn = self.draw(&mut recorder, &facts, &fragments);
         if !matches!(end, End::Stopped(_)) {
@@ -397,7 +355,7 @@ where
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
                     "interrupted after step {}; `fdem resume {place}` continues the run",
-                    self.run.steps()
+                    self.course.run.steps()
                 ),
                 signal,
             }),
@@ -423,53 +381,43 @@ where
 
     fn steps(&mut self) -> Result<End, Failure> {
         let mut slice = 1;
-        if self.run.steps() == 0 {
-            self.control(true)?;
-        }
-        while self.run.steps() < self.total && !self.is_over() {
-            let step = self.run.steps();
-            let [frame, row] = self.every.map(|every| next(step, every));
-            let checkpoint = match self.prepared.output.checkpoint {
+        let frames = self.before.intervals[0] / self.course.run.time_step();
+        while self.course.run.steps() < self.total && !self.course.reached.over {
+            let step = self.course.run.steps();
+            let frame = next(step, frames);
+            let checkpoint = match self.course.prepared.output.checkpoint {
                 When::Steps(every) => next(step, every as f64),
                 When::Seconds(_) => u64::MAX,
             };
-            let opening = (step == 0).then(|| self.observer.values(&self.run, &self.prepared));
-            // The first slice is one step, because the initial forces and energies are known after it.
-            let stage = self.stages.as_ref().map_or(u64::MAX, Stages::end);
-            let control = self.next_control(step);
-            let stop =
-                frame.min(row).min(checkpoint).min(stage).min(control).min(self.total).min(step + slice);
             let start = Instant::now();
-            if let Err(stop) = self.run.advance(stop - step) {
-                return Ok(End::Stopped(stop));
-            }
-            slice = steps_for(SLICE, start.elapsed(), stop - step, slice);
-            let step = stop;
+            let limit = frame.min(checkpoint).min(self.total).min(step + slice);
+            let passed = match self.course.advance(limit) {
+                Ok(passed) => passed,
+                Err(stop) => return Ok(End::Stopped(stop)),
+            };
+            let now = self.course.run.steps();
+            slice = steps_for(SLICE, start.elapsed(), now - step, slice);
             let start = Instant::now();
-            if let Some(values) = opening {
-                self.rows.push(self.observer.first_row(&self.run, &self.prepared, values));
-            }
-            let mut numbers = None;
-            if step == row || step == self.total {
-                let present = self.observer.row(&self.run, &self.prepared);
-                numbers = (step == row).then(|| present.numbers());
-                self.rows.push(present);
+            self.rows.extend_from_slice(&passed.rows);
+            if !passed.rows.is_empty() {
                 self.offer_rows()?;
             }
             self.spent.output += start.elapsed();
-            if step == frame || step == self.total {
+            if now == frame || now == self.total {
                 self.frame()?;
             }
-            self.go_through_stages(numbers.as_deref())?;
-            self.end_if_met(numbers.as_deref());
-            if self.is_over() && step != frame && step != self.total {
+            let turned = self.course.turn(&passed)?;
+            if turned.entered {
+                self.hand(Then::Outlines(<[[f64; D]; N]>::outlines(&self.course.prepared)))?;
+            }
+            for line in &turned.told {
+                self.told.say(line);
+            }
+            if self.course.reached.over && now != frame && now != self.total {
                 self.frame()?;
             }
-            if step == control {
-                self.control(false)?;
-            }
-            let due = match self.prepared.output.checkpoint {
-                When::Steps(_) => step == checkpoint,
+            let due = match self.course.prepared.output.checkpoint {
+                When::Steps(_) => now == checkpoint,
                 // It may come later, so that the steps need not wait for a writer that is behind, but not by more than another interval.
                 When::Seconds(seconds) => {
                     let since = self.saved.elapsed().as_secs_f64();
@@ -480,112 +428,13 @@ where
                 self.save()?;
             }
             self.writer.check()?;
-            self.told.show(&self.run);
+            self.told.show(&*self.course.run);
             self.warn();
             if let Some(signal) = self.watch.signal() {
                 return Ok(End::Interrupted(signal));
             }
         }
         Ok(End::Finished)
-    }
-
-    /// Whether the run is over before its end time.
-    fn is_over(&self) -> bool {
-        self.reached.over
-    }
-
-    /// Ends the run if its condition is met by a row of the history.
-    fn end_if_met(&mut self, row: Option<&[f64]>) {
-        let (Some(until), Some(row)) = (&self.prepared.until, row) else { return };
-        if let Some(why) = until.met(row, &mut self.reached.peaks[0]) {
-            self.reached.over = true;
-            self.told.say(&format!("the run ends at {} s: {why}", brief(self.run.time())));
-        }
-    }
-
-    /// Warns of conditions that were not met, stages that were not reached, and servos that are far from their targets at the end.
-    fn warn_of_the_unmet(&mut self) {
-        let mut warnings = Vec::new();
-        if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
-            warnings.push(format!("until of [model], on {}, was not met", until.column));
-        }
-        warnings.extend(self.stages.as_ref().and_then(Stages::unreached));
-        let values = self.observer.values(&self.run, &self.prepared).concat();
-        for servo in &self.prepared.servos {
-            let boundary = &self.prepared.model.boundaries[servo.boundary];
-            let scale = boundary.schedule.factor(self.run.time());
-            let found = values[servo.place];
-            if servo.factor(found, scale).abs() >= 1.0 {
-                warnings.push(format!(
-                    "the servo \"{}\" has not held its target: {} and not {} at the end; see that its velocity has the right sign and is not too high",
-                    boundary.name,
-                    brief(found),
-                    brief(servo.target * scale)
-                ));
-            }
-        }
-        for warning in warnings {
-            self.told.say(&format!("warning: {warning}"));
-        }
-    }
-
-    /// The first step after this one at which a servo looks at its column.
-    fn next_control(&self, step: u64) -> u64 {
-        let steps = self.prepared.servos.iter().map(|servo| u64::from(servo.steps));
-        steps.map(|steps| (step / steps + 1).saturating_mul(steps)).min().unwrap_or(u64::MAX)
-    }
-
-    /// Sets the velocities of the servos that look at their columns now, or of `all`.
-    fn control(&mut self, all: bool) -> Result<(), Failure> {
-        let step = self.run.steps();
-        let mut values = None;
-        for servo in &self.prepared.servos {
-            if !all && !step.is_multiple_of(u64::from(servo.steps)) {
-                continue;
-            }
-            let values =
-                values.get_or_insert_with(|| self.observer.values(&self.run, &self.prepared).concat());
-            let schedule = &self.prepared.model.boundaries[servo.boundary].schedule;
-            let factor = servo.factor(values[servo.place], schedule.factor(self.run.time()));
-            self.run.set_factor(servo.boundary, factor).map_err(Failure::Wrong)?;
-        }
-        Ok(())
-    }
-
-    /// Ends the stage if it is over, and begins the next. `row`: a row of the history of this step, if there is one.
-    fn go_through_stages(&mut self, row: Option<&[f64]>) -> Result<(), Failure> {
-        let Some(stages) = &mut self.stages else { return Ok(()) };
-        let peak = &mut self.reached.peaks[1];
-        let known = row.map(|row| {
-            let (energies, imbalance) = (self.run.energies(), self.run.imbalance());
-            Known { energies, imbalance, row, peak }
-        });
-        let Some(over) = stages.is_over(self.run.steps(), known) else { return Ok(()) };
-        let ended = format!(
-            "stage \"{}\" ends at {} s: {}",
-            stages.now().name,
-            brief(self.run.time()),
-            over.in_words()
-        );
-        if stages.is_last() {
-            self.reached.over = true;
-            self.told.say(&ended);
-            return Ok(());
-        }
-        let next = stages.next(&self.prepared, self.run.state(), self.run.threads());
-        let (mut prepared, run) =
-            next.map_err(|why| Failure::Wrong(format!("{ended}; the next cannot begin: {why}")))?;
-        let now = format!("stage \"{}\" begins", stages.now().name);
-        self.run.replace(run).map_err(Failure::Unusable)?;
-        prepared.output.animate = self.prepared.output.animate;
-        self.prepared = prepared;
-        self.observer = Observer::new(&self.prepared)?;
-        self.reached.peaks[1] = 0.0;
-        self.control(true)?;
-        self.hand(Then::Outlines(<[[f64; D]; N]>::outlines(&self.prepared)))?;
-        self.told.say(&ended);
-        self.told.say(&format!("{now} with {} elements", grouped(self.run.elements() as u64)));
-        Ok(())
     }
 
     /// Hands rows to the writer if it has time for them, and waits for it if there are many.
@@ -611,7 +460,7 @@ where
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        self.hand(Then::Frame(Box::new(self.run.frame())))?;
+        self.hand(Then::Frame(Box::new(self.course.run.frame())))?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())
@@ -626,11 +475,11 @@ where
     ) -> Result<(), Failure> {
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
-        let ranks = lead::plots(&self.run.traffic());
+        let ranks = lead::plots(&self.course.run.traffic());
         let emitted = self.emission.as_ref().and_then(|emission| emission.plot.clone());
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            recorder.finish(&self.prepared, &facts, (emitted, ranks), fragments, done)
+            recorder.finish(&self.course.prepared, &facts, (emitted, ranks), fragments, done)
         });
         self.spent.drawing += start.elapsed();
         drawn
@@ -638,10 +487,16 @@ where
 
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
-        let fragments = self.observer.fragments(&self.run)?;
-        let mut json =
-            told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
-        if let Some(stages) = &self.stages {
+        let fragments = self.course.observer.fragments(&*self.course.run)?;
+        let mut json = told::json(
+            &*self.course.run,
+            &self.course.prepared,
+            status,
+            &self.account(),
+            self.frames,
+            &fragments,
+        );
+        if let Some(stages) = &self.course.stages {
             json["stages"] = stages.json();
         }
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
@@ -651,17 +506,17 @@ where
 
     /// The account of the whole run until now.
     fn account(&self) -> Account {
-        let detections = self.run.counts().detections;
-        self.before.account.and(self.run.timings(), detections, self.told.elapsed(), &self.spent)
+        let detections = self.course.run.counts().detections;
+        self.before.account.and(self.course.run.timings(), detections, self.told.elapsed(), &self.spent)
     }
 
     /// Warns once of contacts that are too soft.
     fn warn(&mut self) {
-        if let Some([one, other]) = self.run.penetrated().filter(|_| !self.warned) {
+        if let Some([one, other]) = self.course.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
             self.told.say(&format!(
                 "warning: at step {} elements {one} and {other} overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
-                self.run.steps()
+                self.course.run.steps()
             ));
         }
     }
@@ -680,13 +535,13 @@ where
     /// The state of the run, for a checkpoint.
     fn state(&self) -> Unsaved<D, N> {
         Unsaved {
-            model: self.prepared.hash.clone(),
+            model: self.course.prepared.hash.clone(),
             intervals: self.before.intervals,
-            reached: self.reached,
-            begun: self.before.begun.clone(),
-            entered: self.stages.as_ref().map(|stages| stages.entered.clone()).unwrap_or_default(),
+            reached: self.course.reached,
+            begun: self.course.begun.clone(),
+            entered: self.course.entered(),
             account: self.account(),
-            state: self.run.state(),
+            state: self.course.run.state(),
         }
     }
 
@@ -695,21 +550,8 @@ where
         let mut more = Vec::new();
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
         more.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
-        more.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
-        facts::facts(&self.run, status, &self.account(), self.frames, fragments, more)
-    }
-}
-
-/// Returns the first multiple of an interval after a step. The interval is in steps and need not be a whole number.
-fn next(step: u64, every: f64) -> u64 {
-    let every = every.max(1.0);
-    let mut count = (step as f64 / every).floor();
-    loop {
-        let at = (count * every).ceil() as u64;
-        if at > step {
-            return at;
-        }
-        count += 1.0;
+        more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
+        facts::facts(&*self.course.run, status, &self.account(), self.frames, fragments, more)
     }
 }
 
@@ -718,19 +560,4 @@ fn steps_for(slice: Duration, took: Duration, steps: u64, before: u64) -> u64 {
     let fit = slice.as_secs_f64() / (took.as_secs_f64() / steps.max(1) as f64).max(1e-9);
     // At most ten times as many as before: the first steps may be quicker than later ones.
     (fit as u64).clamp(1, before.saturating_mul(10))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_that_are_not_whole_do_not_drift() {
-        let mut step = 0;
-        for k in 1..1000 {
-            step = next(step, 3.7);
-            assert_eq!(step, (f64::from(k) * 3.7).ceil() as u64);
-        }
-        assert_eq!(next(5, 0.01), 6);
-    }
 }

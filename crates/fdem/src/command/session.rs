@@ -1,12 +1,13 @@
 //! Runs that a program holds in memory: what the Python package calls.
 //!
 //! A [`Ready`] is a model that has passed the checks of the command, with its messages. A [`Session`] is a run of it: a [`Simulation`] that is advanced, read and set
-//! by the program, with the text of its model, so that one file holds all that a run needs to go on. Such a file has the parts of a checkpoint and no frames.
+//! by the program, and that goes through the stages, conditions and servos of its model as `fdem run` does. It has the text of its model, so that one file holds all that a run
+//! needs to go on. Such a file has the parts of a checkpoint and no frames.
 
 use std::path::Path;
 
 use fdem_results::Field;
-use fdem_simulation::{Simulation, State};
+use fdem_simulation::{Boundary, Simulation, State};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -14,14 +15,16 @@ use crate::command::aside;
 use crate::command::check::{inputs_of, read_text, refusal};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
+use crate::command::run::begun::Begun;
 use crate::command::run::checkpoint::Checkpoint;
+use crate::command::run::course::{Course, Start};
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
-use crate::model::{AnyPrepared, Drawing, Load, Prepared, prepare_any};
+use crate::model::{AnyPrepared, Drawing, Entered, Load, Prepared, Reached, prepare_any};
 use crate::state_hash::state_hash;
 
 /// First line of a file of a run. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem session 1\n";
+const MAGIC: &[u8] = b"fdem session 2\n";
 
 /// The text of a model, and the files that it names in their order.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -69,17 +72,17 @@ impl Ready {
         Ok(Self { source: Source { name: name.to_owned(), text, inputs }, prepared })
     }
 
-    /// Starts a run on so many threads; 0 for one per processor.
+    /// Starts a run on so many threads; 0 for one per processor. `from`: a folder of `fdem run`, with whose end the run begins.
     ///
     /// # Errors
     /// Why the model cannot run.
-    pub fn begin(&self, threads: usize) -> Result<AnySession, String> {
+    pub fn begin(&self, threads: usize, from: Option<&Path>) -> Result<AnySession, String> {
         Ok(match &self.prepared {
             AnyPrepared::Plane(prepared) => {
-                AnySession::Plane(Box::new(Session::begin(&self.source, prepared, threads)?))
+                AnySession::Plane(Box::new(Session::begin(&self.source, prepared, threads, from)?))
             }
             AnyPrepared::Space(prepared) => {
-                AnySession::Space(Box::new(Session::begin(&self.source, prepared, threads)?))
+                AnySession::Space(Box::new(Session::begin(&self.source, prepared, threads, from)?))
             }
         })
     }
@@ -98,14 +101,38 @@ pub enum AnySession {
     Space(Box<Session<3, 4>>),
 }
 
-/// A saved run before its state is opened.
+/// A saved run before its parts are opened.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     source: Source,
     /// Hash of the model, [`Prepared::hash`].
     model: String,
-    /// Bytes of the [`State`].
-    state: Vec<u8>,
+    /// Bytes of the [`Parts`].
+    parts: Vec<u8>,
+}
+
+/// The parts of a run with which it goes on.
+#[derive(Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize",
+    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>"
+))]
+struct Parts<const D: usize, const N: usize> {
+    /// Time between rows of the history, s: conditions look at these.
+    interval: f64,
+    /// The stages so far; none if the run is one.
+    entered: Entered<D>,
+    reached: Reached,
+    /// When it has begun from another run.
+    begun: Option<Begun>,
+    state: State<D, N>,
+}
+
+impl<const D: usize, const N: usize> From<Checkpoint<D, N>> for Parts<D, N> {
+    fn from(checkpoint: Checkpoint<D, N>) -> Self {
+        let Checkpoint { intervals, entered, reached, begun, state, .. } = checkpoint;
+        Self { interval: intervals[1], entered, reached, begun, state }
+    }
 }
 
 impl AnySession {
@@ -121,31 +148,31 @@ impl AnySession {
             let ready = Ready::of_folder(&folder, &model)?;
             return match &ready.prepared {
                 AnyPrepared::Plane(prepared) => {
-                    let Checkpoint { model: hash, state, .. } = saved.open::<2, 3>().map_err(text)?;
-                    same(prepared, &hash, &model)?;
-                    Session::go_on(&ready.source, prepared, state, threads).map(Box::new).map(Self::Plane)
+                    let checkpoint = saved.open::<2, 3>().map_err(text)?;
+                    same(prepared, &checkpoint.model, &model)?;
+                    Session::go_on(&ready.source, prepared, checkpoint.into(), threads).map(Self::Plane)
                 }
                 AnyPrepared::Space(prepared) => {
-                    let Checkpoint { model: hash, state, .. } = saved.open::<3, 4>().map_err(text)?;
-                    same(prepared, &hash, &model)?;
-                    Session::go_on(&ready.source, prepared, state, threads).map(Box::new).map(Self::Space)
+                    let checkpoint = saved.open::<3, 4>().map_err(text)?;
+                    same(prepared, &checkpoint.model, &model)?;
+                    Session::go_on(&ready.source, prepared, checkpoint.into(), threads).map(Self::Space)
                 }
             };
         }
-        let Saved { source, model, state } = opened(path)?;
+        let Saved { source, model, parts } = opened(path)?;
         let mut next = source.inputs.iter();
         let mut load = |_: &str| next.next().cloned().ok_or_else(|| "it is not in the saved run".to_owned());
         let damaged = |error: postcard::Error| format!("{} is damaged: {error}", display_name(path));
         match prepared(&source.text, &source.name, &mut load)? {
             AnyPrepared::Plane(prepared) => {
                 same(&prepared, &model, path)?;
-                let state: State<2, 3> = postcard::from_bytes(&state).map_err(damaged)?;
-                Session::go_on(&source, &prepared, state, threads).map(Box::new).map(Self::Plane)
+                let parts: Parts<2, 3> = postcard::from_bytes(&parts).map_err(damaged)?;
+                Session::go_on(&source, &prepared, parts, threads).map(Self::Plane)
             }
             AnyPrepared::Space(prepared) => {
                 same(&prepared, &model, path)?;
-                let state: State<3, 4> = postcard::from_bytes(&state).map_err(damaged)?;
-                Session::go_on(&source, &prepared, state, threads).map(Box::new).map(Self::Space)
+                let parts: Parts<3, 4> = postcard::from_bytes(&parts).map_err(damaged)?;
+                Session::go_on(&source, &prepared, parts, threads).map(Self::Space)
             }
         }
     }
@@ -155,15 +182,9 @@ impl Ready {
     /// The model of a folder of results, with the files that the folder keeps.
     fn of_folder(folder: &Folder, path: &Path) -> Result<Self, String> {
         let text = read_text(path).map_err(|failure| failure.to_string())?;
-        let name = display_name(path);
-        let mut inputs = Vec::new();
-        let mut load = |_: &str| {
-            let bytes = folder.input(inputs.len()).map_err(|error| error.to_string())?;
-            inputs.push(bytes.clone());
-            Ok(bytes)
-        };
-        let prepared = prepared(&text, &name, &mut load)?;
-        Ok(Self { source: Source { name, text, inputs }, prepared })
+        let prepared = folder.prepared(&text).map_err(|errors| refusal(&errors, Drawing::Plain));
+        let (prepared, inputs) = prepared?;
+        Ok(Self { source: Source { name: display_name(path), text, inputs }, prepared })
     }
 }
 
@@ -198,55 +219,114 @@ fn same<const D: usize, const N: usize>(
 }
 
 /// A run that a program holds.
-#[derive(Debug)]
-pub struct Session<const D: usize, const N: usize> {
+pub struct Session<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     /// Text from which its model was made.
     pub source: Source,
-    /// Its model, with names and output settings.
-    pub prepared: Prepared<D, N>,
-    /// The run.
-    pub run: Simulation<D, N>,
+    course: Course<Simulation<D, N>, D, N>,
+    told: Vec<String>,
 }
 
-/// Refuses a model that changes in the run: a program changes its run itself.
-fn unchanging<const D: usize, const N: usize>(
-    source: &Source,
-    prepared: &Prepared<D, N>,
-) -> Result<(), String> {
-    let only = if !prepared.stages.is_empty() {
-        "goes through the stages of a model"
-    } else if !prepared.servos.is_empty() {
-        "moves servos; a program sets the factor of a boundary"
-    } else if prepared.until.is_some() {
-        "ends at an `until`; a program looks at the history itself"
-    } else {
-        return Ok(());
-    };
-    Err(format!("{} cannot run here: only `fdem run` {only}", source.name))
+impl<const D: usize, const N: usize> std::fmt::Debug for Session<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "Session of {} after step {}", self.source.name, self.course.run.steps())
+    }
 }
 
 impl<const D: usize, const N: usize> Session<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
     State<D, N>: Serialize,
+    Boundary<D>: Serialize,
 {
-    fn begin(source: &Source, prepared: &Prepared<D, N>, threads: usize) -> Result<Self, String> {
-        unchanging(source, prepared)?;
-        let run = Simulation::new(prepared.model.clone(), threads)
-            .map_err(|error| format!("{} cannot run: {error}", source.name))?;
-        Ok(Self { source: source.clone(), prepared: prepared.clone(), run })
+    fn begin(
+        source: &Source,
+        prepared: &Prepared<D, N>,
+        threads: usize,
+        from: Option<&Path>,
+    ) -> Result<Self, String> {
+        let start = Start::new(prepared.clone(), from);
+        let mut start = start.map_err(|error| error.of(&source.name).to_string())?;
+        let (run, told) =
+            start.simulation(threads).map_err(|why| format!("{} cannot run: {why}", source.name))?;
+        let interval = prepared.output.history_interval;
+        let mut session = Self::of(source, start, run, interval, Reached::default())?;
+        session.told = told;
+        Ok(session)
     }
 
     fn go_on(
         source: &Source,
         prepared: &Prepared<D, N>,
-        state: State<D, N>,
+        parts: Parts<D, N>,
         threads: usize,
+    ) -> Result<Box<Self>, String> {
+        let Parts { interval, entered, reached, begun, state } = parts;
+        let wrong = |why: String| format!("{} cannot go on: {why}", source.name);
+        let start = Start::again(prepared.clone(), begun, entered).map_err(wrong)?;
+        let run = start.resumed(state, threads).map_err(|error| wrong(error.to_string()))?;
+        Self::of(source, start, run, interval, reached).map(Box::new)
+    }
+
+    fn of(
+        source: &Source,
+        start: Start<D, N>,
+        run: Simulation<D, N>,
+        interval: f64,
+        reached: Reached,
     ) -> Result<Self, String> {
-        unchanging(source, prepared)?;
-        let run = Simulation::resume(prepared.model.clone(), state, threads)
-            .map_err(|error| format!("{} cannot go on: {error}", source.name))?;
-        Ok(Self { source: source.clone(), prepared: prepared.clone(), run })
+        let course = Course::new(start, Box::new(run), interval, reached, false);
+        let course = course.map_err(|failure| failure.to_string())?;
+        Ok(Self { source: source.clone(), course, told: Vec::new() })
+    }
+
+    /// Its model with names and output settings: that of the present stage.
+    pub fn prepared(&self) -> &Prepared<D, N> {
+        &self.course.prepared
+    }
+
+    /// The run.
+    pub fn run(&self) -> &Simulation<D, N> {
+        &self.course.run
+    }
+
+    /// The run, to be set between steps.
+    pub fn run_mut(&mut self) -> &mut Simulation<D, N> {
+        &mut self.course.run
+    }
+
+    /// Takes so many steps, or fewer if the run is over before. Stages, conditions and servos of the model act as in `fdem run`.
+    ///
+    /// # Errors
+    /// Why the run cannot go on.
+    pub fn advance(&mut self, steps: u64) -> Result<(), String> {
+        let end = self.run().steps().saturating_add(steps);
+        while self.run().steps() < end && !self.is_over() {
+            let passed = self.course.advance(end).map_err(|stop| stop.to_string())?;
+            let turned = self.course.turn(&passed).map_err(|failure| failure.to_string())?;
+            self.told.extend(turned.told);
+        }
+        Ok(())
+    }
+
+    /// Whether the run is over before its end time: its condition is met, or its last stage has ended.
+    pub fn is_over(&self) -> bool {
+        self.course.reached.over
+    }
+
+    /// Name of the present stage; `None` if the run is one.
+    pub fn stage(&self) -> Option<&str> {
+        self.course.stages.as_ref().map(|stages| stages.now().name.as_str())
+    }
+
+    /// What the run has taken over, how its stages have ended, and why it is over, as `fdem run` says it. It begins anew where a run is resumed.
+    pub fn told(&self) -> &[String] {
+        &self.told
     }
 
     /// Writes a file from which [`AnySession::resume`] continues the run with the same bits. The file is whole or absent.
@@ -255,8 +335,15 @@ where
     /// A file that cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let failed = |error: &dyn std::fmt::Display| Failure::writing(path, error).to_string();
-        let state = postcard::to_allocvec(&self.run.state()).map_err(|error| failed(&error))?;
-        let saved = Saved { source: self.source.clone(), model: self.prepared.hash.clone(), state };
+        let parts = Parts {
+            interval: self.course.interval,
+            entered: self.course.entered(),
+            reached: self.course.reached,
+            begun: self.course.begun.clone(),
+            state: self.run().state(),
+        };
+        let parts = postcard::to_allocvec(&parts).map_err(|error| failed(&error))?;
+        let saved = Saved { source: self.source.clone(), model: self.prepared().hash.clone(), parts };
         let payload = postcard::to_allocvec(&saved).map_err(|error| failed(&error))?;
         let bytes = [MAGIC, Sha256::digest(&payload).as_slice(), &payload].concat();
         aside::replace(path, &bytes).map_err(|error| failed(&error))
@@ -264,12 +351,12 @@ where
 
     /// Steps of the whole run, from the beginning to the `end_time` of the model.
     pub fn total(&self) -> u64 {
-        ((self.prepared.end_time / self.run.time_step()).ceil() as u64).max(1)
+        self.course.total()
     }
 
     /// The hash of the state: `state_hash` of `run.json`, if the last step was the last of a call of [`Simulation::advance`].
     pub fn state_hash(&self) -> String {
-        state_hash(&self.run.snapshot(), &self.run.energies())
+        state_hash(&self.run().snapshot(), &self.run().energies())
     }
 
     /// Draws the run now, as PNG: the picture of a run's report. `width`: in pixels.
@@ -277,9 +364,9 @@ where
     /// # Errors
     /// A picture that is too wide, or a run that cannot be drawn.
     pub fn picture(&self, field: Field, width: Option<u32>) -> Result<Vec<u8>, String> {
-        let title = if self.prepared.title.is_empty() { "fdem" } else { &self.prepared.title };
-        let outlines = <[[f64; D]; N]>::outlines(&self.prepared);
-        <[[f64; D]; N]>::picture(&self.run.snapshot(), &outlines, title, field, width)
+        let title = if self.prepared().title.is_empty() { "fdem" } else { &self.prepared().title };
+        let outlines = <[[f64; D]; N]>::outlines(self.prepared());
+        <[[f64; D]; N]>::picture(&self.run().snapshot(), &outlines, title, field, width)
     }
 }
 
@@ -293,16 +380,18 @@ mod tests {
     fn a_session_is_saved_and_resumed() {
         let place = tempfile::tempdir().expect("a folder");
         let ready = Ready::new(STARTER.to_owned(), "starter.toml", place.path()).expect("a model");
-        let AnySession::Plane(mut whole) = ready.begin(1).expect("a run") else { panic!("of triangles") };
-        whole.run.advance(20).expect("steps");
+        let AnySession::Plane(mut whole) = ready.begin(1, None).expect("a run") else {
+            panic!("of triangles")
+        };
+        whole.advance(20).expect("steps");
         let file = place.path().join("half");
         whole.save(&file).expect("a file");
         let AnySession::Plane(mut resumed) = AnySession::resume(&file, 2).expect("a run") else {
             panic!("of triangles")
         };
         assert_eq!(resumed.state_hash(), whole.state_hash());
-        whole.run.advance(30).expect("steps");
-        resumed.run.advance(30).expect("steps");
+        whole.advance(30).expect("steps");
+        resumed.advance(30).expect("steps");
         assert_eq!(resumed.state_hash(), whole.state_hash());
 
         let mut bytes = std::fs::read(&file).expect("the file");

@@ -26,6 +26,9 @@ class Simulation:
     run, all of them when the first is asked for, and moved into NumPy without another copy. They are read-only and stay as they are when the run goes on: a later state has
     arrays of its own. Where the mesh breaks, a node becomes several: the first keeps its number, and the others follow after all nodes of the mesh.
 
+    A run goes through the stages, conditions and servos of its model as ``fdem run`` does, and comes to the same state. A stage in which elements vanish or appear has
+    nodes and elements of its own, numbered anew.
+
     Results do not depend on the number of threads, nor on how steps are divided into calls. Other threads of Python run while steps are taken. Ctrl-C ends
     :meth:`advance` after a step, and the run can be used and goes on.
 
@@ -35,6 +38,8 @@ class Simulation:
         The model.
     threads : int, optional
         Number of threads; 0 for one on each processor.
+    earlier : path, optional
+        A folder of ``fdem run``, with whose end the run begins, as with ``fdem run --from``.
 
     Raises
     ------
@@ -54,12 +59,13 @@ class Simulation:
     1560
     """
 
-    def __init__(self, model: Model, threads: int = 0) -> None:
-        self._run = _fdem.Run(model._ready, threads)
+    def __init__(self, model: Model, threads: int = 0, *, earlier: Optional[_Path] = None) -> None:
+        self._run = _fdem.Run(model._ready, threads, None if earlier is None else os.fspath(earlier))
         self._begin()
 
     def _begin(self) -> None:
         self._about: dict[str, Any] = self._run.about()
+        self._stage = self.stage
         self._clear()
 
     def _clear(self) -> None:
@@ -97,6 +103,21 @@ class Simulation:
         return float(self._about["end_time"])
 
     @property
+    def stage(self) -> Optional[str]:
+        """Name of the stage in which the run is; ``None`` if the model has no stages."""
+        return self._run.stage
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the run is over before its ``end_time``: the ``until`` of the model is met, or its last stage has ended."""
+        return self._run.is_over
+
+    @property
+    def log(self) -> list[str]:
+        """What the run has taken over from an earlier one, how its stages have ended, and why it is over, as ``fdem run`` says it. It begins anew where a run is resumed."""
+        return self._run.told
+
+    @property
     def threads(self) -> int:
         """Number of threads."""
         return self._run.threads
@@ -115,7 +136,7 @@ class Simulation:
         callback: Optional[Callable[[Simulation], object]] = None,
         every: int = 1,
     ) -> None:
-        """Takes steps: so many, for so much simulated time, until a simulated time, or to the end of the model.
+        """Takes steps: so many, for so much simulated time, until a simulated time, or to the end of the model. A run that is over (:attr:`is_over`) takes none.
 
         Parameters
         ----------
@@ -135,7 +156,7 @@ class Simulation:
         ValueError
             More than one of `steps`, `time` and `until`, or one that is no number of steps.
         RuntimeError
-            The reason why the run cannot go on, such as an element that is inverted, or an error of the energy balance.
+            The reason why the run cannot go on, such as an element that is inverted, or an error of the energy balance; steps that are asked of a run that is over.
         """
         if sum(given is not None for given in (steps, time, until)) > 1:
             raise ValueError("give one of steps, time and until")
@@ -152,7 +173,9 @@ class Simulation:
             end = _steps(until, self.time_step)
         else:
             end = self._run.total
-        while self.steps < end:
+        if self.is_over and end > self.steps and (steps is not None or time is not None or until is not None):
+            raise RuntimeError(f"the run is over at step {self.steps}: its until is met, or its last stage has ended")
+        while self.steps < end and not self.is_over:
             stop = end
             if callback is not None:
                 if self.steps % every == 0:
@@ -160,6 +183,8 @@ class Simulation:
                 stop = min(end, self.steps + every - self.steps % every)
             self._clear()
             self._run.advance(stop - self.steps)
+            if self.stage != self._stage:
+                self._begin()
 
     def _state(self, name: str) -> Any:
         if self._seen is None:
@@ -290,12 +315,12 @@ class Simulation:
         self._run.clear_forces()
 
     def set_boundary(self, name: str, *, factor: Optional[float]) -> None:
-        """Sets the factor of a boundary from the next step on, in place of its ramp or table; ``None`` gives it these back.
+        """Sets the factor of a boundary from the next step on, in place of its ramp or table; ``None`` gives it these back. A servo sets that of its own boundary.
 
         Parameters
         ----------
         name : str
-            Name of the boundary in the model.
+            Name of a boundary of the present stage.
         factor : float or None
             Factor of its velocity, displacement, force, traction or pressure.
         """

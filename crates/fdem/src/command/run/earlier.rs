@@ -11,13 +11,12 @@ use fdem_simulation::{Boundary, Change, Model, State};
 
 use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
-use crate::command::memory;
 use crate::command::run::begun::Begun;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
 use crate::command::run::stages::Stages;
-use crate::model::{Body, Prepared, prepare_any};
+use crate::model::{Body, Prepared};
 
 /// The end of an earlier run.
 pub(crate) struct Earlier<const D: usize, const N: usize> {
@@ -39,15 +38,8 @@ where
     pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
         let place = display_name(path);
         let (folder, saved) = Folder::open(path)?;
-        let model = folder.path(MODEL);
-        let text = read_text(&model)?;
-        let mut next = 0;
-        let mut load = |_: &str| {
-            next += 1;
-            folder.input(next - 1).map_err(|error| error.to_string())
-        };
-        let prepared = prepare_any(&text, &display_name(&model), &mut load, memory::free())
-            .map_err(|errors| refused(&errors))?;
+        let text = read_text(&folder.path(MODEL))?;
+        let (prepared, _) = folder.prepared(&text).map_err(|errors| refused(&errors))?;
         let unusable = |why: &str| Failure::Unusable(format!("{place} cannot be begun from: {why}"));
         let Some(mut whole) = <[[f64; D]; N]>::of_any(prepared) else {
             return Err(unusable("its model has another number of dimensions"));

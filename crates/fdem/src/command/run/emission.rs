@@ -23,7 +23,7 @@ pub(crate) struct Emission {
 impl Emission {
     /// The events, if the model asks for them. They follow from the joints that have broken, so that they are the same after a resume.
     pub(crate) fn of<const D: usize, const N: usize>(
-        run: &Engine<'_, D, N>,
+        run: &dyn Engine<D, N>,
         prepared: &Prepared<D, N>,
     ) -> Option<Self>
     where

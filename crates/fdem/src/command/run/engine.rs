@@ -1,6 +1,5 @@
 //! The simulation of a run: in this process, or on many ranks that this one leads.
 
-use fdem_distributed::Communicator;
 use fdem_simulation::{
     Counts, CriticalStep, Energies, Forces, Leader, Probe, Simulation, Snapshot, State, Stop, Timings,
     Traffic,
@@ -12,153 +11,172 @@ use crate::command::run::results::Results;
 type Moved<const D: usize> = ([f64; D], [f64; D]);
 
 /// A simulation, wherever it is computed.
-pub(crate) enum Engine<'c, const D: usize, const N: usize>
-where
-    [[f64; D]; N]: Results<D, N>,
-{
-    Alone(Box<Simulation<D, N>>),
-    Leading(Box<Leader<'c, D, N>>),
+pub(crate) trait Engine<const D: usize, const N: usize> {
+    /// Takes steps.
+    fn advance(&mut self, steps: u64) -> Result<(), Stop>;
+
+    /// Sets the factor of a boundary from the next step on.
+    fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String>;
+
+    /// Goes on with another simulation.
+    fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String>;
+
+    fn steps(&self) -> u64;
+    fn time(&self) -> f64;
+    fn time_step(&self) -> f64;
+    fn critical_step(&self) -> CriticalStep;
+    fn threads(&self) -> usize;
+    fn timings(&self) -> Timings;
+    fn elements(&self) -> usize;
+    fn counts(&self) -> Counts;
+    fn penetrated(&self) -> Option<[u32; 2]>;
+    fn energies(&self) -> Energies;
+    fn imbalance(&self) -> f64;
+    fn force(&self, boundary: usize) -> Option<[f64; D]>;
+    fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>>;
+    fn crack_lengths(&self) -> [f64; 3];
+    fn fragments(&self) -> Vec<u32>;
+    fn snapshot(&self) -> Snapshot<D, N>;
+    fn state(&self) -> State<D, N>;
+
+    /// Nodes of the mesh; not numbers for those that are not there.
+    fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>>;
+
+    fn frame(&self) -> (Snapshot<D, N>, Forces<D>);
+
+    /// The elements and the traffic of each rank; empty in one process.
+    fn traffic(&self) -> Vec<Traffic>;
 }
 
-macro_rules! both {
-    ($self:expr, $run:ident => $done:expr) => {
-        match $self {
-            Self::Alone($run) => $done,
-            Self::Leading($run) => $done,
+/// Functions that a simulation and one on many ranks have under the same names.
+macro_rules! of_the_same_name {
+    () => {
+        fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+            self.advance(steps)
+        }
+
+        fn steps(&self) -> u64 {
+            self.steps()
+        }
+
+        fn time(&self) -> f64 {
+            self.time()
+        }
+
+        fn time_step(&self) -> f64 {
+            self.time_step()
+        }
+
+        fn critical_step(&self) -> CriticalStep {
+            self.critical_step()
+        }
+
+        fn threads(&self) -> usize {
+            self.threads()
+        }
+
+        fn timings(&self) -> Timings {
+            self.timings()
+        }
+
+        fn counts(&self) -> Counts {
+            self.counts()
+        }
+
+        fn penetrated(&self) -> Option<[u32; 2]> {
+            self.penetrated()
+        }
+
+        fn energies(&self) -> Energies {
+            self.energies()
+        }
+
+        fn imbalance(&self) -> f64 {
+            self.imbalance()
+        }
+
+        fn force(&self, boundary: usize) -> Option<[f64; D]> {
+            self.force(boundary)
+        }
+
+        fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
+            self.measure(probes)
+        }
+
+        fn crack_lengths(&self) -> [f64; 3] {
+            self.crack_lengths()
+        }
+
+        fn fragments(&self) -> Vec<u32> {
+            self.fragments()
+        }
+
+        fn snapshot(&self) -> Snapshot<D, N> {
+            self.snapshot()
+        }
+
+        fn state(&self) -> State<D, N> {
+            self.state()
+        }
+
+        fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>> {
+            let found = self.nodes(nodes).into_iter();
+            found.map(|node| node.unwrap_or(([f64::NAN; D], [f64::NAN; D]))).collect()
         }
     };
 }
 
-impl<'c, const D: usize, const N: usize> Engine<'c, D, N>
+impl<const D: usize, const N: usize> Engine<D, N> for Simulation<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    /// Distributes a simulation among the ranks, if there are several. `threads`: of each rank.
-    pub(crate) fn new(
-        run: Simulation<D, N>,
-        ranks: Option<&'c dyn Communicator>,
-        threads: usize,
-    ) -> Result<Self, String> {
-        Ok(match ranks {
-            None => Self::Alone(Box::new(run)),
-            Some(ranks) => {
-                let leader = Leader::new(ranks, run, threads).map_err(|error| error.to_string())?;
-                Self::Leading(Box::new(leader))
-            }
-        })
+    of_the_same_name!();
+
+    fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
+        self.set_factor(boundary, Some(factor)).map_err(|error| error.to_string())
     }
 
-    pub(crate) fn advance(&mut self, steps: u64) -> Result<(), Stop> {
-        both!(self, run => run.advance(steps))
-    }
-
-    pub(crate) fn steps(&self) -> u64 {
-        both!(self, run => run.steps())
-    }
-
-    pub(crate) fn time(&self) -> f64 {
-        both!(self, run => run.time())
-    }
-
-    pub(crate) fn time_step(&self) -> f64 {
-        both!(self, run => run.time_step())
-    }
-
-    pub(crate) fn critical_step(&self) -> CriticalStep {
-        both!(self, run => run.critical_step())
-    }
-
-    pub(crate) fn energies(&self) -> Energies {
-        both!(self, run => run.energies())
-    }
-
-    pub(crate) fn imbalance(&self) -> f64 {
-        both!(self, run => run.imbalance())
-    }
-
-    /// Sets the factor of a boundary from the next step on.
-    pub(crate) fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
-        let set = match self {
-            Self::Alone(run) => run.set_factor(boundary, Some(factor)),
-            Self::Leading(run) => run.set_factor(boundary, factor),
-        };
-        set.map_err(|error| error.to_string())
-    }
-
-    /// Goes on with another simulation.
-    pub(crate) fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String> {
-        match self {
-            Self::Alone(run) => **run = with,
-            Self::Leading(run) => run.replace(with).map_err(|error| error.to_string())?,
-        }
+    fn replace(&mut self, with: Self) -> Result<(), String> {
+        *self = with;
         Ok(())
     }
 
-    pub(crate) fn force(&self, boundary: usize) -> Option<[f64; D]> {
-        both!(self, run => run.force(boundary))
+    fn elements(&self) -> usize {
+        self.model().mesh.elements.len()
     }
 
-    pub(crate) fn timings(&self) -> Timings {
-        both!(self, run => run.timings())
+    fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
+        (self.snapshot(), self.forces())
     }
 
-    pub(crate) fn threads(&self) -> usize {
-        both!(self, run => run.threads())
+    fn traffic(&self) -> Vec<Traffic> {
+        Vec::new()
+    }
+}
+
+impl<const D: usize, const N: usize> Engine<D, N> for Leader<'_, D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    of_the_same_name!();
+
+    fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
+        self.set_factor(boundary, factor).map_err(|error| error.to_string())
     }
 
-    pub(crate) fn elements(&self) -> usize {
-        match self {
-            Self::Alone(run) => run.model().mesh.elements.len(),
-            Self::Leading(run) => run.elements(),
-        }
+    fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String> {
+        self.replace(with).map_err(|error| error.to_string())
     }
 
-    pub(crate) fn counts(&self) -> Counts {
-        both!(self, run => run.counts())
+    fn elements(&self) -> usize {
+        self.elements()
     }
 
-    pub(crate) fn penetrated(&self) -> Option<[u32; 2]> {
-        both!(self, run => run.penetrated())
+    fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
+        self.frame()
     }
 
-    /// Nodes of the mesh; not numbers for those that are not there.
-    pub(crate) fn nodes(&self, nodes: &[u32]) -> Vec<Moved<D>> {
-        let found = both!(self, run => run.nodes(nodes));
-        found.into_iter().map(|node| node.unwrap_or(([f64::NAN; D], [f64::NAN; D]))).collect()
-    }
-
-    pub(crate) fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
-        both!(self, run => run.measure(probes))
-    }
-
-    pub(crate) fn crack_lengths(&self) -> [f64; 3] {
-        both!(self, run => run.crack_lengths())
-    }
-
-    pub(crate) fn fragments(&self) -> Vec<u32> {
-        both!(self, run => run.fragments())
-    }
-
-    pub(crate) fn snapshot(&self) -> Snapshot<D, N> {
-        both!(self, run => run.snapshot())
-    }
-
-    pub(crate) fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
-        match self {
-            Self::Alone(run) => (run.snapshot(), run.forces()),
-            Self::Leading(run) => run.frame(),
-        }
-    }
-
-    pub(crate) fn state(&self) -> State<D, N> {
-        both!(self, run => run.state())
-    }
-
-    /// The elements and the traffic of each rank; empty in one process.
-    pub(crate) fn traffic(&self) -> Vec<Traffic> {
-        match self {
-            Self::Alone(_) => Vec::new(),
-            Self::Leading(run) => run.traffic(),
-        }
+    fn traffic(&self) -> Vec<Traffic> {
+        self.traffic()
     }
 }

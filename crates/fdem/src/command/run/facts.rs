@@ -10,7 +10,7 @@ use crate::command::run::results::Results;
 
 /// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those of cracks and fragments.
 pub(crate) fn facts<const D: usize, const N: usize>(
-    run: &Engine<'_, D, N>,
+    run: &dyn Engine<D, N>,
     status: &str,
     account: &Account,
     frames: usize,

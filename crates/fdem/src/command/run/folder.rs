@@ -27,8 +27,10 @@ use sha2::{Digest, Sha256};
 
 use crate::command::aside::{self, Hold};
 use crate::command::failure::{Failure, display_name};
+use crate::command::memory;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
+use crate::model::{AnyPrepared, ModelErrors, prepare_any};
 
 /// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return before it has ended the other ranks.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -258,9 +260,17 @@ impl Folder {
         fs::read(&path).map_err(|error| Failure::reading(&display_name(&path), &error))
     }
 
-    /// Reads a file that the model names. `number`: its place in the order in which the model names files.
-    pub(crate) fn input(&self, number: usize) -> io::Result<Vec<u8>> {
-        fs::read(self.path(&format!("{INPUTS}/{number}")))
+    /// Checks and meshes the model of the folder, whose text this is. Returns the model, and the files that it names in their order, of which the folder has copies.
+    pub(crate) fn prepared(&self, text: &str) -> Result<(AnyPrepared, Vec<Vec<u8>>), ModelErrors> {
+        let mut inputs = Vec::new();
+        let mut load = |_: &str| {
+            let path = self.path(&format!("{INPUTS}/{}", inputs.len()));
+            let bytes = fs::read(path).map_err(|error| error.to_string())?;
+            inputs.push(bytes.clone());
+            Ok(bytes)
+        };
+        let prepared = prepare_any(text, &display_name(&self.path(MODEL)), &mut load, memory::free())?;
+        Ok((prepared, inputs))
     }
 
     /// Writes the checkpoint.

@@ -3,7 +3,7 @@
 use fdem_distributed::Communicator;
 use fdem_io::numbers::grouped;
 use fdem_results::{Plot, RankLoad, rank_loads};
-use fdem_simulation::{ModelError, Simulation, Traffic, dismiss, follow};
+use fdem_simulation::{Leader, ModelError, Simulation, Traffic, dismiss, follow};
 
 use crate::command::args::RunOptions;
 use crate::command::failure::Failure;
@@ -49,12 +49,14 @@ impl<'c> Lead<'c> {
     pub(super) fn distribute<const D: usize, const N: usize>(
         mut self,
         run: Simulation<D, N>,
-    ) -> Result<Engine<'c, D, N>, String>
+    ) -> Result<Box<dyn Engine<D, N> + 'c>, String>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         self.followed = true;
-        Engine::new(run, self.ranks, self.threads)
+        let Some(ranks) = self.ranks else { return Ok(Box::new(run)) };
+        let leader = Leader::new(ranks, run, self.threads).map_err(|error| error.to_string())?;
+        Ok(Box::new(leader))
     }
 }
 

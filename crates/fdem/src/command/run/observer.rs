@@ -37,7 +37,7 @@ impl Observer {
     /// Returns the present values of each `[[history]]`.
     pub(crate) fn values<const D: usize, const N: usize>(
         &self,
-        run: &Engine<'_, D, N>,
+        run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
     ) -> Vec<Vec<f64>>
     where
@@ -62,7 +62,7 @@ impl Observer {
     /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
     pub(crate) fn first_row<const D: usize, const N: usize>(
         &self,
-        run: &Engine<'_, D, N>,
+        run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
         mut values: Vec<Vec<f64>>,
     ) -> Row
@@ -91,7 +91,7 @@ impl Observer {
     /// Returns the present row of the history.
     pub(crate) fn row<const D: usize, const N: usize>(
         &mut self,
-        run: &Engine<'_, D, N>,
+        run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
     ) -> Row
     where
@@ -109,7 +109,7 @@ impl Observer {
     }
 
     /// Counts the fragments. They are found again only if joints have broken since the last count.
-    fn count<const D: usize, const N: usize>(&mut self, run: &Engine<'_, D, N>) -> FragmentCount
+    fn count<const D: usize, const N: usize>(&mut self, run: &(impl Engine<D, N> + ?Sized)) -> FragmentCount
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -127,7 +127,7 @@ impl Observer {
     /// The fragments of a run now.
     pub(crate) fn fragments<const D: usize, const N: usize>(
         &self,
-        run: &Engine<'_, D, N>,
+        run: &(impl Engine<D, N> + ?Sized),
     ) -> Result<Fragments<D>, Failure>
     where
         [[f64; D]; N]: Results<D, N>,
@@ -145,7 +145,10 @@ fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepare
 }
 
 /// The mean displacement of some nodes, m; not a number without any.
-fn mean_displacement<const D: usize, const N: usize>(run: &Engine<'_, D, N>, nodes: &[u32]) -> [f64; D]
+fn mean_displacement<const D: usize, const N: usize>(
+    run: &(impl Engine<D, N> + ?Sized),
+    nodes: &[u32],
+) -> [f64; D]
 where
     [[f64; D]; N]: Results<D, N>,
 {

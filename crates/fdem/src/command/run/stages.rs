@@ -72,6 +72,11 @@ where
         &self.whole.stages[self.entered.stage()]
     }
 
+    /// Whether the end of the present stage depends on a row of the history.
+    pub(crate) fn has_conditions(&self) -> bool {
+        self.now().equilibrium.is_some() || self.now().until.is_some()
+    }
+
     /// Step at which the stage ends at the latest.
     pub(crate) fn end(&self) -> u64 {
         let begun = self.entered.begun.last().copied().unwrap_or_default();

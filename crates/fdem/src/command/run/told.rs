@@ -35,7 +35,7 @@ pub(crate) struct Told {
 impl Told {
     pub(crate) fn new<const D: usize, const N: usize>(
         folder: &Folder,
-        run: &Engine<'_, D, N>,
+        run: &dyn Engine<D, N>,
         total: u64,
         quiet: bool,
     ) -> Result<Self, Failure>
@@ -85,7 +85,7 @@ impl Told {
     }
 
     /// Updates the progress.
-    pub(crate) fn show<const D: usize, const N: usize>(&mut self, run: &Engine<'_, D, N>)
+    pub(crate) fn show<const D: usize, const N: usize>(&mut self, run: &dyn Engine<D, N>)
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -129,7 +129,7 @@ impl Told {
 
 /// Returns the contents of `run.json`. `account`: the times of the whole run; `frames`: their number; `fragments`: those of now.
 pub(crate) fn json<const D: usize, const N: usize>(
-    run: &Engine<'_, D, N>,
+    run: &dyn Engine<D, N>,
     prepared: &Prepared<D, N>,
     status: &str,
     account: &Account,

@@ -59,7 +59,7 @@ impl Drop for Watch {
 fn watch(note: impl Fn(i32) + Send + 'static) -> Result<(), std::io::Error> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
-    std::thread::Builder::new().spawn(move || signals.forever().for_each(note)).map(drop)
+    crate::command::threads::start("signals", move || signals.forever().for_each(note)).map(drop)
 }
 
 #[cfg(not(unix))]

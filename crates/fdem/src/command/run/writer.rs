@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 
 use fdem_results::Row;
 use fdem_simulation::{Forces, Snapshot};
@@ -15,6 +15,7 @@ use crate::command::failure::Failure;
 use crate::command::run::checkpoint::Unsaved;
 use crate::command::run::recorder::Recorder;
 use crate::command::run::results::Results;
+use crate::command::threads;
 
 /// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
 const PLACES: usize = 1;
@@ -62,8 +63,7 @@ where
         let (queue, tasks) = sync_channel(PLACES);
         let undone = Arc::new(AtomicUsize::new(0));
         let count = Arc::clone(&undone);
-        let thread =
-            thread::Builder::new().name("results".to_owned()).spawn(move || write(recorder, &tasks, &count));
+        let thread = threads::start("results", move || write(recorder, &tasks, &count));
         let thread = thread.map_err(|error| {
             Failure::Unusable(format!("cannot start the thread that writes results: {error}"))
         })?;

@@ -1,0 +1,342 @@
+//! The course of a run: its steps, and what its model changes between them: stages, conditions and servos.
+//!
+//! `fdem run` and a program that holds a run take the same course, so that both come to the same bits.
+
+use std::path::Path;
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_results::Row;
+use fdem_simulation::{Model, ModelError, Simulation, State, Stop};
+
+use crate::command::failure::Failure;
+use crate::command::run::begun::Begun;
+use crate::command::run::earlier::Earlier;
+use crate::command::run::engine::Engine;
+use crate::command::run::observer::Observer;
+use crate::command::run::results::Results;
+use crate::command::run::stages::{Known, Stages};
+use crate::model::{Entered, Prepared, Reached};
+
+/// A run before its first step, or where it goes on.
+pub(crate) struct Start<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// Bodies, boundaries and histories of the stage in which it starts.
+    pub(crate) prepared: Prepared<D, N>,
+    /// `None` if the run is one.
+    pub(crate) stages: Option<Stages<D, N>>,
+    /// When it has begun from another run.
+    pub(crate) begun: Option<Begun>,
+    earlier: Option<Earlier<D, N>>,
+}
+
+impl<const D: usize, const N: usize> Start<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// The start of a new run of a model, or of one that begins with the end of the run in a folder.
+    pub(crate) fn new(mut prepared: Prepared<D, N>, from: Option<&Path>) -> Result<Self, StartError> {
+        let earlier = from.map(Earlier::open).transpose().map_err(StartError::From)?;
+        let begun = earlier.as_ref().map(|earlier| earlier.begun(&prepared)).transpose()?;
+        let mut entered = Entered::first();
+        if let Some(begun) = &begun {
+            begun.apply(&mut prepared.model);
+            entered.begun = vec![begun.step];
+        }
+        let (stages, prepared) = Stages::new(prepared, entered)?;
+        Ok(Self { prepared, stages, begun, earlier })
+    }
+
+    /// The start of a run that goes on.
+    pub(crate) fn again(
+        mut prepared: Prepared<D, N>,
+        begun: Option<Begun>,
+        entered: Entered<D>,
+    ) -> Result<Self, String> {
+        if let Some(begun) = &begun {
+            begun.apply(&mut prepared.model);
+        }
+        let (stages, prepared) = Stages::new(prepared, entered)?;
+        Ok(Self { prepared, stages, begun, earlier: None })
+    }
+
+    /// The simulation of a new run, and what it takes over from the earlier one, in words.
+    pub(crate) fn simulation(&mut self, threads: usize) -> Result<(Simulation<D, N>, Vec<String>), String> {
+        let wrong = |error: ModelError| error.to_string();
+        let Some(earlier) = self.earlier.take() else {
+            return Ok((Simulation::new(self.prepared.model.clone(), threads).map_err(wrong)?, Vec::new()));
+        };
+        let (model, state, told) = earlier.taken_over(&self.prepared, threads)?;
+        self.prepared.model = model;
+        Ok((self.resumed(state, threads).map_err(wrong)?, told))
+    }
+
+    /// The simulation of a run that goes on with a state.
+    pub(crate) fn resumed(&self, state: State<D, N>, threads: usize) -> Result<Simulation<D, N>, ModelError> {
+        let model: Model<D, N> = self.prepared.model.clone();
+        Simulation::resume(model, state, threads)
+    }
+}
+
+/// Why a run cannot start.
+pub(crate) enum StartError {
+    /// Its model cannot run, for this reason.
+    Model(String),
+    /// The run with which it would begin cannot be opened.
+    From(Failure),
+}
+
+impl From<String> for StartError {
+    fn from(why: String) -> Self {
+        Self::Model(why)
+    }
+}
+
+impl StartError {
+    /// The failure of a run of the model of this name.
+    pub(crate) fn of(self, name: &str) -> Failure {
+        match self {
+            Self::Model(why) => Failure::Unusable(format!("{name} cannot run: {why}")),
+            Self::From(failure) => failure,
+        }
+    }
+}
+
+/// A run with all that steers it.
+pub(crate) struct Course<E, const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+    E: ?Sized,
+{
+    /// Bodies, boundaries and histories of the present stage.
+    pub(crate) prepared: Prepared<D, N>,
+    /// `None` if the run is one.
+    pub(crate) stages: Option<Stages<D, N>>,
+    /// When it has begun from another run.
+    pub(crate) begun: Option<Begun>,
+    /// Peaks of the conditions that end the run and the stage, and whether the run is over.
+    pub(crate) reached: Reached,
+    pub(crate) run: Box<E>,
+    pub(crate) observer: Observer,
+    /// Time between rows of the history, s.
+    pub(crate) interval: f64,
+    /// Whether rows are made where no condition needs them.
+    is_recorded: bool,
+}
+
+/// A part of a course.
+pub(crate) struct Passed {
+    /// Rows of the history.
+    pub(crate) rows: Vec<Row>,
+    /// Numbers of the row at its end, if one is due there.
+    due: Option<Vec<f64>>,
+}
+
+/// What a model has changed after a step.
+#[derive(Default)]
+pub(crate) struct Turned {
+    /// What has happened, in words.
+    pub(crate) told: Vec<String>,
+    /// Whether another stage has begun.
+    pub(crate) entered: bool,
+}
+
+impl<E, const D: usize, const N: usize> Course<E, D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+    E: Engine<D, N> + ?Sized,
+{
+    /// The course of a run from where it is. `interval`: time between rows of the history, s.
+    pub(crate) fn new(
+        start: Start<D, N>,
+        run: Box<E>,
+        interval: f64,
+        reached: Reached,
+        is_recorded: bool,
+    ) -> Result<Self, Failure> {
+        let Start { prepared, stages, begun, .. } = start;
+        let mut course = Self {
+            observer: Observer::new(&prepared)?,
+            prepared,
+            stages,
+            begun,
+            reached,
+            run,
+            interval,
+            is_recorded,
+        };
+        if course.run.steps() == 0 {
+            course.control(true)?;
+        }
+        Ok(course)
+    }
+
+    /// Steps of the whole run, from its beginning to its end time.
+    pub(crate) fn total(&self) -> u64 {
+        ((self.prepared.end_time / self.run.time_step()).ceil() as u64).max(1)
+    }
+
+    /// The stages so far; none if the run is one.
+    pub(crate) fn entered(&self) -> Entered<D> {
+        self.stages.as_ref().map(|stages| stages.entered.clone()).unwrap_or_default()
+    }
+
+    /// Takes steps: to this one, or to the next at which something is due, or to the end of the run.
+    pub(crate) fn advance(&mut self, limit: u64) -> Result<Passed, Stop> {
+        let step = self.run.steps();
+        let needs = self.prepared.until.is_some() || self.stages.as_ref().is_some_and(Stages::has_conditions);
+        let row = if self.is_recorded || needs {
+            next(step, self.interval / self.run.time_step())
+        } else {
+            u64::MAX
+        };
+        let opening =
+            (self.is_recorded && step == 0).then(|| self.observer.values(&*self.run, &self.prepared));
+        // A part that is recorded has one step at first, because the initial forces and energies are known after it.
+        let first = if opening.is_some() { 1 } else { u64::MAX };
+        let stage = self.stages.as_ref().map_or(u64::MAX, Stages::end);
+        let stop = limit.min(row).min(stage).min(self.next_control(step)).min(first);
+        self.run.advance(stop - step)?;
+        let mut rows = Vec::new();
+        if let Some(values) = opening {
+            rows.push(self.observer.first_row(&*self.run, &self.prepared, values));
+        }
+        let mut due = None;
+        if stop == row || (self.is_recorded && stop == self.total()) {
+            let present = self.observer.row(&*self.run, &self.prepared);
+            due = (stop == row).then(|| present.numbers());
+            rows.push(present);
+        }
+        Ok(Passed { rows, due })
+    }
+
+    /// Does what the model asks for after a part: ends the stage and begins the next, ends the run, and moves servos.
+    pub(crate) fn turn(&mut self, passed: &Passed) -> Result<Turned, Failure> {
+        let mut turned = Turned::default();
+        self.go_through_stages(passed.due.as_deref(), &mut turned)?;
+        self.end_if_met(passed.due.as_deref(), &mut turned);
+        self.control(false)?;
+        Ok(turned)
+    }
+
+    /// Ends the run if its condition is met by a row of the history.
+    fn end_if_met(&mut self, row: Option<&[f64]>, turned: &mut Turned) {
+        let (Some(until), Some(row)) = (&self.prepared.until, row) else { return };
+        if let Some(why) = until.met(row, &mut self.reached.peaks[0]) {
+            self.reached.over = true;
+            turned.told.push(format!("the run ends at {} s: {why}", brief(self.run.time())));
+        }
+    }
+
+    /// Ends the stage if it is over, and begins the next. `row`: a row of the history of this step, if there is one.
+    fn go_through_stages(&mut self, row: Option<&[f64]>, turned: &mut Turned) -> Result<(), Failure> {
+        let Some(stages) = &mut self.stages else { return Ok(()) };
+        let peak = &mut self.reached.peaks[1];
+        let known = row.map(|row| {
+            let (energies, imbalance) = (self.run.energies(), self.run.imbalance());
+            Known { energies, imbalance, row, peak }
+        });
+        let Some(over) = stages.is_over(self.run.steps(), known) else { return Ok(()) };
+        let ended = format!(
+            "stage \"{}\" ends at {} s: {}",
+            stages.now().name,
+            brief(self.run.time()),
+            over.in_words()
+        );
+        if stages.is_last() {
+            self.reached.over = true;
+            turned.told.push(ended);
+            return Ok(());
+        }
+        let next = stages.next(&self.prepared, self.run.state(), self.run.threads());
+        let (mut prepared, run) =
+            next.map_err(|why| Failure::Wrong(format!("{ended}; the next cannot begin: {why}")))?;
+        let now = format!("stage \"{}\" begins", stages.now().name);
+        self.run.replace(run).map_err(Failure::Unusable)?;
+        prepared.output.animate = self.prepared.output.animate;
+        self.prepared = prepared;
+        self.observer = Observer::new(&self.prepared)?;
+        self.reached.peaks[1] = 0.0;
+        self.control(true)?;
+        turned.told.push(ended);
+        turned.told.push(format!("{now} with {} elements", grouped(self.run.elements() as u64)));
+        turned.entered = true;
+        Ok(())
+    }
+
+    /// The first step after this one at which a servo looks at its column.
+    fn next_control(&self, step: u64) -> u64 {
+        let steps = self.prepared.servos.iter().map(|servo| u64::from(servo.steps));
+        steps.map(|steps| (step / steps + 1).saturating_mul(steps)).min().unwrap_or(u64::MAX)
+    }
+
+    /// Sets the velocities of the servos that look at their columns now, or of `all`.
+    fn control(&mut self, all: bool) -> Result<(), Failure> {
+        let step = self.run.steps();
+        let mut values = None;
+        for servo in &self.prepared.servos {
+            if !all && !step.is_multiple_of(u64::from(servo.steps)) {
+                continue;
+            }
+            let values =
+                values.get_or_insert_with(|| self.observer.values(&*self.run, &self.prepared).concat());
+            let schedule = &self.prepared.model.boundaries[servo.boundary].schedule;
+            let factor = servo.factor(values[servo.place], schedule.factor(self.run.time()));
+            self.run.set_factor(servo.boundary, factor).map_err(Failure::Wrong)?;
+        }
+        Ok(())
+    }
+
+    /// Conditions that were not met, stages that were not reached, and servos that are far from their targets, in words.
+    pub(crate) fn unmet(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
+            warnings.push(format!("until of [model], on {}, was not met", until.column));
+        }
+        warnings.extend(self.stages.as_ref().and_then(Stages::unreached));
+        let values = self.observer.values(&*self.run, &self.prepared).concat();
+        for servo in &self.prepared.servos {
+            let boundary = &self.prepared.model.boundaries[servo.boundary];
+            let scale = boundary.schedule.factor(self.run.time());
+            let found = values[servo.place];
+            if servo.factor(found, scale).abs() >= 1.0 {
+                warnings.push(format!(
+                    "the servo \"{}\" has not held its target: {} and not {} at the end; see that its velocity has the right sign and is not too high",
+                    boundary.name,
+                    brief(found),
+                    brief(servo.target * scale)
+                ));
+            }
+        }
+        warnings
+    }
+}
+
+/// Returns the first multiple of an interval after a step. The interval is in steps and need not be a whole number.
+pub(crate) fn next(step: u64, every: f64) -> u64 {
+    let every = every.max(1.0);
+    let mut count = (step as f64 / every).floor();
+    loop {
+        let at = (count * every).ceil() as u64;
+        if at > step {
+            return at;
+        }
+        count += 1.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_that_are_not_whole_do_not_drift() {
+        let mut step = 0;
+        for k in 1..1000 {
+            step = next(step, 3.7);
+            assert_eq!(step, (f64::from(k) * 3.7).ceil() as u64);
+        }
+        assert_eq!(next(5, 0.01), 6);
+    }
+}

@@ -1,0 +1,37 @@
+//! Threads that begin even where memory ends soon.
+
+use std::io;
+use std::sync::mpsc;
+use std::thread::{Builder, JoinHandle};
+
+use memmap2::MmapMut;
+
+/// Stack of a thread, bytes.
+const STACK: usize = 2 << 20;
+
+/// Memory that a thread needs when it begins, besides its stack, bytes: more than enough.
+const BEGINNING: usize = 1 << 18;
+
+/// Starts a thread with a name, and returns when it has begun.
+///
+/// The standard library and the C library end a program that has no memory for the beginning of a thread. So it is seen here that there is some, and the work that may take all memory
+/// comes after it.
+///
+/// # Errors
+/// No memory, or no thread left.
+pub(crate) fn start<R: Send + 'static>(
+    name: &str,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> io::Result<JoinHandle<R>> {
+    // Of the system, as the memory of a new thread: the heap may have some that the thread cannot use.
+    drop(MmapMut::map_anon(STACK + BEGINNING)?);
+    let (begin, begun) = mpsc::channel();
+    let begun_work = move || {
+        // The other end waits for it.
+        let _ = begin.send(());
+        work()
+    };
+    let thread = Builder::new().name(name.to_owned()).stack_size(STACK).spawn(begun_work)?;
+    begun.recv().map_err(io::Error::other)?;
+    Ok(thread)
+}
