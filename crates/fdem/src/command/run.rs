@@ -10,6 +10,7 @@ mod facts;
 pub(crate) mod folder;
 mod lead;
 mod observer;
+mod quasi_static;
 mod recorder;
 pub(crate) mod results;
 mod stages;
@@ -43,6 +44,7 @@ use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use lead::Lead;
 use observer::Observer;
+use quasi_static::QuasiStatic;
 use recorder::Recorder;
 use results::Results;
 use stages::{Known, Stages};
@@ -296,6 +298,8 @@ where
     curves: Vec<CurveFigures>,
     /// Its acoustic emission, likewise.
     emission: Option<Emission>,
+    /// Whether it was quasi-static, likewise.
+    quasi_static: Option<QuasiStatic>,
 }
 
 /// How the steps of a run ended.
@@ -347,6 +351,7 @@ where
             quiet: options.quiet,
             curves: Vec::new(),
             emission: None,
+            quasi_static: None,
         })
     }
 
@@ -371,6 +376,10 @@ where
         }
         let history = recorder.history()?;
         self.curves = self.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.quasi_static = QuasiStatic::of(&self.prepared, &history);
+        if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
+            self.told.say(&warning);
+        }
         self.emission = Emission::of(&self.run, &self.prepared);
         if let Some(emission) = &self.emission {
             self.folder.write(EVENTS, emission.csv.as_bytes())?;
@@ -645,6 +654,7 @@ where
             json["stages"] = stages.json();
         }
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
+        json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
         json["curves"] = self.curves.iter().map(told::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
@@ -694,6 +704,7 @@ where
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let mut more = Vec::new();
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
+        more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
         more.extend(self.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         facts::facts(&self.run, status, &self.account(), self.frames, fragments, more)

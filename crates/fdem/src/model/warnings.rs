@@ -1,6 +1,7 @@
 //! Warnings of what is possible, but probably not meant.
 
 mod gravity;
+mod quasi_static;
 
 use std::collections::BTreeMap;
 
@@ -15,6 +16,7 @@ use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::file;
 use crate::model::parts;
+pub(crate) use quasi_static::is_quasi_static;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -67,6 +69,7 @@ where
     if ready.file.initial.ground.is_none() {
         gravity::sudden(ready.model, ready.bodies, warnings);
     }
+    quasi_static::advice(ready.file, ready.model, warnings);
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
 
