@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::model::{Prepared, Scaled};
 
 /// Share of the largest strain energy from which a row of the history counts.
-const COUNTS: f64 = 0.01;
+const COUNTS: f64 = 0.1;
 
 /// The kinetic over the strain energy of a run with mass scaling.
 #[derive(Debug)]

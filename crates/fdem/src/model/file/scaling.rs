@@ -15,7 +15,7 @@ pub struct MassScaling {
     #[serde(default = "tenth")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub added_mass: f64,
-    /// Kinetic over strain energy up to which the run is quasi-static. A run that exceeds it ends with a warning. Rows of the history count once the strain energy is 1 % of its largest. Default: 0.1.
+    /// Kinetic over strain energy up to which the run is quasi-static. A run that exceeds it ends with a warning. Rows of the history count where the strain energy is at least 10 % of its largest. Default: 0.1.
     #[serde(default = "tenth")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub kinetic_energy: f64,
