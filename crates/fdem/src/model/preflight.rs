@@ -14,7 +14,8 @@ use crate::model::joint_sets::Joints;
 use crate::model::library::FromLibrary;
 use crate::model::on_ranks::OnRanks;
 use crate::model::prepared::Prepared;
-use crate::model::scaling::{self, Scaled};
+use crate::model::scaled::Scaled;
+use crate::model::scaling;
 
 /// Costs of an element.
 struct Cost {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::model::conditions::{Servo, Until};
 use crate::model::joint_sets::Joints;
 use crate::model::library::FromLibrary;
-use crate::model::scaling::Scaled;
+use crate::model::scaled::Scaled;
 use crate::model::settings::{History, OutputSettings};
 
 /// A model that is ready to run.

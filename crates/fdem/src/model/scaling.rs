@@ -1,15 +1,15 @@
 //! Mass scaling of a model: mass that is added for a longer time step, within a bound, and advice to add some.
 
-use fdem_io::numbers::{brief, grouped};
+use fdem_io::numbers::brief;
 use fdem_mesh::Simplex;
 use fdem_simulation::{CriticalStep, Element, Load, MassScaling, Model, ModelError};
-use serde::Serialize;
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{ModelFile, TimeStep};
 use crate::model::prepared::{Entered, Prepared};
-use crate::model::warnings::is_quasi_static;
+use crate::model::quasi_static::is_quasi_static;
+use crate::model::scaled::{Scaled, counted};
 
 /// Added mass of the advice, as a share of that of the model.
 const LITTLE: f64 = 0.01;
@@ -19,50 +19,6 @@ const WORTH: f64 = 1.5;
 
 /// How much longer the step of the advice is at most.
 const MOST: f64 = 20.0;
-
-/// Mass that has been added to a model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Scaled {
-    /// Number of elements that have got mass.
-    pub elements: usize,
-    /// Mass of the model without it, kg.
-    pub true_mass: f64,
-    /// Added mass, kg.
-    pub added_mass: f64,
-    /// Time step, s.
-    pub step: f64,
-    /// Time step without the added mass, s.
-    pub step_without: f64,
-    /// Kinetic over strain energy up to which the run is quasi-static.
-    pub kinetic_bound: f64,
-}
-
-impl Scaled {
-    /// Added mass as a share of that of the model.
-    pub fn share(&self) -> f64 {
-        self.added_mass / self.true_mass
-    }
-
-    /// The added mass in words.
-    pub(crate) fn in_words(&self) -> String {
-        format!(
-            "{} of added mass, {} % of that of the model, on {}: steps of {} s instead of {} s",
-            kilograms(self.added_mass),
-            brief(100.0 * self.share()),
-            counted(self.elements),
-            brief(self.step),
-            brief(self.step_without)
-        )
-    }
-}
-
-fn kilograms(mass: f64) -> String {
-    format!("{} kg", brief(mass))
-}
-
-fn counted(elements: usize) -> String {
-    if elements == 1 { "1 element".to_owned() } else { format!("{} elements", grouped(elements as u64)) }
-}
 
 /// The mass scaling of all stages of a model.
 struct Scaling {

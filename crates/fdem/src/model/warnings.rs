@@ -1,7 +1,6 @@
 //! Warnings of what is possible, but probably not meant.
 
 mod gravity;
-mod quasi_static;
 
 use std::collections::BTreeMap;
 
@@ -16,7 +15,7 @@ use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::file;
 use crate::model::parts;
-pub(crate) use quasi_static::is_quasi_static;
+use crate::model::quasi_static;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;

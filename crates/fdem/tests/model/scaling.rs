@@ -163,4 +163,7 @@ fn stages_that_are_to_reach_an_equilibrium_are_told_to_be_damped() {
     let told = right(&model).warnings.join("\n");
     assert!(told.contains("[[stage]] \"rest\" ends at an equilibrium, and without local damping"), "{told}");
     assert_eq!(right(&format!("{model}local_damping = 0.7\n")).warnings, Vec::<String>::new());
+    // Ground at rest is in equilibrium from the beginning.
+    let ground = format!("{SMALL}{BOUNDARIES}[initial]\nstress = [-1e3, 0, 0]\n{stage}");
+    assert!(!right(&ground).warnings.join("\n").contains("ends at an equilibrium"));
 }

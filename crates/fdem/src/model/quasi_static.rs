@@ -74,7 +74,7 @@ fn duration(schedule: &Schedule) -> Option<f64> {
 }
 
 /// Adds advice where a model is meant to come to rest, and does not.
-pub(super) fn advice<const D: usize, const N: usize>(
+pub(crate) fn advice<const D: usize, const N: usize>(
     file: &ModelFile,
     model: &Model<D, N>,
     warnings: &mut Vec<String>,
@@ -220,9 +220,14 @@ fn is_held<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     of_bodies.iter().all(|held| *held)
 }
 
-/// Advice on stages that end at an equilibrium and are not damped.
+/// Advice on stages that end at an equilibrium and are not damped. Initial stress is in equilibrium until something changes.
 fn undamped_stages(file: &ModelFile, warnings: &mut Vec<String>) {
-    for stage in &file.stage {
+    let initial = &file.initial;
+    let rests = initial.ground.is_some() || initial.stress.is_some() || initial.stress_gradient.is_some();
+    for (number, stage) in file.stage.iter().enumerate() {
+        if rests && number == 0 {
+            continue;
+        }
         if stage.equilibrium.is_some() && stage.local_damping.unwrap_or(file.model.local_damping) == 0.0 {
             warnings.push(format!(
                 "[[stage]] \"{}\" ends at an equilibrium, and without local damping waves need long to die out; write local_damping = {DAMPING} in it",
