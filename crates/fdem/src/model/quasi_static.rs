@@ -65,7 +65,7 @@ fn duration(schedule: &Schedule) -> Option<f64> {
         Schedule::Constant => Some(0.0),
         Schedule::Ramp(duration) => Some(*duration),
         Schedule::Table(rows) => match rows[..] {
-            [[start, first], [end, _]] if first == 0.0 => Some(end - start),
+            [[start, 0.0], [end, _]] => Some(end - start),
             [[_, first]] if first != 0.0 => Some(0.0),
             _ => None,
         },
@@ -96,8 +96,8 @@ pub(crate) fn advice<const D: usize, const N: usize>(
         } else {
             format!(", and local_damping = {DAMPING} in [model] if only that state counts")
         };
-        let lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
-        warnings.extend(lasting.filter_map(|boundary| sudden(boundary, passage, &damping)).next());
+        let mut lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
+        warnings.extend(lasting.find_map(|boundary| sudden(boundary, passage, &damping)));
         warnings.extend(sudden_gravity(model, passage, &damping));
     }
 }

@@ -133,7 +133,7 @@ fn ground_at_rest_stays_at_rest() {
         [[-0.5 * 2700.0 * 9.81 * (top - height), 0.0], [0.0, -2700.0 * 9.81 * (top - height)]]
     };
     model.stresses = model.mesh.elements.iter().map(stress).collect();
-    let sides = nodes_where(&model.mesh, |[x, _]| x < 1e-9 || x > 0.1 - 1e-9);
+    let sides = nodes_where(&model.mesh, |[x, _]| !(1e-9..0.1 - 1e-9).contains(&x));
     let facets: Vec<[u32; 2]> = (0..10).map(|i| [i, i + 1]).collect();
     let boundary = |name: &str, target, load| Boundary {
         name: name.to_owned(),
