@@ -112,17 +112,16 @@ impl CriticalStep {
                 };
             }
         });
-        Self { step: undamped(model) / f64::sqrt(worst), element, cause }
+        Self { step: 2.0 / f64::sqrt(worst) * reduction(model), element, cause }
     }
 }
 
-/// The longest stable time step times the highest angular frequency: 2, and less with damping.
-pub(crate) fn undamped<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+/// The longest stable time step over that without damping.
+pub(crate) fn reduction<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
     let damping = model.materials.iter().map(|material| material.damping).fold(0.0, f64::max);
     let damping = damping.max(model.contact.damping);
     // Reduction for a share ξ of critical damping, with velocities that are half a step old.
-    let factor = (1.0 + damping * damping).sqrt() - damping;
-    2.0 * factor
+    (1.0 + damping * damping).sqrt() - damping
 }
 
 /// Calls `visit` with the corners of each node that the model may get, where each is as small as it can become.

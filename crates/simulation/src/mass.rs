@@ -11,7 +11,7 @@
 //! ```
 //! Each element takes the largest factor that any of its nodes asks for.
 
-use crate::critical::{least_nodes, undamped};
+use crate::critical::{least_nodes, reduction};
 use crate::error::ModelError;
 use crate::joints::Joints;
 use crate::model::Model;
@@ -30,8 +30,8 @@ pub struct MassScaling {
     nodes: Vec<AtNode>,
     /// Number of `nodes` up to and with each node.
     ends: Vec<usize>,
-    /// The critical time step times the highest frequency.
-    undamped: f64,
+    /// The critical time step over that without damping.
+    reduction: f64,
     /// Factors that the model has already; empty for none.
     given: Vec<f64>,
     /// True mass of each element, kg.
@@ -74,7 +74,7 @@ impl MassScaling {
         Ok(Self {
             nodes,
             ends,
-            undamped: undamped(model),
+            reduction: reduction(model),
             given: model.mass_factors.clone(),
             masses: (0..model.mesh.elements.len()).map(mass).collect(),
         })
@@ -82,7 +82,7 @@ impl MassScaling {
 
     /// Factors of the masses of all elements with which the critical time step is at least `step`, s: for [`Model::mass_factors`]. Empty if all are 1.
     pub fn factors(&self, step: f64) -> Vec<f64> {
-        let exact = (self.undamped / step).powi(2);
+        let exact = (2.0 * self.reduction / step).powi(2);
         let (limit, bound) = (exact * (1.0 - MARGIN), exact * (1.0 - 0.5 * MARGIN));
         let mut factors = self.given.clone();
         let mut sorted = Vec::new();

@@ -63,6 +63,19 @@ fn the_step_that_was_asked_for_is_stable() {
     }
 }
 
+/// Tetrahedra that break, with twice the step.
+#[test]
+fn tetrahedra_bear_a_longer_step() {
+    let mut model = crate::space::crash(Insertion::Adaptive);
+    let step = CriticalStep::of(&model).expect("a model").step;
+    let scaling = MassScaling::of(&model).expect("a model");
+    model.mass_factors = scaling.factors(2.0 * step);
+    assert!(CriticalStep::of(&model).expect("a model").step >= 2.0 * step);
+    let mut run = Simulation::new(model, 2).expect("a model");
+    run.advance(300).expect("steps");
+    assert!(run.energies().error().abs() < 1e-2, "{:?}", run.energies());
+}
+
 /// Few elements set the step, and they alone get more mass.
 #[test]
 fn mass_is_added_where_it_is_needed() {
