@@ -181,7 +181,7 @@ impl Preflight {
         }
         let seconds = pace.breaking * steps as f64;
         let slivers = <[[f64; D]; N]>::slivers(model).filter(|_| prepared.mass_scaling.is_none());
-        if let Some(slivers) = slivers {
+        if let Some(slivers) = slivers.and_then(|slivers| scaling::weighed(slivers, model)) {
             warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
         }
         warnings.extend(scaling::advice(prepared, step));

@@ -86,7 +86,8 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     warnings.extend(fast(model));
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let slowest = model.materials.iter().map(wave).fold(f64::INFINITY, f64::min);
+    let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
+    let slowest = waves.fold(f64::INFINITY, f64::min);
     let passage = length / slowest;
     // Initial stress holds loads that are there from the beginning, a body that is not held has no state of rest, and what does not break comes to it by damping.
     let is_damped = has_local_damping(file, model);

@@ -10,6 +10,7 @@ use crate::model::file::{ModelFile, TimeStep};
 use crate::model::prepared::{Entered, Prepared};
 use crate::model::quasi_static::is_quasi_static;
 use crate::model::scaled::{Scaled, counted};
+use crate::model::slivers::Slivers;
 
 /// Added mass of the advice, as a share of that of the model.
 const LITTLE: f64 = 0.01;
@@ -236,6 +237,37 @@ where
             heaviest(prepared, &factors)
         )
     })
+}
+
+/// How much longer a step may be if slivers alone were heavier, at most.
+const UNBOUND: f64 = 1000.0;
+
+/// How much longer the time step would be without slivers, at least, if they are worth a warning.
+const FELT: f64 = 1.2;
+
+/// Slivers with their share in the time step: a node has the mass of all of its elements, so that those beside a sliver slow it down. `None` for slivers that hardly matter.
+pub(crate) fn weighed<const D: usize, const N: usize>(
+    mut slivers: Slivers,
+    model: &Model<D, N>,
+) -> Option<Slivers>
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let scaling = MassScaling::of(model).ok()?;
+    let critical = CriticalStep::of(model).ok()?.step;
+    let is_sliver = |element: usize| slivers.elements.binary_search(&(element as u32)).is_ok();
+    let [mut low, mut high] = [critical, UNBOUND * critical];
+    while high > 1.01 * low {
+        let middle = (low * high).sqrt();
+        let factors = scaling.factors(middle);
+        if factors.iter().enumerate().all(|(element, factor)| *factor == 1.0 || is_sliver(element)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    slivers.longer = slivers.longer.min(low / critical);
+    (slivers.longer >= FELT).then_some(slivers)
 }
 
 /// A positive number with two digits that is not above it.
