@@ -48,7 +48,8 @@
 //! | included files; copies of a body | `src/model/included.rs`; `src/model/repeat.rs` |
 //! | templates of `fdem new` | `src/command/templates.rs` |
 //! | bounds on numbers, size and memory before meshing | `src/model/limits.rs`, `src/model/far.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
-//! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it |
+//! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it; advice for quasi-static runs: `src/model/quasi_static.rs` |
+//! | mass scaling | `src/model/scaling.rs`, `src/model/scaled.rs`, `src/command/run/quasi_static.rs`; how much a node needs: `crates/simulation/src/mass.rs` |
 //! | joint sets: keys and laws, lines, files of lines | `src/model/joint_sets.rs`, `src/model/joint_lines.rs`, `src/model/polylines.rs` |
 //! | joint sets in space: polygons, files of polygons | `src/model/joint_planes.rs`, `src/model/polygons.rs` |
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |

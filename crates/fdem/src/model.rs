@@ -32,6 +32,7 @@ mod included;
 mod parts;
 mod piece;
 mod placed;
+mod scaled;
 mod prepared;
 mod probes;
 
@@ -61,6 +62,8 @@ pub(crate) mod locking;
 mod amounts;
 mod on_ranks;
 mod plausible;
+mod quasi_static;
+mod scaling;
 mod preflight;
 mod slivers;
 mod warnings;
@@ -87,6 +90,7 @@ pub use on_ranks::OnRanks;
 pub use preflight::{Critical, Preflight};
 pub(crate) use preflight::{check, steps};
 pub use prepared::{AnyPrepared, Body, Entered, Group, Prepared, Stage};
+pub use scaled::Scaled;
 pub use schema::schema;
 pub use set::{Setting, with_end_time, with_values};
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
@@ -260,6 +264,7 @@ fn prepare_or_faults(
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     stages::check(&file, &document, &mut found);
+    scaling::check(&file, &document, &mut found);
     conditions::check(&file, &document, &mut found);
     check_initial(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);
@@ -355,6 +360,7 @@ impl Checked<'_> {
         }
         none_or(unknown)?;
         let mut model = Model {
+            mass_factors: Vec::new(),
             velocities: velocities(file, &placed),
             stresses: stresses(file, &mesh, &placed),
             mesh,
@@ -401,6 +407,7 @@ impl Checked<'_> {
             stages,
             until,
             servos,
+            mass_scaling: None,
             probes,
             curves,
             model,
@@ -410,6 +417,7 @@ impl Checked<'_> {
         };
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
     }

@@ -13,6 +13,7 @@
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
+//! - `scaling`: mass scaling, and advice for quasi-static runs.
 //! - `set`: values that are set from outside.
 //! - `space`, `space_warned`: the same in three dimensions.
 //! - `values`: parameters, arithmetic and units.
@@ -49,6 +50,8 @@ mod prepared;
 mod probes;
 #[path = "model/refine.rs"]
 mod refine;
+#[path = "model/scaling.rs"]
+mod scaling;
 #[path = "model/set.rs"]
 mod set;
 #[path = "model/space.rs"]

@@ -50,6 +50,9 @@ where
         finite("the model", what, values.iter().flatten())?;
     }
     finite("the model", "initial stress", model.stresses.iter().flatten().flatten())?;
+    if let Some(&value) = model.mass_factors.iter().find(|factor| !(**factor >= 1.0 && factor.is_finite())) {
+        return Err(out_of_range("the model", "factor of a mass", value, "at least 1"));
+    }
     let contact = &model.contact;
     positive("contact", "penalty", contact.penalty)?;
     not_negative("contact", "tangential stiffness", contact.tangential_stiffness)?;
@@ -112,6 +115,7 @@ where
         ("initial velocities", model.velocities.len(), nodes, true),
         ("initial stresses", model.stresses.len(), elements, true),
         ("joint sets of facets", model.joint_facets.len(), elements, true),
+        ("factors of masses", model.mass_factors.len(), elements, true),
     ];
     for (what, found, expected, optional) in lengths {
         if found != expected && !(optional && found == 0) {

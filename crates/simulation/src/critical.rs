@@ -8,7 +8,7 @@
 //! ω² ≤ max over nodes of (Σ λ mₑ + 2 Σ k) / Σ mₑ
 //! ```
 //! The sums are over the elements and *all* springs at the node: for every facet that is, or may become, free, the stiffer of its joint and its contact. Each
-//! node is as small as it can become, as if all facets around it that can separate had separated.
+//! node is as small as it can become, as if all facets around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
 
 use crate::contacts;
 use crate::error::ModelError;
@@ -89,59 +89,88 @@ impl CriticalStep {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let mesh = &model.mesh;
-        let mut corners: Vec<Corner> = Vec::with_capacity(N * mesh.elements.len());
-        corners.extend(
-            (0..mesh.elements.len()).flat_map(|element| element_corners(model, topology, joints, element)),
-        );
-        // Absorbing facets that are not outer facets are refused when the loads are made.
-        for (corner, stiffness) in Ground::new(model, topology, None).unwrap_or_default().springs() {
-            corners[corner as usize].bulk += stiffness;
-        }
         let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);
-        let mut groups = Vec::new();
-        for vertex in 0..topology.vertex_count() as u32 {
-            topology.groups(vertex, |facet| !joints.may_part(facet), &mut groups);
-            let at = topology.corners_of(vertex);
-            for leader in 0..at.len() as u32 {
-                let mut sum = Corner::default();
-                let mut own = 0;
-                for (&corner, _) in at.iter().zip(&groups).filter(|(_, group)| **group == leader) {
-                    let corner_of = &corners[corner as usize];
-                    sum.mass += corner_of.mass;
-                    sum.bulk += corner_of.bulk;
-                    sum.joint += corner_of.joint;
-                    sum.contact += corner_of.contact;
-                    own = corner / N as u32;
-                }
-                let square = (sum.bulk + 2.0 * (sum.joint + sum.contact)) / sum.mass;
-                if sum.mass > 0.0 && square > worst {
-                    (worst, element) = (square, own);
-                    cause = if sum.bulk >= 2.0 * sum.joint.max(sum.contact) {
-                        Cause::Bulk
-                    } else if sum.joint >= sum.contact {
-                        Cause::Joint
-                    } else {
-                        Cause::Contact
-                    };
-                }
+        least_nodes(model, topology, joints, |corners| {
+            let mut sum = Corner::default();
+            let mut own = 0;
+            for (corner, of_corner) in corners {
+                sum.mass += of_corner.mass;
+                sum.bulk += of_corner.bulk;
+                sum.joint += of_corner.joint;
+                sum.contact += of_corner.contact;
+                own = corner / N as u32;
             }
-        }
-        let damping = model.materials.iter().map(|material| material.damping).fold(0.0, f64::max);
-        let damping = damping.max(model.contact.damping);
-        // Reduction for a share ξ of critical damping, with velocities that are half a step old.
-        let factor = (1.0 + damping * damping).sqrt() - damping;
-        Self { step: 2.0 / f64::sqrt(worst) * factor, element, cause }
+            let square = sum.stiffness() / sum.mass;
+            if sum.mass > 0.0 && square > worst {
+                (worst, element) = (square, own);
+                cause = if sum.bulk >= 2.0 * sum.joint.max(sum.contact) {
+                    Cause::Bulk
+                } else if sum.joint >= sum.contact {
+                    Cause::Joint
+                } else {
+                    Cause::Contact
+                };
+            }
+        });
+        Self { step: 2.0 / f64::sqrt(worst) * reduction(model), element, cause }
     }
 }
 
-/// Mass, kg, and stiffness, N/m, that a corner of an element adds to its node.
+/// The longest stable time step over that without damping.
+pub(crate) fn reduction<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+    let damping = model.materials.iter().map(|material| material.damping).fold(0.0, f64::max);
+    let damping = damping.max(model.contact.damping);
+    // Reduction for a share ξ of critical damping, with velocities that are half a step old.
+    (1.0 + damping * damping).sqrt() - damping
+}
+
+/// Calls `visit` with the corners of each node that the model may get, where each is as small as it can become.
+pub(crate) fn least_nodes<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    topology: &Topology<D, N>,
+    joints: &Joints<D>,
+    mut visit: impl FnMut(&[(u32, Corner)]),
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mesh = &model.mesh;
+    let mut corners: Vec<Corner> = Vec::with_capacity(N * mesh.elements.len());
+    corners.extend(
+        (0..mesh.elements.len()).flat_map(|element| element_corners(model, topology, joints, element)),
+    );
+    // Absorbing facets that are not outer facets are refused when the loads are made.
+    for (corner, stiffness) in Ground::new(model, topology, None).unwrap_or_default().springs() {
+        corners[corner as usize].bulk += stiffness;
+    }
+    let (mut groups, mut own) = (Vec::new(), Vec::new());
+    for vertex in 0..topology.vertex_count() as u32 {
+        topology.groups(vertex, |facet| !joints.may_part(facet), &mut groups);
+        let at = topology.corners_of(vertex);
+        for leader in 0..at.len() as u32 {
+            own.clear();
+            let of_group = at.iter().zip(&groups).filter(|(_, group)| **group == leader);
+            own.extend(of_group.map(|(&corner, _)| (corner, corners[corner as usize])));
+            if !own.is_empty() {
+                visit(&own);
+            }
+        }
+    }
+}
+
+/// Mass in motion, kg, and stiffness, N/m, that a corner of an element adds to its node.
 #[derive(Clone, Copy, Default)]
-struct Corner {
-    mass: f64,
+pub(crate) struct Corner {
+    pub(crate) mass: f64,
     bulk: f64,
     joint: f64,
     contact: f64,
+}
+
+impl Corner {
+    /// The stiffness in the bound of the frequency, N/m.
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.bulk + 2.0 * (self.joint + self.contact)
+    }
 }
 
 fn element_corners<const D: usize, const N: usize>(
@@ -159,6 +188,7 @@ where
     let mass = material.density * shape.measure() * model.thickness / N as f64;
     let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
     let bulk = shape.highest_square(&moduli, material.density) * mass;
+    let mass = model.mass_factor(element) * mass;
     let mut corners = [Corner { mass, bulk, ..Corner::default() }; N];
     for k in 0..N {
         let facet = topology.facet_of[element][k];

@@ -139,7 +139,7 @@ where
         for facet in self.facets.iter_mut().filter(|facet| !facet.is_held) {
             for end in 0..D {
                 let node = node_at(facet.corners[end]);
-                let weight = model.gravity_schedule.factor(0.0) * solid.constants[node].mass;
+                let weight = model.gravity_schedule.factor(0.0) * solid.true_mass(node);
                 let mut force = model.gravity.map(|g| weight * g);
                 for &corner in solid.corners.of(node) {
                     for part in [solid.initial_force(corner), others(corner)] {

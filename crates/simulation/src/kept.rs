@@ -88,7 +88,12 @@ where
         } else {
             elements.iter().map(|element| self.joint_facets[of_elements(element)]).collect()
         };
-        let mut model = Self { mesh: part, velocities, stresses, joint_facets, ..self.clone() };
+        let mass_factors = if self.mass_factors.is_empty() {
+            Vec::new()
+        } else {
+            elements.iter().map(|element| self.mass_factors[of_elements(element)]).collect()
+        };
+        let mut model = Self { mesh: part, velocities, stresses, joint_facets, mass_factors, ..self.clone() };
         let renumber = |facets: &mut Vec<[u32; D]>| {
             for facet in facets {
                 *facet = facet.map(number);

@@ -56,6 +56,7 @@
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
 //! | what a caller sets between steps | `src/simulation/actions.rs` |
 //! | the longest stable time step | `src/critical.rs` |
+//! | mass that is added for a longer time step | `src/mass.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
@@ -119,6 +120,7 @@ mod loads;
 mod ground;
 mod motion;
 mod critical;
+mod mass;
 mod energy;
 mod forces;
 mod snapshot;
@@ -135,6 +137,7 @@ pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use joint_sets::JointSet;
 pub use kept::Kept;
+pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,

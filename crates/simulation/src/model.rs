@@ -36,6 +36,8 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub velocities: Vec<[f64; D]>,
     /// Stress of each element at the beginning, a symmetric tensor in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
     pub stresses: Vec<[[f64; D]; D]>,
+    /// Factor, at least 1, of the mass of each element in its motion; empty for none. Its weight stays that of its density. See [`MassScaling`](crate::MassScaling).
+    pub mass_factors: Vec<f64>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -50,6 +52,11 @@ impl<const D: usize, const N: usize> Model<D, N> {
         self.interfaces
             .iter()
             .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
+    }
+
+    /// Factor of the mass of an element in its motion.
+    pub(crate) fn mass_factor(&self, element: usize) -> f64 {
+        self.mass_factors.get(element).copied().unwrap_or(1.0)
     }
 }
 
@@ -69,6 +76,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             gravity_schedule: Schedule::Constant,
             velocities: Vec::new(),
             stresses: Vec::new(),
+            mass_factors: Vec::new(),
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),

@@ -76,7 +76,7 @@ pub(crate) fn advance<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let Solid { nodes, constants, forces, corners, share, origin, .. } = solid;
+    let Solid { nodes, constants, true_masses, forces, corners, share, origin, .. } = solid;
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
@@ -86,13 +86,14 @@ pub(crate) fn advance<const D: usize, const N: usize>(
                 continue;
             }
             let constants = &constants[first + k];
+            let true_mass = true_masses.get(first + k).copied().unwrap_or(constants.mass);
+            let weight = motion.gravity.map(|acceleration| true_mass * acceleration);
             let force = gather(first + k, constants, forces, corners, motion.joints);
             if motion.energy {
-                let weight = motion.gravity.map(|acceleration| constants.mass * acceleration);
                 let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
                 sum.note_forces(free, forces, corners.of(first + k));
             }
-            let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);
+            let (reaction, squared) = move_node(node, constants, [force, weight], origin, motion, &mut sum);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
             }
@@ -153,19 +154,18 @@ where
     gather(node, &solid.constants[node], &solid.forces, &solid.corners, joints)
 }
 
-/// Moves a node. Returns the force of what holds it, and the square of its speed.
+/// Moves a node under the force on it without its weight, and its weight, N. Returns the force of what holds it, and the square of its speed.
 #[inline]
 fn move_node<const D: usize, const N: usize>(
     node: &mut Node<D>,
     constants: &Constants,
-    force: Point<D>,
+    [force, weight]: [Point<D>; 2],
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
     sum: &mut Moved<Pile, D>,
 ) -> (Point<D>, f64) {
     let (mass, step, damping) = (constants.mass, motion.step, motion.model.time.local_damping);
     let Node { position, velocity: before } = *node;
-    let weight: Point<D> = motion.gravity.map(|acceleration| mass * acceleration);
     let force = plus(force, weight);
     let over = step / mass;
     let (damped, after, reactions) = if constants.hold == NONE {

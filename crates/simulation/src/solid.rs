@@ -34,6 +34,7 @@ wire!([const D: usize] Node<D> { position, velocity });
 /// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
+    /// Mass in its motion, kg.
     pub(crate) mass: f64,
     /// Node of the mesh.
     pub(crate) vertex: u32,
@@ -54,7 +55,7 @@ pub(crate) struct Element {
 }
 
 impl Element {
-    /// Mass at each of its corners, kg.
+    /// Mass at each of its corners, kg: the true one, of its density.
     pub(crate) fn corner_mass<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> f64 {
         model.materials[self.material as usize].density * self.volume / N as f64
     }
@@ -82,6 +83,8 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) origin: Point<D>,
     pub(crate) nodes: Vec<Node<D>>,
     pub(crate) constants: Vec<Constants>,
+    /// Mass of each node by the densities of its elements, kg, where masses are scaled; empty where they are not: [`Solid::true_mass`].
+    pub(crate) true_masses: Vec<f64>,
     pub(crate) elements: Vec<Element>,
     /// Their undeformed shapes, in batches.
     undeformed: Vec<Undeformed<D>>,
@@ -198,6 +201,7 @@ where
             forces: vec![[[0.0; D]; N]; elements.len()],
             viscous: vec![Viscous::NONE; heights.len().div_ceil(LANES)],
             origin,
+            true_masses: if model.mass_factors.is_empty() { Vec::new() } else { vec![0.0; mesh.nodes.len()] },
             nodes,
             constants,
             elements,
@@ -221,9 +225,10 @@ where
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { nodes, constants, elements, undeformed, deformed, forces, viscous, .. } = self;
-        let Self { corners, share, heights, prestress, .. } = self;
+        let Self { corners, share, heights, prestress, true_masses, .. } = self;
         size_of_val(&**nodes)
             + size_of_val(&**constants)
+            + size_of_val(&**true_masses)
             + size_of_val(&**elements)
             + size_of_val(&**undeformed)
             + size_of_val(&**deformed)
@@ -241,6 +246,9 @@ where
         let more = count.saturating_sub(self.nodes.len());
         self.nodes.reserve_exact(more);
         self.constants.reserve_exact(more);
+        if !self.true_masses.is_empty() {
+            self.true_masses.reserve_exact(more);
+        }
         self.corners.reserve(more);
     }
 
@@ -250,6 +258,9 @@ where
         order.sort_unstable_by_key(|&node| self.corners.of(node as usize)[0]);
         self.nodes = order.iter().map(|&node| self.nodes[node as usize]).collect();
         self.constants = order.iter().map(|&node| self.constants[node as usize]).collect();
+        if !self.true_masses.is_empty() {
+            self.true_masses = order.iter().map(|&node| self.true_masses[node as usize]).collect();
+        }
         let mut number = vec![0; order.len()];
         for (new, &old) in (0..).zip(&order) {
             number[old as usize] = new;
@@ -291,6 +302,9 @@ where
             self.constants[node as usize] = Constants { mass: 0.0, vertex, hold: holds[vertex as usize] };
         }
         self.corners = Nodes::new(of_corner, nodes.len());
+        if !self.true_masses.is_empty() {
+            self.true_masses = vec![0.0; nodes.len()];
+        }
         self.nodes = nodes;
         for node in 0..self.nodes.len() as u32 {
             self.weigh(node, model);
@@ -298,32 +312,56 @@ where
         self.weigh_elements();
     }
 
-    /// Sets the mass of a node to the sum over its corners, and the mean masses of the elements there.
+    /// Sets the masses of a node to the sums over its corners, and the mean masses of the elements there.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
-        let Self { elements, constants, corners, .. } = self;
-        let mut mass = 0.0;
+        let Self { elements, constants, true_masses, corners, .. } = self;
+        let (mut mass, mut true_mass) = (0.0, 0.0);
         for &corner in corners.of(node as usize) {
-            mass += elements[corner as usize / N].corner_mass(model);
+            let element = corner as usize / N;
+            let of_corner = elements[element].corner_mass(model);
+            mass += model.mass_factor(element) * of_corner;
+            true_mass += of_corner;
         }
         constants[node as usize].mass = mass;
+        if let Some(of_node) = true_masses.get_mut(node as usize) {
+            *of_node = true_mass;
+        }
         for &corner in corners.of(node as usize) {
             let element = corner as usize / N;
             elements[element].mass = mean_mass(constants, &corners.of_corner[element]);
         }
     }
 
-    /// Sets the mass of every node, kg.
-    pub(crate) fn set_masses(&mut self, masses: &[f64]) {
-        for (constants, mass) in self.constants.iter_mut().zip(masses) {
+    /// Mass of a node by the densities of its elements, kg: that of its weight.
+    #[inline]
+    pub(crate) fn true_mass(&self, node: usize) -> f64 {
+        self.true_masses.get(node).copied().unwrap_or(self.constants[node].mass)
+    }
+
+    /// Mass of a node in its motion, and its true mass, kg.
+    pub(crate) fn masses(&self, node: usize) -> [f64; 2] {
+        [self.constants[node].mass, self.true_mass(node)]
+    }
+
+    /// Sets the [`Solid::masses`] of every node, kg.
+    pub(crate) fn set_masses(&mut self, masses: &[[f64; 2]]) {
+        for (constants, [mass, _]) in self.constants.iter_mut().zip(masses) {
             constants.mass = *mass;
+        }
+        for (of_node, [_, true_mass]) in self.true_masses.iter_mut().zip(masses) {
+            *of_node = *true_mass;
         }
         self.weigh_elements();
     }
 
-    /// Sets the mass of the node of a corner, kg, and the mean mass of the element.
-    pub(crate) fn set_mass(&mut self, corner: u32, mass: f64) {
+    /// Sets the [`Solid::masses`] of the node of a corner, kg, and the mean mass of the element.
+    pub(crate) fn set_mass(&mut self, corner: u32, [mass, true_mass]: [f64; 2]) {
         let element = corner as usize / N;
-        self.constants[self.corners.node_at(corner) as usize].mass = mass;
+        let node = self.corners.node_at(corner) as usize;
+        self.constants[node].mass = mass;
+        if let Some(of_node) = self.true_masses.get_mut(node) {
+            *of_node = true_mass;
+        }
         self.elements[element].mass = mean_mass(&self.constants, &self.corners.of_corner[element]);
     }
 
@@ -338,11 +376,14 @@ where
 
     /// Gives each group of these corners of a vertex a node of its own. Returns the nodes whose corners have changed.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
-        let Self { nodes, constants, corners: lists, share, .. } = self;
+        let Self { nodes, constants, true_masses, corners: lists, share, .. } = self;
         let mut changed = Vec::new();
         lists.split(corners, groups, |old, new| {
             nodes.push(nodes[old as usize]);
             constants.push(constants[old as usize]);
+            if let Some(&true_mass) = true_masses.get(old as usize) {
+                true_masses.push(true_mass);
+            }
             share.split(old);
             changed.extend([old, new]);
         });

@@ -11,6 +11,7 @@ mod facts;
 pub(crate) mod folder;
 mod lead;
 mod observer;
+mod quasi_static;
 mod recorder;
 pub(crate) mod results;
 mod stages;
@@ -42,6 +43,7 @@ use emission::Emission;
 use engine::Engine;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use lead::Lead;
+use quasi_static::QuasiStatic;
 use recorder::Recorder;
 use results::Results;
 use told::Told;
@@ -253,6 +255,8 @@ where
     curves: Vec<CurveFigures>,
     /// Its acoustic emission, likewise.
     emission: Option<Emission>,
+    /// Whether it was quasi-static, likewise.
+    quasi_static: Option<QuasiStatic>,
 }
 
 /// How the steps of a run ended.
@@ -299,6 +303,7 @@ where
             quiet: options.quiet,
             curves: Vec::new(),
             emission: None,
+            quasi_static: None,
         })
     }
 
@@ -329,6 +334,10 @@ where
         let history = recorder.history()?;
         self.curves =
             self.course.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
+        if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
+            self.told.say(&warning);
+        }
         self.emission = Emission::of(&*self.course.run, &self.course.prepared);
         if let Some(emission) = &self.emission {
             self.folder.write(EVENTS, emission.csv.as_bytes())?;
@@ -500,6 +509,7 @@ where
             json["stages"] = stages.json();
         }
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
+        json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
         json["curves"] = self.curves.iter().map(told::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
@@ -549,6 +559,7 @@ where
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let mut more = Vec::new();
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
+        more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         facts::facts(&*self.course.run, status, &self.account(), self.frames, fragments, more)

@@ -7,6 +7,7 @@ mod condition;
 mod ground;
 mod material;
 mod output;
+mod scaling;
 mod stage;
 mod vector;
 
@@ -26,6 +27,7 @@ pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
 pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Output};
+pub use scaling::MassScaling;
 pub use stage::{Release, Stage};
 pub use vector::Vector;
 
@@ -155,6 +157,9 @@ pub struct General {
     #[serde(default = "safety")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub safety: f64,
+    /// Mass that is added for a longer time step in a quasi-static run, such as `{ time_step = "1e-6 s", added_mass = 0.05 }`. Default: none.
+    #[serde(default)]
+    pub mass_scaling: Option<MassScaling>,
     /// Local damping (Cundall): a force against the motion of each node, as a share of the force on it. For finding states of rest. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]

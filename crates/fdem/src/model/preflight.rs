@@ -14,6 +14,8 @@ use crate::model::joint_sets::Joints;
 use crate::model::library::FromLibrary;
 use crate::model::on_ranks::OnRanks;
 use crate::model::prepared::Prepared;
+use crate::model::scaled::Scaled;
+use crate::model::scaling;
 
 /// Costs of an element.
 struct Cost {
@@ -85,6 +87,9 @@ pub struct Preflight {
     pub joint_sets: Vec<Joints>,
     /// Materials that have keys from the library.
     pub from_library: Vec<FromLibrary>,
+    /// Mass that has been added for a longer time step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_scaling: Option<Scaled>,
     /// The critical time step.
     pub critical: Critical,
     /// The time step that the run takes, s.
@@ -175,9 +180,11 @@ impl Preflight {
             ));
         }
         let seconds = pace.breaking * steps as f64;
-        if let Some(slivers) = <[[f64; D]; N]>::slivers(model) {
+        let slivers = <[[f64; D]; N]>::slivers(model).filter(|_| prepared.mass_scaling.is_none());
+        if let Some(slivers) = slivers.and_then(|slivers| scaling::weighed(slivers, model)) {
             warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
         }
+        warnings.extend(scaling::advice(prepared, step));
         Ok(Self {
             title: prepared.title.clone(),
             bodies: prepared.bodies.len(),
@@ -185,6 +192,7 @@ impl Preflight {
             quality: prepared.quality.clone(),
             joint_sets: prepared.joint_sets.clone(),
             from_library: prepared.from_library.clone(),
+            mass_scaling: prepared.mass_scaling.clone(),
             critical,
             step,
             steps,
@@ -350,6 +358,9 @@ impl fmt::Display for Preflight {
             self.critical.cause,
             self.critical.element
         )?;
+        if let Some(scaled) = &self.mass_scaling {
+            writeln!(out, "mass scaling     {}", scaled.in_words())?;
+        }
         writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
         let most = duration(self.seconds);
         if self.seconds_whole < self.seconds {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::model::conditions::{Servo, Until};
 use crate::model::joint_sets::Joints;
 use crate::model::library::FromLibrary;
+use crate::model::scaled::Scaled;
 use crate::model::settings::{History, OutputSettings};
 
 /// A model that is ready to run.
@@ -41,6 +42,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub until: Option<Until>,
     /// Boundaries whose velocity follows a column of the history.
     pub servos: Vec<Servo>,
+    /// Mass that has been added for a longer time step.
+    pub mass_scaling: Option<Scaled>,
     /// Probes of the histories.
     pub probes: Vec<Probe<D, N>>,
     /// Curves of one column of the history over another.

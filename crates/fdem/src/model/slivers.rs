@@ -19,8 +19,8 @@ pub(crate) struct Slivers {
     pub(crate) at: Vec<f64>,
     /// Its smallest height, m.
     height: f64,
-    /// Number of slivers.
-    count: usize,
+    /// All of them, ascending.
+    pub(crate) elements: Vec<u32>,
     /// Smallest height of the other elements, m.
     others: f64,
     /// Time step without them over that with them, about.
@@ -55,13 +55,15 @@ impl Slivers {
         let centre = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
         let at = (0..D).map(centre).collect();
         let others = times[count..].iter().map(|time| time.1).fold(f64::INFINITY, f64::min);
-        Some(Self { element, at, height, count, others, longer })
+        let mut elements: Vec<u32> = times[..count].iter().map(|time| time.2).collect();
+        elements.sort_unstable();
+        Some(Self { element, at, height, elements, others, longer })
     }
 
     /// Returns the warning. `with` and `without` are the times, in words, that the run takes with and without the slivers.
     pub(crate) fn told(&self, with: &str, without: &str) -> String {
         let at = self.at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
-        let like = match self.count {
+        let like = match self.elements.len() {
             1 => "it alone makes".to_owned(),
             count => format!("{} elements like it make", grouped(count as u64)),
         };

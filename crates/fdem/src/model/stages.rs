@@ -386,6 +386,7 @@ where
             curves: self.curves.clone(),
             until: self.until.clone(),
             servos: servos.collect(),
+            mass_scaling: self.mass_scaling.clone(),
             output: self.output.clone(),
             histories,
             quality: self.quality.clone(),

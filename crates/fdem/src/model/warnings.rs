@@ -15,6 +15,7 @@ use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::file;
 use crate::model::parts;
+use crate::model::quasi_static;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -67,6 +68,7 @@ where
     if ready.file.initial.ground.is_none() {
         gravity::sudden(ready.model, ready.bodies, warnings);
     }
+    quasi_static::advice(ready.file, ready.model, warnings);
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
 

@@ -13,6 +13,7 @@
 //! - `model`: new models, and models checked without a run.
 //! - `conditions`: runs and stages that end on a condition; servos.
 //! - `stages`: runs in stages.
+//! - `scaling`: runs with mass scaling.
 //! - `earlier`: runs that begin with the end of another one.
 //! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, with boxes of their own, of any format.
@@ -38,6 +39,7 @@ mod mesh;
 mod model;
 mod periodic;
 mod runs;
+mod scaling;
 mod series;
 mod stages;
 mod sweeps;

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 /// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
 const ORDER: [(&str, &[&str]); 14] = [
-    ("model", &[]),
+    ("model", &["mass_scaling"]),
     (
         "body",
         &[

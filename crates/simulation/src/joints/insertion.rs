@@ -454,7 +454,7 @@ where
                 }
             }
         }
-        // Gravity accelerates both sides equally, so it cancels.
+        // Gravity accelerates both sides equally, so it cancels. With added mass it does so at rest, because the masses are the true ones here.
         let share = mass[0] / (mass[0] + mass[1]);
         std::array::from_fn(|axis| {
             let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];

@@ -71,7 +71,7 @@ where
         let moving =
             nodes.first.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect();
         solid.set_nodes(moving, nodes.of_corner, &model);
-        solid.set_masses(&nodes.first.iter().map(|at| at.mass).collect::<Vec<f64>>());
+        solid.set_masses(&nodes.first.iter().map(|at| at.masses).collect::<Vec<_>>());
         solid.share = share;
         solid.grains = Grains::of(frame.scales.size);
         solid.restore(
@@ -180,6 +180,7 @@ impl<'a, const D: usize> Known<'a, D> {
         };
         let mut model = Model { mesh, ..frame.model.clone() };
         model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
+        model.mass_factors = all.iter().filter_map(|piece| piece.mass_factor).collect();
         model.joint_facets = all.iter().filter_map(|piece| piece.sets).collect();
         let sides = sides(all);
         let mut places = vec![Vec::new(); model.boundaries.len()];

@@ -49,11 +49,12 @@ struct Changed {
     code: u32,
     /// Code of the first corner of its node.
     node: u32,
-    mass: f64,
+    /// See [`Solid::masses`].
+    masses: [f64; 2],
     group: u32,
 }
 
-wire!([] Changed { code, node, mass, group });
+wire!([] Changed { code, node, masses, group });
 
 /// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their facets.
 pub(crate) type Split<const D: usize> = (u32, Vec<(u32, [f64; D])>);
@@ -245,7 +246,7 @@ impl<'c> Links<'c> {
                     Changed {
                         code: topology.code_of_corner(corner),
                         node: solid.code_of_node(node, topology),
-                        mass: solid.constants[node as usize].mass,
+                        masses: solid.masses(node as usize),
                         group: contacts.groups[corner as usize],
                     }
                 });
@@ -341,7 +342,7 @@ fn follow<const D: usize, const N: usize>(
         let groups: Vec<u32> = (0..corners.len()).map(|place| leader(place) as u32).collect();
         solid.split(&corners, &groups);
         for (&corner, changed) in corners.iter().zip(&change.corners) {
-            solid.set_mass(corner, changed.mass);
+            solid.set_mass(corner, changed.masses);
             let node = solid.corners.node_at(corner) as usize;
             solid.share.codes[node] = changed.node;
         }

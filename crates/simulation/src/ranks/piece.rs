@@ -32,7 +32,8 @@ pub(super) struct Corner<const D: usize> {
     pub(super) node: u32,
     pub(super) position: Point<D>,
     pub(super) velocity: Point<D>,
-    pub(super) mass: f64,
+    /// See [`Solid::masses`](crate::solid::Solid::masses).
+    pub(super) masses: [f64; 2],
     /// See [`Contacts`].
     pub(super) group: u32,
     pub(super) free: bool,
@@ -44,7 +45,7 @@ pub(super) struct Corner<const D: usize> {
 }
 
 wire!([const D: usize] Corner<D> {
-    vertex, place, owner, node, position, velocity, mass, group, free, corners, first, boundaries,
+    vertex, place, owner, node, position, velocity, masses, group, free, corners, first, boundaries,
 });
 
 /// A facet on which a boundary acts.
@@ -70,6 +71,8 @@ pub(super) struct Piece<const D: usize, const N: usize> {
     /// Whether each of its facets is on the surface of the mesh.
     pub(super) outer: [bool; N],
     pub(super) initial: Option<Matrix<D>>,
+    /// Factor of its mass: see [`Model::mass_factors`].
+    pub(super) mass_factor: Option<f64>,
     /// Joint sets of its facets.
     pub(super) sets: Option<[u32; N]>,
     pub(super) stress: Matrix<D>,
@@ -80,7 +83,7 @@ pub(super) struct Piece<const D: usize, const N: usize> {
 }
 
 wire!([const D: usize, const N: usize] Piece<D, N> {
-    number, body, material, watched, outer, initial, sets, stress, viscous, dissipated, corners, sides,
+    number, body, material, watched, outer, initial, mass_factor, sets, stress, viscous, dissipated, corners, sides,
 });
 
 impl<const D: usize, const N: usize> Piece<D, N> {
@@ -208,6 +211,7 @@ where
             boundaries: boundaries.collect(),
             velocities: Vec::new(),
             stresses: Vec::new(),
+            mass_factors: Vec::new(),
             joint_facets: Vec::new(),
             ..whole.clone()
         };
@@ -366,7 +370,7 @@ where
                 node: solid.code_of_node(node, topology),
                 position,
                 velocity,
-                mass: solid.constants[node as usize].mass,
+                masses: solid.masses(node as usize),
                 group: run.contacts.groups[number as usize],
                 free: run.contacts.free[vertex as usize],
                 corners: run.part.as_ref().map_or(count, |part| part.wide.corners[vertex as usize]),
@@ -384,6 +388,7 @@ where
             watched: run.contacts.watched[k],
             outer: std::array::from_fn(outer),
             initial: run.model.stresses.get(k).copied(),
+            mass_factor: run.model.mass_factors.get(k).copied(),
             sets: run.model.joint_facets.get(k).copied(),
             stress: solid.stress(k),
             viscous: self.viscous[k],

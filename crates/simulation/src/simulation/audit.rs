@@ -207,7 +207,7 @@ where
         let factor = self.model.gravity_schedule.factor(self.time());
         let work = |node: usize| {
             let moved = self.solid.displacement(node, &self.model);
-            factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
+            factor * self.solid.true_mass(node) * dot(self.model.gravity, moved)
         };
         let of =
             |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];

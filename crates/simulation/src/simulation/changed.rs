@@ -131,7 +131,7 @@ where
         let factor = self.model.gravity_schedule.factor(self.time());
         let force = |node: usize| {
             let mut force = force_on(node, &self.solid, &self.joints);
-            let weight = factor * self.solid.constants[node].mass;
+            let weight = factor * self.solid.true_mass(node);
             add(&mut force, self.model.gravity, weight);
             force
         };
@@ -344,7 +344,7 @@ impl Numbers {
             let corner = new.solid.corners.of(node)[0];
             let Some(element) = self.before[corner as usize / N] else { return [0.0; D] };
             let before = old.solid.corners.node_at(element * N as u32 + corner % N as u32) as usize;
-            let share = new.solid.constants[node].mass / old.solid.constants[before].mass;
+            let share = new.solid.true_mass(node) / old.solid.true_mass(before);
             let (held, holds) = (holds(old, before), holds(new, node));
             let whole = share == 1.0;
             let had: Point<D> = std::array::from_fn(|axis| match held[axis] {

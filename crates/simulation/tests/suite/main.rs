@@ -36,5 +36,7 @@ mod forecast;
 mod changed;
 /// Means of stress, strain and velocity, gauges, forces between bodies, reactions.
 mod probes;
+/// Mass that is added for a longer time step.
+mod mass;
 /// Models that are refused.
 mod refusal;

@@ -92,6 +92,18 @@ fn a_crash_in_space_is_the_same() {
     }
 }
 
+/// Added masses: nodes that part take theirs along, and weight is that of the true masses.
+#[test]
+fn a_crash_of_bodies_with_added_mass_is_the_same() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let mut model = Model { gravity: [0.0, -9.81], ..crate::resume::crash(insertion) };
+        let step = CriticalStep::of(&model).expect("a model").step;
+        model.mass_factors = MassScaling::of(&model).expect("a model").factors(1.5 * step);
+        let counts = same_on_ranks!(model, 2, 3, &[1, 3, 8], &[1, 299, 700, 500]);
+        assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
+    }
+}
+
 /// An excavation whose forces are released: a model with forces of its own on each node of the surface.
 #[test]
 fn an_excavation_is_the_same() {

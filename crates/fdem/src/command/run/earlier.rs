@@ -78,7 +78,7 @@ where
         let (model, before) = (&prepared.model, &self.whole.model);
         if let Some(step) = model.time.step.filter(|step| *step != self.time_step) {
             return Err(format!(
-                "its time step of {step} s is not that of {}, {} s: take time_step out",
+                "its time step of {step} s is not that of {}, {} s: take time_step, or mass_scaling, out",
                 self.place, self.time_step
             ));
         }
