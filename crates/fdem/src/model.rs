@@ -89,7 +89,7 @@ pub use mesh_file::Load;
 pub use on_ranks::OnRanks;
 pub use preflight::{Critical, Preflight};
 pub(crate) use preflight::{check, steps};
-pub use prepared::{AnyPrepared, Body, Entered, Group, Prepared, Stage};
+pub use prepared::{AnyPrepared, Body, Entered, Group, Origin, Prepared, Stage};
 pub use scaled::Scaled;
 pub use schema::schema;
 pub use set::{Setting, with_end_time, with_values};
@@ -438,6 +438,7 @@ fn time_options(file: &ModelFile) -> TimeOptions {
         },
         safety: file.model.safety,
         local_damping: file.model.local_damping,
+        dynamic_relaxation: file.model.dynamic_relaxation,
         energy_bound: file.model.energy_bound,
     }
 }

@@ -184,8 +184,8 @@ impl PyRun {
     /// Positions, motion, stress, fragments and joints now, as arrays that nothing else uses.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.0 {
-            AnySession::Plane(session) => snapshot(py, py.detach(|| session.run().snapshot())),
-            AnySession::Space(session) => snapshot(py, py.detach(|| session.run().snapshot())),
+            AnySession::Plane(session) => snapshot(py, py.detach(|| session.snapshot())),
+            AnySession::Space(session) => snapshot(py, py.detach(|| session.snapshot())),
         }
     }
 

@@ -326,12 +326,14 @@ pub struct TimeOptions {
     pub safety: f64,
     /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for none.
     pub local_damping: f64,
+    /// Whether all nodes stop whenever the kinetic energy has passed a peak, so that the run goes to equilibrium: dynamic relaxation with kinetic damping (Cundall 1976, Barnes 1999).
+    pub dynamic_relaxation: bool,
     /// Error of the energy balance at which a run stops, as a share of the energy exchanged.
     pub energy_bound: f64,
 }
 
 impl Default for TimeOptions {
     fn default() -> Self {
-        Self { step: None, safety: 0.8, local_damping: 0.0, energy_bound: 0.05 }
+        Self { step: None, safety: 0.8, local_damping: 0.0, dynamic_relaxation: false, energy_bound: 0.05 }
     }
 }

@@ -201,7 +201,7 @@ fn accelerated<const D: usize>(before: Point<D>, over: f64, force: Point<D>) -> 
 
 /// The force of local damping against a motion.
 #[inline]
-fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
+pub(crate) fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
     if damping == 0.0 {
         return [0.0; D];
     }

@@ -3,6 +3,7 @@
 mod actions;
 mod audit;
 mod changed;
+mod relaxation;
 mod saved;
 mod shown;
 
@@ -252,6 +253,8 @@ where
     fn step(&mut self, energies: bool, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let (broken, stop) = self.press(energies);
         self.add_works_of_changes();
+        self.halt();
+        let looks = self.looks_for_peak();
         let mut clock = Clock::new();
         let time = self.time();
         let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
@@ -264,8 +267,17 @@ where
         let gravity = model.gravity.map(|acceleration| factor * acceleration);
         let speed_limit = self.scales.speed_limit;
         let grains = solid.grains;
-        let motion =
-            Motion { model, joints, loads, gravity, time, step, speed_limit, grains, energy: energies };
+        let motion = Motion {
+            model,
+            joints,
+            loads,
+            gravity,
+            time,
+            step,
+            speed_limit,
+            grains,
+            energy: energies || looks,
+        };
         let mut moved = Moved::default();
         if let Some(links) = links.as_deref_mut() {
             let lent = links.lent();
@@ -295,13 +307,10 @@ where
         }
         self.contacts.note_motion(step * told.fastest);
         if energies {
-            // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
-            self.account(&moved.kinetic, links.as_deref());
-            let mut largest = moved.largest;
-            if let Some(links) = links.as_deref() {
-                links.most(&mut largest);
-            }
-            self.imbalance = (largest[0] / largest[1]).sqrt();
+            self.account_of(&moved, links.as_deref());
+        }
+        if looks {
+            self.look_for_peak(&moved.kinetic, links.as_deref());
         }
         let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
         totals.add_works(loads.half_works(solid, step));
@@ -342,6 +351,16 @@ where
         }
         self.step += 1;
         Ok(())
+    }
+
+    /// The energies and the imbalance at the time of the positions, where the energy balance holds. The work in the second half of the step is added after it.
+    fn account_of(&mut self, moved: &Moved<Sum, D>, links: Option<&Links<'_>>) {
+        self.account(&moved.kinetic, links);
+        let mut largest = moved.largest;
+        if let Some(links) = links {
+            links.most(&mut largest);
+        }
+        self.imbalance = (largest[0] / largest[1]).sqrt();
     }
 
     /// Computes all forces on the corners of elements. Returns the joints that broke, and the reason why the run cannot go on after this step, if there is one: the step is finished all the

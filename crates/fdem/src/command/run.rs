@@ -469,7 +469,8 @@ where
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        self.hand(Then::Frame(Box::new(self.course.run.frame())))?;
+        let (snapshot, forces) = self.course.run.frame();
+        self.hand(Then::Frame(Box::new((self.course.counted(snapshot), forces))))?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use fdem_results::Field;
-use fdem_simulation::{Boundary, Simulation, State};
+use fdem_simulation::{Boundary, Simulation, Snapshot, State};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -114,8 +114,8 @@ struct Saved {
 /// The parts of a run with which it goes on.
 #[derive(Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize",
-    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>"
+    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize, [f64; D]: Serialize",
+    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>, [f64; D]: Deserialize<'de>"
 ))]
 struct Parts<const D: usize, const N: usize> {
     /// Time between rows of the history, s: conditions look at these.
@@ -243,6 +243,7 @@ where
     [[f64; D]; N]: Results<D, N>,
     State<D, N>: Serialize,
     Boundary<D>: Serialize,
+    [f64; D]: Serialize,
 {
     fn begin(
         source: &Source,
@@ -359,6 +360,11 @@ where
         state_hash(&self.run().snapshot(), &self.run().energies())
     }
 
+    /// The run now, with displacements that count from the last stage that has set them back.
+    pub fn snapshot(&self) -> Snapshot<D, N> {
+        self.course.counted(self.run().snapshot())
+    }
+
     /// Draws the run now, as PNG: the picture of a run's report. `width`: in pixels.
     ///
     /// # Errors
@@ -366,7 +372,7 @@ where
     pub fn picture(&self, field: Field, width: Option<u32>) -> Result<Vec<u8>, String> {
         let title = if self.prepared().title.is_empty() { "fdem" } else { &self.prepared().title };
         let outlines = <[[f64; D]; N]>::outlines(self.prepared());
-        <[[f64; D]; N]>::picture(&self.run().snapshot(), &outlines, title, field, width)
+        <[[f64; D]; N]>::picture(&self.snapshot(), &outlines, title, field, width)
     }
 }
 

@@ -4,7 +4,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{Boundary, Load, Material, Model, Schedule};
 
-use crate::model::file::ModelFile;
+use crate::model::file::{ModelFile, Stage};
 
 /// Passages of a wave through the model in which a load comes slowly, and those below which it sends a wave.
 const SLOW: f64 = 20.0;
@@ -21,7 +21,7 @@ const DAMPING: f64 = 0.7;
 
 /// Whether a model is meant to be quasi-static: its motion is damped, or it is driven without weight and does not break, and nothing in it flies or rings.
 pub(crate) fn is_quasi_static<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
-    let is_damped = model.time.local_damping > 0.0;
+    let is_damped = model.time.local_damping > 0.0 || model.time.dynamic_relaxation;
     let is_driven = || model.gravity == [0.0; D] && !breaks(model) && model.boundaries.iter().any(lasts);
     is_without_waves(model) && (is_damped || is_driven())
 }
@@ -90,12 +90,14 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     let slowest = waves.fold(f64::INFINITY, f64::min);
     let passage = length / slowest;
     // Initial stress holds loads that are there from the beginning, a body that is not held has no state of rest, and what does not break comes to it by damping.
-    let is_damped = has_local_damping(file, model);
+    let is_damped = is_damped(file, model);
     if model.stresses.is_empty() && is_held(model) && (breaks(model) || !is_damped) {
         let damping = if is_damped {
             String::new()
         } else {
-            format!(", and local_damping = {DAMPING} in [model] if only that state counts")
+            format!(
+                ", and local_damping = {DAMPING} or dynamic_relaxation = true in [model] if only that state counts"
+            )
         };
         let mut lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
         warnings.extend(lasting.find_map(|boundary| sudden(boundary, passage, &damping)));
@@ -103,10 +105,12 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     }
 }
 
-/// Whether local damping acts in any part of the run.
-fn has_local_damping<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, N>) -> bool {
-    model.time.local_damping > 0.0
-        || file.stage.iter().any(|stage| stage.local_damping.is_some_and(|damping| damping > 0.0))
+/// Whether local damping or dynamic relaxation acts in any part of the run.
+fn is_damped<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, N>) -> bool {
+    let damps = |stage: &Stage| {
+        stage.local_damping.is_some_and(|damping| damping > 0.0) || stage.dynamic_relaxation == Some(true)
+    };
+    model.time.local_damping > 0.0 || model.time.dynamic_relaxation || file.stage.iter().any(damps)
 }
 
 /// Speed of a wave along a bar, m/s.
@@ -229,9 +233,11 @@ fn undamped_stages(file: &ModelFile, warnings: &mut Vec<String>) {
         if rests && number == 0 {
             continue;
         }
-        if stage.equilibrium.is_some() && stage.local_damping.unwrap_or(file.model.local_damping) == 0.0 {
+        let damping = stage.local_damping.unwrap_or(file.model.local_damping);
+        let relaxes = stage.dynamic_relaxation.unwrap_or(file.model.dynamic_relaxation);
+        if stage.equilibrium.is_some() && damping == 0.0 && !relaxes {
             warnings.push(format!(
-                "[[stage]] \"{}\" ends at an equilibrium, and without local damping waves need long to die out; write local_damping = {DAMPING} in it",
+                "[[stage]] \"{}\" ends at an equilibrium, and without damping waves need long to die out; write local_damping = {DAMPING} or dynamic_relaxation = true in it",
                 stage.name
             ));
         }

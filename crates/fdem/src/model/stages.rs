@@ -263,6 +263,8 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
                 Release::Table(rows) => Schedule::Table(rows.clone()),
             }),
             local_damping: stage.local_damping.unwrap_or(file.model.local_damping),
+            dynamic_relaxation: stage.dynamic_relaxation.unwrap_or(file.model.dynamic_relaxation),
+            resets: stage.reset_displacements,
         });
     }
     stages
@@ -310,6 +312,7 @@ where
         let stage = &self.stages[entered.stage()];
         let mut model = self.model.clone();
         model.time.local_damping = stage.local_damping;
+        model.time.dynamic_relaxation = stage.dynamic_relaxation;
         if !stage.materials.is_empty() {
             let modulus = |material: u32| self.model.materials[material as usize].youngs_modulus;
             // Initial stress is that of a strain, which stays.

@@ -171,6 +171,75 @@ fn a_stage_softens_a_body() {
     wrong("name = \"soft\"\ndensity = 2700", "name = \"soft\"\ndensity = 2600", &["another density"]);
 }
 
+/// Displacements count from the stage that sets them back, in frames and in the history, also after a resume and in a run that begins with this one.
+#[test]
+fn a_stage_sets_displacements_back() {
+    let bench = Bench::new();
+    let model =
+        TUNNEL.replace("activate = [\"block\"]", "activate = [\"block\"]\nreset_displacements = true");
+    bench.write("plain.toml", TUNNEL);
+    bench.write("back.toml", &model);
+    let history = |folder: &str| {
+        String::from_utf8(std::fs::read(bench.path(&format!("{folder}/history.csv"))).unwrap()).unwrap()
+    };
+    let of_run = |folder: &str, key: &str| -> Value {
+        let summary = std::fs::read(bench.path(&format!("{folder}/run.json"))).unwrap();
+        serde_json::from_slice::<Value>(&summary).unwrap()[key].clone()
+    };
+    for name in ["plain", "back"] {
+        bench.run(&["run", &format!("{name}.toml"), "-o", name, "-q"]).succeeds();
+    }
+    assert_eq!(of_run("back", "state_hash"), of_run("plain", "state_hash"));
+    let strike = of_run("back", "stages")[2]["time"].as_f64().unwrap();
+    let times = column(&history("back"), "time");
+    let [plain, back] = ["plain", "back"].map(|name| column(&history(name), "crown uy [m]"));
+    let first = plain.iter().zip(&back).position(|(plain, back)| plain != back).unwrap();
+    // The row before is that with which the stage begins.
+    let moved = plain[first - 1];
+    assert!((times[first - 1] - strike).abs() < 1e-9 && moved < -1e-4, "{strike}, {moved}");
+    for (plain, back) in plain.iter().zip(&back).skip(first) {
+        assert!((plain - back - moved).abs() < 1e-12, "{plain} and {back}");
+    }
+    bench.write("open.toml", TUNNEL.replace("[5e-4, 0.5]", "[5e-4, 0]"));
+    bench.run(&["run", "open.toml", "-o", "open", "-q"]).succeeds();
+    // The rock alone, held at its sides.
+    let part = |from: &str, to: &str| &TUNNEL[TUNNEL.find(from).unwrap()..TUNNEL.find(to).unwrap()];
+    let parts = [
+        &part("[model]", "[[body]]\nname = \"core\"").replace("6e-3", "8e-3"),
+        part("[[material]]", "[[boundary]]\nname = \"hammer\""),
+        "[[stage]]\nname = \"late\"\nreset_displacements = true\n",
+        part("[[history]]", "[[history]]\nname = \"core\""),
+    ];
+    bench.write("later.toml", parts.concat());
+    bench.run(&["run", "later.toml", "--from", "open", "-o", "later", "-q"]).succeeds();
+    // Its first row is one interval after its beginning.
+    let [before, crown] = ["open", "later"].map(|folder| column(&history(folder), "crown uy [m]"));
+    let last = before.last().unwrap();
+    assert!(crown[0].abs() < 0.05 * last.abs() && *last < -3e-4, "{} after {last}", crown[0]);
+}
+
+/// A stage of dynamic relaxation ends at an equilibrium that the same stage without damping does not find.
+#[test]
+fn a_stage_relaxes_to_an_equilibrium() {
+    let bench = Bench::new();
+    let without =
+        TUNNEL.replace("damping = 0.2\n", "").replace("local_damping = 0.7\n", "equilibrium = 1e-3\n");
+    let without =
+        without.replace("duration = 2e-3", "duration = 0.2").replace("end_time = 6e-3", "end_time = 0.3");
+    let without = without.replace("checkpoint_steps = 5\n", "");
+    let with = without.replace("equilibrium = 1e-3\n", "equilibrium = 1e-3\ndynamic_relaxation = true\n");
+    let [relaxed, swings] = [("with", with), ("without", without)].map(|(name, text)| {
+        bench.write(&format!("{name}.toml"), text);
+        bench.run(&["run", &format!("{name}.toml"), "-o", name]).succeeds().stderr
+    });
+    let ends = "stage \"excavate\" ends at";
+    let line = |told: &str| told.lines().find(|line| line.starts_with(ends)).unwrap().to_owned();
+    assert!(line(&relaxed).contains("equilibrium: kinetic"), "{}", line(&relaxed));
+    assert!(line(&swings).contains("warning: its time has passed"), "{}", line(&swings));
+    let checked = bench.run(&["check", "without.toml"]).succeeds();
+    assert!(checked.stdout.contains("dynamic_relaxation = true"), "{}", checked.stdout);
+}
+
 #[test]
 fn stages_that_make_no_sense_are_refused() {
     let bench = Bench::new();

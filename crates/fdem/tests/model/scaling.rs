@@ -161,7 +161,7 @@ fn stages_that_are_to_reach_an_equilibrium_are_told_to_be_damped() {
     let stage = "[[stage]]\nname = \"rest\"\nequilibrium = 1e-4\n";
     let model = format!("{SMALL}{BOUNDARIES}{stage}");
     let told = right(&model).warnings.join("\n");
-    assert!(told.contains("[[stage]] \"rest\" ends at an equilibrium, and without local damping"), "{told}");
+    assert!(told.contains("[[stage]] \"rest\" ends at an equilibrium, and without damping"), "{told}");
     assert_eq!(right(&format!("{model}local_damping = 0.7\n")).warnings, Vec::<String>::new());
     // Ground at rest is in equilibrium from the beginning.
     let ground = format!("{SMALL}{BOUNDARIES}[initial]\nstress = [-1e3, 0, 0]\n{stage}");

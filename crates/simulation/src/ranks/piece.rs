@@ -266,10 +266,11 @@ pub(super) struct Carried<const D: usize> {
 impl<const D: usize> Carried<D> {
     /// Bytes of what all ranks have in common.
     pub(super) fn bytes(&self) -> Vec<u8> {
-        let Totals { first, exchanged, most_cohesive, .. } = &self.totals;
+        let Totals { first, exchanged, most_cohesive, kinetic, halts, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);
         first.map(|energies| energies.numbers()).put(&mut bytes);
-        [*exchanged, *most_cohesive].put(&mut bytes);
+        [*exchanged, *most_cohesive, *kinetic].put(&mut bytes);
+        halts.put(&mut bytes);
         self.energies.numbers().put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
@@ -282,11 +283,12 @@ impl<const D: usize> Carried<D> {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
         let first = <Option<[f64; 9]> as Wire>::take(bytes).map(Energies::of_numbers);
-        let [exchanged, most_cohesive] = Wire::take(bytes);
+        let [exchanged, most_cohesive, kinetic] = Wire::take(bytes);
+        let halts = bool::take(bytes);
         let energies = Energies::of_numbers(Wire::take(bytes));
         let imbalance = f64::take(bytes);
         let (reactions, factors) = (Vec::take(bytes), Vec::take(bytes));
-        let totals = Totals { first, exchanged, most_cohesive, ..Totals::default() };
+        let totals = Totals { first, exchanged, most_cohesive, kinetic, halts, ..Totals::default() };
         let timings = Timings::default();
         Self { step, totals, energies, imbalance, reactions, factors, timings, detections: 0 }
     }

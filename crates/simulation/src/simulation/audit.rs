@@ -24,7 +24,7 @@ pub(crate) struct Totals {
     pub(crate) friction: Sum,
     /// Work against joints, less the potential energy of contacts to which they have handed over.
     pub(crate) cohesive: Sum,
-    /// Energy dissipated by local damping, damping of contacts and absorbing edges.
+    /// Energy dissipated by local damping, dynamic relaxation, damping of contacts and absorbing edges.
     pub(crate) damping: Sum,
     /// Work of applied forces, of gravity, and of boundaries that move nodes.
     pub(crate) external: Sum,
@@ -35,6 +35,10 @@ pub(crate) struct Totals {
     /// Largest exchanged and cohesive energy at any audit.
     pub(crate) exchanged: f64,
     pub(crate) most_cohesive: f64,
+    /// Kinetic energy of all ranks at the last look of dynamic relaxation; 0 after a peak.
+    pub(crate) kinetic: f64,
+    /// Whether nodes stop in the next step.
+    pub(crate) halts: bool,
 }
 
 impl Totals {

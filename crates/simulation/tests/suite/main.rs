@@ -40,3 +40,4 @@ mod probes;
 mod mass;
 /// Models that are refused.
 mod refusal;
+mod relaxation;

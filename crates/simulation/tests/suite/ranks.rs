@@ -113,6 +113,19 @@ fn an_excavation_is_the_same() {
     same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 99, 300]);
 }
 
+/// Dynamic relaxation: the kinetic energy of all ranks has its peaks, and every rank stops its nodes. A part ends between the look and the stop.
+#[test]
+fn a_relaxation_is_the_same() {
+    let release = Schedule::Table(vec![[0.0, 1.0], [1e-5, 0.2]]);
+    let mut model = crate::changed::excavated(&crate::changed::ground(), Some(release)).model().clone();
+    model.time.dynamic_relaxation = true;
+    let parts: Vec<u64> = [11].into_iter().chain([10; 39]).collect();
+    same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &parts);
+    let mut model = Model { gravity: [0.0, -9.81], ..crate::resume::crash(Insertion::Adaptive) };
+    model.time.dynamic_relaxation = true;
+    same_on_ranks!(model, 2, 3, &[1, 3], &[1, 299, 701, 500]);
+}
+
 /// Two blocks that shatter: nearly all joints break.
 #[test]
 fn blocks_that_shatter_are_the_same() {

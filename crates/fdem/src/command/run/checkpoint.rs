@@ -10,8 +10,8 @@ use crate::model::{Entered, Reached};
 /// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize",
-    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>"
+    serialize = "State<D, N>: Serialize, Boundary<D>: Serialize, [f64; D]: Serialize",
+    deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>, [f64; D]: Deserialize<'de>"
 ))]
 pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).

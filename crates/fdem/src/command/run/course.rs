@@ -6,7 +6,7 @@ use std::path::Path;
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Row;
-use fdem_simulation::{Model, ModelError, Simulation, State, Stop};
+use fdem_simulation::{Model, ModelError, Simulation, Snapshot, State, Stop};
 
 use crate::command::failure::Failure;
 use crate::command::run::begun::Begun;
@@ -69,7 +69,11 @@ where
         };
         let (model, state, told) = earlier.taken_over(&self.prepared, threads)?;
         self.prepared.model = model;
-        Ok((self.resumed(state, threads).map_err(wrong)?, told))
+        let run = self.resumed(state, threads).map_err(wrong)?;
+        if let Some(stages) = &mut self.stages {
+            stages.set_back(&run);
+        }
+        Ok((run, told))
     }
 
     /// The simulation of a run that goes on with a state.
@@ -118,7 +122,7 @@ where
     /// Peaks of the conditions that end the run and the stage, and whether the run is over.
     pub(crate) reached: Reached,
     pub(crate) run: Box<E>,
-    pub(crate) observer: Observer,
+    pub(crate) observer: Observer<D>,
     /// Time between rows of the history, s.
     pub(crate) interval: f64,
     /// Whether rows are made where no condition needs them.
@@ -157,7 +161,7 @@ where
     ) -> Result<Self, Failure> {
         let Start { prepared, stages, begun, .. } = start;
         let mut course = Self {
-            observer: Observer::new(&prepared)?,
+            observer: Observer::new(&prepared, stages.as_ref().and_then(Stages::origin))?,
             prepared,
             stages,
             begun,
@@ -175,6 +179,14 @@ where
     /// Steps of the whole run, from its beginning to its end time.
     pub(crate) fn total(&self) -> u64 {
         ((self.prepared.end_time / self.run.time_step()).ceil() as u64).max(1)
+    }
+
+    /// A snapshot of the run with displacements that count from the last stage that has set them back.
+    pub(crate) fn counted(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
+        if let Some(origin) = &self.observer.origin {
+            origin.subtract_from(&mut snapshot);
+        }
+        snapshot
     }
 
     /// The stages so far; none if the run is one.
@@ -256,7 +268,7 @@ where
         self.run.replace(run).map_err(Failure::Unusable)?;
         prepared.output.animate = self.prepared.output.animate;
         self.prepared = prepared;
-        self.observer = Observer::new(&self.prepared)?;
+        self.observer = Observer::new(&self.prepared, stages.origin())?;
         self.reached.peaks[1] = 0.0;
         self.control(true)?;
         turned.told.push(ended);

@@ -7,19 +7,24 @@ use crate::command::run::engine::Engine;
 use crate::command::run::folder::{FRAGMENTS, MODEL};
 use crate::command::run::recorder::broken;
 use crate::command::run::results::Results;
-use crate::model::{History as Recorded, Prepared, Quantity};
+use crate::model::{History as Recorded, Origin, Prepared, Quantity};
 
 /// Looks at a run. It writes nothing.
-pub(crate) struct Observer {
+pub(crate) struct Observer<const D: usize> {
     masses: ElementMasses,
     /// Number of broken joints at the last count of fragments, and that count.
     counted: Option<(usize, FragmentCount)>,
     /// Nodes of the boundary of each history of a force; empty for other histories.
     targets: Vec<Vec<u32>>,
+    /// Displacements from which those of results count; `None` for none.
+    pub(crate) origin: Option<Origin<D>>,
 }
 
-impl Observer {
-    pub(crate) fn new<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<Self, Failure>
+impl<const D: usize> Observer<D> {
+    pub(crate) fn new<const N: usize>(
+        prepared: &Prepared<D, N>,
+        origin: Option<Origin<D>>,
+    ) -> Result<Self, Failure>
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -31,11 +36,12 @@ impl Observer {
             masses,
             counted: None,
             targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
+            origin,
         })
     }
 
     /// Returns the present values of each `[[history]]`.
-    pub(crate) fn values<const D: usize, const N: usize>(
+    pub(crate) fn values<const N: usize>(
         &self,
         run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
@@ -46,13 +52,12 @@ impl Observer {
         let measured = run.measure(&prepared.probes);
         let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
             Quantity::Probe(probe) => measured[probe].clone(),
-            Quantity::Node(node) => run
-                .nodes(&[node])
-                .into_iter()
-                .flat_map(|(moved, velocity)| [moved, velocity].concat())
-                .collect(),
+            Quantity::Node(node) => {
+                let moved = run.nodes(&[node]).into_iter();
+                moved.flat_map(|(moved, velocity)| [self.counted(node, moved), velocity].concat()).collect()
+            }
             Quantity::Force(boundary) => {
-                [run.force(boundary).unwrap_or([0.0; D]), mean_displacement(run, target)].concat()
+                [run.force(boundary).unwrap_or([0.0; D]), self.mean_displacement(run, target)].concat()
             }
             Quantity::Energy | Quantity::CrackLength => Vec::new(),
         };
@@ -60,7 +65,7 @@ impl Observer {
     }
 
     /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
-    pub(crate) fn first_row<const D: usize, const N: usize>(
+    pub(crate) fn first_row<const N: usize>(
         &self,
         run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
@@ -89,7 +94,7 @@ impl Observer {
     }
 
     /// Returns the present row of the history.
-    pub(crate) fn row<const D: usize, const N: usize>(
+    pub(crate) fn row<const N: usize>(
         &mut self,
         run: &(impl Engine<D, N> + ?Sized),
         prepared: &Prepared<D, N>,
@@ -109,7 +114,7 @@ impl Observer {
     }
 
     /// Counts the fragments. They are found again only if joints have broken since the last count.
-    fn count<const D: usize, const N: usize>(&mut self, run: &(impl Engine<D, N> + ?Sized)) -> FragmentCount
+    fn count<const N: usize>(&mut self, run: &(impl Engine<D, N> + ?Sized)) -> FragmentCount
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -125,7 +130,7 @@ impl Observer {
     }
 
     /// The fragments of a run now.
-    pub(crate) fn fragments<const D: usize, const N: usize>(
+    pub(crate) fn fragments<const N: usize>(
         &self,
         run: &(impl Engine<D, N> + ?Sized),
     ) -> Result<Fragments<D>, Failure>
@@ -135,6 +140,25 @@ impl Observer {
         // The snapshot of a run is consistent. An error would be a bug.
         Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
     }
+
+    /// The mean displacement of some nodes, m; not a number without any.
+    fn mean_displacement<const N: usize>(&self, run: &(impl Engine<D, N> + ?Sized), nodes: &[u32]) -> [f64; D]
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let mut sum = [0.0; D];
+        for (&node, (moved, _)) in nodes.iter().zip(run.nodes(nodes)) {
+            let moved = self.counted(node, moved);
+            sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
+        }
+        sum.map(|sum| sum / nodes.len() as f64)
+    }
+
+    /// The displacement of a node as results count it, m.
+    fn counted(&self, node: u32, moved: [f64; D]) -> [f64; D] {
+        let origin = self.origin.as_ref().and_then(|origin| origin.nodes.get(node as usize));
+        origin.map_or(moved, |origin| std::array::from_fn(|axis| moved[axis] - origin[axis]))
+    }
 }
 
 /// The nodes of the boundary whose force a history records, each once.
@@ -142,19 +166,4 @@ fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepare
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
     // It need not act in this stage.
     prepared.model.boundaries.get(boundary).map_or_else(Vec::new, |boundary| boundary.target.nodes())
-}
-
-/// The mean displacement of some nodes, m; not a number without any.
-fn mean_displacement<const D: usize, const N: usize>(
-    run: &(impl Engine<D, N> + ?Sized),
-    nodes: &[u32],
-) -> [f64; D]
-where
-    [[f64; D]; N]: Results<D, N>,
-{
-    let mut sum = [0.0; D];
-    for (moved, _) in run.nodes(nodes) {
-        sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
-    }
-    sum.map(|sum| sum / nodes.len() as f64)
 }

@@ -1,11 +1,11 @@
 //! Stages of a run: when one ends, and how the next begins.
 
 use fdem_io::numbers::brief;
-use fdem_simulation::{Change, Energies, Schedule, Simulation, State, Target};
+use fdem_simulation::{Change, Energies, Load, Model, Schedule, Simulation, State, Target};
 use serde_json::{Value, json};
 
 use crate::command::run::results::Results;
-use crate::model::{Entered, Prepared, Present, Stage};
+use crate::model::{Entered, Origin, Prepared, Present, Stage};
 
 /// The stages of a run, one of which it is in.
 pub(crate) struct Stages<const D: usize, const N: usize> {
@@ -16,6 +16,8 @@ pub(crate) struct Stages<const D: usize, const N: usize> {
     present: Present<D, N>,
     /// Time step, s.
     step: f64,
+    /// Time from which an equilibrium counts, s: releases and ramps are over. Before it, what begins slowly would pass for rest.
+    calm: f64,
 }
 
 /// The state of a run with a row of its history.
@@ -59,7 +61,8 @@ where
             whole.at(&entered, step).map_err(|error| error.to_string())?
         };
         let prepared = present.prepared.clone();
-        Ok((Some(Self { whole, entered, present, step }), prepared))
+        let calm = calm(&prepared.model);
+        Ok((Some(Self { whole, entered, present, step, calm }), prepared))
     }
 
     /// Time step, s.
@@ -89,7 +92,7 @@ where
         let Some(Known { energies, imbalance, row, peak }) = known.filter(|_| step > begun) else {
             return (step >= self.end()).then(|| self.out_of_time());
         };
-        if let Some(bound) = self.now().equilibrium {
+        if let Some(bound) = self.now().equilibrium.filter(|_| step as f64 * self.step >= self.calm) {
             let share = energies.kinetic / energies.strain;
             // Without any force nothing moves.
             if [share, imbalance].iter().all(|number| number.is_nan() || *number < bound) {
@@ -158,8 +161,26 @@ where
         let run = Simulation::resume(next.prepared.model.clone(), state, threads).map_err(wrong)?;
         self.entered = entered;
         let prepared = next.prepared.clone();
+        self.calm = calm(&prepared.model);
         self.present = next;
+        self.set_back(&run);
         Ok((prepared, run))
+    }
+
+    /// Lets displacements count from now, if the present stage says so.
+    pub(crate) fn set_back(&mut self, run: &Simulation<D, N>) {
+        if self.now().resets {
+            let mesh = &self.whole.model.mesh;
+            let counts = [mesh.elements.len(), mesh.nodes.len()];
+            let present = (&self.present.elements[..], &self.present.nodes[..]);
+            self.entered.origin = Some(Origin::of(run, present, counts));
+        }
+    }
+
+    /// Displacements from which those of the elements and nodes of the present stage count.
+    pub(crate) fn origin(&self) -> Option<Origin<D>> {
+        let origin = self.entered.origin.as_ref()?;
+        Some(origin.part::<N>(&self.present.elements, &self.present.nodes))
     }
 
     /// The stages so far, for `run.json`.
@@ -178,6 +199,20 @@ where
             begun.map(|(step, stage)| format!("{} from {} s", stage.name, brief(*step as f64 * self.step)));
         begun.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Time at which all releases and ramps of a model are over, s. A table of a load may be the whole history of it, and is not waited for.
+fn calm<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+    fn end(schedule: &Schedule, is_release: bool) -> f64 {
+        match schedule {
+            Schedule::From(start, inner) => start + end(inner, is_release),
+            Schedule::Ramp(duration) => *duration,
+            Schedule::Table(rows) if is_release => rows.last().map_or(0.0, |row| row[0]),
+            Schedule::Table(_) | Schedule::Constant => 0.0,
+        }
+    }
+    let loads = model.boundaries.iter().map(|boundary| end(&boundary.schedule, boundary.load == Load::Held));
+    loads.chain([end(&model.gravity_schedule, false)]).fold(0.0, f64::max)
 }
 
 impl Over {

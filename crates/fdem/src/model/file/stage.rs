@@ -18,7 +18,7 @@ pub struct Stage {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub duration: Option<f64>,
-    /// Bound at which the stage ends: the kinetic energy over the strain energy, and the largest force on a free node over the largest that an element exerts on one of its nodes, are both below it. It is looked at with each row of the history. Default: none.
+    /// Bound at which the stage ends: the kinetic energy over the strain energy, and the largest force on a free node over the largest that an element exerts on one of its nodes, are both below it. It is looked at with each row of the history, once releases and ramps are over. Default: none.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
     pub equilibrium: Option<f64>,
@@ -45,6 +45,12 @@ pub struct Stage {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: Option<f64>,
+    /// Dynamic relaxation in this stage, in place of that of `[model]`.
+    #[serde(default)]
+    pub dynamic_relaxation: Option<bool>,
+    /// Whether displacements count from the beginning of this stage: those of frames and of the history, not the goals of boundaries.
+    #[serde(default)]
+    pub reset_displacements: bool,
 }
 
 /// A time, or a table of factors.
