@@ -296,7 +296,7 @@ where
         };
         totals.external.add_sum(&moved.external[0]);
         totals.damping.add_sum(&moved.damping[0]);
-        self.held = moved.held;
+        self.held = std::mem::take(&mut moved.held);
         clock.read(&mut timings.integration);
         if let Some(links) = links.as_deref_mut() {
             links.finish_motion(&mut self.solid, step, &mut told);
