@@ -9,27 +9,76 @@ use super::{Outcome, Size};
 /// Width and height of the block, m.
 const WIDTH: f64 = 0.05;
 const HEIGHT: f64 = 0.1;
-/// Cohesion, Pa, and the tangent of the angle of internal friction.
-const COHESION: f64 = 3e6;
-const FRICTION: f64 = 0.3;
 /// Pressure on the sides, Pa.
 const CONFINED: f64 = 4e6;
 /// Time in which the ends reach their speed and the pressure on the sides is put on, s.
 const RAMP: f64 = 2e-4;
 
+/// A rock that is crushed.
+#[derive(Clone, Copy)]
+struct Rock {
+    /// kg/m³.
+    density: f64,
+    /// Pa.
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    /// Pa.
+    tensile_strength: f64,
+    /// Pa.
+    cohesion: f64,
+    /// Tangent of the angle of internal friction.
+    friction: f64,
+    /// Fracture energies of opening and of sliding, J/m².
+    energies: [f64; 2],
+    /// Velocity of each of the ends, m/s.
+    velocity: f64,
+}
+
+/// A soft rock, which fails in a short run.
+const SOFT: Rock = Rock {
+    density: 2700.0,
+    youngs_modulus: 30e9,
+    poissons_ratio: 0.3,
+    tensile_strength: 1e6,
+    cohesion: 3e6,
+    friction: 0.3,
+    energies: [1.0, 5.0],
+    velocity: 0.025,
+};
+
+/// Berea sandstone. Cohesion 27.2 MPa and angle of friction 27.8°, fitted to triaxial tests up to 200 MPa, and elasticity: Goodman, Introduction to Rock Mechanics, 2nd ed. (1989), tables 3.3 and 6.1.
+/// Fracture energies that are as brittle on this specimen as those of [`SOFT`].
+const BEREA: Rock = Rock {
+    density: 2200.0,
+    youngs_modulus: 19.3e9,
+    poissons_ratio: 0.38,
+    tensile_strength: 9e6,
+    cohesion: 27.2e6,
+    friction: 0.527,
+    energies: [130.0, 640.0],
+    velocity: 0.6,
+};
+
+impl Rock {
+    /// Strength without pressure on the sides, Pa, and its growth with the pressure: Mohr and Coulomb.
+    fn strength(&self) -> [f64; 2] {
+        let (sin, cos) = self.friction.atan().sin_cos();
+        [2.0 * self.cohesion * cos / (1.0 - sin), (1.0 + sin) / (1.0 - sin)]
+    }
+}
+
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mesh_size = size.choose(3e-3, 2e-3);
     let seeds = size.choose(1..=2, 1..=5);
     let count = seeds.clone().count();
-    let angle = FRICTION.atan();
-    let (sin, cos) = angle.sin_cos();
-    let (bound, slope) = (2.0 * COHESION * cos / (1.0 - sin), (1.0 + sin) / (1.0 - sin));
+    let [bound, slope] = SOFT.strength();
     let (mut outcomes, mut balance) = (Vec::new(), 0.0_f64);
     // Mean strength over the meshes, and the one farthest from the bound.
     let mut strengths = |energy: f64, pressure: f64| -> Result<[f64; 2], String> {
         let (mut sum, mut farthest) = (0.0, 0.0);
         for seed in seeds.clone() {
-            let crushed = crush(mesh_size, seed, energy, pressure)?;
+            let rock = Rock { energies: [1.0, energy], ..SOFT };
+            let crushed = crush(&rock, mesh_size, seed, pressure)?;
             sum += crushed.strength;
             farthest = worse(farthest, crushed.strength - bound);
             balance = balance.max(crushed.balance.abs());
@@ -54,18 +103,17 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Strengths under four pressures on the sides, against the line of Mohr and Coulomb.
+/// Strengths of Berea sandstone under four pressures on the sides, against the line that was fitted to its triaxial tests: the figures of the material are those of the tests.
 pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
     let mesh_size = size.choose(4e-3, 2e-3);
     let seeds = size.choose(1..=1, 1..=3);
-    let (sin, cos) = FRICTION.atan().sin_cos();
-    let (at_zero, slope) = (2.0 * COHESION * cos / (1.0 - sin), (1.0 + sin) / (1.0 - sin));
-    let pressures = [0.0, 2e6, 4e6, 8e6];
+    let [at_zero, slope] = BEREA.strength();
+    let pressures = [0.0, 10e6, 20e6, 40e6];
     let mut strengths = Vec::new();
     for pressure in pressures {
         let mut sum = 0.0;
         for seed in seeds.clone() {
-            sum += crush(mesh_size, seed, 5.0, pressure)?.strength;
+            sum += crush(&BEREA, mesh_size, seed, pressure)?.strength;
         }
         strengths.push(sum / seeds.clone().count() as f64);
     }
@@ -94,9 +142,9 @@ struct Crushed {
     balance: f64,
 }
 
-/// Crushes a block. `energy`: fracture energy of sliding, J/m²; `pressure`: on its sides, Pa.
-fn crush(mesh_size: f64, seed: u32, energy: f64, pressure: f64) -> Result<Crushed, String> {
-    let mut run = start(block(mesh_size, seed, energy, pressure)?)?;
+/// Crushes a block. `pressure`: on its sides, Pa.
+fn crush(rock: &Rock, mesh_size: f64, seed: u32, pressure: f64) -> Result<Crushed, String> {
+    let mut run = start(block(rock, mesh_size, seed, pressure)?)?;
     let (mut peak, mut at) = (0.0_f64, 0.0);
     loop {
         let load = mean_load(&mut run, 1)?;
@@ -106,14 +154,27 @@ fn crush(mesh_size: f64, seed: u32, energy: f64, pressure: f64) -> Result<Crushe
         if load < 0.97 * peak && run.time() > at + 0.3 * RAMP && run.counts().broken > 20 {
             break;
         }
-        if run.time() > 10.0 * RAMP {
+        // Twice the time in which it gets to its strength without sliding.
+        let [at_zero, slope] = rock.strength();
+        let strain = (at_zero + slope * pressure) / rock.youngs_modulus;
+        if run.time() > 5.0 * RAMP + strain * HEIGHT / rock.velocity {
             return Err(format!("the block of mesh {seed} does not fail"));
         }
     }
     Ok(Crushed { strength: peak / WIDTH, balance: run.energies().error() })
 }
 
-fn block(mesh_size: f64, seed: u32, energy: f64, pressure: f64) -> Result<Model, String> {
+fn block(rock: &Rock, mesh_size: f64, seed: u32, pressure: f64) -> Result<Model, String> {
+    let Rock {
+        density,
+        youngs_modulus,
+        poissons_ratio,
+        tensile_strength,
+        cohesion,
+        friction,
+        energies: [opening, sliding],
+        velocity,
+    } = rock;
     let mut model = prepared(&format!(
         r#"
 [model]
@@ -128,34 +189,34 @@ mesh_size = {mesh_size}
 seed = {seed}
 [[material]]
 name = "rock"
-density = 2700
-youngs_modulus = 30e9
-poissons_ratio = 0.3
+density = {density}
+youngs_modulus = {youngs_modulus}
+poissons_ratio = {poissons_ratio}
 damping = 0.1
-friction = 0.3
-tensile_strength = 1e6
-cohesion = {COHESION}
+friction = {friction}
+tensile_strength = {tensile_strength}
+cohesion = {cohesion}
 friction_angle = {angle}
-fracture_energy_i = 1
-fracture_energy_ii = {energy}
+fracture_energy_i = {opening}
+fracture_energy_ii = {sliding}
 [[boundary]]
 name = "upper"
 body = "block"
 side = "top"
-velocity = ["free", -0.025]
+velocity = ["free", -{velocity}]
 ramp = {RAMP}
 [[boundary]]
 name = "lower"
 body = "block"
 side = "bottom"
-velocity = ["free", 0.025]
+velocity = ["free", {velocity}]
 ramp = {RAMP}
 "#,
         left = -0.5 * WIDTH,
         right = 0.5 * WIDTH,
         bottom = -0.5 * HEIGHT,
         top = 0.5 * HEIGHT,
-        angle = FRICTION.atan().to_degrees(),
+        angle = friction.atan().to_degrees(),
     ))?;
     // No triangle reaches from one side to the other.
     let sides = edges_where(&model.mesh, |[x, _]| x.abs() > 0.5 * WIDTH - 1e-9);
