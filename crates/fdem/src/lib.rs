@@ -55,7 +55,7 @@
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs`; with `--ranks`: `src/model/on_ranks.rs` |
-//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
+//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/course.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
 //! | stages of a run | `src/model/stages.rs`, `src/command/run/stages.rs` |
 //! | conditions that end a run or a stage, servos | `src/model/conditions.rs` |
 //! | a run that begins with the end of another | `src/command/run/earlier.rs` |

@@ -46,7 +46,7 @@ const SOFT: Rock = Rock {
     velocity: 0.025,
 };
 
-/// Berea sandstone. Cohesion 27.2 MPa and angle of friction 27.8°, fitted to triaxial tests up to 200 MPa, and elasticity: Goodman, Introduction to Rock Mechanics, 2nd ed. (1989), tables 3.3 and 6.1.
+/// Berea sandstone. Cohesion and angle of friction (27.8°) were fitted to triaxial tests; elasticity likewise from Goodman, Introduction to Rock Mechanics, 2nd ed. (1989), tables 3.3 and 6.1.
 /// Fracture energies that are as brittle on this specimen as those of [`SOFT`].
 const BEREA: Rock = Rock {
     density: 2200.0,
