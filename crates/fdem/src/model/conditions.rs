@@ -12,6 +12,7 @@ use crate::model::curves::Columns;
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{self, Component, ModelFile};
+use crate::model::values::dimension_of;
 
 /// A condition on a column of the history.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -196,6 +197,23 @@ pub(crate) struct Resolved {
     pub(crate) servos: Vec<Servo>,
 }
 
+/// Refuses a value whose unit is not that of its column, which has it in brackets.
+fn check_unit(
+    document: &Document<'_>,
+    (table, key): (Table, &'static str),
+    column: &str,
+    faults: &mut Vec<Fault>,
+) {
+    let Some(span) = document.value_if_any(table, key) else { return };
+    let unit = column.rsplit_once(" [").and_then(|(_, unit)| unit.strip_suffix(']'));
+    let (Some(found), Some(unit)) = (document.dimension(&span), unit) else { return };
+    if dimension_of(unit).is_some_and(|expected| expected != found) {
+        let name = key.rsplit('.').next().unwrap_or(key);
+        let message = format!("\"{name}\" is {found}, but the column \"{column}\" is in {unit}");
+        faults.push(Fault::at(span, message).label(format!("expected in {unit}")));
+    }
+}
+
 /// Finds the columns of conditions and servos. `own`: the columns of all `[[history]]` tables. `file` has been checked.
 pub(crate) fn resolve<const D: usize>(
     file: &ModelFile,
@@ -208,6 +226,9 @@ pub(crate) fn resolve<const D: usize>(
     let mut until = |until: Option<&file::Until>, table: Table| {
         let until = until?;
         let (column, place) = row.find(document.value(table, "until.column"), &until.column, faults)?;
+        for key in ["until.above", "until.below", "until.least_peak"] {
+            check_unit(document, (table, key), &column, faults);
+        }
         let bound = match (until.above, until.below) {
             (Some(bound), _) => Bound::Above(bound),
             (None, Some(bound)) => Bound::Below(bound),
@@ -227,7 +248,8 @@ pub(crate) fn resolve<const D: usize>(
     for (boundary, of_file) in file.boundary.iter().enumerate() {
         let Some(file::Servo { column, target, band, steps }) = &of_file.servo else { continue };
         let span = document.value(Table::of("boundary", boundary), "servo.column");
-        let Some((_, place)) = row.find(span, column, faults) else { continue };
+        let Some((column, place)) = row.find(span, column, faults) else { continue };
+        check_unit(document, (Table::of("boundary", boundary), "servo.target"), &column, faults);
         servos.push(Servo { boundary, place, target: *target, band: band * target.abs(), steps: *steps });
     }
     Resolved { until: of_run, of_stages, servos }

@@ -1,5 +1,6 @@
 //! The text of a model file as a tree with the place of every key and value.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::de::DeserializeOwned;
@@ -7,6 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::Fault;
+use crate::model::values::Dimension;
 
 /// Errors of the parser that are looked at.
 const MOST_ERRORS: usize = 50;
@@ -17,6 +19,8 @@ const MOST_LINES: usize = 5;
 /// A parsed file.
 pub(crate) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
+    /// Dimensions of values whose keys have no unit of their own, by the place of the value.
+    dimensions: BTreeMap<usize, Dimension>,
 }
 
 /// A table of the file by name, and which of several.
@@ -50,7 +54,16 @@ impl<'a> Document<'a> {
                 faults.push((line, syntax(text, &span, error.message())));
             }
         }
-        (Self { root }, faults.into_iter().map(|(_, fault)| fault).collect())
+        (Self { root, dimensions: BTreeMap::new() }, faults.into_iter().map(|(_, fault)| fault).collect())
+    }
+
+    pub(crate) fn set_dimensions(&mut self, dimensions: BTreeMap<usize, Dimension>) {
+        self.dimensions = dimensions;
+    }
+
+    /// The dimension that the text of a value has, if its key has no unit of its own; `None` for a plain number too.
+    pub(crate) fn dimension(&self, value: &Range<usize>) -> Option<Dimension> {
+        self.dimensions.get(&value.start).copied()
     }
 
     pub(crate) fn root(&self) -> &Spanned<DeTable<'a>> {

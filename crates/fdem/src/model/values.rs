@@ -23,6 +23,7 @@ use crate::model::fault::{Fault, suggestion};
 use crate::model::schema::{branches, types, words};
 use expression::{Wrong, is_name, meaning};
 use quantity::Quantity;
+pub(crate) use units::Dimension;
 
 /// The table of the parameters.
 pub(crate) const PARAMETERS: &str = "parameters";
@@ -46,6 +47,8 @@ pub(crate) struct Evaluated {
     pub(crate) faults: Vec<Fault>,
     /// Parameters that nothing uses, with their places.
     pub(crate) unused: Vec<(String, Range<usize>)>,
+    /// Dimensions of expressions whose keys have no unit of their own, by their places.
+    dimensions: BTreeMap<usize, Dimension>,
 }
 
 impl Evaluated {
@@ -66,6 +69,7 @@ pub(crate) fn evaluate(document: &Document<'_>, text: &str, schema: &Value) -> E
         spans: Vec::new(),
         wrong: Vec::new(),
         faults,
+        dimensions: BTreeMap::new(),
     };
     for (key, value) in document.root().get_ref() {
         let property = schema.get("properties").and_then(|keys| keys.get(key.get_ref().as_ref()));
@@ -73,7 +77,7 @@ pub(crate) fn evaluate(document: &Document<'_>, text: &str, schema: &Value) -> E
             pass.value(value, property, None, key.get_ref());
         }
     }
-    let Pass { numbers, spans, wrong, mut faults, .. } = pass;
+    let Pass { numbers, spans, wrong, mut faults, dimensions, .. } = pass;
     for name in parameters.entries.keys() {
         if let Err(Some(fault)) = parameters.of(name) {
             faults.push(fault);
@@ -85,6 +89,7 @@ pub(crate) fn evaluate(document: &Document<'_>, text: &str, schema: &Value) -> E
         wrong,
         faults,
         unused: parameters.unused(),
+        dimensions,
     }
 }
 
@@ -99,6 +104,7 @@ pub(crate) fn replace<'a>(mut document: Document<'a>, evaluated: &'a Evaluated) 
     if !values.is_empty() {
         document.root_mut().get_mut().iter_mut().for_each(|(_, value)| put(value, &mut values));
     }
+    document.set_dimensions(evaluated.dimensions.clone());
     document
 }
 
@@ -299,6 +305,8 @@ struct Pass<'a> {
     spans: Vec<Range<usize>>,
     wrong: Vec<Range<usize>>,
     faults: Vec<Fault>,
+    /// Dimensions of expressions whose keys have no unit of their own, by their places.
+    dimensions: BTreeMap<usize, Dimension>,
 }
 
 impl<'a> Pass<'a> {
@@ -363,7 +371,7 @@ impl<'a> Pass<'a> {
 
     /// The value of an expression as TOML has it. An error without a fault has been told.
     fn number(
-        &self,
+        &mut self,
         expression: &str,
         span: &Range<usize>,
         unit: Option<&Value>,
@@ -381,6 +389,8 @@ impl<'a> Pass<'a> {
                 let message = format!("\"{expression}\" is {dimension}, but {key} is {wanted}");
                 return Err(Some(Fault::at(span.clone(), message).label(format!("expected {wanted}"))));
             }
+        } else if let Some(dimension) = value.dimension() {
+            self.dimensions.insert(span.start, dimension);
         }
         let number = value.number();
         if !is_whole {
@@ -406,10 +416,10 @@ pub(crate) fn constant(text: &str) -> Result<(f64, Option<String>), String> {
     Ok((value.number(), value.dimension().map(|dimension| dimension.to_string())))
 }
 
-/// The dimension of a unit of the schema; none for "1".
-fn dimension_of(unit: &str) -> Option<units::Dimension> {
+/// The dimension of a unit of the schema or of a column; none for "1".
+pub(crate) fn dimension_of(unit: &str) -> Option<Dimension> {
     if unit == "1" {
-        return Some(units::Dimension::NONE);
+        return Some(Dimension::NONE);
     }
     let parsed = expression::parse(unit).ok()?;
     parsed.value(&mut |name, at| Err(Wrong::new(at, name))).ok()?.dimension()

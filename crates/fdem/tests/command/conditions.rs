@@ -201,6 +201,8 @@ fn conditions_and_servos_that_make_no_sense_are_refused() {
     wrong(BAR, "share_of_peak = 0.2", "share_of_peak = 1.2", &["share_of_peak"]);
     wrong(SERVO, "\"platen fy\"", "\"time\"", &["no column \"time\"", "platen"]);
     wrong(SERVO, "\"-200 kN\"", "0", &["is not 0"]);
+    wrong(SERVO, "\"-200 kN\"", "\"-2 MPa\"", &["\"target\" is a stress", "platen fy [N]", "in N"]);
+    wrong(BAR, "\"10 kN\"", "\"10 mm\"", &["\"least_peak\" is a length", "top fy [N]"]);
     bench.write("fast.toml", SERVO.replace("[0, -0.02]", "[0, -2]"));
     let checked = bench.run(&["check", "fast.toml"]).succeeds();
     assert!(checked.stdout.contains("makes waves of"), "{}", checked.stdout);
