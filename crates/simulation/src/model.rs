@@ -326,7 +326,7 @@ pub struct TimeOptions {
     pub safety: f64,
     /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for none.
     pub local_damping: f64,
-    /// Whether all nodes stop whenever the kinetic energy has passed a peak, so that the run goes to equilibrium: dynamic relaxation with kinetic damping (Cundall 1976, Barnes 1999).
+    /// Whether the run goes to a state of rest by dynamic relaxation: a force against the velocity of each node, whose factor follows the slowest motion (Underwood 1983).
     pub dynamic_relaxation: bool,
     /// Error of the energy balance at which a run stops, as a share of the energy exchanged.
     pub energy_bound: f64,

@@ -7,6 +7,7 @@ use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
 use crate::simplex::Simplex;
+use crate::simulation::Taken;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
 use crate::team::Team;
@@ -27,6 +28,10 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) grains: Grains,
     /// Whether the kinetic energy is asked for.
     pub(crate) energy: bool,
+    /// Damping of dynamic relaxation: force on a node over its mass and its velocity, 1/s.
+    pub(crate) relaxation: f64,
+    /// Sums for that damping.
+    pub(crate) taken: Taken,
 }
 
 /// Sums over the motion of all nodes, or piles over that of a chunk.
@@ -38,6 +43,8 @@ pub(crate) struct Moved<S, const D: usize> {
     pub(crate) external: [S; 2],
     /// Energy dissipated by local damping, likewise.
     pub(crate) damping: [S; 2],
+    /// Sums for the damping of dynamic relaxation: power, W, and mass times the square of the velocity, J.
+    pub(crate) taken: [S; 2],
     /// Force on each node that a boundary moves, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
@@ -109,6 +116,7 @@ pub(crate) fn advance<const D: usize, const N: usize>(
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
         all.largest = std::array::from_fn(|k| all.largest[k].max(chunk.largest[k]));
         for half in 0..2 {
+            all.taken[half].add_pile(chunk.taken[half]);
             all.external[half].add_pile(chunk.external[half]);
             all.damping[half].add_pile(chunk.damping[half]);
         }
@@ -164,12 +172,12 @@ fn move_node<const D: usize, const N: usize>(
     motion: &Motion<'_, D, N>,
     sum: &mut Moved<Pile, D>,
 ) -> (Point<D>, f64) {
-    let (mass, step, damping) = (constants.mass, motion.step, motion.model.time.local_damping);
+    let (mass, step) = (constants.mass, motion.step);
     let Node { position, velocity: before } = *node;
     let force = plus(force, weight);
     let over = step / mass;
     let (damped, after, reactions) = if constants.hold == NONE {
-        let damped = local_damping(damping, force, before);
+        let damped = damping(motion, mass, force, before);
         (damped, accelerated(before, over, minus(force, damped)), [0.0; D])
     } else {
         hold_node(node, constants, force, origin, motion)
@@ -186,11 +194,57 @@ fn move_node<const D: usize, const N: usize>(
         if external != [0.0; D] {
             sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
         }
-        if damping != 0.0 {
+        if damped != [0.0; D] {
             sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
         }
     }
+    if motion.taken != Taken::Nothing {
+        take(motion, constants, force, [before, after], sum);
+    }
     (reactions, dot(after, after))
+}
+
+/// Adds to the sums for the damping of dynamic relaxation what a node has along its free axes.
+#[cold]
+#[inline(never)]
+fn take<const D: usize, const N: usize>(
+    motion: &Motion<'_, D, N>,
+    constants: &Constants,
+    force: Point<D>,
+    [before, after]: [Point<D>; 2],
+    sum: &mut Moved<Pile, D>,
+) {
+    for axis in 0..D {
+        if constants.hold != NONE && motion.loads.holds[constants.hold as usize][axis].is_some() {
+            continue;
+        }
+        if motion.taken == Taken::After {
+            sum.taken[0].add(force[axis] * after[axis], motion.grains);
+        } else {
+            sum.taken[0].add(force[axis] * before[axis], motion.grains);
+            sum.taken[1].add(constants.mass * before[axis] * before[axis], motion.grains);
+        }
+    }
+}
+
+/// The force of local damping, and of dynamic relaxation, against a motion.
+#[inline]
+fn damping<const D: usize, const N: usize>(
+    motion: &Motion<'_, D, N>,
+    mass: f64,
+    force: Point<D>,
+    before: Point<D>,
+) -> Point<D> {
+    let local = local_damping(motion.model.time.local_damping, force, before);
+    if motion.relaxation == 0.0 {
+        return local;
+    }
+    // It acts with the mean of the velocities before and after the step, so that any damping is stable.
+    let half = 0.5 * motion.relaxation * motion.step;
+    std::array::from_fn(|axis| {
+        let speed = before[axis] + 0.5 * motion.step / mass * (force[axis] - local[axis]);
+        local[axis] + motion.relaxation * mass * speed / (1.0 + half)
+    })
 }
 
 /// Velocity after a step. `over`: step over mass, s/kg.
@@ -201,7 +255,7 @@ fn accelerated<const D: usize>(before: Point<D>, over: f64, force: Point<D>) -> 
 
 /// The force of local damping against a motion.
 #[inline]
-pub(crate) fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
+fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
     if damping == 0.0 {
         return [0.0; D];
     }
@@ -222,7 +276,7 @@ fn hold_node<const D: usize, const N: usize>(
 ) -> (Point<D>, Point<D>, Point<D>) {
     let (mass, step) = (constants.mass, motion.step);
     let before = node.velocity;
-    let mut damped = local_damping(motion.model.time.local_damping, force, before);
+    let mut damped = damping(motion, mass, force, before);
     let mut after = accelerated(before, step / mass, minus(force, damped));
     let mut reactions = [0.0; D];
     let held = motion.loads.holds[constants.hold as usize];

@@ -28,8 +28,9 @@ use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
 pub(crate) use crate::simulation::actions::Actions;
-pub(crate) use crate::simulation::audit::Totals;
+pub(crate) use crate::simulation::audit::{Relaxation, Totals};
 pub use crate::simulation::changed::Change;
+pub(crate) use crate::simulation::relaxation::Taken;
 pub use crate::simulation::saved::State;
 pub(crate) use crate::simulation::shown::{cracks, mode};
 use crate::solid::Solid;
@@ -253,8 +254,7 @@ where
     fn step(&mut self, energies: bool, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let (broken, stop) = self.press(energies);
         self.add_works_of_changes();
-        self.halt();
-        let looks = self.looks_for_peak();
+        let taken = self.taken();
         let mut clock = Clock::new();
         let time = self.time();
         let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
@@ -276,7 +276,9 @@ where
             step,
             speed_limit,
             grains,
-            energy: energies || looks,
+            energy: energies,
+            relaxation: totals.relaxation.damping,
+            taken,
         };
         let mut moved = Moved::default();
         if let Some(links) = links.as_deref_mut() {
@@ -309,9 +311,7 @@ where
         if energies {
             self.account_of(&moved, links.as_deref());
         }
-        if looks {
-            self.look_for_peak(&moved.kinetic, links.as_deref());
-        }
+        self.relax(taken, &moved, links.as_deref());
         let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
         totals.add_works(loads.half_works(solid, step));
         totals.external.add_sum(&moved.external[1]);

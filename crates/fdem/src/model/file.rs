@@ -164,7 +164,7 @@ pub struct General {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub local_damping: f64,
-    /// Dynamic relaxation with kinetic damping, for runs that are to end in equilibrium: all nodes stop where they are free, whenever the kinetic energy has passed a peak. It needs no coefficient. What happens on the way to equilibrium is not physical.
+    /// Dynamic relaxation, for runs that are to end in equilibrium: a force against the velocity of each node, whose factor follows the slowest motion. It needs no coefficient. What happens on the way to equilibrium is not physical.
     #[serde(default)]
     pub dynamic_relaxation: bool,
     /// Condition at which the run ends before its `end_time`, such as `{ column = "platen fy", share_of_peak = 0.5 }`. Default: none.

@@ -101,7 +101,7 @@ pub struct Stage {
     pub release: Option<Schedule>,
     /// Local damping.
     pub local_damping: f64,
-    /// Whether all nodes stop after each peak of the kinetic energy.
+    /// Whether dynamic relaxation damps it.
     pub dynamic_relaxation: bool,
     /// Whether displacements count from its beginning.
     pub resets: bool,

@@ -15,7 +15,7 @@ use crate::model::{Load, Model, Target};
 use crate::ranks::wire::{Wire, bytes_of, wire};
 use crate::seams::Hold;
 use crate::simplex::Simplex;
-use crate::simulation::{Scales, Simulation, Timings, Totals};
+use crate::simulation::{Relaxation, Scales, Simulation, Timings, Totals};
 use crate::solid::Node;
 use crate::sum::Sum;
 use crate::vector::{Matrix, Point};
@@ -266,11 +266,10 @@ pub(super) struct Carried<const D: usize> {
 impl<const D: usize> Carried<D> {
     /// Bytes of what all ranks have in common.
     pub(super) fn bytes(&self) -> Vec<u8> {
-        let Totals { first, exchanged, most_cohesive, kinetic, halts, .. } = &self.totals;
+        let Totals { first, exchanged, most_cohesive, relaxation, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);
         first.map(|energies| energies.numbers()).put(&mut bytes);
-        [*exchanged, *most_cohesive, *kinetic].put(&mut bytes);
-        halts.put(&mut bytes);
+        [*exchanged, *most_cohesive, relaxation.power, relaxation.damping].put(&mut bytes);
         self.energies.numbers().put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
@@ -283,12 +282,12 @@ impl<const D: usize> Carried<D> {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
         let first = <Option<[f64; 9]> as Wire>::take(bytes).map(Energies::of_numbers);
-        let [exchanged, most_cohesive, kinetic] = Wire::take(bytes);
-        let halts = bool::take(bytes);
+        let [exchanged, most_cohesive, power, damping] = Wire::take(bytes);
+        let relaxation = Relaxation { power, damping };
         let energies = Energies::of_numbers(Wire::take(bytes));
         let imbalance = f64::take(bytes);
         let (reactions, factors) = (Vec::take(bytes), Vec::take(bytes));
-        let totals = Totals { first, exchanged, most_cohesive, kinetic, halts, ..Totals::default() };
+        let totals = Totals { first, exchanged, most_cohesive, relaxation, ..Totals::default() };
         let timings = Timings::default();
         Self { step, totals, energies, imbalance, reactions, factors, timings, detections: 0 }
     }

@@ -35,10 +35,16 @@ pub(crate) struct Totals {
     /// Largest exchanged and cohesive energy at any audit.
     pub(crate) exchanged: f64,
     pub(crate) most_cohesive: f64,
-    /// Kinetic energy of all ranks at the last look of dynamic relaxation; 0 after a peak.
-    pub(crate) kinetic: f64,
-    /// Whether nodes stop in the next step.
-    pub(crate) halts: bool,
+    pub(crate) relaxation: Relaxation,
+}
+
+/// Dynamic relaxation between two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Relaxation {
+    /// Power of the forces at the last look, W.
+    pub(crate) power: f64,
+    /// Force on a node over its mass and its velocity, 1/s.
+    pub(crate) damping: f64,
 }
 
 impl Totals {

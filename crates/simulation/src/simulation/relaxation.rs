@@ -1,68 +1,67 @@
-//! Dynamic relaxation with kinetic damping: whenever the kinetic energy has passed a peak, all nodes stop.
+//! Dynamic relaxation with adaptive damping: a run goes to its state of rest as fast as the slowest motion in it allows.
 //!
-//! A body on its way to equilibrium has most kinetic energy where its potential energy is least. Nodes that stop there begin again from a state nearer to equilibrium, whatever the frequencies: there is
-//! no coefficient to choose. Cundall, *Explicit finite difference methods in geomechanics* (1976); Barnes, International Journal of Space Structures 14 (1999) 89.
+//! A force `c m v` against the motion of each node damps all modes alike, and best with `c` twice the lowest angular frequency that still moves. Rayleigh's quotient of the velocities says which one that is:
 //!
-//! The kinetic energy is looked at after every [`LOOK`] steps, and the nodes stop in the step after that. With `v₋` before the step, and `v₊` as it would be after it, a node loses the energy
-//! `m v₋·v₊ / 2` that it has at the positions between them, so that the energy balance holds as it does without a stop.
+//! ```text
+//! ω² = -v·Δf / (h Σ m v²),   c = 2 ω
+//! ```
+//! with the change `Δf` of the forces on nodes in a step `h` with the velocities `v`. Fast modes die out first, then the quotient falls to that of the slowest. Where nothing resists a motion, as in a fall, it is 0.
+//! Underwood, in *Computational Methods for Transient Analysis* (1983), chapter 5; Oakley and Knight, Computer Methods in Applied Mechanics and Engineering 126 (1995) 67.
+//!
+//! With forces `f₀` at the beginning of a step and `f₁` at its end, `v·Δf` is the difference of two sums over the nodes, `f₁·v - f₀·v`, of which the first is known one step after the second. They are taken every
+//! [`LOOK`] steps.
 
-use crate::motion::{force_on, local_damping};
+use crate::motion::Moved;
 use crate::ranks::Links;
 use crate::simplex::Simplex;
 use crate::simulation::Simulation;
 use crate::sum::Sum;
-use crate::topology::NONE;
 
-/// Steps between two looks at the kinetic energy.
+/// Steps between two changes of the damping.
 const LOOK: u64 = 10;
+
+/// Sums over the free axes of nodes, that are taken in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Taken {
+    Nothing,
+    /// Power of the forces with the velocities after the step.
+    After,
+    /// That with the velocities before it, and twice the kinetic energy of these.
+    Before,
+}
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Whether this step looks at the kinetic energy.
-    pub(super) fn looks_for_peak(&self) -> bool {
-        self.model.time.dynamic_relaxation && self.step.is_multiple_of(LOOK)
-    }
-
-    /// Looks at the kinetic energy: after a peak, nodes stop in the next step. `kinetic`: that of this rank, J.
-    pub(super) fn look_for_peak(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
-        let mut kinetic = kinetic.clone();
-        if let Some(links) = links {
-            links.add_up(&mut [&mut kinetic]);
+    /// What this step takes for the damping of dynamic relaxation.
+    pub(super) fn taken(&self) -> Taken {
+        match self.step % LOOK {
+            _ if !self.model.time.dynamic_relaxation => Taken::Nothing,
+            0 => Taken::After,
+            1 => Taken::Before,
+            _ => Taken::Nothing,
         }
-        let now = kinetic.value();
-        self.totals.halts = now < self.totals.kinetic;
-        self.totals.kinetic = if self.totals.halts { 0.0 } else { now };
     }
 
-    /// Stops all nodes along the axes on which they are free, if the step before has said so. The corners have the forces of this step.
-    pub(super) fn halt(&mut self) {
-        if !std::mem::take(&mut self.totals.halts) {
+    /// Notes the sums of a step, and changes the damping from the next step on.
+    pub(super) fn relax(&mut self, taken: Taken, moved: &Moved<Sum, D>, links: Option<&Links<'_>>) {
+        if taken == Taken::Nothing {
             return;
         }
-        let factor = self.model.gravity_schedule.factor(self.time());
-        let (step, damping) = (self.scales.time_step, self.model.time.local_damping);
-        for node in (0..self.solid.nodes.len()).filter(|&node| self.solid.share.node(node)) {
-            let constants = &self.solid.constants[node];
-            let weight = self.model.gravity.map(|axis| factor * self.solid.true_mass(node) * axis);
-            let force = force_on(node, &self.solid, &self.joints);
-            let velocity = self.solid.nodes[node].velocity;
-            let force: [f64; D] = std::array::from_fn(|axis| force[axis] + weight[axis]);
-            let damped = local_damping(damping, force, velocity);
-            for axis in 0..D {
-                let before = velocity[axis];
-                let is_held =
-                    constants.hold != NONE && self.loads.holds[constants.hold as usize][axis].is_some();
-                if is_held || before == 0.0 {
-                    continue;
-                }
-                let after = before + step / constants.mass * (force[axis] - damped[axis]);
-                self.totals.external.add(0.5 * step * weight[axis] * before);
-                self.totals.damping.add(0.5 * step * damped[axis] * before);
-                self.totals.damping.add(0.5 * constants.mass * before * after);
-                self.solid.nodes[node].velocity[axis] = 0.0;
-            }
+        let [mut power, mut inertia] = moved.taken.clone();
+        if let Some(links) = links {
+            links.add_up(&mut [&mut power, &mut inertia]);
         }
+        let relaxation = &mut self.totals.relaxation;
+        if taken == Taken::After {
+            relaxation.power = power.value();
+            return;
+        }
+        let step = self.scales.time_step;
+        let square = (relaxation.power - power.value()) / (step * inertia.value());
+        // It is negative where forces push what moves, and no number at rest. A stable step follows no mode that is faster than 2/h.
+        relaxation.damping =
+            if square.is_finite() { 2.0 * square.max(0.0).sqrt().min(2.0 / step) } else { 0.0 };
     }
 }

@@ -113,7 +113,7 @@ fn an_excavation_is_the_same() {
     same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 99, 300]);
 }
 
-/// Dynamic relaxation: the kinetic energy of all ranks has its peaks, and every rank stops its nodes. A part ends between the look and the stop.
+/// Dynamic relaxation: the damping is that of the motion on all ranks. Parts end between the two steps whose sums make it.
 #[test]
 fn a_relaxation_is_the_same() {
     let release = Schedule::Table(vec![[0.0, 1.0], [1e-5, 0.2]]);
