@@ -174,7 +174,12 @@ where
             );
             continue;
         }
-        if let Some((other, node, axis)) = prescribed_twice(&boundaries, load, &target) {
+        // Boundaries that act in different stages do not meet.
+        let meets = |other: &&Boundary<D>| {
+            let other = file.boundary.iter().find(|of_file| of_file.name == other.name);
+            other.is_none_or(|other| act_together(boundary, other))
+        };
+        if let Some((other, node, axis)) = prescribed_twice(&boundaries.iter().filter(meets), load, &target) {
             let axis = ["x", "y", "z"][axis];
             faults.push(
                 Fault::at(
@@ -196,9 +201,17 @@ where
     boundaries
 }
 
+/// Whether two boundaries act in one stage.
+fn act_together(one: &file::Boundary, other: &file::Boundary) -> bool {
+    match (&one.stages, &other.stages) {
+        (Some(one), Some(other)) => one.iter().any(|stage| other.contains(stage)),
+        _ => true,
+    }
+}
+
 /// The name of a boundary that moves a node along the same axis as this load does. Two may both hold a node still.
-fn prescribed_twice<const D: usize>(
-    boundaries: &[Boundary<D>],
+fn prescribed_twice<'a, const D: usize>(
+    boundaries: &(impl Iterator<Item = &'a Boundary<D>> + Clone),
     load: Load<D>,
     target: &Target<D>,
 ) -> Option<(String, u32, usize)> {
@@ -209,7 +222,7 @@ fn prescribed_twice<const D: usize>(
     let still = |load: Load<D>, axis: usize| matches!(load, Load::Velocity(of) if of[axis] == Some(0.0));
     let Target::Nodes(nodes) = target else { return None };
     for axis in (0..D).filter(|&axis| components(load)[axis].is_some()) {
-        for other in boundaries.iter().filter(|other| components(other.load)[axis].is_some()) {
+        for other in boundaries.clone().filter(|other| components(other.load)[axis].is_some()) {
             let Target::Nodes(own) = &other.target else { continue };
             if still(load, axis) && still(other.load, axis) {
                 continue;

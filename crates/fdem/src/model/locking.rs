@@ -140,13 +140,14 @@ struct Member {
 pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<String>) {
     // Where nothing is held, loaded or heavy, bodies fly and hit each other: that need not bend them.
     let bends = !model.boundaries.is_empty() || model.gravity != [0.0; 2];
-    let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
-        .filter_map(|body| member(model, placed, body))
-        .filter(|member| member.elements < ENOUGH - 0.5)
-        .collect();
     let error = |member: &Member| {
         excess(model.plane, model.materials[member.material].poissons_ratio, member.elements)
     };
+    let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
+        .filter_map(|body| member(model, placed, body))
+        .filter(|member| member.elements < ENOUGH - 0.5)
+        .filter(|member| error(member) > STIFF)
+        .collect();
     if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
         let needed = needed(model.plane, model.materials[worst.material].poissons_ratio);
         too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);

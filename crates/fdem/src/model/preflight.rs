@@ -90,8 +90,11 @@ pub struct Preflight {
     /// Mass that has been added for a longer time step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_scaling: Option<Scaled>,
-    /// The critical time step.
+    /// The critical time step; of a run in stages, that of the first.
     pub critical: Critical,
+    /// Share of it that the run takes, if nothing else is said.
+    #[serde(skip)]
+    safety: f64,
     /// The time step that the run takes, s.
     pub step: f64,
     /// Number of steps until the end time.
@@ -194,6 +197,7 @@ impl Preflight {
             from_library: prepared.from_library.clone(),
             mass_scaling: prepared.mass_scaling.clone(),
             critical,
+            safety: model.time.safety,
             step,
             steps,
             seconds,
@@ -358,6 +362,12 @@ impl fmt::Display for Preflight {
             self.critical.cause,
             self.critical.element
         )?;
+        if self.step < 0.99 * self.critical.step * self.safety && self.mass_scaling.is_none() {
+            writeln!(
+                out,
+                "                 of the first stage; a later one, or time_step, sets a shorter step"
+            )?;
+        }
         if let Some(scaled) = &self.mass_scaling {
             writeln!(out, "mass scaling     {}", scaled.in_words())?;
         }

@@ -16,6 +16,9 @@ const BREAKING: f64 = 2.0;
 /// The same, of a boundary that is slow.
 const CALM: f64 = 0.1;
 
+/// Damping of a material, as a share of critical damping, with which waves die out soon.
+const VISCOUS: f64 = 0.1;
+
 /// Local damping that is proposed.
 const DAMPING: f64 = 0.7;
 
@@ -79,7 +82,14 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     model: &Model<D, N>,
     warnings: &mut Vec<String>,
 ) {
-    undamped_stages(file, warnings);
+    undamped_stages(file, model, warnings);
+    let relaxes = |stage: &Stage| stage.dynamic_relaxation == Some(true);
+    if !model.velocities.is_empty() && (model.time.dynamic_relaxation || file.stage.iter().any(relaxes)) {
+        warnings.push(
+            "a body begins with a velocity, and dynamic relaxation is for runs that look for a state of rest: it damps what follows an impact"
+                .to_owned(),
+        );
+    }
     if !is_without_waves(model) {
         return;
     }
@@ -226,7 +236,15 @@ fn is_held<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
 }
 
 /// Advice on stages that end at an equilibrium and are not damped. Initial stress is in equilibrium until something changes.
-fn undamped_stages(file: &ModelFile, warnings: &mut Vec<String>) {
+fn undamped_stages<const D: usize, const N: usize>(
+    file: &ModelFile,
+    model: &Model<D, N>,
+    warnings: &mut Vec<String>,
+) {
+    // The viscosity of all materials calms waves too.
+    if model.materials.iter().all(|material| material.damping >= VISCOUS) {
+        return;
+    }
     let initial = &file.initial;
     let rests = initial.ground.is_some() || initial.stress.is_some() || initial.stress_gradient.is_some();
     for (number, stage) in file.stage.iter().enumerate() {

@@ -2,6 +2,7 @@
 //!
 //! A [`Prepared`] model has everything that is there in any stage. [`Prepared::at`] is what is there in one of them, with numbers of its own.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use fdem_simulation::{Boundary, Kept, Load, ModelError, Schedule, Simulation, Target};
@@ -18,6 +19,7 @@ use crate::model::settings::Quantity;
 /// Checks stages before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
+    check_lives(file, document, faults);
     for (index, boundary) in file.boundary.iter().enumerate() {
         let table = Table::of("boundary", index);
         for (entry, name) in boundary.stages.iter().flatten().enumerate() {
@@ -106,6 +108,42 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                             .help(placed::suggestion(file, name)),
                     );
                 }
+            }
+        }
+    }
+}
+
+/// The stages in which a body is there, by their numbers.
+pub(crate) fn lifetime(file: &ModelFile, body: &str) -> Range<usize> {
+    let has = |names: &[String]| names.iter().any(|name| name == body || placed::is_piece(name, body));
+    let first = file.stage.iter().position(|stage| has(&stage.activate)).unwrap_or(0);
+    let last = file.stage.iter().position(|stage| has(&stage.excavate)).unwrap_or(file.stage.len());
+    first..last
+}
+
+/// Tells of bodies that are taken away before they are there, or more than once.
+fn check_lives(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    let appears = |body: &String| file.stage.iter().any(|stage| stage.activate.contains(body));
+    let mut there: BTreeMap<&String, bool> = BTreeMap::new();
+    for (index, stage) in file.stage.iter().enumerate() {
+        for (key, bodies, comes) in
+            [("activate", &stage.activate, true), ("excavate", &stage.excavate, false)]
+        {
+            for (entry, body) in bodies.iter().enumerate() {
+                let is_there = there.entry(body).or_insert_with(|| !appears(body));
+                let twice = key == "excavate" && stage.activate.contains(body);
+                if *is_there != comes && !twice {
+                    *is_there = comes;
+                    continue;
+                }
+                let why = match (twice, comes) {
+                    (true, _) => "appears and vanishes in one stage",
+                    (false, true) => "appears in a stage before, and does not come back",
+                    (false, false) => "is not there before this stage",
+                };
+                let span = document.entry(Table::of("stage", index), key, entry);
+                let message = format!("[[stage]] \"{}\": \"{body}\" {why}", stage.name);
+                faults.push(Fault::at(span, message).label("take it out"));
             }
         }
     }

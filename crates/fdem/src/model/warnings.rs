@@ -16,6 +16,7 @@ use crate::model::equilibrium;
 use crate::model::file;
 use crate::model::parts;
 use crate::model::quasi_static;
+use crate::model::stages::lifetime;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -328,6 +329,12 @@ where
         }
     }
     let name = |body: u32| &ready.bodies[body as usize].name;
+    if !ready.file.stage.is_empty() {
+        pairs.retain(|[a, b], _| {
+            let [a, b] = [a, b].map(|body| lifetime(ready.file, name(*body)));
+            a.start.max(b.start) < a.end.min(b.end)
+        });
+    }
     let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
     for ([body, _], (common, [one, other], _)) in inside {
         let at: [f64; D] = middle(ready.model, *one);

@@ -71,6 +71,13 @@ fn a_sliver_with_added_mass_takes_longer_steps_to_the_same_rest() {
         assert!((other / one - 1.0).abs() < 1e-5, "{name}: {one} {other}");
     }
 
+    // A model without the added mass cannot take this step.
+    let later = SLIVER.replace("end_time = 8e-3", "end_time = 9e-3");
+    bench.write("later.toml", &later);
+    bench
+        .run(&["run", "later.toml", "--from", "scaled"])
+        .refused_with(&["scaled has [model] mass_scaling", "keep"]);
+
     // Interrupted and resumed: the same bits.
     bench.write("short.toml", scaled(2.0 * step, "").replace("end_time = 8e-3", "end_time = 2.5e-3"));
     bench.run(&["run", "short.toml", "-o", "short", "--threads", "2", "-q"]).succeeds();

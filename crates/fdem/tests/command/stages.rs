@@ -212,6 +212,16 @@ fn a_stage_sets_displacements_back() {
     ];
     bench.write("later.toml", parts.concat());
     bench.run(&["run", "later.toml", "--from", "open", "-o", "later", "-q"]).succeeds();
+    // Without a stage of its own that sets them back it counts from the beginning again, and says so.
+    bench.write("set.toml", model.replace("[5e-4, 0.5]", "[5e-4, 0]"));
+    bench.run(&["run", "set.toml", "-o", "set", "-q"]).succeeds();
+    bench.write("anew.toml", parts.concat().replace("reset_displacements = true\n", ""));
+    let anew = bench.run(&["run", "anew.toml", "--from", "set", "-o", "anew"]).succeeds();
+    assert!(
+        anew.stderr.contains("displacements count from the beginning of the run in set"),
+        "{}",
+        anew.stderr
+    );
     // Its first row is one interval after its beginning.
     let [before, crown] = ["open", "later"].map(|folder| column(&history(folder), "crown uy [m]"));
     let last = before.last().unwrap();
@@ -258,6 +268,35 @@ fn stages_that_make_no_sense_are_refused() {
     wrong("excavate = [\"core\"]", "excavate_boxes = [[90, 90, 99, 99]]", &["no element is in this box"]);
     wrong("excavate = [\"core\"]", "excavate_boxes = [[9, 9]]", &["2 numbers"]);
     wrong("excavate = [\"core\"]", "excavate = [\"core\", \"rock\"]", &["no element is left"]);
+    let strike = "activate = [\"block\"]";
+    wrong(
+        strike,
+        "activate = [\"block\"]\nexcavate = [\"core\"]",
+        &["\"core\" is not there before this stage"],
+    );
+    wrong(strike, "activate = [\"block\"]\nexcavate = [\"block\"]", &["appears and vanishes in one stage"]);
+    wrong("excavate = [\"core\"]", "activate = [\"block\"]", &["appears in a stage before"]);
+}
+
+/// Boundaries of different stages may move the same nodes, and bodies that are never there together do not overlap.
+#[test]
+fn what_is_in_different_stages_does_not_meet() {
+    let bench = Bench::new();
+    let model = TUNNEL.replace("stages = [\"strike\"]", "stages = [\"strike\"]\n[[boundary]]\nname = \"other\"\nbody = \"core\"\nvelocity = [0, 1]\nramp = 1e-3\nstages = [\"rest\"]\n[[boundary]]\nname = \"same\"\nbody = \"core\"\nvelocity = [0, 2]\nramp = 1e-3\nstages = [\"excavate\"]");
+    let lining = "name = \"block\"\nmaterial = \"rock\"\nrectangle = { min = [-1, 5], max = [1, 6] }";
+    let model = model.replace(
+        lining,
+        "name = \"block\"\nmaterial = \"rock\"\nrectangle = { min = [-1, -1], max = [1, 1] }",
+    );
+    bench.write("apart.toml", &model);
+    let checked = bench.run(&["check", "apart.toml"]).succeeds().stdout;
+    assert!(!checked.contains("overlap"), "{checked}");
+    bench.write("met.toml", model.replace("stages = [\"excavate\"]", "stages = [\"excavate\", \"rest\"]"));
+    bench.run(&["check", "met.toml"]).refused_with(&["\"same\" and \"other\" both prescribe"]);
+    // Two bodies that are there together do overlap.
+    bench.write("overlaps.toml", model.replace("excavate = [\"core\"]\n", ""));
+    let checked = bench.run(&["check", "overlaps.toml"]).succeeds().stdout;
+    assert!(checked.contains("\"core\" and \"block\" overlap"), "{checked}");
 }
 
 /// Ground under its own weight and a tectonic stress, in two and in three dimensions: nothing moves.

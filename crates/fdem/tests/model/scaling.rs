@@ -157,12 +157,25 @@ fn boundaries_whose_waves_break_a_body_are_told_with_a_velocity() {
 }
 
 #[test]
+fn dynamic_relaxation_of_a_body_that_flies_is_warned_of() {
+    let flies = SMALL.replace("[[body]]", "[[body]]\nvelocity = [3, 0]");
+    let warned = "a body begins with a velocity, and dynamic relaxation";
+    let told = |text: &str| right(text).warnings.join("\n");
+    assert!(!told(&flies).contains(warned));
+    let relaxed = flies.replacen("[model]", "[model]\ndynamic_relaxation = true", 1);
+    assert!(relaxed != flies && told(&relaxed).contains(warned), "{}", told(&relaxed));
+}
+
+#[test]
 fn stages_that_are_to_reach_an_equilibrium_are_told_to_be_damped() {
     let stage = "[[stage]]\nname = \"rest\"\nequilibrium = 1e-4\n";
     let model = format!("{SMALL}{BOUNDARIES}{stage}");
     let told = right(&model).warnings.join("\n");
     assert!(told.contains("[[stage]] \"rest\" ends at an equilibrium, and without damping"), "{told}");
     assert_eq!(right(&format!("{model}local_damping = 0.7\n")).warnings, Vec::<String>::new());
+    assert_eq!(right(&format!("{model}dynamic_relaxation = true\n")).warnings, Vec::<String>::new());
+    let viscous = model.replace("density = ", "damping = 0.3\ndensity = ");
+    assert!(!right(&viscous).warnings.join("\n").contains("ends at an equilibrium"));
     // Ground at rest is in equilibrium from the beginning.
     let ground = format!("{SMALL}{BOUNDARIES}[initial]\nstress = [-1e3, 0, 0]\n{stage}");
     assert!(!right(&ground).warnings.join("\n").contains("ends at an equilibrium"));

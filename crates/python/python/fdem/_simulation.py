@@ -60,6 +60,10 @@ class Simulation:
     """
 
     def __init__(self, model: Model, threads: int = 0, *, earlier: Optional[_Path] = None) -> None:
+        if threads < 0:
+            raise ValueError(f"threads must be at least 0, not {threads}")
+        if earlier is not None and not os.path.isdir(earlier):
+            raise ValueError(f"earlier must be a folder of `fdem run`, not {os.fspath(earlier)!r}")
         self._run = _fdem.Run(model._ready, threads, None if earlier is None else os.fspath(earlier))
         self._begin()
 

@@ -28,6 +28,8 @@ pub(crate) struct Earlier<const D: usize, const N: usize> {
     present: Prepared<D, N>,
     state: State<D, N>,
     time_step: f64,
+    /// Whether one of its stages has set displacements back.
+    sets_back: bool,
 }
 
 impl<const D: usize, const N: usize> Earlier<D, N>
@@ -51,6 +53,7 @@ where
         if let Some(begun) = &begun {
             begun.apply(&mut whole.model);
         }
+        let sets_back = entered.origin.is_some();
         let (stages, present) = Stages::new(whole.clone(), entered).map_err(|why| unusable(&why))?;
         let time_step = match &stages {
             Some(stages) => stages.time_step(),
@@ -65,7 +68,7 @@ where
                 "a stage still holds forces of what has vanished; let go of them there, with a release that ends at 0",
             ));
         }
-        Ok(Self { place, whole, present, state, time_step })
+        Ok(Self { place, whole, present, state, time_step, sets_back })
     }
 
     /// Time at its end, s.
@@ -120,6 +123,12 @@ where
             if !same {
                 return Err(format!("{what} differs from that of the run in {}", self.place));
             }
+        }
+        if !before.mass_factors.is_empty() && model.mass_factors.is_empty() {
+            return Err(format!(
+                "the run in {} has [model] mass_scaling, and its time step needs the added mass: keep mass_scaling as it is there",
+                self.place
+            ));
         }
         let had = |name: &str| {
             before
@@ -178,6 +187,12 @@ where
         let gone = self.present.bodies.iter().filter(is_gone);
         told.extend(gone.map(|body| format!("the body \"{}\" is gone", body.name)));
         told.extend(changes(model, before));
+        if self.sets_back {
+            told.push(format!(
+                "displacements count from the beginning of the run in {} again, or from a stage that sets them back",
+                self.place
+            ));
+        }
         told.insert(
             0,
             format!(

@@ -50,12 +50,13 @@ impl QuasiStatic {
         let [ratio, time] = self.largest.filter(|_| above > 0)?;
         Some(format!(
             "warning: the run was not quasi-static: its kinetic energy was above {} times its strain energy in {} of {} rows of the history, most with {} times at {} s; \
-             take less added mass, a slower load or more damping, or look whether it broke there",
+             take {}a slower load or more damping, or look whether it broke there",
             brief(self.scaled.kinetic_bound),
             grouped(above as u64),
             grouped(rows as u64),
             brief(ratio),
-            brief(time)
+            brief(time),
+            if self.scaled.added_mass > 0.0 { "less added mass, " } else { "" }
         ))
     }
 
