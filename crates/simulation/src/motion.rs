@@ -7,7 +7,6 @@ use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
 use crate::simplex::Simplex;
-use crate::simulation::Taken;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
 use crate::team::Team;
@@ -32,6 +31,16 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) relaxation: f64,
     /// Sums for that damping.
     pub(crate) taken: Taken,
+}
+
+/// Sums over the free axes of nodes, for the damping of dynamic relaxation, that are taken in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Taken {
+    Nothing,
+    /// Power of the forces with the velocities after the step.
+    After,
+    /// That with the velocities before it, and twice the kinetic energy of these.
+    Before,
 }
 
 /// Sums over the motion of all nodes, or piles over that of a chunk.

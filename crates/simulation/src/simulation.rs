@@ -30,7 +30,6 @@ use crate::simplex::Simplex;
 pub(crate) use crate::simulation::actions::Actions;
 pub(crate) use crate::simulation::audit::{Relaxation, Totals};
 pub use crate::simulation::changed::Change;
-pub(crate) use crate::simulation::relaxation::Taken;
 pub use crate::simulation::saved::State;
 pub(crate) use crate::simulation::shown::{cracks, mode};
 use crate::solid::Solid;

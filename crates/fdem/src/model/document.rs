@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::Fault;
-use crate::model::values::Dimension;
+use crate::model::values::units::Dimension;
 
 /// Errors of the parser that are looked at.
 const MOST_ERRORS: usize = 50;

@@ -7,7 +7,7 @@
 
 mod expression;
 mod quantity;
-mod units;
+pub(crate) mod units;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ use crate::model::fault::{Fault, suggestion};
 use crate::model::schema::{branches, types, words};
 use expression::{Wrong, is_name, meaning};
 use quantity::Quantity;
-pub(crate) use units::Dimension;
+use units::Dimension;
 
 /// The table of the parameters.
 pub(crate) const PARAMETERS: &str = "parameters";

@@ -11,7 +11,7 @@
 //! With forces `f₀` at the beginning of a step and `f₁` at its end, `v·Δf` is the difference of two sums over the nodes, `f₁·v - f₀·v`, of which the first is known one step after the second. They are taken every
 //! [`LOOK`] steps.
 
-use crate::motion::Moved;
+use crate::motion::{Moved, Taken};
 use crate::ranks::Links;
 use crate::simplex::Simplex;
 use crate::simulation::Simulation;
@@ -19,16 +19,6 @@ use crate::sum::Sum;
 
 /// Steps between two changes of the damping.
 const LOOK: u64 = 10;
-
-/// Sums over the free axes of nodes, that are taken in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Taken {
-    Nothing,
-    /// Power of the forces with the velocities after the step.
-    After,
-    /// That with the velocities before it, and twice the kinetic energy of these.
-    Before,
-}
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
