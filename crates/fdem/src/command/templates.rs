@@ -1,4 +1,4 @@
-//! Models that `fdem new` writes: two to start from, and the examples.
+//! Models that `fdem new` writes: two to start from, the examples, and a direct shear test.
 
 use crate::model::{STARTER, STARTER_3D};
 
@@ -23,12 +23,13 @@ macro_rules! example {
 }
 
 /// All templates: those of two dimensions, then those of three.
-pub(crate) const TEMPLATES: [Template; 21] = [
+pub(crate) const TEMPLATES: [Template; 22] = [
     Template { name: "starter", text: STARTER },
     example!("bar_impact", "bar_impact"),
     example!("borehole", "borehole"),
     example!("brazilian_disc", "brazilian_disc"),
     example!("compression", "compression"),
+    Template { name: "direct_shear", text: include_str!("templates/direct_shear.toml") },
     example!("falling_blocks", "falling_blocks"),
     example!("fragment_heap", "fragment_heap"),
     example!("jointed_slope", "jointed_slope"),
