@@ -302,8 +302,8 @@ fn every_template_checks() {
     });
     assert_eq!(
         names.len(),
-        2 + models.iter().sum::<usize>(),
-        "two starters and all examples:\n{}",
+        3 + models.iter().sum::<usize>(),
+        "two starters, the direct shear test and all examples:\n{}",
         run.stdout
     );
     for line in run.stdout.lines() {
