@@ -136,7 +136,7 @@ impl PyRun {
         both!(&self.0, session => session.stage())
     }
 
-    /// What the run has taken over, how its stages have ended, and why it is over.
+    /// Lines of the log.
     #[getter]
     fn told(&self) -> Vec<String> {
         both!(&self.0, session => session.told().to_vec())

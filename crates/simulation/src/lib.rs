@@ -56,6 +56,7 @@
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
 //! | what a caller sets between steps | `src/simulation/actions.rs` |
 //! | the longest stable time step | `src/critical.rs` |
+//! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
 //! | mass that is added for a longer time step | `src/mass.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |

@@ -67,16 +67,12 @@ impl MassScaling {
             }));
             ends.push(nodes.len());
         });
-        let mass = |element: usize| {
-            let density = model.materials[model.mesh.materials[element] as usize].density;
-            density * corners_of(&model.mesh, element).measure() * model.thickness
-        };
         Ok(Self {
             nodes,
             ends,
             reduction: reduction(model),
             given: model.mass_factors.clone(),
-            masses: (0..model.mesh.elements.len()).map(mass).collect(),
+            masses: model.true_masses(),
         })
     }
 
@@ -116,6 +112,20 @@ impl MassScaling {
             self.masses.iter().sum(),
             self.masses.iter().zip(factors).map(|(mass, factor)| (factor - 1.0) * mass).sum(),
         ]
+    }
+}
+
+impl<const D: usize, const N: usize> Model<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Mass of each element without its factor, kg.
+    pub fn true_masses(&self) -> Vec<f64> {
+        let mass = |element: usize| {
+            let density = self.materials[self.mesh.materials[element] as usize].density;
+            density * corners_of(&self.mesh, element).measure() * self.thickness
+        };
+        (0..self.mesh.elements.len()).map(mass).collect()
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct Moved<S, const D: usize> {
     pub(crate) kinetic: S,
     /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them, J.
     pub(crate) external: [S; 2],
-    /// Energy dissipated by local damping, likewise.
+    /// Energy dissipated by local damping and dynamic relaxation, likewise.
     pub(crate) damping: [S; 2],
     /// Sums for the damping of dynamic relaxation: power, W, and mass times the square of the velocity, J.
     pub(crate) taken: [S; 2],

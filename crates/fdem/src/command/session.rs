@@ -325,7 +325,7 @@ where
         self.course.stages.as_ref().map(|stages| stages.now().name.as_str())
     }
 
-    /// What the run has taken over, how its stages have ended, and why it is over, as `fdem run` says it. It begins anew where a run is resumed.
+    /// Lines that `fdem run` writes to its log: an earlier run that this one begins with, ends of stages, the end of the run. A resumed run begins with none.
     pub fn told(&self) -> &[String] {
         &self.told
     }

@@ -92,9 +92,9 @@ pub struct Preflight {
     pub mass_scaling: Option<Scaled>,
     /// The critical time step; of a run in stages, that of the first.
     pub critical: Critical,
-    /// Share of it that the run takes, if nothing else is said.
+    /// Whether a later stage has a shorter one, which sets the step.
     #[serde(skip)]
-    safety: f64,
+    is_of_later: bool,
     /// The time step that the run takes, s.
     pub step: f64,
     /// Number of steps until the end time.
@@ -138,6 +138,9 @@ impl Preflight {
         [[f64; D]; N]: Dimensions<D, N>,
     {
         let first;
+        let is_in_stages = !prepared.stages.is_empty()
+            && prepared.model.time.step.is_none()
+            && prepared.mass_scaling.is_none();
         let prepared = if prepared.stages.is_empty() {
             prepared
         } else {
@@ -151,6 +154,7 @@ impl Preflight {
         let forecast = forecast.map_err(|error| error.to_string())?;
         let critical = Critical::from(run.critical_step());
         let (step, steps) = steps(prepared, critical.step)?;
+        let is_of_later = is_in_stages && step < 0.99 * model.time.safety * critical.step;
         let pace = Pace::of(run, steps, model);
         let mut warnings = prepared.warnings.clone();
         if step > critical.step {
@@ -197,7 +201,7 @@ impl Preflight {
             from_library: prepared.from_library.clone(),
             mass_scaling: prepared.mass_scaling.clone(),
             critical,
-            safety: model.time.safety,
+            is_of_later,
             step,
             steps,
             seconds,
@@ -362,10 +366,10 @@ impl fmt::Display for Preflight {
             self.critical.cause,
             self.critical.element
         )?;
-        if self.step < 0.99 * self.critical.step * self.safety && self.mass_scaling.is_none() {
+        if self.is_of_later {
             writeln!(
                 out,
-                "                 of the first stage; a later one, or time_step, sets a shorter step"
+                "                 of the first stage; a later one has a shorter one, which sets the step"
             )?;
         }
         if let Some(scaled) = &self.mass_scaling {

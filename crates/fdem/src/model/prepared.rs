@@ -126,9 +126,9 @@ pub struct Entered<const D: usize = 2> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
 pub struct Origin<const D: usize = 2> {
-    /// Of the corners of each element, one element after the other: where a mesh has broken, nodes in one place have displacements of their own.
+    /// One displacement for each corner of each element, in the order of the elements. Corners at one node of the mesh differ where the mesh has broken.
     pub corners: Vec<[f64; D]>,
-    /// Of each node of the mesh.
+    /// One displacement for each node of the mesh.
     pub nodes: Vec<[f64; D]>,
 }
 
@@ -180,7 +180,12 @@ impl<const D: usize> Origin<D> {
 impl<const D: usize> Entered<D> {
     /// A run that begins.
     pub fn first() -> Self {
-        Self { begun: vec![0], held: Vec::new(), origin: None }
+        Self::alone(0)
+    }
+
+    /// A run that has come to the stage of this number without any time in those before.
+    pub(crate) fn alone(stage: usize) -> Self {
+        Self { begun: vec![0; stage + 1], held: Vec::new(), origin: None }
     }
 
     /// Number of the present stage.

@@ -15,10 +15,10 @@ use crate::model::slivers::Slivers;
 /// Added mass of the advice, as a share of that of the model.
 const LITTLE: f64 = 0.01;
 
-/// How much longer the time step gets with [`LITTLE`] mass, at least, if it is worth the advice.
+/// The advice is given if the time step with [`LITTLE`] more mass is at least this many times as long.
 const WORTH: f64 = 1.5;
 
-/// How much longer the step of the advice is at most.
+/// The advice proposes a step that is at most this many times as long.
 const MOST: f64 = 20.0;
 
 /// The mass scaling of all stages of a model.
@@ -37,21 +37,12 @@ impl Scaling {
         [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
     {
         let model = &prepared.model;
-        let mass = |(nodes, material): (&[u32; N], &u32)| {
-            let shape = nodes.map(|node| model.mesh.nodes[node as usize]);
-            model.materials[*material as usize].density * shape.measure() * model.thickness
-        };
-        let mut all = Self {
-            stages: Vec::new(),
-            masses: model.mesh.elements.iter().zip(&model.mesh.materials).map(mass).collect(),
-            critical: f64::INFINITY,
-        };
+        let mut all = Self { stages: Vec::new(), masses: model.true_masses(), critical: f64::INFINITY };
         if prepared.stages.is_empty() {
             all.add(model, Vec::new())?;
         }
         for number in 0..prepared.stages.len() {
-            let alone = Entered { begun: vec![0; number + 1], ..Entered::default() };
-            let present = prepared.at(&alone, 0.0)?;
+            let present = prepared.at(&Entered::alone(number), 0.0)?;
             all.add(&present.prepared.model, present.elements)?;
         }
         Ok(all)

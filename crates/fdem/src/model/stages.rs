@@ -329,8 +329,9 @@ where
     pub(crate) fn in_stages(mut self) -> Result<(Self, Present<D, N>), String> {
         let mut least = f64::INFINITY;
         for (number, stage) in self.stages.iter().enumerate() {
-            let alone = Entered { begun: vec![0; number + 1], ..Entered::default() };
-            let run = self.at(&alone, 0.0).and_then(|present| Simulation::new(present.prepared.model, 1));
+            let run = self
+                .at(&Entered::alone(number), 0.0)
+                .and_then(|present| Simulation::new(present.prepared.model, 1));
             let run = run.map_err(|error| format!("stage \"{}\": {error}", stage.name))?;
             least = least.min(run.critical_step().step);
         }

@@ -116,6 +116,17 @@ fn a_run_goes_through_its_stages() {
 
     let checked = bench.run(&["check", "tunnel.toml"]).succeeds();
     assert!(checked.stdout.contains("elements"), "{}", checked.stdout);
+
+    // A later stage may have the shortest step; a step that the model gives is nobody's.
+    let later = "of the first stage; a later one has a shorter one";
+    let told = |text: String| {
+        bench.write("steps.toml", text);
+        bench.run(&["check", "steps.toml"]).succeeds().stdout
+    };
+    let fine = told(TUNNEL.replace("mesh_size = 1.0", "mesh_size = 0.2"));
+    assert!(fine.contains(later), "{fine}");
+    let given = told(TUNNEL.replace("[model]", "[model]\ntime_step = 1e-6"));
+    assert!(!given.contains(later), "{given}");
 }
 
 /// Wherever a run is interrupted, before or after its elements have changed, it goes on to the same end.

@@ -118,7 +118,7 @@ class Simulation:
 
     @property
     def log(self) -> list[str]:
-        """What the run has taken over from an earlier one, how its stages have ended, and why it is over, as ``fdem run`` says it. It begins anew where a run is resumed."""
+        """Lines that ``fdem run`` writes to its log: an earlier run that this one begins with, ends of stages, the end of the run. A resumed run begins with none."""
         return self._run.told
 
     @property

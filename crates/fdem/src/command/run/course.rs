@@ -137,10 +137,10 @@ pub(crate) struct Passed {
     due: Option<Vec<f64>>,
 }
 
-/// What a model has changed after a step.
+/// Changes of a run after a part of its course.
 #[derive(Default)]
 pub(crate) struct Turned {
-    /// What has happened, in words.
+    /// Lines for the log.
     pub(crate) told: Vec<String>,
     /// Whether another stage has begun.
     pub(crate) entered: bool,
