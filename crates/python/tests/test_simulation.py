@@ -59,13 +59,17 @@ def bar(**more):
     return fdem.Model(model={"end_time": 1e-3, "gravity": "none"}, body=[body], material=[STEEL], boundary=[wall], **more)
 
 
+def run_of_command(command, place, name, tables, *options):
+    """Writes a model file and runs it. Returns the folder of results, beside it."""
+    fdem.Model(**tables).write(place / f"{name}.toml")
+    subprocess.run([command, "run", f"{name}.toml", "--output", name, "--quiet", *options], cwd=place, check=True, capture_output=True)
+    return place / name
+
+
 @pytest.fixture(scope="module")
 def torn(command, tmp_path_factory):
     """The folder of a run of the command, and the model file."""
-    folder = tmp_path_factory.mktemp("torn")
-    fdem.Model(**TORN).write(folder / "torn.toml")
-    subprocess.run([command, "run", "torn.toml", "--output", "torn", "--quiet"], cwd=folder, check=True, capture_output=True)
-    return folder / "torn"
+    return run_of_command(command, tmp_path_factory.mktemp("torn"), "torn", TORN)
 
 
 # Two bars end to end that are squeezed by a servo; then one of them vanishes; then the other is pulled until it has moved.
@@ -94,10 +98,7 @@ STAGED = {
 @pytest.fixture(scope="module")
 def staged(command, tmp_path_factory):
     """A folder of `fdem run` of a model with stages, a servo and a condition."""
-    place = tmp_path_factory.mktemp("staged")
-    fdem.Model(**STAGED).write(place / "staged.toml")
-    subprocess.run([command, "run", "staged.toml", "-o", "out", "-q"], cwd=place, check=True, capture_output=True)
-    return place / "out"
+    return run_of_command(command, tmp_path_factory.mktemp("staged"), "staged", STAGED)
 
 
 def test_stages_servos_and_conditions_act_as_in_the_command(staged, tmp_path):
@@ -134,9 +135,8 @@ def test_stages_servos_and_conditions_act_as_in_the_command(staged, tmp_path):
 def test_a_run_begins_with_the_end_of_another(command, staged, tmp_path):
     model = {name: value for name, value in STAGED.items() if name not in ("stage", "history", "boundary", "body")}
     model |= {"body": STAGED["body"][:1], "boundary": STAGED["boundary"][:1]}
-    fdem.Model(**model).write(tmp_path / "later.toml")
-    subprocess.run([command, "run", "later.toml", "--from", staged, "-o", "out", "-q"], cwd=tmp_path, check=True, capture_output=True)
-    summary = json.loads((tmp_path / "out" / "run.json").read_text())
+    later = run_of_command(command, tmp_path, "later", model, "--from", staged)
+    summary = json.loads((later / "run.json").read_text())
     run = fdem.Simulation(fdem.Model(**model), earlier=staged)
     assert run.steps > 0
     assert "begins with" in run.log[0]

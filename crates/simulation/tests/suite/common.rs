@@ -1,6 +1,6 @@
 //! Meshes and materials that several tests use.
 
-use fdem_simulation::{Material, Mesh, Simulation, Strength};
+use fdem_simulation::{Boundary, Load, Material, Mesh, Schedule, Simulation, Strength, Target};
 
 /// Granite, which does not break.
 pub(crate) fn granite() -> Material {
@@ -71,6 +71,16 @@ pub(crate) fn turned(mesh: &Mesh, angle: f64, shift: [f64; 2]) -> Mesh {
 /// Numbers of the nodes at whose positions `at` is true.
 pub(crate) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32> {
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
+}
+
+/// A boundary that holds the nodes at y = 0.
+pub(crate) fn floor(mesh: &Mesh) -> Boundary {
+    Boundary {
+        name: "floor".to_owned(),
+        target: Target::Nodes(nodes_where(mesh, |[_, y]| y == 0.0)),
+        load: Load::Velocity([Some(0.0); 2]),
+        schedule: Schedule::Constant,
+    }
 }
 
 /// Linear momentum and angular momentum about the origin.

@@ -11,16 +11,10 @@ fn block() -> Model {
         let row = (node[1] / 0.01).round();
         node[1] = if row < 5.0 { 0.01 * row } else { 0.01 * (row - 1.0) + 0.0005 };
     }
-    let floor = nodes_where(&mesh, |[_, y]| y == 0.0);
     Model {
+        boundaries: vec![floor(&mesh)],
         mesh,
         materials: vec![Material { poissons_ratio: 0.2, ..granite() }],
-        boundaries: vec![Boundary {
-            name: "floor".to_owned(),
-            target: Target::Nodes(floor),
-            load: Load::Velocity([Some(0.0); 2]),
-            schedule: Schedule::Constant,
-        }],
         gravity: [0.0, -9.81],
         time: TimeOptions { local_damping: 0.7, ..TimeOptions::default() },
         ..Model::default()

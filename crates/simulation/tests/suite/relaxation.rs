@@ -6,16 +6,10 @@ use fdem_simulation::*;
 /// A column under its weight on a floor, without any damping of its own.
 fn column() -> Model {
     let mesh = rectangle([0.0; 2], [0.1, 1.0], 2, 20);
-    let floor = nodes_where(&mesh, |[_, y]| y == 0.0);
     Model {
+        boundaries: vec![floor(&mesh)],
         mesh,
         materials: vec![Material { poissons_ratio: 0.0, damping: 0.0, ..granite() }],
-        boundaries: vec![Boundary {
-            name: "floor".to_owned(),
-            target: Target::Nodes(floor),
-            load: Load::Velocity([Some(0.0); 2]),
-            schedule: Schedule::Constant,
-        }],
         gravity: [0.0, -9.81],
         time: TimeOptions { dynamic_relaxation: true, ..TimeOptions::default() },
         ..Model::default()
