@@ -7,7 +7,7 @@ test:
 
 # The tests under `mpirun`. Needs an MPI library and libclang: `apt install libopenmpi-dev openmpi-bin libclang-dev`.
 mpi:
-    bash crates/distributed/tests/mpirun.sh
+    bash crates/mpi/tests/mpirun.sh
 
 # Every line of the book's ten-body example.
 figures:

@@ -9,8 +9,8 @@ use std::fmt::Write;
 use std::process::Command;
 use std::time::Instant;
 
-use fdem_distributed::mpi::{World, library_version};
 use fdem_distributed::{Communicator, DistributedSearch, Shapes, launched};
+use fdem_mpi::{World, library_version};
 use fdem_scenes::{Sizes, gas};
 
 /// Number of spheres, unless `--elements N` says otherwise.

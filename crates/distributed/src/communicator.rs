@@ -142,15 +142,21 @@ pub trait Halo {
     fn incoming(&self, port: usize) -> &[u8];
 }
 
-/// Checks the messages of an exchange.
-pub(crate) fn check_messages(messages: &[Message], size: usize) {
+/// Checks the messages of an [exchange](Communicator::exchange) among `size` ranks: for those who implement a communicator.
+///
+/// # Panics
+/// If a rank does not exist, or is named twice.
+pub fn check_messages(messages: &[Message], size: usize) {
     let mut named: Vec<usize> = messages.iter().map(|message| message.rank).collect();
     named.sort_unstable();
     assert!(named.last().is_none_or(|&last| last < size), "messages to ranks that exist");
     assert!(named.windows(2).all(|pair| pair[0] != pair[1]), "one message for each rank");
 }
 
-/// Checks that there is another rank of this number.
-pub(crate) fn check_other(other: usize, rank: usize, size: usize) {
+/// Checks that `other` is another one of `size` ranks than `rank`: for those who implement a communicator.
+///
+/// # Panics
+/// If it is not.
+pub fn check_other(other: usize, rank: usize, size: usize) {
     assert!(other < size && other != rank, "rank {other} is not another one of {size} ranks");
 }

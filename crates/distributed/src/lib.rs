@@ -13,7 +13,7 @@
 //! |---|---|
 //! | the couples of elements that are spread over ranks, in open space or in a periodic box | [`DistributedSearch`] |
 //! | ranks that are threads, without MPI | [`threads::run`] |
-//! | ranks that are processes of `mpirun` | `mpi::World`, with the feature `mpi` |
+//! | ranks that are processes of `mpirun` | `World` of the crate `fdem-mpi` |
 //! | to exchange bytes between ranks | [`Communicator`], [`Halo`] |
 //! | to divide anything that has places among ranks | [`curve`] |
 //! | to know whether a launcher has started several processes, also without MPI | [`launched`] |
@@ -35,19 +35,16 @@
 //!
 //! | to change | open |
 //! |---|---|
-//! | what ranks can say to each other | `src/communicator.rs`; ranks that are threads: `src/threads.rs`; MPI: `src/mpi.rs` |
+//! | what ranks can say to each other | `src/communicator.rs`; ranks that are threads: `src/threads.rs`; MPI: `crates/mpi/src/lib.rs` |
 //! | variables by which launchers are recognised | `src/launcher.rs` |
-//! | which rank owns an element | `src/search/owners.rs`, `src/division.rs`, `src/curve.rs`; the curve itself: `crates/mesh/src/curve.rs` |
+//! | which rank owns an element | `src/search/owners.rs`, `src/search/runs.rs`, `src/division.rs`, `src/curve.rs`; the curve itself: `crates/mesh/src/curve.rs` |
 //! | which rank gets a ghost, groups, images | `src/search/ghosts.rs` |
 //! | which rank keeps a couple | `search` in `src/search.rs` |
 //! | the order of couples over the ranks | `src/search/couples.rs` |
 //! | elements as bytes | `src/search/elements.rs`, `src/wire.rs` |
 //! | errors, which all ranks return | `src/error.rs` |
 //! | the command on several ranks | `crates/fdem/src/command/ranks.rs`, `crates/fdem/src/command/ranks_contacts.rs` |
-//! | tests under `mpirun` | `tests/mpirun.sh`, `tests/mpi.rs`; checks for threads and processes alike: `tests/common` |
-//!
-//! # Unsafe code
-//! `src/mpi.rs` calls the MPI library, which is written in C. Each call says why its pointers are valid, and one thread calls at a time.
+//! | tests under `mpirun` | `crates/mpi/tests/mpirun.sh`, `crates/mpi/tests/mpi.rs`; checks for threads and processes alike: `tests/common` |
 //!
 //! # Limits
 //! Ids have 32 bits, so a search has at most 4,294,967,294 elements. Filters of `fdem-contact` (bodies, groups) are not supported.
@@ -57,13 +54,11 @@ pub mod curve;
 mod division;
 mod error;
 mod launcher;
-#[cfg(feature = "mpi")]
-pub mod mpi;
 mod search;
 pub mod threads;
 mod wire;
 
-pub use communicator::{Communicator, Halo, Message, Port};
+pub use communicator::{Communicator, Halo, Message, Port, check_messages, check_other};
 pub use error::Error;
 pub use launcher::{launched, launched_rank};
 pub use search::{DistributedSearch, Shapes, Statistics};

@@ -4,6 +4,7 @@ mod couples;
 mod elements;
 mod ghosts;
 mod owners;
+mod runs;
 
 use fdem_contact::{Couple, Detector, Elements, PeriodicBox, PeriodicCouple, Real, Search};
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fdem_contact::{Elements, Error, PeriodicBox, Real};
 
-use super::owners::Runs;
+use super::runs::Runs;
 use crate::communicator::Message;
 use crate::wire::{Reader, Writer};
 

@@ -1,15 +1,13 @@
 //! Sending each element to the rank that owns its part of the domain.
 
-use std::ops::Range;
-
 use fdem_contact::Real;
 
 use super::elements::{Arrived, Kind, Set, View};
 use super::ghosts::GROUPS;
-use crate::communicator::{Communicator, Message};
+use super::runs::Runs;
+use crate::communicator::Communicator;
 use crate::curve::{Coarse, Curve};
 use crate::division::Division;
-use crate::wire::{Reader, Writer};
 
 /// Elements in a cell, on the rank with the most elements, if they are spread evenly and there may be so many cells.
 const IN_CELL: usize = 16;
@@ -26,62 +24,6 @@ pub(crate) struct Owned<T, const D: usize> {
     pub(crate) curve: Curve<D>,
     /// Upper bounds on the magnitude of all coordinates, and on the distance of elements that touch. The same on all ranks.
     pub(crate) limits: [f64; 2],
-}
-
-/// The run of each element that a rank gives.
-pub(crate) struct Runs {
-    pub(crate) of: Vec<u32>,
-    /// Number of this rank's elements in each run.
-    pub(crate) counts: Vec<usize>,
-    /// The first run of each rank, and the number of runs.
-    pub(crate) firsts: Vec<usize>,
-}
-
-/// The elements that one rank sends to another one.
-struct Arriving {
-    /// Number of elements in each run.
-    counts: Vec<usize>,
-    /// Places where they start in each run.
-    starts: Vec<usize>,
-}
-
-impl Runs {
-    /// The runs of a rank.
-    pub(crate) fn of_rank(&self, rank: usize) -> Range<usize> {
-        self.firsts[rank]..self.firsts[rank + 1]
-    }
-
-    /// Tells all ranks how many elements they get. Returns what this rank gets: from itself, then from each other rank that sends any; and the ends of its
-    /// runs. Collective.
-    fn announce(&self, communicator: &dyn Communicator) -> (Vec<Arriving>, Vec<usize>) {
-        let own = communicator.rank();
-        let counts_of = |rank: usize| &self.counts[self.of_rank(rank)];
-        let others = (0..communicator.size())
-            .filter(|&rank| rank != own && counts_of(rank).iter().any(|count| *count > 0));
-        let messages = others.map(|rank| {
-            let mut out = Writer::default();
-            out.u32s(counts_of(rank).iter().map(|count| *count as u32));
-            Message { rank, bytes: out.bytes }
-        });
-        let received = communicator.exchange(messages.collect());
-        let counts = received.iter().map(|message| {
-            let count = message.bytes.len() / 4;
-            Reader::new(&message.bytes).u32s(count).map(|count| count as usize).collect()
-        });
-        let counts = std::iter::once(counts_of(own).to_vec()).chain(counts);
-        let mut arriving: Vec<Arriving> =
-            counts.map(|counts| Arriving { counts, starts: Vec::new() }).collect();
-        let mut end = 0;
-        let ends = (0..counts_of(own).len()).map(|run| {
-            for from in &mut arriving {
-                from.starts.push(end);
-                end += from.counts[run];
-            }
-            end
-        });
-        let ends = ends.collect();
-        (arriving, ends)
-    }
 }
 
 /// Sends elements to their owners. Collective.

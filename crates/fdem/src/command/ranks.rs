@@ -60,12 +60,11 @@ fn start_mpi(processes: usize) -> Result<Box<dyn Communicator>, Failure> {
 
 #[cfg(feature = "mpi")]
 fn start_mpi(processes: usize) -> Result<Box<dyn Communicator>, Failure> {
-    let world =
-        fdem_distributed::mpi::World::start().map_err(|error| Failure::Unusable(error.to_string()))?;
+    let world = fdem_mpi::World::start().map_err(|error| Failure::Unusable(error.to_string()))?;
     if world.size() == 1 {
         return Err(Failure::Unusable(format!(
             "a launcher has started {processes} processes, but they do not find each other. fdem was built with {}: use its launcher",
-            fdem_distributed::mpi::library_version()
+            fdem_mpi::library_version()
         )));
     }
     Ok(Box::new(world))
@@ -76,7 +75,7 @@ pub(crate) fn version() -> &'static str {
     #[cfg(feature = "mpi")]
     {
         static VERSION: std::sync::OnceLock<String> = std::sync::OnceLock::new();
-        let library = fdem_distributed::mpi::library_version;
+        let library = fdem_mpi::library_version;
         VERSION.get_or_init(|| format!("{} with MPI: {}", env!("CARGO_PKG_VERSION"), library()))
     }
     #[cfg(not(feature = "mpi"))]

@@ -1,5 +1,13 @@
-//! Ranks that are processes under MPI.
+//! Ranks that are processes under MPI: a [`World`] is the [`Communicator`] of all processes that a launcher such as
+//! `mpirun` has started.
+//!
+//! This is a crate of its own, so that only the command is compiled anew for MPI. It is empty without its feature
+//! `mpi`, which needs an MPI library and libclang.
+//!
+//! # Unsafe code
+//! The MPI library is written in C. Each call says why its pointers are valid, and one thread calls at a time.
 
+#![cfg(feature = "mpi")]
 #![allow(unsafe_code, reason = "MPI is a C library; each call says why its pointers are valid")]
 #![allow(
     clippy::cast_possible_wrap,
@@ -15,8 +23,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use ::mpi::Threading;
 use ::mpi::environment::{self, Universe};
 use ::mpi::ffi;
-
-use crate::communicator::{Communicator, Halo, Message, Port, check_messages, check_other};
+use fdem_distributed::{Communicator, Halo, Message, Port, check_messages, check_other};
 
 /// Largest message that is sent in one piece: MPI counts in `int`. Longer ones are cut.
 const PIECE: usize = 1 << 30;
@@ -46,11 +53,12 @@ fn one_at_a_time() -> MutexGuard<'static, ()> {
 ///
 /// # Example
 /// ```no_run
-/// use fdem_distributed::{Communicator, mpi::World};
+/// use fdem_distributed::Communicator;
+/// use fdem_mpi::World;
 ///
 /// let world = World::start()?;
 /// println!("rank {} of {}", world.rank(), world.size());
-/// # Ok::<(), fdem_distributed::mpi::StartError>(())
+/// # Ok::<(), fdem_mpi::StartError>(())
 /// ```
 pub struct World {
     communicator: Comm,
