@@ -16,23 +16,23 @@
 mod clusters;
 mod coordination;
 mod directions;
+mod error;
 mod fabric;
 mod overlaps;
 mod packing;
 pub(crate) mod radial;
 mod volumes;
 
-use std::fmt;
-
 use serde::Serialize;
 
 pub use clusters::{ClusterSize, Clusters, Percolation};
 pub use coordination::{Coordination, Frictionless, WithoutRattlers};
 pub use directions::Directions;
+pub use error::AnalysisError;
 pub use fabric::Fabric;
 pub use overlaps::{Histogram, Overlaps, Spread};
 pub use packing::PackingFraction;
-pub use radial::Radial;
+pub use radial::{Radial, RadialOptions};
 pub use volumes::{disc_in_rectangle, sphere_in_box};
 
 use crate::network::Network;
@@ -51,15 +51,6 @@ pub struct Options<const D: usize> {
     pub inner: Option<[[f64; 2]; D]>,
     /// Options of the radial distribution.
     pub radial: RadialOptions,
-}
-
-/// Options of the radial distribution.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RadialOptions {
-    /// Largest distance; by default 3 mean diameters, or less in a small domain.
-    pub r_max: Option<f64>,
-    /// Number of bins of equal width; by default 150.
-    pub bins: Option<usize>,
 }
 
 /// Result of [`analyse`].
@@ -88,53 +79,6 @@ pub struct Analysis {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_radial: Option<String>,
 }
-
-/// Why a network cannot be analysed.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum AnalysisError {
-    /// The network is neither 2D nor 3D.
-    Dimensions {
-        /// Its number of dimensions.
-        dimensions: usize,
-    },
-    /// The inner region is empty, or its limits are not finite.
-    Region {
-        /// The axis.
-        axis: usize,
-        /// Its limits.
-        limits: [f64; 2],
-    },
-    /// The box is sheared, but an inner region has faces at right angles to the axes.
-    ShearedBox,
-    /// The largest distance or the number of bins is invalid.
-    Radial {
-        /// Description of the problem.
-        problem: String,
-    },
-    /// The search for the radial distribution was refused.
-    Search(fdem_contact::Error),
-}
-
-impl fmt::Display for AnalysisError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Dimensions { dimensions } => {
-                write!(out, "a network in {dimensions}D cannot be analysed, only in 2D and 3D")
-            }
-            Self::Region { axis, limits: [min, max] } => {
-                write!(out, "the inner region is empty along axis {axis}: from {min} to {max}")
-            }
-            Self::ShearedBox => out.write_str(
-                "an inner region has edges along the axes and cannot be measured in a sheared box",
-            ),
-            Self::Radial { problem } => write!(out, "the radial distribution: {problem}"),
-            Self::Search(error) => write!(out, "the radial distribution: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for AnalysisError {}
 
 /// Analyses a network.
 ///

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::analysis::AnalysisError;
+use crate::analysis::error::AnalysisError;
 use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
 use crate::arrays::each;
 use crate::network::{Network, Sizes};

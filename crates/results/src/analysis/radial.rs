@@ -3,10 +3,19 @@
 use fdem_contact::{Detector, Elements, PeriodicSearch, Search};
 use serde::Serialize;
 
+use crate::analysis::error::AnalysisError;
 use crate::analysis::packing::{Frame, ball};
-use crate::analysis::{AnalysisError, RadialOptions};
 use crate::arrays::each;
 use crate::network::{Network, unshifted};
+
+/// Options of the radial distribution.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RadialOptions {
+    /// Largest distance; by default 3 mean diameters, or less in a small domain.
+    pub r_max: Option<f64>,
+    /// Number of bins of equal width; by default 150.
+    pub bins: Option<usize>,
+}
 
 /// Radial distribution function `g(r)`: number of pairs of centres at a distance `r`, over the number expected for uniformly random centres.
 ///

@@ -1,8 +1,10 @@
 //! Pictures of bodies of any shape and their contacts: meshes in 3D, spheres and walls, bodies of a labelled image.
 
+use crate::picture::caption::Caption;
+use crate::picture::error::PictureError;
 use crate::picture::plots;
 use crate::picture::scene::{Bond, Joint, Overlaps, Scene, Shapes};
-use crate::picture::{Caption, PictureError, drawing, encode, room};
+use crate::picture::{drawing, encode, room};
 
 /// Largest number of triangles in a picture or a report of bodies.
 pub const MOST_FACETS: usize = 1_000_000;

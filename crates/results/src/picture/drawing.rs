@@ -2,10 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use crate::picture::PictureError;
 use crate::picture::camera::{Camera, outline};
 use crate::picture::colour::{HEAT, Rgb, at, hex};
 use crate::picture::encode::{self, Layer};
+use crate::picture::error::PictureError;
 use crate::picture::flat::Flat;
 use crate::picture::furniture::{self, Counts, FOOT, HEAD};
 use crate::picture::raster::{Raster, SAMPLES};

@@ -3,8 +3,9 @@
 use resvg::tiny_skia::{Color, FillRule, Paint, Path, Pixmap, Transform};
 use resvg::usvg::{self, roxmltree};
 
+use crate::picture::error::PictureError;
+use crate::picture::letters;
 use crate::picture::svg::Anchor;
-use crate::picture::{PictureError, letters};
 
 /// Pixels of an area of the drawing.
 pub(crate) struct Layer {

@@ -5,12 +5,14 @@ use std::fmt::Write;
 use fdem_contact::discretised::BodyContact;
 use fdem_io::numbers::{brief, grouped};
 
+use crate::picture::caption::Caption;
 use crate::picture::colour::{HEAT, Rgb, at, hex};
+use crate::picture::error::PictureError;
 use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::scene::Overlaps;
 use crate::picture::svg::{Anchor, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
-use crate::picture::{Caption, PictureError, drawing, encode};
+use crate::picture::{drawing, encode};
 
 const MARGIN: f64 = 24.0;
 

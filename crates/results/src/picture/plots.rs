@@ -495,7 +495,7 @@ fn inclination(scene: &Scene) -> Panel {
 mod tests {
     use super::*;
     use crate::network::{Couples, Network, Sizes, Space};
-    use crate::picture::Caption;
+    use crate::picture::caption::Caption;
     use fdem_contact::Couple;
 
     fn scene(centres: &[[f64; 2]], couples: Vec<Couple>) -> Scene {

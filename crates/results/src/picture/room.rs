@@ -1,7 +1,7 @@
 //! Check for enough memory before drawing, so that missing memory is an error and does not end the program.
 
 use crate::network::Network;
-use crate::picture::PictureError;
+use crate::picture::error::PictureError;
 
 /// Bytes of a scene per element and per contact, including sorted copies.
 const PER_ELEMENT: usize = 80;

@@ -1,7 +1,8 @@
 //! The scene: a network in 2D or 3D, prepared for drawing.
 
 use crate::network::{Network, Sizes};
-use crate::picture::{Caption, PictureError};
+use crate::picture::caption::Caption;
+use crate::picture::error::PictureError;
 
 /// Radius at which points are drawn, over half of their cut-off. At half of the cut-off, neighbours would hide each other.
 const POINT: f64 = 0.35;

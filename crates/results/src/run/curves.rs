@@ -3,7 +3,8 @@
 use crate::run::chart::{Axis, Chart, Curve};
 use crate::run::history::History;
 use crate::run::noise::mean;
-use crate::run::plots::{Plot, split};
+use crate::run::plots::Plot;
+use crate::run::unit::split;
 
 /// Shares of the peak between which the modulus is the slope of a curve: below, bodies settle; above, they yield.
 const SLOPE: [f64; 2] = [0.1, 0.5];

@@ -15,7 +15,7 @@ use std::fmt::Write;
 use fdem_simulation::{Element, Mode, Model, Snapshot};
 
 use crate::run::chart::{Axis, Chart, Curve};
-use crate::run::history::push_number;
+use crate::run::csv::push_number;
 use crate::run::plots::Plot;
 
 /// Width of the classes in which magnitudes are counted.

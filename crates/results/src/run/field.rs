@@ -5,9 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::picture::colour::{self, HEAT, Rgb, SEA};
-use crate::run::frame::{Frame, Scale};
 use crate::run::stress::von_mises;
-use crate::space::SpaceFrame;
 
 /// A quantity by which elements are coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
@@ -208,6 +206,15 @@ pub(crate) fn numbered_colour(number: u32) -> Rgb {
     NUMBERED[number as usize % NUMBERED.len()]
 }
 
+/// Range of the values of a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scale {
+    /// The least and the greatest finite value.
+    pub(crate) ends: [f64; 2],
+    /// The 1st and the 99th percentile.
+    pub(crate) usual: [f64; 2],
+}
+
 /// The values at the two ends of a colour scale. Values beyond an end have the colour of that end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -218,18 +225,11 @@ pub struct Range {
 }
 
 impl Range {
-    /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the colours.
-    /// Ranges of principal stresses are symmetric about 0. All other ranges begin at 0; the range of damage ends at 1.
-    pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
-        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
-    }
-
-    /// Returns the range of a series in three dimensions, by the same rules.
-    pub fn of_space<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>, field: Field) -> Self {
-        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
-    }
-
-    fn covering<'a>(frames: impl Iterator<Item = &'a [Scale; SCALES.len()]>, field: Field) -> Self {
+    /// Returns the range of a series by the scales of its frames.
+    pub(crate) fn covering<'a>(
+        frames: impl Iterator<Item = &'a [Scale; SCALES.len()]>,
+        field: Field,
+    ) -> Self {
         let Some(scale) = field.scale().filter(|_| field != Field::Damage) else {
             return Self { low: 0.0, high: 1.0 };
         };

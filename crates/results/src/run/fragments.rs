@@ -6,8 +6,9 @@ use std::fmt::Write;
 use fdem_mesh::Simplex;
 use fdem_simulation::{Model, Snapshot};
 
-use crate::run::history::{push_number, quoted};
-use crate::run::{Names, SnapshotError, checked};
+use crate::run::csv::{push_number, quoted};
+use crate::run::names::Names;
+use crate::run::snapshot::{SnapshotError, checked};
 
 /// Areas or volumes and masses of the elements of a model, undeformed, and which of them count as parts of fragments.
 ///

@@ -4,11 +4,11 @@ use std::fmt;
 
 use fdem_simulation::{Crack, Mode, Snapshot};
 
-use crate::run::field::SCALES;
+use crate::run::field::{Field, Range, SCALES, Scale};
 use crate::run::outlines::Outlines;
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::sample::Sample;
-use crate::run::{SnapshotError, checked};
+use crate::run::snapshot::{SnapshotError, checked};
 
 /// First bytes of a file: its kind and its version.
 const MAGIC: &[u8; 8] = b"fdemfrm3";
@@ -59,15 +59,6 @@ pub struct Frame {
     pub(crate) deflated: Vec<u8>,
 }
 
-/// Range of the values of a field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scale {
-    /// The least and the greatest finite value.
-    pub(crate) ends: [f64; 2],
-    /// The 1st and the 99th percentile.
-    pub(crate) usual: [f64; 2],
-}
-
 /// A decompressed frame.
 pub(crate) struct Opened {
     /// Corners of the elements. An element with a corner that is NaN is not drawn.
@@ -101,6 +92,14 @@ impl fmt::Display for FrameError {
 }
 
 impl std::error::Error for FrameError {}
+
+impl Range {
+    /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the colours.
+    /// Ranges of principal stresses are symmetric about 0. All other ranges begin at 0; the range of damage ends at 1.
+    pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
+        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
+    }
+}
 
 impl Frame {
     /// Makes a frame of a snapshot, without outlines. Values that are not finite become NaN.

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use fdem_simulation::{Crack, Energies};
 
+use crate::run::csv::{push_number, quoted};
 use crate::run::fragments::FragmentCount;
 use crate::run::frame::code;
 
@@ -138,21 +139,6 @@ impl<W: Write> HistoryWriter<W> {
     pub fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }
-}
-
-/// Appends a comma and a number in its shortest form that reads back as the same number.
-pub(super) fn push_number(line: &mut String, number: f64) {
-    use std::fmt::Write;
-    // Very small and very large numbers have an exponent. Writing to a string does not fail.
-    let plain = number == 0.0 || (1e-4..1e16).contains(&number.abs());
-    let _ = if plain { write!(line, ",{number}") } else { write!(line, ",{number:e}") };
-}
-
-/// Quotes a name for delimited text if necessary.
-pub(super) fn quoted(name: &str) -> String {
-    // Line breaks in a name would break the line of names.
-    let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
 
 /// A history that has been read.

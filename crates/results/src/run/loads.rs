@@ -1,7 +1,7 @@
 //! Pairs of forces and displacements for the load-displacement plot.
 
 use crate::run::history::History;
-use crate::run::plots::split;
+use crate::run::unit::split;
 
 /// Force of a boundary and the displacement over which it is plotted.
 #[derive(Clone, Debug, PartialEq)]

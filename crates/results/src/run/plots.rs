@@ -8,6 +8,7 @@ use crate::run::fragments::SizeDistribution;
 use crate::run::history::History;
 use crate::run::loads::{Loading, loading};
 use crate::run::noise::mean;
+use crate::run::unit::split;
 
 /// Maximum number of curves in a plot: more could not be distinguished.
 const MOST_CURVES: usize = 8;
@@ -288,12 +289,6 @@ fn load_displacement(history: &History) -> Option<Plot> {
         curves,
     };
     Some(Plot { name: "load_displacement".to_owned(), svg: chart.svg() })
-}
-
-/// Splits `load [N]` into `load` and `N`. The unit is empty if there is none.
-pub(crate) fn split(name: &str) -> (&str, &str) {
-    let parts = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
-    parts.map_or((name, ""), |(name, unit)| (name.trim_end(), unit))
 }
 
 /// Returns the name with a capital first letter.

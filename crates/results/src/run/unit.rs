@@ -24,6 +24,12 @@ pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
     found.map_or_else(|| (1.0, unit.to_owned()), |(_, factor, prefix)| (*factor, format!("{prefix}{unit}")))
 }
 
+/// Splits `load [N]` into `load` and `N`. The unit is empty if there is none.
+pub(crate) fn split(name: &str) -> (&str, &str) {
+    let parts = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
+    parts.map_or((name, ""), |(name, unit)| (name.trim_end(), unit))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,8 +8,8 @@ use fdem_io::{Table, Values};
 use fdem_simulation::{Crack, Element, Forces, Mode, Snapshot};
 
 use crate::run::names::Names;
+use crate::run::snapshot::{SnapshotError, checked};
 use crate::run::stress::von_mises;
-use crate::run::{SnapshotError, checked};
 
 /// Names of the components of vectors in space.
 const SPACE: [&str; 3] = ["x", "y", "z"];

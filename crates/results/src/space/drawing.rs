@@ -401,7 +401,7 @@ fn key(point: [f64; 3]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::FACETS;
+    use crate::space::facets::FACETS;
     use crate::space::raster::draw;
 
     const SIZE: usize = 120;

@@ -4,12 +4,13 @@ use std::fmt;
 
 use fdem_simulation::Snapshot;
 
-use crate::run::field::SCALES;
-use crate::run::frame::{FrameError, LEVEL, Scale, Words, bounds, code, mode};
+use crate::run::field::{Field, Range, SCALES, Scale};
+use crate::run::frame::{FrameError, LEVEL, Words, bounds, code, mode};
 use crate::run::packed::{Packed, Unpacked, low_halves};
-use crate::run::{SnapshotError, checked};
-use crate::space::shell::Seen;
-use crate::space::{FACETS, Marks, OpenedCrack, OpenedSpace, Shell};
+use crate::run::snapshot::{SnapshotError, checked};
+use crate::space::facets::{FACETS, Marks};
+use crate::space::opened::{OpenedCrack, OpenedSpace};
+use crate::space::shell::{Seen, Shell};
 
 /// First bytes of a file: its kind and its version.
 const MAGIC: &[u8; 8] = b"fdemspc1";
@@ -78,6 +79,13 @@ impl fmt::Debug for SpaceFrame {
             .field("elements", &[self.surface, self.inside, self.whole])
             .field("cracks", &self.cracks)
             .finish_non_exhaustive()
+    }
+}
+
+impl Range {
+    /// Returns the range of a series in three dimensions, by the same rules.
+    pub fn of_space<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>, field: Field) -> Self {
+        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use fdem_simulation::Mode;
 
-use crate::space::{FACETS, Marks, edge};
+use crate::space::facets::{FACETS, Marks, edge};
 
 /// A decompressed frame. All arrays have an entry for each element that the frame has.
 pub(crate) struct OpenedSpace {

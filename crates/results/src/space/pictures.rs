@@ -15,10 +15,11 @@ use crate::run::field::{Field, Range, numbered_colour};
 use crate::run::pictures::{colour_bar, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, Camera, CrackFacet, Edge, Facet, Scene, Tetrahedron};
+use crate::space::frame::SpaceFrame;
+use crate::space::opened::OpenedSpace;
 use crate::space::raster;
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
-use crate::space::{OpenedSpace, SpaceFrame};
 
 const MARGIN: f64 = 24.0;
 /// Greatest size and least width of the drawing area. With its margins, a picture is at most 900 wide.

@@ -1,6 +1,6 @@
 //! What a plane cuts off facets, and the section through tetrahedra.
 
-use crate::space::WITHOUT;
+use crate::space::facets::WITHOUT;
 
 /// A plane. The part on the side of its normal is taken away.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +145,7 @@ fn crossing([from, to]: [[f64; 3]; 2], [before, beyond]: [f64; 2]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::FACETS;
+    use crate::space::facets::FACETS;
 
     const UNIT: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 

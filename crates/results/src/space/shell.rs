@@ -2,8 +2,8 @@
 
 use fdem_simulation::{Crack, Mesh, Snapshot};
 
-use crate::run::SnapshotError;
-use crate::space::{FACETS, Marks, WITHOUT, edge};
+use crate::run::snapshot::SnapshotError;
+use crate::space::facets::{FACETS, Marks, WITHOUT, edge};
 
 /// Stands for no facet.
 const NONE: u32 = u32::MAX;

@@ -6,7 +6,8 @@ use fdem_simulation::{Crack, Mesh, Mode, Snapshot};
 
 use crate::run::frame::FrameError;
 use crate::run::{Field, SnapshotError};
-use crate::space::{FACETS, Marks, Shell, SpaceFrame, WITHOUT, edge};
+use crate::space::facets::{FACETS, Marks, WITHOUT, edge};
+use crate::space::{Shell, SpaceFrame};
 
 #[test]
 fn facets_and_edges_fit_together() {
@@ -190,7 +191,7 @@ fn what_is_seen_is_what_brute_force_finds() {
 /// from the facet at one end of the chain to that at the other.
 fn edges_are_as_brute_force_finds(
     mesh: &Mesh<3, 4>,
-    opened: &crate::space::OpenedSpace,
+    opened: &crate::space::opened::OpenedSpace,
     seen: &BTreeSet<(usize, usize)>,
     broken: &BTreeSet<[u32; 2]>,
 ) {

@@ -2,7 +2,7 @@
 
 use crate::arrays::each;
 use crate::run::pictures::extent;
-use crate::space::SpaceFrame;
+use crate::space::frame::SpaceFrame;
 
 /// What all pictures of a series in three dimensions show, and from where: in parallel projection, with z upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
