@@ -46,8 +46,8 @@ const ORDER: [(&str, &[&str]); 14] = [
 pub(crate) fn page(schema: &Value) -> String {
     let mut page = String::from(
         "# Every key\n\n\
-         Units are SI, angles in degrees. A number may also be an [expression](parameters.md) in quotes, with another unit. Keys in **bold** must be there. A test writes this page from the schema that model files are checked against\n\
-         (`fdem check --schema`), so it is always that of this version.\n",
+         Units are SI, angles in degrees. A number may also be an [expression](parameters.md) in quotes, with another unit. Keys in **bold** are required. A test writes this page from the schema that model files are checked against\n\
+         (`fdem check --schema`), so it always fits this version.\n",
     );
     let top = schema["properties"].as_object().unwrap();
     // `include` is no table: it stands before them.
