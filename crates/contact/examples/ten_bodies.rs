@@ -1,4 +1,5 @@
-//! The ten-body example of the book, pp. 103-110, step by step: prints what Figs 3.41 to 3.44 show, and the following steps.
+//! The ten-body example of the book, pp. 103-110, step by step: prints the lists of Figs 3.41 to 3.44, and
+//! the following steps.
 //!
 //! ```text
 //! cargo run -p fdem-contact --example ten_bodies
@@ -39,7 +40,7 @@ pub(crate) struct Row {
 }
 
 impl Figures {
-    /// Runs Munjiza-NBS on `centres` of diameter 1 in 10 by 10 cells, and records what it does.
+    /// Runs Munjiza-NBS on `centres` of diameter 1 in 10 by 10 cells, and records its steps.
     pub(crate) fn draw(centres: &[[f64; 2]]) -> Result<Self, Error> {
         let mut figures = Self::default();
         let elements = Elements::points(centres, 1.0)?;

@@ -1,4 +1,5 @@
-//! Couples of moving elements: candidates are detected with a buffer and reused until an element has moved too far.
+//! Couples of moving elements: candidates are detected with a buffer and reused until an element has moved
+//! too far.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,48 +17,56 @@ use crate::real::Real;
 use crate::search::Search;
 use crate::simd::extremes::Motions;
 
-/// Repeated contact detection that keeps its candidates until an element has moved farther than half the buffer.
+/// Repeated contact detection that keeps its candidates until an element has moved farther than half the
+/// buffer.
 ///
-/// A detection with the tolerance enlarged by the *buffer* finds candidates. They contain every couple until two elements have approached
-/// each other by the buffer, which requires that one has moved by half of it. Motion is measured relative to the mean motion of all
-/// elements, so a common translation costs nothing. [`Buffered::update`] measures the motion and detects again only when needed. The
-/// couples are those candidates that touch now, by the comparison of [`Elements`].
+/// A detection with the tolerance enlarged by the *buffer* finds candidates. They contain every couple until
+/// two elements have approached each other by the buffer, which requires that one has moved by half of it.
+/// Motion is measured relative to the mean motion of all elements, so a common translation costs nothing.
+/// [`Buffered::update`] measures the motion and detects again only when needed. The couples are those
+/// candidates that touch now, by the comparison of [`Elements`].
 ///
-/// A large buffer makes detections rare but candidates many: `(1 + buffer/diameter)^D` times the couples of a dense packing. A tenth to a
-/// third of the diameter is usual.
+/// A large buffer makes detections rare but candidates many: `(1 + buffer/diameter)^D` times the couples of a
+/// dense packing. A tenth to a third of the diameter is usual.
 ///
 /// # Why no couple is lost
-/// Let `X` be the positions at the detection, `x` the current ones, `c` any vector that is the same for all elements, and
-/// `w_i = (x_i - X_i) - c`. Then `|X_i - X_j| <= |x_i - x_j| + |w_i| + |w_j|`, because `c` cancels. So `c` need not be the mean to the last
-/// bit, nor the mean at all. Elements that touch now have `|x_i - x_j| <= reach + p`. Elements with `|X_i - X_j| <= reach + b - P` are
-/// candidates. Here `b` is the difference of the two rounded tolerances, and `p` and `P` bound the errors of the two comparisons
-/// (`Elements::rounding`, which covers corners of boxes too, whose motion is measured axis by axis). No couple is lost while all
-/// `|w_i| <= (b - p - P) / 2`.
+/// Let `X` be the positions at the detection, `x` the current ones, `c` any vector that is the same for all
+/// elements, and `w_i = (x_i - X_i) - c`. Then `|X_i - X_j| <= |x_i - x_j| + |w_i| + |w_j|`, because `c`
+/// cancels. Therefore `c` need not be the mean to the last bit, nor the mean at all. Elements that touch now
+/// have `|x_i - x_j| <= reach + p`. Elements with `|X_i - X_j| <= reach + b - P` are candidates. Here `b` is
+/// the difference of the two rounded tolerances, and `p` and `P` bound the errors of the two comparisons
+/// (`Elements::rounding`, which covers corners of boxes too, whose motion is measured axis by axis). No
+/// couple is lost while all `|w_i| <= (b - p - P) / 2`.
 ///
-/// The `|w_i|` are computed in `f64`, with `v = 2^-53`. The two subtractions err by at most `v (2 |w_i| + |c|)` to first order. The
-/// comparison of the square of `w_i` with that of the limit errs by less than `(D + 3) v` relative to `|w_i|`. The limit is the bound above
-/// minus `(D + 8) 2 v` times the larger tolerance, which is at least `b`, and minus `2 v` times the sum of the `|c|` of all axes. That is
-/// twice what is needed; the remainder covers the roundings of the limit itself. If `c` is in the middle of all motions, the corner of the box
-/// that holds them is compared instead of each `w_i`: rounding is monotonic, so its computed square is at least as large as theirs. Squares
-/// that underflow are covered by `MIN_RESOLVED` in `p` and `P`.
+/// The `|w_i|` are computed in `f64`, with `v = 2^-53`. The two subtractions err by at most
+/// `v (2 |w_i| + |c|)` to first order. The comparison of the square of `w_i` with that of the limit errs by
+/// less than `(D + 3) v` relative to `|w_i|`. The limit is the bound above minus `(D + 8) 2 v` times the
+/// larger tolerance, which is at least `b`, and minus `2 v` times the sum of the `|c|` of all axes. That is
+/// twice the necessary margin; the remainder covers the roundings of the limit itself. If `c` is in the
+/// middle of all motions, the corner of the box that holds them is compared instead of each `w_i`: rounding
+/// is monotonic, so its computed square is at least as large as theirs. Squares that underflow are covered by
+/// `MIN_RESOLVED` in `p` and `P`.
 ///
 /// # Shapes
-/// Elements of any shape. Each update may use other arrays. Element `i` must be the same element throughout; otherwise it counts as moved,
-/// and the update detects again. A changed filter is noticed too.
+/// Elements of any shape. Each update may use other arrays. Element `i` must be the same element throughout;
+/// otherwise it counts as moved, and the update detects again. A changed filter is noticed too.
 ///
 /// # Order
-/// The order of the candidates, which is that of the engine at the last detection. It depends on the sequence of updates.
+/// The order of the candidates, which is that of the engine at the last detection. It depends on the sequence
+/// of updates.
 ///
 /// # Cost
-/// An update that keeps the candidates takes one pass over the positions, two once elements have moved nearly as far as the buffer covers, and,
-/// for the couples, one over the candidates, on any number of threads. The pass over the candidates reads coordinates in spatial order, so it is
-/// twice as fast if elements are numbered along space as if they are numbered at random. It can be skipped: [`Update::candidates`]. An update
-/// that detects takes at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search,
-/// the copy, and 8 bytes per candidate.
+/// An update that keeps the candidates takes one pass over the positions, two once elements have moved nearly
+/// as far as the buffer covers, and, for the couples, one over the candidates, on any number of threads. The
+/// pass over the candidates reads coordinates in spatial order, so it is twice as fast if elements are
+/// numbered along space as if they are numbered at random. It can be skipped: [`Update::candidates`]. An
+/// update that detects takes at most two passes over the positions, a search, and a copy of positions, radii
+/// and filter. Memory: that of the search, the copy, and 8 bytes per candidate.
 ///
 /// # Source
-/// L. Verlet, "Computer experiments on classical fluids", Phys. Rev. 159 (1967) 98-103: lists with a skin. A. Munjiza, "The Combined
-/// Finite-Discrete Element Method" (2004): the buffer. Subtracting the mean motion and the margin for rounding are our own.
+/// L. Verlet, "Computer experiments on classical fluids", Phys. Rev. 159 (1967) 98-103: lists with a skin. A.
+/// Munjiza, "The Combined Finite-Discrete Element Method" (2004): the buffer. Subtracting the mean motion and
+/// the margin for rounding are our own.
 ///
 /// # Example
 /// ```
@@ -131,7 +140,8 @@ pub enum Reason {
     ToleranceChanged,
     /// The numbers of the filter or its matrix differ, or may differ.
     FilterChanged {
-        /// The first element with other numbers; `None` if there is none, or if the filters are of different kinds.
+        /// The first element with other numbers; `None` if there is none, or if the filters are of different
+        /// kinds.
         element: Option<usize>,
     },
     /// The box that repeats differs: its origin, an edge, or which edges repeat.
@@ -166,7 +176,8 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The result of [`Buffered::update`]: the current elements, and candidates that contain all of their couples.
+/// The result of [`Buffered::update`]: the current elements, and candidates that contain all of their
+/// couples.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "the couples are in here"]
 pub struct Update<'a, T, const D: usize> {
@@ -236,7 +247,7 @@ impl<T: Real, const D: usize> Buffered<T, D> {
 }
 
 impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
-    /// The same with the caller's own search.
+    /// Like [`Buffered::new`], with the caller's own search.
     ///
     /// # Errors
     /// As [`Buffered::new`].
@@ -249,22 +260,25 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
         Ok(Self { search, buffer, candidates, pool, reference: None, updates: 0, redetections: 0 })
     }
 
-    /// The same, with candidates tested on `threads` threads. 0 is one per processor; 1 is the default and uses no thread pool. The threads
-    /// of the search are set separately. The couples and their order are the same for any number.
+    /// The same, with candidates tested on `threads` threads. 0 is one per processor; 1 is the default and
+    /// uses no thread pool. The threads of the search are set separately. The couples and their order are the
+    /// same for any number.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
-    /// `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate
+    /// was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
     }
 
-    /// The candidates for `elements`: the existing ones if they still contain every couple, otherwise new ones.
+    /// The candidates for `elements`: the existing ones if they still contain every couple, otherwise new
+    /// ones.
     ///
     /// # Errors
-    /// The errors of the search; [`Error::InvalidTolerance`] if tolerance and buffer together exceed [`Real::MAX_MAGNITUDE`];
-    /// [`Error::OutOfMemory`]. After an error nothing is kept, and the next update detects.
+    /// The errors of the search; [`Error::InvalidTolerance`] if tolerance and buffer together exceed
+    /// [`Real::MAX_MAGNITUDE`]; [`Error::OutOfMemory`]. After an error nothing is kept, and the next update
+    /// detects.
     pub fn update<'a>(&'a mut self, elements: &Elements<'a, T, D>) -> Result<Update<'a, T, D>, Error> {
         let reason = match &self.reference {
             None => Some(Reason::First),
@@ -325,7 +339,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Copies the elements; the candidates are the couples of `enlarged`, the same elements with the larger tolerance.
+    /// Copies the elements; the candidates are the couples of `enlarged`, the same elements with the larger
+    /// tolerance.
     pub(crate) fn copy(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -349,8 +364,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
         &self.points
     }
 
-    /// The reason why the candidates may lack a couple of `elements`; `None` if they cannot. `rounding` bounds further errors of the distances, at the
-    /// detection and now together.
+    /// The reason why the candidates may lack a couple of `elements`; `None` if they cannot. `rounding`
+    /// bounds further errors of the distances, at the detection and now together.
     pub(crate) fn outdated_by(&self, elements: &Elements<'_, T, D>, rounding: f64) -> Option<Reason> {
         let now = Numbers::of(elements);
         if now.points.len() != self.points.len() {
@@ -393,7 +408,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
             Kind::Boxes => f64::max,
         };
 
-        // Any common motion will do. That in the middle of all is tried first: only the extremes are needed to compare with it.
+        // Any common motion will do. The motion in the middle of all is tried first: only the extremes are
+        // needed to compare with it.
         let all = motions.iter().fold(Motions::NONE, |all, motion| all.with(motion.now, motion.before));
         let middle = std::array::from_fn(|axis| f64::midpoint(all.min[axis], all.max[axis]));
         let corner = (0..D).fold(0.0, |squared, axis| {
@@ -429,7 +445,8 @@ struct Motion<'a, T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Motion<'_, T, D> {
-    /// The point that moved farthest relative to `mean`, and the square of its motion, combined from the axes.
+    /// The point that moved farthest relative to `mean`, and the square of its motion, combined from the
+    /// axes.
     #[inline]
     fn farthest(&self, mean: &[f64; D], combine: impl Fn(f64, f64) -> f64) -> (usize, f64) {
         let mut worst = (0, 0.0);
@@ -460,8 +477,8 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
 
     /// Couples that may touch: all that do, and others whose gap is at most the buffer plus twice the motion.
     ///
-    /// A narrow phase that computes the distance anyway can use these instead of [`Update::couples`], which is most of the cost of an
-    /// update.
+    /// A narrow phase that computes the distance anyway can use these instead of [`Update::couples`], which
+    /// is most of the cost of an update.
     pub fn candidates(&self) -> &[Couple] {
         self.candidates
     }
@@ -471,7 +488,8 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         self.touching(self.candidates, |couples| couples.iter().copied().for_each(&mut visit));
     }
 
-    /// Writes the couples that touch now into `couples`, in the order of the candidates. `couples` is cleared first.
+    /// Writes the couples that touch now into `couples`, in the order of the candidates. `couples` is cleared
+    /// first.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; `couples` is then empty.
@@ -503,7 +521,8 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         total.into_inner()
     }
 
-    /// Passes on those of `candidates` that touch, in blocks. All satisfy the filter, which is that of the detection.
+    /// Passes on those of `candidates` that touch, in blocks. All satisfy the filter, which is that of the
+    /// detection.
     fn touching(&self, candidates: &[Couple], visit: impl FnMut(&[Couple])) {
         match self.elements.shape {
             Shape::Equal(equal) => touching(equal, candidates, visit),
@@ -516,7 +535,8 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
 /// Number of candidates that a thread takes at a time.
 const PART: usize = 16_384;
 
-/// Number of candidates that are tested before those that touch are passed on: they stay in the first-level cache.
+/// Number of candidates that are tested before those that touch are passed on: they stay in the first-level
+/// cache.
 const TESTED_AT_ONCE: usize = 512;
 
 fn touching<G: Geometry>(geometry: G, candidates: &[Couple], mut visit: impl FnMut(&[Couple])) {
@@ -543,7 +563,8 @@ fn copy<V: Copy>(from: &[V], to: &mut Vec<V>) -> Result<(), Error> {
 mod tests {
     use super::*;
 
-    /// The box around the motions reaches beyond the limit at its corners; a motion does so only in the last case.
+    /// The box around the motions reaches beyond the limit at its corners; a motion does so only in the last
+    /// case.
     #[test]
     fn a_motion_counts_by_its_length_where_the_box_around_all_does_not_decide() {
         let at = |by: f64| [[by, 0.0], [10.0 - by, 0.0], [20.0, by], [30.0, -by]];

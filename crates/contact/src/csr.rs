@@ -7,32 +7,35 @@ use crate::periodic::PeriodicCouple;
 use crate::real::Real;
 use crate::search::Search;
 
-/// The neighbours of every element in compressed sparse rows, made from a couple list in linear time, optionally with a value per entry.
+/// The neighbours of every element in compressed sparse rows, made from a couple list in linear time,
+/// optionally with a value per entry.
 ///
-/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number; they suit a
-/// loop over couples. *Full* rows hold it under both numbers; they suit a loop over elements, and threads that must not write to each
-/// other's elements.
+/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under
+/// its smaller number; they suit a loop over couples. *Full* rows hold it under both numbers; they suit a
+/// loop over elements, and threads that must not write to each other's elements.
 /// ```text
 /// couples 0-1 1-2 0-3      offsets   neighbours
 ///                  half    0 2 3 3 3   1 3 | 2 |   |
 ///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
 /// ```
-/// An [`Index`](crate::Index) fills rows too: one row per query point, with the elements found near it, ascending by number, or by distance
-/// for a query of the nearest.
+/// An [`Index`](crate::Index) fills rows too: one row per query point, with the elements found near it,
+/// ascending by number, or by distance for a query of the nearest.
 ///
 /// The memory is kept from one filling to the next. A couple that is listed twice appears twice in its row.
 ///
 /// # Shapes
-/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set
-/// of couples, not on their order. Without values `V` is `()`, which takes no memory.
+/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m`
+/// couples. Rows depend on the set of couples, not on their order. Without values `V` is `()`, which takes no
+/// memory.
 ///
 /// # Cost
-/// Time proportional to `n + m`: two counting sorts, by the larger and then by the smaller number, without comparisons. Memory: 16 bytes
-/// per element, 8 (half) or 12 (full) bytes per couple, and the values.
+/// Time proportional to `n + m`: two counting sorts, by the larger and then by the smaller number, without
+/// comparisons. Memory: 16 bytes per element, 8 (half) or 12 (full) bytes per couple, and the values.
 ///
 /// # Errors
-/// All filling functions return [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an `n` that
-/// does not fit into `u32`, or [`Error::OutOfMemory`]. There are no rows after an error.
+/// All filling functions return [`Error::MalformedCouple`] for a couple that is not `i < j < n`,
+/// [`Error::TooManyElements`] for an `n` that does not fit into `u32`, or [`Error::OutOfMemory`]. There are
+/// no rows after an error.
 ///
 /// # Example
 /// ```
@@ -98,7 +101,8 @@ impl Csr {
         self.fill(elements, couples, Rows::Full)
     }
 
-    /// Searches, then fills as [`Csr::fill_half`]. The couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then fills as [`Csr::fill_half`]. The couple list is kept as working memory (8 bytes per
+    /// couple).
     ///
     /// # Errors
     /// See [`Csr`] and [`Search::couples`].
@@ -110,7 +114,8 @@ impl Csr {
         self.find(search, elements, Rows::Half)
     }
 
-    /// Searches, then fills as [`Csr::fill_full`]. The couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then fills as [`Csr::fill_full`]. The couple list is kept as working memory (8 bytes per
+    /// couple).
     ///
     /// # Errors
     /// See [`Csr`] and [`Search::couples`].
@@ -138,13 +143,15 @@ impl Csr {
 }
 
 impl<const D: usize> Csr<[i32; D]> {
-    /// Fills rows with each periodic couple once, under its smaller number. The values are the shifts of the neighbours.
+    /// Fills rows with each periodic couple once, under its smaller number. The values are the shifts of the
+    /// neighbours.
     ///
-    /// Each row is sorted by neighbour, then by shift. A neighbour appears once for each of its images that touches.
+    /// Each row is sorted by neighbour, then by shift. A neighbour appears once for each of its images that
+    /// touches.
     ///
     /// # Errors
-    /// See [`Csr`]. Here [`Error::MalformedCouple`] means a couple that is not `i <= j < n`, or an element with its own image whose shift
-    /// is not the higher of the two opposite ones.
+    /// See [`Csr`]. Here [`Error::MalformedCouple`] means a couple that is not `i <= j < n`, or an element
+    /// with its own image whose shift is not the higher of the two opposite ones.
     ///
     /// # Example
     /// ```
@@ -165,8 +172,9 @@ impl<const D: usize> Csr<[i32; D]> {
         self.try_fill_periodic(elements, couples, Rows::Half).inspect_err(|_| self.clear())
     }
 
-    /// Fills rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]. Seen from the larger number, the shift is the
-    /// opposite one. An element that touches its own image has both shifts in its row.
+    /// Fills rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]. Seen from the
+    /// larger number, the shift is the opposite one. An element that touches its own image has both shifts in
+    /// its row.
     ///
     /// # Errors
     /// See [`Csr::fill_half_periodic`].
@@ -247,7 +255,8 @@ impl<V> Csr<V> {
         }
     }
 
-    /// Fills as [`Csr::fill_half`], with a value for each entry. `value(i, j)`, `i < j`, is called in the order of the entries.
+    /// Fills as [`Csr::fill_half`], with a value for each entry. `value(i, j)`, `i < j`, is called in the
+    /// order of the entries.
     ///
     /// # Errors
     /// See [`Csr`]; after an error `value` has not been called.
@@ -261,8 +270,9 @@ impl<V> Csr<V> {
         self.evaluate(value)
     }
 
-    /// Fills as [`Csr::fill_full`], with a value for each entry. `value(element, neighbour)` is called in the order of the entries, twice
-    /// per couple, so that a direction can point from the element to its neighbour.
+    /// Fills as [`Csr::fill_full`], with a value for each entry. `value(element, neighbour)` is called in the
+    /// order of the entries, twice per couple, so that a direction can point from the element to its
+    /// neighbour.
     ///
     /// # Errors
     /// See [`Csr`]; after an error `value` has not been called.
@@ -312,7 +322,8 @@ impl<V> Csr<V> {
         self.offsets[element + 1] - self.offsets[element]
     }
 
-    /// Where the rows start, followed by the end of the last: `n + 1` numbers, or none before the first filling.
+    /// Where the rows start, followed by the end of the last: `n + 1` numbers, or none before the first
+    /// filling.
     pub fn offsets(&self) -> &[usize] {
         &self.offsets
     }
@@ -359,9 +370,10 @@ impl<V> Csr<V> {
 
     /// Fills the rows by two passes of count, scan and fill.
     ///
-    /// `offsets[i + 1]` and `ends[j + 1]` first hold counts, then the place where the next entry of the row goes, which is the end of the
-    /// row once it is full. First the couples are put into rows by `j`. Reading these rows in order, `j` ascends, so the larger neighbours
-    /// of every `i` arrive sorted. Reading the resulting rows in order, the smaller neighbours arrive sorted in turn.
+    /// `offsets[i + 1]` and `ends[j + 1]` first hold counts, then the place where the next entry of the row
+    /// goes, which is the end of the row once it is full. First the couples are put into rows by `j`. Reading
+    /// these rows in order, `j` ascends, so the larger neighbours of every `i` arrive sorted. Reading the
+    /// resulting rows in order, the smaller neighbours arrive sorted in turn.
     fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
         if elements > MAX_ELEMENTS {
             return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });

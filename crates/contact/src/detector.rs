@@ -21,14 +21,16 @@ use crate::search::rows::scan::Scanner;
 use crate::simd::Simd;
 use crate::stop::Stop;
 
-/// The C-grid is chosen if it is predicted to be at least this many times as fast. For long boxes in all directions the prediction is 3 to
-/// 10 times too favourable to it, least where the C-grid is small, and rows are twice as fast as predicted where boxes look ahead.
+/// The C-grid is chosen if it is predicted to be at least this many times as fast. For long boxes in all
+/// directions the prediction is 3 to 10 times too favourable to it, least where the C-grid is small, and rows
+/// are twice as fast as predicted where boxes look ahead.
 const WORTH_IT: f64 = 6.0;
 
 /// With fewer elements, testing all against all is faster than any structure.
 const FEW_ELEMENTS: usize = 32;
 
-/// A search with the engine that fits the elements, or with the one that is asked for. It keeps the memory of all engines between calls.
+/// A search with the engine that fits the elements, or with a given one. It keeps the memory of all engines
+/// between calls.
 ///
 /// # Example
 /// ```
@@ -43,7 +45,7 @@ const FEW_ELEMENTS: usize = 32;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Detector<T, const D: usize> {
-    /// The engine that was asked for; `None` to choose one.
+    /// The given engine; `None` to choose one.
     engine: Option<Engine>,
     direct: DirectUntil,
     nbs: Nbs<D>,
@@ -59,7 +61,8 @@ impl<T: Real, const D: usize> Default for Detector<T, D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> {
-    /// A detector that chooses its engine from the elements; [`Plan::reason`] says why. It holds no memory yet.
+    /// A detector that chooses its engine from the elements; [`Plan::reason`] says why. It holds no memory
+    /// yet.
     pub fn new() -> Self {
         Self {
             engine: None,
@@ -78,7 +81,8 @@ impl<T: Real, const D: usize> Detector<T, D> {
         self
     }
 
-    /// The same on `threads` threads, if the engine can use them ([`Rows`], [`Multilevel`]); 0 is one per processor.
+    /// The same on `threads` threads, if the engine can use them ([`Rows`], [`Multilevel`]); 0 is one per
+    /// processor.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -87,7 +91,8 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(self.with_pool(Pool::new(threads)?.stopped_by(stop)))
     }
 
-    /// The same on the threads of `pool`, if the engine can use them. A search that is called from one of these threads starts no other.
+    /// The same on the threads of `pool`, if the engine can use them. A search that is called from one of
+    /// these threads starts no other.
     ///
     /// That thread may do other work of the pool while it waits: it must hold no lock that such work needs.
     ///
@@ -108,10 +113,11 @@ impl<T: Real, const D: usize> Detector<T, D> {
         self.with_pool(Pool::of(pool).stopped_by(stop))
     }
 
-    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets `stop`; the list is then empty.
+    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets
+    /// `stop`; the list is then empty.
     ///
-    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements; sorting runs to its end. Other
-    /// engines check it for each element.
+    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements;
+    /// sorting runs to its end. Other engines check it for each element.
     ///
     /// # Example
     /// ```
@@ -135,8 +141,8 @@ impl<T: Real, const D: usize> Detector<T, D> {
         self.with_pool(pool)
     }
 
-    /// The same with other vector instructions, if the engine uses any ([`Rows`], [`Multilevel`]). The couples and their order are the
-    /// same.
+    /// The same with other vector instructions, if the engine uses any ([`Rows`], [`Multilevel`]). The
+    /// couples and their order are the same.
     ///
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
@@ -277,13 +283,14 @@ impl<T: Real, const D: usize> Detector<T, D> {
 
     /// The plan of a search over `elements`, with its rows, its memory and the expected number of couples.
     ///
-    /// The number of couples is estimated from the neighbours of 1024 elements, the same ones at every call. The error is one or two per
-    /// cent if all elements have about the same number of neighbours, spread uniformly or in clusters. It can be arbitrarily large if few
-    /// elements have most of the couples; [`Explanation::couples_error`] tells. Up to 1024 elements are counted exactly.
+    /// The number of couples is estimated from the neighbours of 1024 elements, the same ones at every call.
+    /// The error is one or two per cent if all elements have about the same number of neighbours, spread
+    /// uniformly or in clusters. It can be arbitrarily large if few elements have most of the couples; see
+    /// [`Explanation::couples_error`]. Up to 1024 elements are counted exactly.
     ///
     /// # Cost
-    /// One pass over the elements, with a look-up for each and a test against every sampled element around it. This is a fraction of a
-    /// search, unless most elements touch most others.
+    /// One pass over the elements, with a look-up for each and a test against every sampled element around
+    /// it. This is a fraction of a search, unless most elements touch most others.
     ///
     /// # Errors
     /// As [`Detector::plan`].

@@ -1,7 +1,9 @@
-//! Contacts of bodies that are meshed with finite elements: triangles in 2D, tetrahedra and triangles of surfaces in 3D.
+//! Contacts of bodies that are meshed with finite elements: triangles in 2D, tetrahedra and triangles of
+//! surfaces in 3D.
 //!
-//! Detection works on elements: the bounding boxes go through a [`Detector`], then the exact narrow phase ([`narrow`](crate::narrow)) tests
-//! the couples. The contacts of elements are then gathered to contacts of bodies.
+//! Detection works on elements: the bounding boxes go through a [`Detector`], then the exact narrow phase
+//! ([`narrow`](crate::narrow)) tests the couples. The contacts of elements are then gathered to contacts of
+//! bodies.
 //!
 //! ```
 //! use fdem_contact::discretised::{MeshView, body_contacts, contacts};
@@ -21,7 +23,7 @@
 //! # Ok::<(), fdem_contact::discretised::DiscretisedError>(())
 //! ```
 //!
-//! | you want | use |
+//! | for | use |
 //! |---|---|
 //! | the contacts of elements, once | [`contacts`] |
 //! | to search again, on threads, with another engine, or for contacts of a body with itself | [`MeshSearch`] |
@@ -29,9 +31,10 @@
 //! | spheres against walls of triangles | [`MeshSearch::sphere_contacts`] |
 //!
 //! # When do two elements touch?
-//! Touching counts. Elements of two bodies with a common node touch there, and so do bodies with conforming meshes, with an overlap of 0.
-//! [`BodyContact`] distinguishes bodies that overlap, bodies that share a piece of boundary, and bodies that meet in points or edges only.
-//! Elements of the same body form no couple, unless [`MeshSearch::with_self_contact`] is set.
+//! Touching counts. Elements of two bodies with a common node touch there, and so do bodies with conforming
+//! meshes, with an overlap of 0. [`BodyContact`] distinguishes bodies that overlap, bodies that share a piece
+//! of boundary, and bodies that meet in points or edges only. Elements of the same body form no couple,
+//! unless [`MeshSearch::with_self_contact`] is set.
 
 mod bodies;
 mod error;
@@ -56,11 +59,13 @@ pub use error::DiscretisedError;
 pub use simplex::Simplex;
 pub use spheres::SphereContact;
 
-/// A view of a mesh: nodes, the elements between them, and the body of each element. It borrows its arrays and checks them.
+/// A view of a mesh: nodes, the elements between them, and the body of each element. It borrows its arrays
+/// and checks them.
 ///
 /// # Shapes
-/// `points` `[n]`; `elements` `[m]` of `N` indices into `points`: 3 in 2D, 3 (surfaces) or 4 (tetrahedra) in 3D, in any order; `bodies`
-/// `[m]`, any numbers. An element may name a node twice; it is then the remaining segment, point or triangle.
+/// `points` `[n]`; `elements` `[m]` of `N` indices into `points`: 3 in 2D, 3 (surfaces) or 4 (tetrahedra) in
+/// 3D, in any order; `bodies` `[m]`, any numbers. An element may name a node twice; it is then the remaining
+/// segment, point or triangle.
 ///
 /// # Example
 /// ```
@@ -154,9 +159,9 @@ pub struct ElementContact<const D: usize> {
     pub i: u32,
     /// The element with the larger number.
     pub j: u32,
-    /// The contact, whose normal leads from `i` to `j`, as the function of the narrow phase documents it: the area of
-    /// [`triangle_triangle_2d`](crate::narrow::triangle_triangle_2d), the length (area if coplanar) of
-    /// [`triangle_triangle`](crate::narrow::triangle_triangle), or the volume of
+    /// The contact, whose normal leads from `i` to `j`, as the function of the narrow phase documents it: the
+    /// area of [`triangle_triangle_2d`](crate::narrow::triangle_triangle_2d), the length (area if coplanar)
+    /// of [`triangle_triangle`](crate::narrow::triangle_triangle), or the volume of
     /// [`tetrahedron_tetrahedron`](crate::narrow::tetrahedron_tetrahedron); never a gap.
     pub contact: Contact<D>,
 }
@@ -196,8 +201,9 @@ where
 /// Finds the contacts of elements, and those of spheres with surfaces. Its memory is kept between searches.
 ///
 /// # Cost
-/// The search over the bounding boxes, whose couples are stored (8 bytes each). For each of these, half a microsecond if the elements are
-/// apart, and some microseconds if they touch. Results depend neither on the engine nor on the threads.
+/// The search over the bounding boxes, whose couples are stored (8 bytes each). Half a microsecond for each
+/// of these if the elements are apart, and some microseconds if they touch. Results depend neither on the
+/// engine nor on the threads.
 ///
 /// # Example
 /// ```
@@ -237,7 +243,8 @@ impl<const D: usize> Default for MeshSearch<D> {
 }
 
 impl<const D: usize> MeshSearch<D> {
-    /// A search on one thread for contacts of different bodies. It chooses the engine that searches the bounding boxes.
+    /// A search on one thread for contacts of different bodies. It chooses the engine that searches the
+    /// bounding boxes.
     pub fn new() -> Self {
         Self {
             detector: Detector::new(),
@@ -318,7 +325,8 @@ impl<const D: usize> MeshSearch<D> {
 
     /// Checks the contacts of `sample` random elements against all others, by the narrow phase alone.
     ///
-    /// Returns the number of elements checked: `sample`, or all of them if there are fewer. The same `seed` picks the same elements.
+    /// Returns the number of elements checked: `sample`, or all of them if there are fewer. The same `seed`
+    /// picks the same elements.
     ///
     /// # Cost
     /// `sample` tests per element of the mesh.
@@ -379,7 +387,7 @@ impl<const D: usize> MeshSearch<D> {
         Ok(())
     }
 
-    /// Writes what `work` makes of each task to `all`, in the order of the tasks, on all threads.
+    /// Writes the result of `work` for each task to `all`, in the order of the tasks, on all threads.
     fn in_parts<I: Send, V: Clone + Send>(
         &self,
         tasks: impl ExactSizeIterator<Item = I>,

@@ -8,27 +8,32 @@ use crate::simd::extremes;
 
 /// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
 ///
-/// The view borrows the caller's arrays and copies nothing. Its constructors check every number, so searches need not check again.
+/// The view borrows the caller's arrays and copies nothing. Its constructors check every number, so searches
+/// need not check again.
 ///
 /// # When do two elements touch?
-/// Touching counts: the comparison is closed. Contact is defined by the floating-point operations below, in the type `T` of the input. Each
-/// operation rounds once; there is no fused multiply-add. Every engine takes the same decision.
+/// Touching counts: the comparison is closed. Contact is defined by the floating-point operations below, in
+/// the type `T` of the input. Each operation rounds once; there is no fused multiply-add. Every engine takes
+/// the same decision.
 /// - Spheres (discs, hyperspheres): `s = (r_i + r_j) + tolerance`; `d = x_i - x_j` per axis;
 ///   `((d_0 * d_0) + d_1 * d_1) + …  <=  s * s`, the axes in ascending order.
 /// - Boxes: `min_i <= max_j + tolerance` and `min_j <= max_i + tolerance` on every axis.
 /// - With a [`Filter`]: the same, and the filter admits the couple ([`Filter::admits`]).
 ///
-/// All comparisons are symmetric in `i` and `j` to the last bit. Squares lose precision when differences or radii are below about 1e-154 in
-/// `f64` (1e-19 in `f32`), and become zero below 1.6e-162 (2.6e-23): such elements count as coincident.
+/// All comparisons are symmetric in `i` and `j` to the last bit. Squares lose precision when differences or
+/// radii are below about 1e-154 in `f64` (1e-19 in `f32`), and become zero below 1.6e-162 (2.6e-23): such
+/// elements count as coincident.
 ///
 /// # Shapes
 /// `centres`, `min`, `max`: `[n]` points `[T; D]`, for `D` of at least 1; `radii`: `[n]`.
 ///
 /// # Units
-/// One length unit for everything. `tolerance` is the largest gap that still counts as contact; it is 0 by default.
+/// One length unit for everything. `tolerance` is the largest gap that still counts as contact; it is 0 by
+/// default.
 ///
 /// # Cost
-/// Construction reads every number once. A radius of zero makes a point, which touches every element that covers it.
+/// Construction reads every number once. A radius of zero makes a point, which touches every element that
+/// covers it.
 ///
 /// # Example
 /// ```
@@ -207,7 +212,8 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         Ok(self)
     }
 
-    /// The same elements with a filter: only couples that the filter admits touch. Replaces an earlier filter.
+    /// The same elements with a filter: only couples that the filter admits touch. Replaces an earlier
+    /// filter.
     ///
     /// # Errors
     /// [`Error::LengthMismatch`]; [`Error::UnknownGroup`], which names the element.
@@ -217,8 +223,8 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         Ok(self)
     }
 
-    /// Elements of the same kind at other places, in any number: `points` with the extremes `bounds`, `radii` or `far_points` (maximum
-    /// corners) if this kind has them, and a `filter` of the same length.
+    /// Elements of the same kind at other places, in any number: `points` with the extremes `bounds`, `radii`
+    /// or `far_points` (maximum corners) if this kind has them, and a `filter` of the same length.
     ///
     /// The caller passes only radii of these elements, because radii have been checked.
     pub(crate) fn at<'b>(
@@ -299,11 +305,13 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
     }
 
-    /// The squared distance of elements `i` and `j`: between the centres of spheres, or between the closest points of boxes.
+    /// The squared distance of elements `i` and `j`: between the centres of spheres, or between the closest
+    /// points of boxes.
     ///
-    /// Spheres: `((d_0 * d_0) + d_1 * d_1) + …`, the left side of the comparison documented at [`Elements`], to the last bit.
-    /// Boxes: the same sum, where `d` is the gap on an axis: the larger of `min_i - max_j` and `min_j - max_i`, or 0 where they overlap.
-    /// The distance of boxes does not decide contact, because boxes are compared axis by axis. Symmetric in `i` and `j`.
+    /// Spheres: `((d_0 * d_0) + d_1 * d_1) + …`, the left side of the comparison documented at [`Elements`],
+    /// to the last bit. Boxes: the same sum, where `d` is the gap on an axis: the larger of `min_i - max_j`
+    /// and `min_j - max_i`, or 0 where they overlap. The distance of boxes does not decide contact, because
+    /// boxes are compared axis by axis. Symmetric in `i` and `j`.
     ///
     /// # Units
     /// The square of the length unit.
@@ -318,18 +326,21 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
     }
 
-    /// Where an element begins and ends along an axis, extended so that elements that touch overlap (closed) on every axis.
+    /// Where an element begins and ends along an axis, extended so that elements that touch overlap (closed)
+    /// on every axis.
     ///
     /// With [`Elements::touch`], this is all that a [`Search`](crate::Search) needs to know of elements.
     ///
     /// # Why no couple is lost
-    /// Boxes: `low = min` and `high = max + tolerance`, rounded as in the comparison of [`Elements`]. They overlap on every axis exactly
-    /// where the boxes touch.
+    /// Boxes: `low = min` and `high = max + tolerance`, rounded as in the comparison of [`Elements`]. They
+    /// overlap on every axis exactly where the boxes touch.
     ///
-    /// Spheres: `low = x - h` and `high = x + h` with `h = (r + tolerance / 2) (1 + (D + 8) EPSILON) + MIN_RESOLVED / 2`. The relative part
-    /// of `rounding()` below may be taken of `r_i + r_j` instead of the largest sum. So spheres that touch are at most `h_i + h_j` apart
-    /// along an axis; that bound is four times what is needed, which covers the roundings of `h`. Hence `x_i - h_i <= x_j + h_j` holds for
-    /// exact numbers. Both sides are rounded once, and rounding does not change an order.
+    /// Spheres: `low = x - h` and `high = x + h` with
+    /// `h = (r + tolerance / 2) (1 + (D + 8) EPSILON) + MIN_RESOLVED / 2`. The relative part of `rounding()`
+    /// below may be taken of `r_i + r_j` instead of the largest sum. Therefore spheres that touch are at most
+    /// `h_i + h_j` apart along an axis; that bound is four times as large as necessary, which covers the
+    /// roundings of `h`. Hence `x_i - h_i <= x_j + h_j` holds for exact numbers. Both sides are rounded once,
+    /// and rounding does not change an order.
     ///
     /// # Panics
     /// When `index` is not below [`Elements::len`], or `axis` not below `D`.
@@ -398,17 +409,19 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
 
     /// Upper bound on the distance, along any axis, between the anchors of two elements that touch.
     ///
-    /// The nominal bound is the largest diameter (edge) plus the tolerance. The comparison of [`Elements`] rounds, so it may accept a
-    /// couple that is some units in the last place farther apart. `D + 8` such units cover the roundings of one sum of `D` squares, one sum
-    /// of radii and one square. Boxes compare coordinates with `max + tolerance`, whose rounding grows with the coordinate, not with the
-    /// size of the box.
+    /// The nominal bound is the largest diameter (edge) plus the tolerance. The comparison of [`Elements`]
+    /// rounds, so it may accept a couple that is some units in the last place farther apart. `D + 8` such
+    /// units cover the roundings of one sum of `D` squares, one sum of radii and one square. Boxes compare
+    /// coordinates with `max + tolerance`, whose rounding grows with the coordinate, not with the size of the
+    /// box.
     pub(crate) fn reach(&self) -> f64 {
         self.reach_to(self.largest, self.magnitude(), self.tolerance)
     }
 
-    /// The same for an element of this set and one of another set of the same kind. The other set is given by its `largest` diameter (edge)
-    /// and its [`magnitude`](Self::magnitude). A sphere extends half its diameter from its anchor. A box extends a whole edge, but to one
-    /// side of its anchor only, so two boxes are at most one edge apart, that of the larger.
+    /// The same for an element of this set and one of another set of the same kind. The other set is given by
+    /// its `largest` diameter (edge) and its [`magnitude`](Self::magnitude). A sphere extends half its
+    /// diameter from its anchor. A box extends a whole edge, but to one side of its anchor only, so two boxes
+    /// are at most one edge apart, that of the larger.
     pub(crate) fn reach_to(&self, largest: f64, magnitude: f64, tolerance: T) -> f64 {
         self.reach_of([self.largest, largest], self.magnitude().max(magnitude), tolerance)
     }
@@ -449,17 +462,19 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         })
     }
 
-    /// How far the rounded comparison of [`Elements`] can be from the exact one, as a length. Elements that touch have a distance of at
-    /// most `reach + rounding()`; elements whose distance is at most `reach - rounding()` touch.
+    /// How far the rounded comparison of [`Elements`] can be from the exact one, as a length. Elements that
+    /// touch have a distance of at most `reach + rounding()`; elements whose distance is at most
+    /// `reach - rounding()` touch.
     ///
-    /// Spheres: `reach = r_i + r_j + tolerance`, and the distance is that of the centres. With `u = EPSILON / 2`, the computed sum of
-    /// squares is the exact one times a factor within `(1 ± u)^(D + 2)`, and `s * s` is `reach^2` times a factor within `(1 ± u)^5`. The
-    /// root of these `D + 7` factors is an error of `(D/2 + 4) u` relative to `reach`; `D + 8` units of `2 u` are four times as much.
-    /// Squares that underflow add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either side. The root of that, which is less than
-    /// `MIN_RESOLVED`, is added to the length.
+    /// Spheres: `reach = r_i + r_j + tolerance`, and the distance is that of the centres. With
+    /// `u = EPSILON / 2`, the computed sum of squares is the exact one times a factor within
+    /// `(1 ± u)^(D + 2)`, and `s * s` is `reach^2` times a factor within `(1 ± u)^5`. The root of these
+    /// `D + 7` factors is an error of `(D/2 + 4) u` relative to `reach`; `D + 8` units of `2 u` are four
+    /// times as much. Squares that underflow add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either
+    /// side. The root of that, which is less than `MIN_RESOLVED`, is added to the length.
     ///
-    /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. Only `max_j + tolerance` rounds, by half a unit of the
-    /// sum; `MIN_RESOLVED` is more than enough.
+    /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. Only `max_j + tolerance`
+    /// rounds, by half a unit of the sum; `MIN_RESOLVED` is more than enough.
     pub(crate) fn rounding(&self) -> f64 {
         let tolerance = self.tolerance.to_f64();
         let relative = match self.shape {

@@ -53,8 +53,8 @@ pub struct Plan<const D: usize> {
     pub cell_size: Option<f64>,
     /// Number of cells along each axis; `None` without cells.
     pub cells: Option<[u64; D]>,
-    /// The levels of [`Engine::Multilevel`] and [`Engine::CGrid`], each with its own cells, the smallest elements first; empty for other
-    /// engines.
+    /// The levels of [`Engine::Multilevel`] and [`Engine::CGrid`], each with its own cells, the smallest
+    /// elements first; empty for other engines.
     pub levels: Vec<Level>,
 }
 

@@ -1,4 +1,4 @@
-//! The errors of this crate. Every variant carries what is wrong, where, and the limit.
+//! The errors of this crate. Every variant carries the problem, its place and the limit.
 
 use std::fmt;
 
@@ -6,7 +6,8 @@ use crate::simd::level::Simd;
 
 /// The reason why a set of elements, or a search over it, was refused before anything was computed.
 ///
-/// Input is never clamped, dropped or capped silently: either the answer is exact, or there is one of these errors.
+/// Input is never clamped, dropped or capped silently: either the answer is exact, or there is one of these
+/// errors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -19,7 +20,8 @@ pub enum Error {
         /// The offending value.
         value: f64,
     },
-    /// A coordinate is so large that squared distances overflow ([`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE)).
+    /// A coordinate is so large that squared distances overflow
+    /// ([`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE)).
     CoordinateTooLarge {
         /// Zero-based number of the element.
         index: usize,
@@ -30,14 +32,16 @@ pub enum Error {
         /// Largest magnitude that is accepted.
         limit: f64,
     },
-    /// The cut-off is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    /// The cut-off is negative, NaN, infinite or larger than
+    /// [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
     InvalidCutoff {
         /// The offending value.
         value: f64,
         /// Largest cut-off that is accepted.
         limit: f64,
     },
-    /// A radius is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    /// A radius is negative, NaN, infinite or larger than
+    /// [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
     InvalidRadius {
         /// Zero-based number of the element, or `None` for the one radius of all.
         index: Option<usize>,
@@ -46,14 +50,16 @@ pub enum Error {
         /// Largest radius that is accepted.
         limit: f64,
     },
-    /// The tolerance is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    /// The tolerance is negative, NaN, infinite or larger than
+    /// [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
     InvalidTolerance {
         /// The offending value.
         value: f64,
         /// Largest tolerance that is accepted.
         limit: f64,
     },
-    /// The buffer is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    /// The buffer is negative, NaN, infinite or larger than
+    /// [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
     InvalidBuffer {
         /// The offending value.
         value: f64,
@@ -79,8 +85,8 @@ pub enum Error {
     },
     /// Two arrays that describe the same elements differ in length.
     LengthMismatch {
-        /// The contents of the second array: `"radii"` or `"maximum corners"`, or `"bodies"`, `"categories"`, `"masks"` or `"groups"` of a
-        /// filter.
+        /// The contents of the second array: `"radii"` or `"maximum corners"`, or `"bodies"`, `"categories"`,
+        /// `"masks"` or `"groups"` of a filter.
         what: &'static str,
         /// Length of the first array, the centres or minimum corners.
         expected: usize,
@@ -89,7 +95,8 @@ pub enum Error {
     },
     /// A group that the matrix of groups does not have.
     UnknownGroup {
-        /// Zero-based number of the element of that group, or `None` if the group does not belong to an element.
+        /// Zero-based number of the element of that group, or `None` if the group does not belong to an
+        /// element.
         index: Option<usize>,
         /// The group.
         group: u32,
@@ -98,16 +105,16 @@ pub enum Error {
     },
     /// There are more elements than the integers of an engine can number.
     TooManyElements {
-        /// Number of elements asked for.
+        /// Requested number of elements.
         elements: usize,
         /// Largest number that is accepted.
         limit: usize,
     },
     /// A couple does not consist of two different elements with the smaller number first.
     MalformedCouple {
-        /// Its place in the couple list.
+        /// Zero-based place of the couple in the list.
         index: usize,
-        /// Its first element.
+        /// The first element of the couple.
         i: u32,
         /// Its second element, which must be larger than the first and below `elements`.
         j: u32,
@@ -126,8 +133,8 @@ pub enum Error {
         heads: f64,
         /// Limit on that number.
         limit: usize,
-        /// The element that stretches the domain, which is the one farthest from the mean of all along that axis, and its coordinate;
-        /// `None` if the caller set the domain.
+        /// The element that stretches the domain, which is the one farthest from the mean of all along that
+        /// axis, and its coordinate; `None` if the caller set the domain.
         stretched_by: Option<(usize, f64)>,
     },
     /// An element lies outside the domain that the caller set.
@@ -145,7 +152,7 @@ pub enum Error {
     InvalidDomain {
         /// Zero-based axis: 0 is x.
         axis: usize,
-        /// Its bounds on that axis.
+        /// Bounds of the domain on that axis.
         domain: [f64; 2],
     },
     /// A coordinate of the origin of a periodic box is NaN, infinite or too large.
@@ -157,7 +164,8 @@ pub enum Error {
         /// Largest magnitude that is accepted.
         limit: f64,
     },
-    /// A component of an edge of a periodic box is NaN, infinite or too large, or the whole edge is too short.
+    /// A component of an edge of a periodic box is NaN, infinite or too large, or the whole edge is too
+    /// short.
     InvalidBoxEdge {
         /// Zero-based number of the edge.
         edge: usize,
@@ -166,7 +174,8 @@ pub enum Error {
         /// Smallest and largest accepted magnitude of the largest component.
         limits: [f64; 2],
     },
-    /// An edge of a periodic box is linearly dependent on the edges before it, up to rounding: the box has no volume.
+    /// An edge of a periodic box is linearly dependent on the edges before it, up to rounding: the box has no
+    /// volume.
     DependentBoxEdges {
         /// Zero-based number of the first edge that is.
         edge: usize,
@@ -180,7 +189,7 @@ pub enum Error {
         /// The volume, which may be beyond the range of floats.
         volume: f64,
     },
-    /// An element lies outside the periodic box, and the search was told to refuse such elements.
+    /// An element lies outside the periodic box, and the search refuses such elements.
     OutsideBox {
         /// Zero-based number of the element.
         index: usize,
@@ -189,7 +198,8 @@ pub enum Error {
         /// Its position along that edge; 0 to 1 is inside.
         fraction: f64,
     },
-    /// An element lies so many periods away from the box that the shifts of its couples do not fit their integers.
+    /// An element lies so many periods away from the box that the shifts of its couples do not fit their
+    /// integers.
     TooFarFromBox {
         /// Zero-based number of the element.
         index: usize,
@@ -207,14 +217,16 @@ pub enum Error {
         /// Upper bound on the rounding, in periods.
         rounding: f64,
     },
-    /// The periodic box is so small, compared with the reach of its elements, that it would need too many periodic images.
+    /// The periodic box is so small, compared with the reach of its elements, that it would need too many
+    /// periodic images.
     TooManyImages {
         /// Number of images (a float, because it may exceed any integer).
         images: f64,
         /// Limit on that number.
         limit: usize,
     },
-    /// Edge neighbours were requested in 2D, where grid squares have only faces (sides) and vertices (corners).
+    /// Edge neighbours were requested in 2D, where grid squares have only faces (sides) and vertices
+    /// (corners).
     NoEdgesIn2D,
     /// The image has more grid squares than the integer sums over it allow.
     ImageTooLarge {
@@ -242,7 +254,8 @@ pub enum Error {
         /// Number of planes of the image.
         expected: usize,
     },
-    /// The edge of a grid square is not a length, or is outside the range in which areas are exact to rounding.
+    /// The edge of a grid square is not a length, or is outside the range in which areas are exact to
+    /// rounding.
     InvalidSpacing {
         /// Zero-based axis of the array.
         axis: usize,

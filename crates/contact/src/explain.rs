@@ -1,4 +1,4 @@
-//! Predicts what a search will take before it runs: cells, rows, memory and the expected number of couples.
+//! Predicts the cost of a search before it runs: cells, rows, memory and the expected number of couples.
 
 use std::fmt::{self, Write};
 
@@ -10,8 +10,8 @@ use crate::search::level::Level;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
-/// How a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would search a set of elements, and what that takes.
-/// Its `Display` is text for a person.
+/// How a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would search a set of
+/// elements, and at what cost. Its `Display` is text for a person.
 ///
 /// # Example
 /// ```
@@ -33,19 +33,22 @@ pub struct Explanation<const D: usize> {
     pub elements: usize,
     /// Exact number of periodic images that are searched in addition; `None` without a periodic box.
     pub images: Option<usize>,
-    /// Number of rows of cells in the domain, including those without elements; `None` without cells. A float, because a wide domain has
-    /// more rows than an integer can count.
+    /// Number of rows of cells in the domain, including those without elements; `None` without cells. A
+    /// float, because a wide domain has more rows than an integer can count.
     pub rows: Option<f64>,
     /// Upper bound on the number of rows that hold elements; only these cost anything. `None` without cells.
     pub occupied_rows: Option<u64>,
-    /// Expected number of couples: an estimate from the neighbours of 1024 elements, or the exact number for up to 1024 elements.
+    /// Expected number of couples: an estimate from the neighbours of 1024 elements, or the exact number for
+    /// up to 1024 elements.
     pub couples: f64,
     /// Standard error of `couples` from the scatter of the sample; 0 if the number is exact.
     pub couples_error: f64,
-    /// Bytes that the engine will hold, including images and wrapped elements, without the caller's coordinates and couples. Exact for
-    /// [`Nbs`](crate::Nbs). For [`Rows`](crate::Rows) an upper bound, unless most elements are in a few of many rows.
+    /// Bytes that the engine will hold, including images and wrapped elements, without the caller's
+    /// coordinates and couples. Exact for [`Nbs`](crate::Nbs). For [`Rows`](crate::Rows) an upper bound,
+    /// unless most elements are in a few of many rows.
     pub bytes: usize,
-    /// Bytes of a list of the expected couples. The spare capacity of a growing list, up to as much again, is not included.
+    /// Bytes of a list of the expected couples. The spare capacity of a growing list, up to the same size
+    /// again, is not included.
     pub list_bytes: f64,
     /// Threads that the engine will use.
     pub threads: usize,
@@ -145,10 +148,12 @@ fn grouped(number: f64) -> String {
     text
 }
 
-/// Number of elements whose neighbours are counted. Enough for an error of 1 % if all have about a dozen neighbours.
+/// Number of elements whose neighbours are counted. Enough for an error of 1 % if all have about a dozen
+/// neighbours.
 const SAMPLE: usize = 1024;
 
-/// Largest number of axes for the cells around an element: with more axes there would be more cells than elements in them.
+/// Largest number of axes for the cells around an element: with more axes there would be more cells than
+/// elements in them.
 const AXES: usize = 3;
 
 /// An expected number of couples and its standard error.
@@ -193,16 +198,18 @@ impl Estimate {
         Self::with_images(elements, elements.len(), Grid::unbounded(elements), &Nothing)
     }
 
-    /// The expected couples of the first `n` elements with all elements and images. The cells hold everything, and touching elements are at
-    /// most one cell apart. The neighbours of a sample of elements are counted exactly.
+    /// The expected couples of the first `n` elements with all elements and images. The cells hold
+    /// everything, and touching elements are at most one cell apart. The neighbours of a sample of elements
+    /// are counted exactly.
     ///
-    /// The sample is one random element from each of 1024 stretches of equal length. So elements that are numbered cluster by cluster or
-    /// row by row are all represented, and no stride can coincide with the period of a lattice. The cells around the sampled elements go
-    /// into a table. One pass over all elements and images looks up the cell of each and tests it against the sampled elements around it.
+    /// The sample is one random element from each of 1024 stretches of equal length. Therefore elements that
+    /// are numbered cluster by cluster or row by row are all represented, and no stride can coincide with the
+    /// period of a lattice. The cells around the sampled elements go into a table. One pass over all elements
+    /// and images looks up the cell of each and tests it against the sampled elements around it.
     ///
-    /// Every couple is counted from both of its elements; an element that touches its own image has two neighbours. So the number of
-    /// neighbours is halved. If all elements are in the sample, couples across a face are counted as they are reported instead, because the
-    /// two views may round differently.
+    /// Every couple is counted from both of its elements; an element that touches its own image has two
+    /// neighbours. Therefore the number of neighbours is halved. If all elements are in the sample, couples
+    /// across a face are counted as they are reported instead, because the two views may round differently.
     pub(crate) fn with_images<T: Real, const D: usize>(
         elements: &Elements<'_, T, D>,
         n: usize,

@@ -6,25 +6,28 @@ use crate::pool::Pool;
 
 /// A filter on couples. Two elements that do not *see* each other form no couple, even where they touch.
 ///
-/// A filter is attached by [`Elements::with_filter`](crate::Elements::with_filter). It is then part of the definition of contact, so every
-/// engine honours it. [`Rows`](crate::Rows) tests it a vector at a time together with the distance, and never stores a couple that the
-/// filter excludes. The couples and their order are those that filtering the list afterwards would give. There are three kinds; bodies can
-/// be combined with either of the others:
-/// - *bodies*: elements with the same number are parts of one body, and form no couple. An element that is a body of its own needs a number
-///   that no other element has.
-/// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and `category_j & mask_i != 0`. There are 32
-///   categories; an element may have several.
-/// - *groups*: each element belongs to one group, and a symmetric [`GroupMatrix`] says which groups see each other. There may be any number
-///   of groups.
+/// A filter is attached by [`Elements::with_filter`](crate::Elements::with_filter). It is then part of the
+/// definition of contact, so every engine honours it. [`Rows`](crate::Rows) tests it a vector at a time
+/// together with the distance, and never stores a couple that the filter excludes. The couples and their
+/// order are those that filtering the list afterwards would give. There are three kinds; bodies can be
+/// combined with either of the others:
+/// - *bodies*: elements with the same number are parts of one body, and form no couple. An element that is a
+///   body by itself needs a number that no other element has.
+/// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and
+///   `category_j & mask_i != 0`. There are 32 categories; an element may have several.
+/// - *groups*: each element belongs to one group, and a symmetric [`GroupMatrix`] says which groups see each
+///   other. There may be any number of groups.
 ///
-/// In a periodic box an image has the numbers of its element, so an element and its own image belong to one body.
+/// In a periodic box an image has the numbers of its element, so an element and its own image belong to one
+/// body.
 ///
 /// # Shapes
 /// `[n]` numbers for `n` elements, in their order. The filter borrows them and copies nothing.
 ///
 /// # Cost
-/// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32 groups, and 8 for masks or fewer groups. A
-/// search takes a few instructions more per vector. Attaching groups checks each of them once.
+/// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32 groups, and 8 for
+/// masks or fewer groups. A search takes a few instructions more per vector. Attaching groups checks each of
+/// them once.
 ///
 /// # Example
 /// ```
@@ -127,7 +130,8 @@ impl<'a> Filter<'a> {
         self.admits_of(i, self, j)
     }
 
-    /// Whether element `i` may form a couple with element `j` of another filter, which has the same kind and the same matrix.
+    /// Whether element `i` may form a couple with element `j` of another filter, which has the same kind and
+    /// the same matrix.
     #[inline]
     pub(crate) fn admits_of(&self, i: usize, other: &Self, j: usize) -> bool {
         if let (Some(bodies), Some(others)) = (self.bodies, other.bodies)
@@ -156,7 +160,8 @@ impl<'a> Filter<'a> {
             }
     }
 
-    /// Checks that there is one number of each kind for each of `elements` elements, and that the matrix has all groups.
+    /// Checks that there is one number of each kind for each of `elements` elements, and that the matrix has
+    /// all groups.
     pub(crate) fn check(&self, elements: usize) -> Result<(), Error> {
         if let Some(bodies) = self.bodies {
             check_lengths("bodies", elements, bodies.len())?;
@@ -193,8 +198,8 @@ impl<'a> Filter<'a> {
 /// A symmetric matrix of bits: which groups see each other.
 ///
 /// # Cost
-/// Memory: `g²` bits for `g` groups, each row rounded up to a multiple of 32. [`Rows`](crate::Rows) tests matrices of up to 32 groups as
-/// categories and masks.
+/// Memory: `g²` bits for `g` groups, each row rounded up to a multiple of 32. [`Rows`](crate::Rows) tests
+/// matrices of up to 32 groups as categories and masks.
 ///
 /// # Example
 /// ```
@@ -310,7 +315,8 @@ fn numbers_of(filter: Option<Filter<'_>>) -> [&[u32]; 3] {
 /// A copy of the numbers of a filter: in another order, for more elements, or to compare with later ones.
 ///
 /// # Shapes
-/// One array for each kind of number in the order bodies, categories or groups, masks. Arrays of kinds that the filter lacks are empty.
+/// One array for each kind of number in the order bodies, categories or groups, masks. Arrays of kinds that
+/// the filter lacks are empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     arrays: [Vec<u32>; 3],
@@ -318,7 +324,8 @@ pub(crate) struct Labels {
     groups: usize,
 }
 
-/// A filter whose numbers [`Labels`] holds in the order of a layout, checked: its groups, the padding included, are groups of its matrix.
+/// A filter whose numbers [`Labels`] holds in the order of a layout, checked: its groups, the padding
+/// included, are groups of its matrix.
 ///
 /// Kernels look groups up without a check, so only [`Labels::arranged`] makes this.
 #[derive(Clone, Copy, Debug)]
@@ -341,8 +348,8 @@ impl Labels {
         sight + usize::from(filter.bodies.is_some())
     }
 
-    /// Takes the numbers of the elements `order`, followed by `padding` unused entries. Groups that fit into a word become categories and
-    /// masks.
+    /// Takes the numbers of the elements `order`, followed by `padding` unused entries. Groups that fit into
+    /// a word become categories and masks.
     ///
     /// Without a filter, the arrays become empty but keep their memory.
     pub(crate) fn arrange(
@@ -426,7 +433,7 @@ impl Labels {
         Arranged(arranged)
     }
 
-    /// `filter` with these numbers instead of its own.
+    /// Returns `filter` with these numbers in place of its own.
     pub(crate) fn filter<'a>(&'a self, filter: Filter<'a>) -> Filter<'a> {
         let [bodies, firsts, seconds] = &self.arrays;
         let sight = match filter.sight {
@@ -454,7 +461,8 @@ impl Labels {
         self.arrays == numbers_of(filter)
     }
 
-    /// The first element whose number differs in `filter`; `None` if there is none, or if the two have different arrays.
+    /// The first element whose number differs in `filter`; `None` if there is none, or if the two have
+    /// different arrays.
     pub(crate) fn first_change(&self, filter: Option<Filter<'_>>) -> Option<usize> {
         let theirs = numbers_of(filter);
         if self.arrays.iter().zip(theirs).any(|(ours, theirs)| ours.len() != theirs.len()) {
@@ -478,7 +486,8 @@ impl Labels {
 mod tests {
     use super::*;
 
-    /// A row of the matrix of 40 groups has no bit for group 69: a kernel that looked it up would read behind the row.
+    /// A row of the matrix of 40 groups has no bit for group 69: a kernel that looked it up would read behind
+    /// the row.
     #[test]
     #[should_panic(expected = "another matrix")]
     fn groups_go_with_the_matrix_that_they_were_checked_against() {

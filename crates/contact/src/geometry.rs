@@ -1,14 +1,17 @@
-//! When two elements touch: the floating-point operations that [`Elements`](crate::Elements) documents, for each kind of element.
+//! When two elements touch: the floating-point operations that [`Elements`](crate::Elements) documents, for
+//! each kind of element.
 
 use crate::filter::Filter;
 use crate::real::Real;
 
-/// The geometry of a set of elements as an engine reads it: the kind of element is resolved once per search, not once per couple.
+/// The geometry of a set of elements as an engine reads it: the kind of element is resolved once per search,
+/// not once per couple.
 pub(crate) trait Geometry: Copy {
     /// Number of elements.
     fn len(self) -> usize;
 
-    /// The coordinate that decides the cell of an element: that of its centre, or of the minimum corner of its box.
+    /// The coordinate that decides the cell of an element: that of its centre, or of the minimum corner of
+    /// its box.
     fn anchor(self, index: usize, axis: usize) -> f64;
 
     /// The closed comparison documented at [`Elements`](crate::Elements).

@@ -6,19 +6,22 @@ use crate::real::Real;
 
 /// A grid of square (cubic, …) cells over the domain. Points are mapped to integer coordinates axis by axis.
 ///
-/// Cell `i` of an axis holds the points with `Int((x - x_min) / d) = i`, counted from 0: equations (3.59) to (3.62) of the book, pp.
-/// 104-107. The edge `d` is the largest element plus the tolerance, widened so that touching elements are at most one cell apart even
-/// though this division rounds.
+/// Cell `i` of an axis holds the points with `Int((x - x_min) / d) = i`, counted from 0: equations (3.59) to
+/// (3.62) of the book, pp. 104-107. The edge `d` is the largest element plus the tolerance, widened so that
+/// touching elements are at most one cell apart even though this division rounds.
 ///
 /// # Why touching elements are at most one cell apart
-/// Let `R` bound the distance of the anchors of touching elements along an axis, with the rounding of the contact test included
-/// (`Elements::reach`). The subtraction, the inverse and the product below each round once, so the computed quotient is
-/// `q = (x - x_min)/d * (1 + e)` with `|e| <= 3.1 * 2^-53`. With less than `2^31` cells on the axis, two such quotients together differ
-/// from the exact ones by less than `2^32 * 3.1 * 2^-53 < 2^-19`. With `d = R * (1 + 2^-18)` the exact quotients differ by at most
-/// `1 - 2^-18 + 2^-36`. So the computed ones differ by less than 1, and their integer parts by at most 1.
+/// Let `R` bound the distance of the anchors of touching elements along an axis, with the rounding of the
+/// contact test included (`Elements::reach`). The subtraction, the inverse and the product below each round
+/// once, so the computed quotient is `q = (x - x_min)/d * (1 + e)` with `|e| <= 3.1 * 2^-53`. With less than
+/// `2^31` cells on the axis, two such quotients together differ from the exact ones by less than
+/// `2^32 * 3.1 * 2^-53 < 2^-19`. With `d = R * (1 + 2^-18)` the exact quotients differ by at most
+/// `1 - 2^-18 + 2^-36`. Therefore the computed ones differ by less than 1, and their integer parts by at
+/// most 1.
 ///
-/// A grid without list heads (`Grid::unbounded`) may have up to `2^46` cells on an axis. Its quotients together are off by less than
-/// `2^47 * 3.1 * 2^-53 < 0.05`, and its edge is at least `R * (1 + 1/8)`; the same argument holds.
+/// A grid without list heads (`Grid::unbounded`) may have up to `2^46` cells on an axis. Its quotients
+/// together are off by less than `2^47 * 3.1 * 2^-53 < 0.05`, and its edge is at least `R * (1 + 1/8)`; the
+/// same argument holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
     origin: [f64; D],
@@ -39,7 +42,8 @@ const WIDENING: f64 = 1.0 + 1.0 / 262_144.0;
 impl<const D: usize> Grid<D> {
     /// A grid that covers the elements, or the `domain` if one is given.
     ///
-    /// `max_heads` limits the number of list heads over this grid: one set on the last axis, two on each other axis.
+    /// `max_heads` limits the number of list heads over this grid: one set on the last axis, two on each
+    /// other axis.
     ///
     /// # Errors
     /// [`Error::DomainTooWide`], [`Error::InvalidDomain`], [`Error::OutsideDomain`].
@@ -74,13 +78,15 @@ impl<const D: usize> Grid<D> {
         Self { origin: [0.0; D], cell_size: 1.0, inverse: 1.0, cells: [0; D] }
     }
 
-    /// A grid that covers the elements however wide their domain is, for searches that store nothing per cell.
+    /// A grid that covers the elements however wide their domain is, for searches that store nothing per
+    /// cell.
     pub(crate) fn unbounded<T: Real>(elements: &Elements<'_, T, D>) -> Self {
         let bounds = elements.bounds();
         Self::countless(bounds, cell_size(elements, &bounds.min, &bounds.max))
     }
 
-    /// The same for elements that touch nothing farther away than `reach`; the edge of a cell is at least `edge`.
+    /// The same for elements that touch nothing farther away than `reach`; the edge of a cell is at least
+    /// `edge`.
     pub(crate) fn for_reach<T: Real>(bounds: Bounds<D>, reach: f64, edge: f64) -> Self {
         Self::countless(bounds, (reach.max(T::MIN_RESOLVED) * WIDENING).max(edge))
     }
@@ -95,8 +101,8 @@ impl<const D: usize> Grid<D> {
         grid
     }
 
-    /// A grid over other points with the same edge, whose cell faces lie in the same places. The edge is wider if there would be too many
-    /// cells.
+    /// A grid over other points with the same edge, whose cell faces lie in the same places. The edge is
+    /// wider if there would be too many cells.
     ///
     /// The places of the faces affect speed only.
     pub(crate) fn over(&self, bounds: Bounds<D>) -> Self {
@@ -109,7 +115,8 @@ impl<const D: usize> Grid<D> {
         Self::with_cell_size(origin, bounds.max, self.cell_size)
     }
 
-    /// A grid over points from `min` to `max` whose edge was chosen for speed alone; the edge is wider if there would be too many cells.
+    /// A grid over points from `min` to `max` whose edge was chosen for speed alone; the edge is wider if
+    /// there would be too many cells.
     pub(crate) fn with_cell_size(min: [f64; D], max: [f64; D], cell_size: f64) -> Self {
         let widest = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
         let cell_size = cell_size.max(widest / MAX_UNBOUNDED_CELLS);
@@ -140,11 +147,12 @@ impl<const D: usize> Grid<D> {
         self.quotient(axis, x) as u32
     }
 
-    /// The cell of coordinate `x` as in [`Grid::cell`], but for grids with more cells than `u32` can count, and rounded to the nearest
-    /// integer instead of down.
+    /// The cell of coordinate `x` as in [`Grid::cell`], but for grids with more cells than `u32` can count,
+    /// and rounded to the nearest integer instead of down.
     ///
-    /// The proof above only needs the quotient to be rounded to an integer in some monotonic way. Rounding to nearest takes two
-    /// instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are the integer.
+    /// The proof above only needs the quotient to be rounded to an integer in some monotonic way. Rounding to
+    /// nearest takes two instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are
+    /// the integer.
     #[inline]
     pub(crate) fn wide_cell(&self, axis: usize, x: f64) -> u64 {
         nearest_integer(self.quotient(axis, x))
@@ -162,10 +170,11 @@ impl<const D: usize> Grid<D> {
         [low, low + self.cells[axis] as f64 * self.cell_size]
     }
 
-    /// The first and the last cell that can hold points from `low` to `high`; `None` if there are none. For a grid from
-    /// [`Grid::unbounded`], and numbers of any size.
+    /// The first and the last cell that can hold points from `low` to `high`; `None` if there are none. Works
+    /// for a grid from [`Grid::unbounded`], and for numbers of any size.
     ///
-    /// The quotient, and so its nearest integer, ascends with the coordinate: no point in between has a cell outside of these two.
+    /// The quotient, and so its nearest integer, ascends with the coordinate: no point in between has a cell
+    /// outside of these two.
     pub(crate) fn cells_between(&self, axis: usize, low: f64, high: f64) -> Option<[u64; 2]> {
         let last = (self.cells[axis] - 1) as f64;
         let (low, high) = (self.quotient(axis, low), self.quotient(axis, high));
@@ -239,8 +248,8 @@ fn check_domain<T: Real, const D: usize>(
     Ok(())
 }
 
-/// The largest edge with which at least `cells` cells cover a box; `None` if the box is a single point. Uses integers, sums and products
-/// only, so the result is the same on every machine.
+/// The largest edge with which at least `cells` cells cover a box; `None` if the box is a single point. Uses
+/// integers, sums and products only, so the result is the same on every machine.
 pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option<f64> {
     let extents: [f64; D] = std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]);
     let widest = extents.iter().fold(0.0, |widest, &extent| f64::max(widest, extent));
@@ -257,7 +266,8 @@ pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option
     (widest > 0.0).then(|| widest / high as f64)
 }
 
-/// The edge of a cell: the largest element plus tolerance, widened. If all elements have size 0, there is about one cell per element.
+/// The edge of a cell: the largest element plus tolerance, widened. If all elements have size 0, there is
+/// about one cell per element.
 fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64; D], max: &[f64; D]) -> f64 {
     let mut reach = elements.reach();
     if reach == 0.0 {
@@ -270,8 +280,8 @@ fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64;
     reach.max(T::MIN_RESOLVED) * WIDENING
 }
 
-/// The smallest integer of at least 1 whose `power`-th power is at least `n`. Uses integers only, so the result is the same on every
-/// machine.
+/// The smallest integer of at least 1 whose `power`-th power is at least `n`. Uses integers only, so the
+/// result is the same on every machine.
 fn integer_root(n: usize, power: usize) -> usize {
     let reaches = |root: usize| {
         (0..power).try_fold(1_usize, |product, _| product.checked_mul(root)).is_none_or(|p| p >= n)
@@ -327,7 +337,8 @@ mod tests {
         }
     }
 
-    /// On a lattice whose spacing is exactly the diameter, neighbours touch and must be at most one cell apart.
+    /// On a lattice whose spacing is exactly the diameter, neighbours touch and must be at most one cell
+    /// apart.
     #[test]
     fn touching_neighbours_on_a_long_lattice_are_adjacent() {
         for spacing in [1.0, 0.1, 1.0 / 3.0, 1e-9, 1e12] {
@@ -342,8 +353,8 @@ mod tests {
         }
     }
 
-    /// Elements on both sides of a cell face, far from the first element, where the quotients round most. Without the widening some of them
-    /// would be two cells apart.
+    /// Elements on both sides of a cell face, far from the first element, where the quotients round most.
+    /// Without the widening some of them would be two cells apart.
     #[test]
     fn rounding_at_distant_cell_faces_is_covered() {
         let mut steps = [0; 3];

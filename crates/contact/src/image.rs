@@ -1,7 +1,7 @@
 //! Contacts in labelled images: bodies that are sets of grid squares (pixels, voxels).
 //!
-//! Every number in the array is a body, except one, the background. Two bodies are in contact if they have grid squares that are
-//! neighbours: these share a face, an edge or a vertex ([`Neighbourhood`]).
+//! Every number in the array is a body, except one, the background. Two bodies are in contact if they have
+//! grid squares that are neighbours: these share a face, an edge or a vertex ([`Neighbourhood`]).
 //!
 //! ```
 //! use fdem_contact::image::{Neighbourhood, Spacing, contacts};
@@ -22,15 +22,16 @@
 //!
 //! [`ImageContacts`] takes an image slab by slab; it stores one plane and the contacts.
 //!
-//! # What is counted
-//! Two grid squares with different labels, neither of which is the background, form a *pair*. A pair is counted once, by what it shares: a
-//! *face* if the squares are neighbours along one axis; an *edge* if they differ by one along exactly two of three axes; a *vertex* if they
-//! differ by one along all axes. A pair that shares an edge counts regardless of its surroundings: at a plane interface every voxel has
-//! four neighbours across edges in addition to the one across its face.
+//! # Counting
+//! Two grid squares with different labels, neither of which is the background, form a *pair*. A pair is
+//! counted once, by the kind of its common boundary: a *face* if the squares are neighbours along one axis;
+//! an *edge* if they differ by one along exactly two of three axes; a *vertex* if they differ by one along
+//! all axes. A pair that shares an edge counts regardless of its surroundings: at a plane interface every
+//! voxel has four neighbours across edges in addition to the one across its face.
 //!
 //! # Coordinates
-//! Coordinates are in the order of the axes of the array, as in NumPy: the slowest first. The origin is the centre of the first grid
-//! square, so the centre of a grid square is its index times the [`Spacing`].
+//! Coordinates are in the order of the axes of the array, as in NumPy: the slowest first. The origin is the
+//! centre of the first grid square, so the centre of a grid square is its index times the [`Spacing`].
 
 mod contact;
 mod row;
@@ -77,7 +78,8 @@ pub enum Neighbourhood {
     /// Squares that share a face (a side in 2D): 4 neighbours in 2D, 6 in 3D.
     #[default]
     Face,
-    /// Squares that share an edge, in 3D only: 18 neighbours. In 2D squares meet along sides or at corners only.
+    /// Squares that share an edge, in 3D only: 18 neighbours. In 2D squares meet along sides or at corners
+    /// only.
     Edge,
     /// Squares that share a vertex (a corner in 2D): 8 neighbours in 2D, 26 in 3D.
     Vertex,
@@ -86,8 +88,8 @@ pub enum Neighbourhood {
 /// All contacts in an image in memory, with background 0, on one thread.
 ///
 /// # Shapes
-/// `labels`: the array in C order; the last axis of `shape` is the fastest. Result: `m` contacts, the smaller label first, each pair of
-/// labels once, sorted by the first, then the second label.
+/// `labels`: the array in C order; the last axis of `shape` is the fastest. Result: `m` contacts, the smaller
+/// label first, each pair of labels once, sorted by the first, then the second label.
 ///
 /// # Cost
 /// See [`ImageContacts`].
@@ -116,17 +118,17 @@ pub fn contacts<L: Label, const D: usize>(
 
 /// Finds the contacts in an image that is given slab by slab.
 ///
-/// A slab is one or more planes of the slowest axis; in 2D a plane is a row of pixels. Neighbouring rows are compared a vector at a time.
-/// Labels are examined only where the rows differ, in runs of equal pairs. The sums are integers, so the result depends neither on the
-/// slabs nor on the threads.
+/// A slab is one or more planes of the slowest axis; in 2D a plane is a row of pixels. Neighbouring rows are
+/// compared a vector at a time. Labels are examined only where the rows differ, in runs of equal pairs. The
+/// sums are integers, so the result depends neither on the slabs nor on the threads.
 ///
 /// # Shapes
 /// `D` is 2 or 3.
 ///
 /// # Cost
-/// Time: a pass over the image for each of the 2, 4, 3, 9 or 13 directions to neighbours, some nanoseconds for each run of faces, and the
-/// sorting of the contacts. Memory: one plane, 80 bytes per contact (270 with edges or vertices) and 10 bytes per label. Each thread holds
-/// its own contacts and labels.
+/// Time: a pass over the image for each of the 2, 4, 3, 9 or 13 directions to neighbours, some nanoseconds
+/// for each run of faces, and the sorting of the contacts. Memory: one plane, 80 bytes per contact (270 with
+/// edges or vertices) and 10 bytes per label. Each thread holds its own contacts and labels.
 ///
 /// # Example
 /// ```
@@ -183,7 +185,8 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         let product =
             |lengths: &[usize]| lengths.iter().try_fold(1, |n: usize, &length| n.checked_mul(length));
         let longest = shape.iter().copied().max().unwrap_or(0) as u128;
-        // A sum of a contact has at most as many terms as a grid square has neighbours, and none is larger than doubled indices.
+        // The number of terms in a sum of a contact is at most the number of neighbours of a grid square, and
+        // none is larger than doubled indices.
         let bound = |n: usize| (n as u128).checked_mul(longest)?.checked_mul(2 * row::DIRECTIONS as u128);
         let in_range = |n| bound(n).is_some_and(|bound| bound <= i64::MAX as u128);
         let (Some(plane), true) = (product(&shape[1..]), product(&shape).is_some_and(in_range)) else {
@@ -209,7 +212,8 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         self
     }
 
-    /// The same on several threads; 0 is one per processor. They share the rows of each slab, so a slab should have many rows.
+    /// The same on several threads; 0 is one per processor. They share the rows of each slab, so a slab
+    /// should have many rows.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -224,8 +228,9 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// `slab`: any number of whole planes, in C order.
     ///
     /// # Errors
-    /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been added then. [`Error::OutOfMemory`], [`Error::TooManyContacts`];
-    /// after these the image cannot be continued, and every further call returns the same error.
+    /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been added then.
+    /// [`Error::OutOfMemory`], [`Error::TooManyContacts`]; after these the image cannot be continued, and
+    /// every further call returns the same error.
     pub fn add(&mut self, slab: &[L]) -> Result<(), Error> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
@@ -304,7 +309,8 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// See [`contacts`].
     ///
     /// # Errors
-    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`], [`Error::TooManyContacts`], also if [`ImageContacts::add`] returned one of these.
+    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`], [`Error::TooManyContacts`], also if
+    /// [`ImageContacts::add`] returned one of these.
     pub fn finish(self) -> Result<Vec<ImageContact<L, D>>, Error> {
         if let Some(error) = self.failed {
             return Err(error);
@@ -347,7 +353,8 @@ impl<'a, L> Rows<'a, L> {
 }
 
 impl<L: Label, const D: usize> Part<L, D> {
-    /// Compares the rows `lines` of the slab, counted from its first row, with themselves and with the rows before them.
+    /// Compares the rows `lines` of the slab, counted from its first row, with themselves and with the rows
+    /// before them.
     fn take(
         &mut self,
         rows: &Rows<'_, L>,

@@ -1,4 +1,5 @@
-//! Elements that are sorted once and searched many times: against another set, around points, for nearest neighbours.
+//! Elements that are sorted once and searched many times: against another set, around points, for nearest
+//! neighbours.
 
 mod nearest;
 mod rows;
@@ -20,34 +21,40 @@ use crate::simd::{Available, Simd};
 
 use rows::Part;
 
-/// Elements that are sorted once and searched many times: a boundary that moving elements may touch, or points whose neighbours are wanted.
+/// Elements that are sorted once and searched many times: for example a fixed boundary that moving elements
+/// may touch, or points whose neighbours are searched for.
 ///
-/// The index owns a sorted copy of the elements; the caller's arrays are free after [`Index::build`]. Every search takes many elements or
-/// points at once, sorts them as the index is sorted, and compares rows with rows, a vector at a time. Sorting, rows and kernels are those
-/// of [`Rows`](crate::Rows). The cells follow the density of the elements, not their size. So the cost of a search for any distance follows
-/// from the number of elements around, and empty space costs nothing.
+/// The index owns a sorted copy of the elements; the caller's arrays are free after [`Index::build`]. Every
+/// search takes many elements or points at once, sorts them as the index is sorted, and compares rows with
+/// rows, a vector at a time. Sorting, rows and kernels are those of [`Rows`](crate::Rows). The cells follow
+/// the density of the elements, not their size. Therefore the cost of a search for any distance follows from
+/// the number of elements around, and empty space costs nothing.
 ///
-/// # What is found
-/// - *Two sets* ([`Index::couples_with`], [`Index::for_each_with`], [`Index::count_with`]): elements of another set that touch elements of
-///   the index; no couples within either set. The comparison is that of [`Elements`] with the radii of the two and the larger of the two
-///   tolerances. Two points with cut-offs touch at half of the sum of the cut-offs. Either both sets are boxes or neither is. Either both
-///   have filters of the same kind (groups: with equal matrices) or neither has.
-/// - *Around points* ([`Index::within`], [`Index::within_with_distances`]): elements whose centre (of a box: minimum corner) is at a
-///   distance of at most `r`.
+/// # Searches
+/// - *Two sets* ([`Index::couples_with`], [`Index::for_each_with`], [`Index::count_with`]): elements of
+///   another set that touch elements of the index; no couples within either set. The comparison is that of
+///   [`Elements`] with the radii of the two and the larger of the two tolerances. Two points with cut-offs
+///   touch at half of the sum of the cut-offs. Either both sets are boxes or neither is. Either both have
+///   filters of the same kind (groups: with equal matrices) or neither has.
+/// - *Around points* ([`Index::within`], [`Index::within_with_distances`]): elements whose centre (of a box:
+///   minimum corner) is at a distance of at most `r`.
 /// - *Nearest* ([`Index::nearest`]): the `k` elements with the nearest centres.
 ///
-/// Distances between centres are those of [`Elements::distance_squared`]: `((d_0 * d_0) + d_1 * d_1) + …` in the type `T`, the axes in
-/// ascending order, without fused multiply-add. They are compared with `r * r`, closed. Radii and tolerances have no effect on them.
+/// Distances between centres are those of [`Elements::distance_squared`]: `((d_0 * d_0) + d_1 * d_1) + …` in
+/// the type `T`, the axes in ascending order, without fused multiply-add. They are compared with `r * r`,
+/// closed. Radii and tolerances have no effect on them.
 ///
 /// # Order
-/// All results are a function of the input alone. They are the same for any number of threads and any vector instructions.
+/// All results are a function of the input alone. They are the same for any number of threads and any vector
+/// instructions.
 ///
 /// # Cost
-/// Building takes some tens of nanoseconds per element. If sizes say little about density, the elements are sorted up to six times. A
-/// search takes tens of nanoseconds per element or point, plus the comparisons, and is most efficient for many points at once. For a point
-/// far outside, [`Index::nearest`] looks at all rows on the facing side; a million elements in 3D have thousands of these. Many elements in
-/// exactly one place are all compared for each query of the nearest. Memory per element: that of [`Rows`](crate::Rows), and `D` coordinates
-/// more for boxes and for distances. Per query point the same, and its results once more.
+/// Building takes some tens of nanoseconds per element. If sizes say little about density, the elements are
+/// sorted up to six times. A search takes tens of nanoseconds per element or point, plus the comparisons, and
+/// is most efficient for many points at once. For a point far outside, [`Index::nearest`] looks at all rows
+/// on the facing side; a million elements in 3D have thousands of these. Many elements in exactly one place
+/// are all compared for each query of the nearest. Memory per element: that of [`Rows`](crate::Rows), and `D`
+/// coordinates more for boxes and for distances. Per query point the same, and its results once more.
 ///
 /// # Errors
 /// All searches return [`Error::IndexNotBuilt`] or [`Error::OutOfMemory`]; the output is then empty.
@@ -113,7 +120,8 @@ enum Kind<T> {
     Boxes,
 }
 
-/// Allowed average number of elements per occupied cell. With fewer, rows are too short for vectors; with more, too much is compared.
+/// Allowed average number of elements per occupied cell. With fewer, rows are too short for vectors; with
+/// more, too much is compared.
 const CELL_LOAD: std::ops::RangeInclusive<f64> = 1.5..=16.0;
 
 /// Number of elements per cell if they are spread evenly.
@@ -164,11 +172,12 @@ impl<T: Real, const D: usize> Index<T, D> {
         Ok(self)
     }
 
-    /// The same on `threads` threads. 0 is one per processor; 1 is the default and uses no thread pool. The results are the same.
+    /// The same on `threads` threads. 0 is one per processor; 1 is the default and uses no thread pool. The
+    /// results are the same.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
-    /// `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate
+    /// was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
@@ -243,8 +252,9 @@ impl<T: Real, const D: usize> Index<T, D> {
 
     /// Sorts the elements into cells with a suitable number of elements each.
     ///
-    /// The size of the elements is the first estimate of the edge, unless an even spread over the whole domain needs a larger one. If cells
-    /// hold too few or too many elements, edges between the largest that is too small and the smallest that is too large are tried.
+    /// The size of the elements is the first estimate of the edge, unless an even spread over the whole
+    /// domain needs a larger one. If cells hold too few or too many elements, edges between the largest that
+    /// is too small and the smallest that is too large are tried.
     fn sort(&mut self, elements: &Elements<'_, T, D>, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
         let natural = Grid::unbounded(elements);
         let even = edge_for(&self.bounds, points.len() as f64 / EVEN_LOAD);
@@ -284,10 +294,12 @@ impl<T: Real, const D: usize> Index<T, D> {
         layout.len() as f64 / cells.max(1) as f64
     }
 
-    /// Writes the couples of `elements` with the elements of the index into `couples`, which is cleared first.
+    /// Writes the couples of `elements` with the elements of the index into `couples`, which is cleared
+    /// first.
     ///
     /// # Shapes
-    /// `m` couples, each once: `i` belongs to `elements`, `j` to the index. Their order is a function of the input alone.
+    /// `m` couples, each once: `i` belongs to `elements`, `j` to the index. Their order is a function of the
+    /// input alone.
     ///
     /// # Errors
     /// [`Error::UnlikeShapes`], and those of [`Index`].
@@ -438,14 +450,15 @@ impl<T: Real, const D: usize> Index<T, D> {
         Scans { each: &[scan], pool, parts: &mut self.waiting }.all(sink)
     }
 
-    /// Writes, for each point, the elements at a distance of at most `r` into its row of `found`, ascending by number.
+    /// Writes, for each point, the elements at a distance of at most `r` into its row of `found`, ascending
+    /// by number.
     ///
     /// # Shapes
     /// `points` `[q]`; `found`: `q` rows.
     ///
     /// # Errors
-    /// [`Error::InvalidCutoff`] if `r` is negative or NaN; [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and
-    /// [`Error::TooManyElements`] for the points; and those of [`Index`].
+    /// [`Error::InvalidCutoff`] if `r` is negative or NaN; [`Error::NonFiniteCoordinate`],
+    /// [`Error::CoordinateTooLarge`] and [`Error::TooManyElements`] for the points; and those of [`Index`].
     ///
     /// # Example
     /// ```
@@ -494,17 +507,18 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.find_within(points, r, offsets, neighbours, Some(values)).inspect_err(|_| found.clear())
     }
 
-    /// Writes, for each point, the `k` nearest elements into its row of `found`, ascending by squared distance, then by number. The values
-    /// are the squared distances.
+    /// Writes, for each point, the `k` nearest elements into its row of `found`, ascending by squared
+    /// distance, then by number. The values are the squared distances.
     ///
-    /// There are fewer entries if there are fewer than `k` elements. Elements at the same distance are ordered by number, so the row is
-    /// unique.
+    /// There are fewer entries if there are fewer than `k` elements. Elements at the same distance are
+    /// ordered by number, so the row is unique.
     ///
     /// # Shapes
     /// `points` `[q]`; `found`: `q` rows of `min(k, n)` entries.
     ///
     /// # Errors
-    /// [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and [`Error::TooManyElements`] for the points; and those of [`Index`].
+    /// [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and [`Error::TooManyElements`] for the
+    /// points; and those of [`Index`].
     ///
     /// # Example
     /// ```

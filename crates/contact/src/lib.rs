@@ -1,4 +1,5 @@
-//! Contact detection: finds which of N elements touch, in time and memory proportional to N at any packing density.
+//! Contact detection: finds which of N elements touch, in time and memory proportional to N at any packing
+//! density.
 //!
 //! ```
 //! let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
@@ -8,9 +9,9 @@
 //! # Ok::<(), fdem_contact::Error>(())
 //! ```
 //!
-//! These are [`couples`] and [`couples_within`], the latter for points with a cut-off. For everything else:
+//! These are [`couples`] and [`couples_within`], the latter for points with a cut-off. Other tasks:
 //!
-//! | you want | use |
+//! | for | use |
 //! |---|---|
 //! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
 //! | to search repeatedly in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
@@ -32,78 +33,95 @@
 //! | which meshed bodies touch, element by element and body by body; spheres against walls | [`discretised`] |
 //!
 //! # Guarantees
-//! - **Exact or an error.** Every couple that touches is reported, once; there is no limit on their number and no silent loss. Touching is
-//!   defined to the last bit ([`Elements`]), and every engine takes the same decision.
+//! - **Exact or an error.** Every couple that touches is reported, once; there is no limit on their number
+//!   and no silent loss. Touching is defined to the last bit ([`Elements`]), and every engine takes the same
+//!   decision.
 //! - **Deterministic.** The order of the couples is a function of the input alone.
-//! - **Checked.** NaN, infinity, negative radii, arrays of different lengths and domains that are too wide give an [`Error`] that names the
-//!   element, before anything is computed.
+//! - **Checked.** NaN, infinity, negative radii, arrays of different lengths and domains that are too wide
+//!   give an [`Error`] that names the element, before anything is computed.
 //! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
 //!
-//! This crate reads no files, prints nothing and contains no physics. It depends on robust, whose exact predicates [`narrow`] uses, and
-//! behind the feature `rayon` (on by default) on rayon and, on Linux, rustix. Without that feature a search runs on one thread, with the
-//! same results.
+//! This crate reads no files, prints nothing and contains no physics. It depends on robust, whose exact
+//! predicates [`narrow`] uses, and behind the feature `rayon` (on by default) on rayon and, on Linux, rustix.
+//! Without that feature a search runs on one thread, with the same results.
 //!
 //! # Unsafe code
-//! Vector kernels, in `src/simd.rs` and the files below it, use vector instructions and pointers. Threads write to one array in `src/search/rows/scatter.rs`, which
-//! `src/search/rows/layout.rs` uses, and to one list in `src/ordered.rs`. No other file has unsafe code, and no safe function relies on its caller. CI runs the kernels under valgrind, and everything
-//! but the vector instructions under Miri.
+//! Vector kernels, in `src/simd.rs` and the files below it, use vector instructions and pointers. Threads
+//! write to one array in `src/search/rows/scatter.rs`, which `src/search/rows/layout.rs` uses, and to one
+//! list in `src/ordered.rs`. No other file has unsafe code, and no safe function relies on its caller. CI
+//! runs the kernels under valgrind, and everything but the vector instructions under Miri.
 //!
 //! # How it is built
 //!
-//! **Input.** `Elements` borrows the caller's arrays, checks every number once, and defines "touch": which floating-point operations, in which order,
-//! without fused multiply-add. A `Filter` says which elements see each other. It is part of that definition, and engines that sort or copy elements sort
-//! and copy its numbers too.
+//! **Input.** `Elements` borrows the caller's arrays, checks every number once, and defines "touch": which
+//! floating-point operations, in which order, without fused multiply-add. A `Filter` says which elements see
+//! each other. It is part of that definition, and engines that sort or copy elements sort and copy its
+//! numbers too.
 //!
-//! **Grid.** `Grid` maps coordinates to cells, in `f64` for both float types. A cell is as wide as the largest element plus a rounding step; the comment
-//! beside it proves that two touching elements are never two cells apart. `Lists` holds the heads and next numbers of one axis. `CONTACT_MASK` has four
-//! entries of data, which unfold to half of the 3^D - 1 neighbours.
+//! **Grid.** `Grid` maps coordinates to cells, in `f64` for both float types. A cell is as wide as the
+//! largest element plus a rounding step; the comment beside it proves that two touching elements are never
+//! two cells apart. `Lists` holds the heads and next numbers of one axis. `CONTACT_MASK` has four entries of
+//! data, which unfold to half of the 3^D - 1 neighbours.
 //!
 //! **Engines.** `Detector` picks an engine and gives the reason.
 //!
 //! - `Direct` compares all elements with each other. It is the oracle of the tests.
-//! - `Nbs` is one recursion over the axes. For D = 2 and D = 3 it is the published procedure, and its comments mark the published steps.
-//! - `Rows` is the default. It uses the same decomposition on contiguous memory: `Layout` sorts the elements into rows of cells and along the rows, and a
-//!   kernel compares each row with itself and with the rows of the mask, one vector at a time. `Layout` first distributes the elements over blocks of
-//!   rows and then sorts each block in cache; empty stretches of cells cost nothing. Where elements are few, cells are wider than the largest element, so
-//!   that rows hold enough of them (`src/search/rows/sparse.rs`).
-//! - `Multilevel` is for unlike sizes. It splits the elements into levels, each with a `Layout`, and scans the levels in pairs. A cost model chooses the
-//!   levels, and which level of a pair searches in the other (`src/search/multilevel/levels.rs`). Spheres search one by one, each within its own reach,
-//!   and less far along the rows that are farther away (`src/search/rows/reach.rs`).
-//! - `CGrid` is for bodies that span many cells. They enter and leave singly connected lists by the ends of their boxes, axis by axis
-//!   (`src/search/cgrid/lists.rs`). A couple is compared in the one cell where, on every axis, one body enters while the other is present.
-//!   `src/search/cgrid/spans.rs` maps bodies to cells and proves that no couple is lost; `src/search/cgrid/levels.rs` moves large bodies to coarser
-//!   cells. `Detector` takes `CGrid` only for long thin boxes, where it is predicted to be at least 6 times as fast as `Rows`. For spheres and compact
-//!   boxes vectors on rows are faster (`bench/NOTES.md`, "Bodies that span cells").
+//! - `Nbs` is one recursion over the axes. For D = 2 and D = 3 it is the published procedure, and its
+//!   comments mark the published steps.
+//! - `Rows` is the default. It uses the same decomposition on contiguous memory: `Layout` sorts the elements
+//!   into rows of cells and along the rows, and a kernel compares each row with itself and with the rows of
+//!   the mask, one vector at a time. `Layout` first distributes the elements over blocks of rows and then
+//!   sorts each block in cache; empty stretches of cells cost nothing. Where elements are few, cells are
+//!   wider than the largest element, so that rows hold enough of them (`src/search/rows/sparse.rs`).
+//! - `Multilevel` is for unlike sizes. It splits the elements into levels, each with a `Layout`, and scans
+//!   the levels in pairs. A cost model chooses the levels, and which level of a pair searches in the other
+//!   (`src/search/multilevel/levels.rs`). Spheres search one by one, each within its own reach, and less far
+//!   along the rows that are farther away (`src/search/rows/reach.rs`).
+//! - `CGrid` is for bodies that span many cells. They enter and leave singly connected lists by the ends of
+//!   their boxes, axis by axis (`src/search/cgrid/lists.rs`). A couple is compared in the one cell where, on
+//!   every axis, one body enters while the other is present. `src/search/cgrid/spans.rs` maps bodies to cells
+//!   and proves that no couple is lost; `src/search/cgrid/levels.rs` moves large bodies to coarser cells.
+//!   `Detector` takes `CGrid` only for long thin boxes, where it is predicted to be at least 6 times as fast
+//!   as `Rows`. For spheres and compact boxes vectors on rows are faster (`bench/NOTES.md`, "Bodies that span
+//!   cells").
 //!
-//! **Vectors.** The kernel compares four neighbouring elements together, in 32-bit coordinates relative to a nearby point. Where such a distance is too
-//! close to decide, the exact comparison decides. What touches any of the four is first put side by side, and their couples are read from there. The head of `src/simd/cluster.rs` bounds the error and proves that no couple is lost or invented;
+//! **Vectors.** The kernel compares four neighbouring elements together, in 32-bit coordinates relative to a
+//! nearby point. Where such a distance is too close to decide, the exact comparison decides. The elements
+//! that touch any of the four are first collected side by side, and their couples are read from there. The
+//! head of `src/simd/cluster.rs` bounds the error and proves that no couple is lost or invented;
 //! `tests/suite/doubt.rs` tests distances within 1e-16 of the limit.
 //!
-//! **Threads.** Every engine that sorts elements into rows produces `Scan`s (`src/search/rows/scan.rs`), which threads run part by part. The parts do not
-//! depend on the number of threads; `src/pool.rs` distributes them. All threads write one list, in the order of one thread: `src/ordered.rs` gives each
-//! part its place as soon as the parts before it are done. Linux may wake a thread on the processor of the caller while another processor is idle;
-//! `src/pool/spread.rs` moves it.
-//! A caller that has a pool of its own shares it (`Detector::on_pool`).
+//! **Threads.** Every engine that sorts elements into rows produces `Scan`s (`src/search/rows/scan.rs`),
+//! which threads run part by part. The parts do not depend on the number of threads; `src/pool.rs`
+//! distributes them. All threads write one list, in the order of one thread: `src/ordered.rs` gives each part
+//! its place as soon as the parts before it are done. Linux may wake a thread on the processor of the caller
+//! while another processor is idle; `src/pool/spread.rs` moves it. A caller with its own pool shares it
+//! (`Detector::on_pool`).
 //!
-//! **Two sets and points.** `Index` keeps a `Layout` whose cells follow the density. It sorts the other set, or the points, into cells with the same
-//! faces, and runs the same kernels over rows of both. `src/search/rows/reach.rs` finds the rows in reach and jumps over empty ones.
+//! **Two sets and points.** `Index` keeps a `Layout` whose cells follow the density. It sorts the other set,
+//! or the points, into cells with the same faces, and runs the same kernels over rows of both.
+//! `src/search/rows/reach.rs` finds the rows in reach and jumps over empty ones.
 //!
-//! **Periodic boxes.** `PeriodicSearch` wraps elements into a `PeriodicBox` and makes all images that may touch them (`src/periodic/images.rs` has the
-//! margin and its proof). One `Detector` searches among the elements, another among those near the faces and the images. Each couple is kept in one form,
-//! with its shift.
+//! **Periodic boxes.** `PeriodicSearch` wraps elements into a `PeriodicBox` and makes all images that may
+//! touch them (`src/periodic/images.rs` has the margin and its proof). One `Detector` searches among the
+//! elements, another among those near the faces and the images. Each couple is kept in one form, with its
+//! shift.
 //!
-//! **Narrow phase.** `narrow` knows nothing of searches. Constructors check shapes once; one function for each pair of shapes returns a `Contact`: a
-//! point, a normal, and a gap, depth, length, area or volume. Signs that decide topology are exact (`src/narrow/exact.rs`, the crate robust). The head of
+//! **Narrow phase.** `narrow` does not depend on searches. Constructors check shapes once; one function for
+//! each pair of shapes returns a `Contact`: a point, a normal, and a gap, depth, length, area or volume.
+//! Signs that decide topology are exact (`src/narrow/exact.rs`, the crate robust). The head of
 //! `tests/narrow.rs` lists the references of its tests.
 //!
-//! **Meshes.** `discretised::MeshSearch` combines both phases: a `Detector` finds couples of boxes, all threads run the narrow phase on them, and
-//! `body_contacts` sums the results by body in the order of the list (`src/discretised/bodies.rs`). Boxes of spheres against walls are enlarged by the
-//! rounding error of the narrow phase (`src/discretised/spheres.rs`). `crates/fdem/src/command/meshes.rs` numbers the elements and bodies of several
-//! files together.
+//! **Meshes.** `discretised::MeshSearch` combines both phases: a `Detector` finds couples of boxes, all
+//! threads run the narrow phase on them, and `body_contacts` sums the results by body in the order of the
+//! list (`src/discretised/bodies.rs`). Boxes of spheres against walls are enlarged by the rounding error of
+//! the narrow phase (`src/discretised/spheres.rs`). `crates/fdem/src/command/meshes.rs` numbers the elements
+//! and bodies of several files together.
 //!
-//! **Labelled images.** `image::ImageContacts` is separate: it compares each row of voxels with its neighbour rows, one vector at a time
-//! (`src/image/row.rs`), and adds runs of equal pairs to a table of whole numbers (`src/image/table.rs`), so that slabs and threads do not change the
-//! result. Areas, centroids and normals follow at the end (`src/image/contact.rs`). `fdem-io` reads the planes (`crates/io/src/labels.rs`), and
+//! **Labelled images.** `image::ImageContacts` is separate: it compares each row of voxels with its neighbour
+//! rows, one vector at a time (`src/image/row.rs`), and adds runs of equal pairs to a table of whole numbers
+//! (`src/image/table.rs`), so that slabs and threads do not change the result. Areas, centroids and normals
+//! follow at the end (`src/image/contact.rs`). `fdem-io` reads the planes (`crates/io/src/labels.rs`), and
 //! `crates/fdem/src/command/labels.rs` connects the two.
 //!
 //! # To change X, open Y
@@ -123,7 +141,7 @@
 //! | vector instructions | `src/simd.rs`, `src/simd/task.rs`, `src/simd/vector.rs`, `src/simd/kernel.rs`; four elements at a time: `src/simd/cluster.rs` |
 //! | the check of coordinates, the extremes of motions | `src/elements.rs`, `src/simd/extremes.rs` |
 //! | the choice of an engine, a new engine | `src/detector.rs`, `src/engine.rs`, `src/search.rs` |
-//! | what `explain` tells before a search | `src/explain.rs` |
+//! | the predictions of `explain` | `src/explain.rs` |
 //! | two sets, elements around points, nearest elements | `src/index.rs`, `src/index/rows.rs`, `src/index/nearest.rs` |
 //! | when moving elements are searched again | `src/buffer.rs`, in a periodic box `src/periodic/buffered.rs` |
 //! | rows of neighbours from couples | `src/csr.rs` |
@@ -136,16 +154,20 @@
 //! # Decisions, and departures from the book
 //!
 //! - The recursion of p. 128 serves all dimensions; 2D and 3D are not written out again.
-//! - Boxes are mapped to cells by their minimum corner, not their centre: far from the origin the centre rounds by more than the box.
+//! - Boxes are mapped to cells by their minimum corner, not their centre: far from the origin the centre
+//!   rounds by more than the box.
 //! - "Old" is head + N as in (3.39), so readers decode; this limits NBS to 2^31 - 1 elements.
-//! - Lists beyond the ends of an axis are empty by a bounds check; the heads are not padded, so the memory formula holds exactly.
-//! - A new detection of `Buffered` does not start from the previous order: to gather the elements in it costs more than a better order saves, and so does
-//!   keeping the rows and moving only what has left them; both were built and measured (`bench/NOTES.md`, "From the previous order"). What it keeps is
+//! - Lists beyond the ends of an axis are empty by a bounds check; the heads are not padded, so the memory
+//!   formula holds exactly.
+//! - A new detection of `Buffered` does not start from the previous order: to gather the elements in it costs
+//!   more than a better order saves, and so does keeping the rows and moving only the elements that have left
+//!   them; both were built and measured (`bench/NOTES.md`, "From the previous order"). `Buffered` keeps only
 //!   its memory.
 //! - Elements without size (points with a cut-off of 0) have no natural cell; they get about one cell each.
 //!
 //! # Data flow
-//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
+//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`],
+//! [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
 
 // In the order in which data flows.
 mod memory;
@@ -209,7 +231,8 @@ pub use verify::{Mismatch, verify};
 /// The engine is chosen from the elements; a [`Detector`] reuses its memory and says which engine and why.
 ///
 /// # Shapes
-/// `centres` `[n]` points `[T; D]`, `radii` `[n]`; result: `m` couples, `i < j`, each once, sorted by `i`, then `j`.
+/// `centres` `[n]` points `[T; D]`, `radii` `[n]`; result: `m` couples, `i < j`, each once, sorted by `i`,
+/// then `j`.
 ///
 /// # Units
 /// One length unit for both.

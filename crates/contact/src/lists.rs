@@ -9,12 +9,13 @@ pub const NONE: u32 = u32::MAX;
 
 /// All lists along one axis: `heads` per cell, `next` per element.
 ///
-/// In the book `next` is `Y` and `heads` is `B` on the axis y, `X` and `A` on the axis x, `Z` and `C` on the axis z
-/// (`D` and `H` for the last axis of n dimensions). The last axis has one set of heads, the others two.
+/// In the book `next` is `Y` and `heads` is `B` on the axis y, `X` and `A` on the axis x, `Z` and `C` on the
+/// axis z (`D` and `H` for the last axis of n dimensions). The last axis has one set of heads, the others
+/// two.
 ///
-/// An element is on at most one list of an axis, so one `next` serves both sets. A list that has been visited is marked *old* by adding N
-/// to its head, as in (3.39), because the memory formula (3.65) leaves no other room for a mark. A reader of a list must therefore decode
-/// its head.
+/// An element is on at most one list of an axis, so one `next` serves both sets. A list that has been visited
+/// is marked *old* by adding N to its head, as in (3.39), because the memory formula (3.65) leaves no other
+/// room for a mark. A reader of a list must therefore decode its head.
 #[derive(Clone, Debug, Default)]
 pub struct Lists {
     heads: [Vec<u32>; 2],
@@ -30,7 +31,8 @@ impl Lists {
         &self.heads[set as usize]
     }
 
-    /// The next element on the list of each element, or [`NONE`]; meaningless for elements that are on no list.
+    /// The next element on the list of each element, or [`NONE`]; meaningless for elements that are on no
+    /// list.
     pub fn next(&self) -> &[u32] {
         &self.next
     }
@@ -43,8 +45,8 @@ impl Lists {
 
     /// Sizes the arrays for `elements` elements and `cells` cells; all lists are empty afterwards.
     ///
-    /// Existing heads are empty already, because the search empties every list that it fills. So only added heads are written. `reset`
-    /// writes them all; that is the only loop over cells.
+    /// Existing heads are empty already, because the search empties every list that it fills. Therefore only
+    /// added heads are written. `reset` writes them all; that is the only loop over cells.
     pub(crate) fn prepare(&mut self, elements: usize, cells: [u32; 2], reset: bool) -> Result<(), Error> {
         for (heads, cells) in self.heads.iter_mut().zip(cells) {
             resize(heads, cells as usize, NONE)?;
@@ -73,7 +75,8 @@ impl Lists {
         *head = element;
     }
 
-    /// The first element of list `cell`, whether the list is new or old; [`NONE`] beyond either end of the axis.
+    /// The first element of list `cell`, whether the list is new or old; [`NONE`] beyond either end of the
+    /// axis.
     #[inline]
     pub(crate) fn first(&self, set: Set, cell: u32) -> u32 {
         let head = self.heads[set as usize].get(cell as usize).copied().unwrap_or(NONE);

@@ -5,28 +5,33 @@
 pub enum Set {
     /// Elements of the central list of the axis above: A\[0\], B\[0\] in the book.
     Central = 0,
-    /// Elements of every other list that the mask reaches, merged into one set: A\[1\], B\[1\] in the book, (3.78) and (3.79).
+    /// Elements of every other list that the mask reaches, merged into one set: A\[1\], B\[1\] in the book,
+    /// (3.78) and (3.79).
     Neighbours = 1,
 }
 
-/// The lists along one axis that a central list `i` is compared with, besides itself: their set and their offset from `i`.
+/// The lists along one axis that a central list `i` is compared with, besides itself: their set and their
+/// offset from `i`.
 ///
-/// This rule, applied axis by axis from the last to the first, gives the half mask in any number of dimensions. [`Set::Neighbours`] merges
-/// everything that is not central, so no axis needs more than these four lists:
+/// This rule, applied axis by axis from the last to the first, gives the half mask in any number of
+/// dimensions. [`Set::Neighbours`] merges everything that is not central, so no axis needs more than these
+/// four lists:
 /// ```text
 /// Neighbours   x  x  x
 /// Central      x  o  .        o: the central list itself
 ///             -1  0 +1
 /// ```
-/// On the last axis there is no axis above, its [`Set::Neighbours`] is empty, and the rule is "the row below": step 4 of the 2D and of the
-/// 3D procedure. On the first axis it is the mask of cells, Fig. 3.45 and (3.73).
+/// On the last axis there is no axis above, its [`Set::Neighbours`] is empty, and the rule is "the row
+/// below": step 4 of the 2D and of the 3D procedure. On the first axis it is the mask of cells, Fig. 3.45 and
+/// (3.73).
 pub const CONTACT_MASK: [(Set, i32); 4] =
     [(Set::Central, -1), (Set::Neighbours, -1), (Set::Neighbours, 0), (Set::Neighbours, 1)];
 
-/// The contact mask as a list of cells: the offsets of the `(3^D - 1)/2` cells that a central cell is compared with, besides itself.
+/// The contact mask as a list of cells: the offsets of the `(3^D - 1)/2` cells that a central cell is
+/// compared with, besides itself.
 ///
-/// There are 4 cells in 2D (Fig. 3.45, p. 109), 13 in 3D (3.73) and 40 in 4D. No search uses this list. It illustrates [`CONTACT_MASK`],
-/// and tests compare the two. Offsets are in the order x, y, z, …
+/// There are 4 cells in 2D (Fig. 3.45, p. 109), 13 in 3D (3.73) and 40 in 4D. No search uses this list. It
+/// illustrates [`CONTACT_MASK`], and tests compare the two. Offsets are in the order x, y, z, …
 ///
 /// # Example
 /// ```
@@ -37,7 +42,8 @@ pub const CONTACT_MASK: [(Set, i32); 4] =
 /// }
 /// ```
 pub fn mask_cells<const D: usize>() -> Vec<[i32; D]> {
-    // Follows the sets down the axes: the offsets of the elements on central lists and of those on merged lists.
+    // Follows the sets down the axes: the offsets of the elements on central lists and of those on merged
+    // lists.
     let mut central = vec![[0; D]];
     let mut neighbours: Vec<[i32; D]> = Vec::new();
     for axis in (0..D).rev() {

@@ -1,4 +1,4 @@
-//! Vectors that grow without spare capacity, and say so where there is no memory.
+//! Vectors that grow without spare capacity, and report a lack of memory as an error.
 
 use crate::error::Error;
 

@@ -1,4 +1,5 @@
-//! The exact narrow phase: whether two bodies touch, where, in which direction and by how much. It knows geometry only.
+//! The exact narrow phase: whether two bodies touch, where, in which direction and by how much. It knows
+//! geometry only.
 //!
 //! ```
 //! use fdem_contact::narrow::{Measure, Sphere, Triangle, sphere_triangle};
@@ -26,19 +27,20 @@
 //! | oriented box, oriented box | [`box_box`] | depth |
 //!
 //! # When do two bodies touch?
-//! Touching counts: the comparison is closed. Segments, triangles, polygons and tetrahedra are decided exactly, by the signs of [`robust`]
-//! predicates. Round bodies and oriented boxes are decided by the floating-point operations that their functions document. For spheres
-//! these are the operations of [`Elements`](crate::Elements), so both phases agree.
+//! Touching counts: the comparison is closed. Segments, triangles, polygons and tetrahedra are decided
+//! exactly, by the signs of [`robust`] predicates. Round bodies and oriented boxes are decided by the
+//! floating-point operations that their functions document. For spheres these are the operations of
+//! [`Elements`](crate::Elements), so both phases agree.
 //!
 //! # Degenerate bodies
-//! A shape without area or volume is the point, the segment or the flat piece that its vertices span, and touches as such; the measure is
-//! then 0. If the geometry gives no direction (centres that coincide, segments that cross), each function documents the normal that it
-//! returns.
+//! A shape without area or volume is the point, the segment or the flat piece that its vertices span, and
+//! touches as such; the measure is then 0. If the geometry gives no direction (centres that coincide,
+//! segments that cross), each function documents the normal that it returns.
 //!
 //! # Range of numbers
-//! Constructors check every coordinate once. It must be finite, and either 0 or between [`MIN_MAGNITUDE`] and [`MAX_MAGNITUDE`], where no
-//! predicate overflows or underflows. After that no function fails.
-//! overflows or underflows. After that no function fails.
+//! Constructors check every coordinate once. It must be finite, and either 0 or between [`MIN_MAGNITUDE`] and
+//! [`MAX_MAGNITUDE`], where no predicate overflows or underflows. After that no function fails. overflows or
+//! underflows. After that no function fails.
 
 mod contact;
 mod vector;

@@ -13,12 +13,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::error::Error;
 use crate::pool::Pool;
 
-/// Appends the parts `0..count` to `list`, in their order; `fill` writes one into an empty vector, on any thread.
+/// Appends the parts `0..count` to `list`, in their order; `fill` writes one into an empty vector, on any
+/// thread.
 ///
-/// The length of a part is known when it is done. By then the parts before it are mostly done, or will be soon. Its place in the list is
-/// then known, and the part is copied there while it is in cache. When the list is full, the threads stop, and the list grows to what it
-/// will need if the rest is like the beginning. The threads also stop when one thread that the system has suspended keeps many parts
-/// waiting. `memory` keeps the vectors of parts for the next call.
+/// The length of a part is known when it is done. By then the parts before it are mostly done, or will be
+/// soon. Its place in the list is then known, and the part is copied there while it is in cache. When the
+/// list is full, the threads stop, and the list grows to its expected length if the rest is like the
+/// beginning. The threads also stop when one thread that the system has suspended keeps many parts waiting.
+/// `memory` keeps the vectors of parts for the next call.
 ///
 /// # Errors
 /// An error of `fill`, or [`Error::OutOfMemory`]; `list` then holds some of the entries.
@@ -61,8 +63,9 @@ pub(crate) fn append<V: Copy + Send>(
             }
         }
         let placed = line.placed;
-        // SAFETY: places are handed out one after the other from the first free entry of the list on, `placed` entries in all. Every part that was given one has
-        // been copied there, by its thread or above: an error or a panic would have left this function before.
+        // SAFETY: places are handed out one after the other from the first free entry of the list on,
+        // `placed` entries in all. Every part that was given one has been copied there, by its thread or
+        // above: an error or a panic would have left this function before.
         unsafe { list.set_len(list.len() + placed) };
 
         let more = left.iter().map(Vec::len).sum::<usize>();
@@ -80,8 +83,9 @@ pub(crate) fn append<V: Copy + Send>(
     Ok(())
 }
 
-/// A thread takes at most `MAX_RUN` consecutive parts at a time, and few enough that each thread takes a run at least `RUNS` times.
-/// Neighbouring parts share what they read, but all threads should finish at the same time.
+/// A thread takes at most `MAX_RUN` consecutive parts at a time, and few enough that each thread takes a run
+/// at least `RUNS` times. Neighbouring parts share their input, but all threads should finish at the same
+/// time.
 const MAX_RUN: usize = 8;
 const RUNS: usize = 3;
 
@@ -101,8 +105,8 @@ impl<V: Copy> Part<V> {
     /// Copies the entries to their place and returns the memory of the part.
     fn move_to(self, place: Place<'_, V>) -> Vec<V> {
         assert_eq!(place.len(), self.entries.len());
-        // SAFETY: both have the same length, as just asserted, and the place belongs to another allocation than the part. One call saves 3 % of a search
-        // against a loop.
+        // SAFETY: both have the same length, as just asserted, and the place belongs to another allocation
+        // than the part. One call saves 3 % of a search against a loop.
         unsafe { self.entries.as_ptr().copy_to_nonoverlapping(place.as_mut_ptr().cast(), place.len()) };
         self.entries
     }
@@ -119,7 +123,8 @@ struct Line<'a, V> {
     threads: usize,
     /// Number of entries of the parts from `first` on that have been taken; `None` until a part is complete.
     lengths: Vec<Option<usize>>,
-    /// The places of the parts from `first` on, as far as they are known; `None` once a place has been given out.
+    /// The places of the parts from `first` on, as far as they are known; `None` once a place has been given
+    /// out.
     places: Vec<Option<Place<'a, V>>>,
     /// Number of entries that have places.
     placed: usize,
@@ -137,7 +142,8 @@ impl<'a, V> Line<'a, V> {
     /// Takes a run of consecutive parts for a thread; the run is short when few parts are left.
     fn take(&mut self) -> Range<usize> {
         let left = if self.is_closed || self.stopped.is_err() { 0 } else { self.count - self.next };
-        // The run should fit into the second-level cache, judged by the parts that have places; at first nothing is known.
+        // The run should fit into the second-level cache, judged by the parts that have places; at first
+        // nothing is known.
         let room = (MAX_BYTES * self.places.len()).checked_div(self.placed * size_of::<V>()).unwrap_or(1);
         let run = left.div_ceil(RUNS * self.threads).min(room.clamp(1, MAX_RUN));
         let run = self.next..self.next + run;

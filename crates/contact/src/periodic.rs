@@ -1,4 +1,5 @@
-//! Search in a periodic box: wraps the elements, adds the images that may touch them, searches them all, and reports shifts.
+//! Search in a periodic box: wraps the elements, adds the images that may touch them, searches them all, and
+//! reports shifts.
 
 pub(crate) mod buffered;
 pub(crate) mod cell;
@@ -24,9 +25,10 @@ use crate::stop::Stop;
 
 /// Two touching elements of a periodic box: `i`, and `j` displaced by `shift` edges.
 ///
-/// Take both elements at the caller's positions, which need not be inside the box. Element `j`, displaced by the sum of `shift[a]` times
-/// edge `a`, touches element `i`. Seen from `j` the shift is `-shift`. Each contact is reported in one form: `i < j` with any shift, or
-/// `i == j` with a shift whose first nonzero number is positive (an element that touches its own image). Ordered by `i`, `j`, shift.
+/// Take both elements at the caller's positions, which need not be inside the box. Element `j`, displaced by
+/// the sum of `shift[a]` times edge `a`, touches element `i`. Seen from `j` the shift is `-shift`. Each
+/// contact is reported in one form: `i < j` with any shift, or `i == j` with a shift whose first nonzero
+/// number is positive (an element that touches its own image). Ordered by `i`, `j`, shift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(C)]
 pub struct PeriodicCouple<const D: usize> {
@@ -44,45 +46,54 @@ pub const DEFAULT_MAX_IMAGES: usize = 1 << 26;
 /// Largest shift of an image, so that shifts together with twice the periods of an element fit `i32`.
 const MOST_IMAGES: usize = 1 << 30;
 
-/// Finds every contact of elements in a [`PeriodicBox`], each once, with its shift. All touching images count, not only the nearest.
+/// Finds every contact of elements in a [`PeriodicBox`], each once, with its shift. All touching images
+/// count, not only the nearest.
 ///
-/// Elements outside the box are wrapped into it. Every image of a wrapped element that may touch a wrapped element is made; their number
-/// follows from the reach of the elements and the heights of the box. One search runs over all elements, and another one over the elements
-/// near the faces together with the images. If there are many images, a single search runs over all elements and images. So the box may be
-/// sheared by any amount, and may be smaller than the elements. The search does not use the minimum image convention: the nearest image is
-/// only one of several contacts in a small box, and the wrong one in a sheared box.
+/// Elements outside the box are wrapped into it. Every image of a wrapped element that may touch a wrapped
+/// element is made; their number follows from the reach of the elements and the heights of the box. One
+/// search runs over all elements, and another one over the elements near the faces together with the images.
+/// If there are many images, a single search runs over all elements and images. Therefore the box may be
+/// sheared by any amount, and may be smaller than the elements. The search does not use the minimum image
+/// convention: the nearest image is only one of several contacts in a small box, and the wrong one in a
+/// sheared box.
 ///
 /// # When do two elements touch?
 /// The comparison is that of [`Elements`], closed, in the type `T`, between two rounded points:
-/// - `w_i`, the position of element `i` after [`PeriodicBox::wrap`]: displaced by `-n_i`, rounded once per element, or `x_i` itself if
-///   `n_i` is 0.
+/// - `w_i`, the position of element `i` after [`PeriodicBox::wrap`]: displaced by `-n_i`, rounded once per
+///   element, or `x_i` itself if `n_i` is 0.
 /// - `p`, [`PeriodicBox::displaced`] of `w_j` by `s`: rounded once per image, or `w_j` itself if `s` is 0.
 ///
-/// An axis-aligned box is displaced by the periods of its minimum corner; both corners are rounded in this way.
+/// An axis-aligned box is displaced by the periods of its minimum corner; both corners are rounded in this
+/// way.
 ///
-/// The couple is `(i, j, shift)` with `shift = s + n_i - n_j`, where `i < j`, or `i == j` and the first nonzero number of `s` is positive.
-/// So the compared image is always that of the element with the larger number. The image of the other element may round differently, and
-/// decides nothing. If all sums are exact, the result does not depend on the periods in which the caller places the elements.
+/// The couple is `(i, j, shift)` with `shift = s + n_i - n_j`, where `i < j`, or `i == j` and the first
+/// nonzero number of `s` is positive. Therefore the compared image always belongs to the element with the
+/// larger number. The image of the other element may round differently, and decides nothing. If all sums are
+/// exact, the result does not depend on the periods in which the caller places the elements.
 ///
-/// With a [`Filter`](crate::Filter), an image has the numbers of its element: they belong to the same body and the same group. Whether an
-/// element may touch its own image is what the filter says about the element and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
+/// With a [`Filter`](crate::Filter), an image has the numbers of its element: they belong to the same body
+/// and the same group. Whether an element may touch its own image is decided by the filter for the element
+/// and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
 ///
 /// # Order
-/// First the order of the engine over the wrapped elements; then that of the engine over the elements near the faces followed by the
-/// images, sorted by element, then by shift. If there are more than a quarter as many images as elements, the order of the engine over all
-/// elements followed by the images. The order is a function of the input alone.
+/// First the order of the engine over the wrapped elements; then that of the engine over the elements near
+/// the faces followed by the images, sorted by element, then by shift. If the number of images is more than a
+/// quarter of the number of elements, the order of the engine over all elements followed by the images. The
+/// order is a function of the input alone.
 ///
 /// # Cost
-/// The search over `n` elements, and one over `m` images and at most as many elements. For an edge of height `h` and a reach `r` (largest
-/// diameter plus tolerance) there are about `2 r / h` images per element: few in a large box. Tilt lowers the heights, so choose a basis of
-/// the lattice with short edges. One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
-/// element is outside, only elements near faces are copied. Memory per image: twice `D` coordinates, `D` integers of 4 bytes, the radius if
-/// radii differ, 8 bytes, the numbers of a filter, and the engine. If an element is outside, `D` coordinates and `D` integers for each
-/// element. Boxes no wider than two reaches are searched by testing elements against elements and images, at most `n (n + m)` tests.
+/// Memory of the search over `n` elements, and of one over `m` images and at most `m` elements. For an edge
+/// of height `h` and a reach `r` (largest diameter plus tolerance) there are about `2 r / h` images per
+/// element: few in a large box. Tilt lowers the heights, so choose a basis of the lattice with short edges.
+/// One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
+/// element is outside, only elements near faces are copied. Memory per image: twice `D` coordinates, `D`
+/// integers of 4 bytes, the radius if radii differ, 8 bytes, the numbers of a filter, and the engine. If an
+/// element is outside, `D` coordinates and `D` integers for each element. Boxes no wider than two reaches are
+/// searched by testing elements against elements and images, at most `n (n + m)` tests.
 ///
 /// # Source
-/// The ghost images of M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids", Oxford 1987, section 1.5, without the minimum image
-/// convention.
+/// The ghost images of M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids", Oxford 1987,
+/// section 1.5, without the minimum image convention.
 ///
 /// # Example
 /// ```
@@ -102,7 +113,7 @@ const MOST_IMAGES: usize = 1 << 30;
 #[doc(alias = "ghost")]
 #[derive(Clone, Debug)]
 pub struct PeriodicSearch<T, const D: usize> {
-    /// The engine that was asked for; `None` to choose one.
+    /// The given engine; `None` to choose one.
     engine: Option<Engine>,
     /// Searches all elements; below, those near the faces with their images.
     detector: Detector<T, D>,
@@ -145,7 +156,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self
     }
 
-    /// The same, but an element outside the box along a periodic edge is refused with [`Error::OutsideBox`] instead of being wrapped.
+    /// The same, but an element outside the box along a periodic edge is refused with [`Error::OutsideBox`]
+    /// instead of being wrapped.
     ///
     /// The faces belong to the box. So do points that are outside by no more than rounding.
     #[must_use]
@@ -154,15 +166,16 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self
     }
 
-    /// The same with another limit on the number of images, at most `2^30`; the default is [`DEFAULT_MAX_IMAGES`].
+    /// The same with another limit on the number of images, at most `2^30`; the default is
+    /// [`DEFAULT_MAX_IMAGES`].
     #[must_use]
     pub fn with_max_images(mut self, max_images: usize) -> Self {
         self.max_images = max_images.min(MOST_IMAGES);
         self
     }
 
-    /// The same on `threads` threads, as [`Rows::with_threads`](crate::Rows::with_threads); other engines use them for the images only. The
-    /// couples and their order are the same for any number.
+    /// The same on `threads` threads, as [`Rows::with_threads`](crate::Rows::with_threads); other engines use
+    /// them for the images only. The couples and their order are the same for any number.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -173,8 +186,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Ok(self)
     }
 
-    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after `stop` is set, as with
-    /// [`Detector::stopped_by`].
+    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after `stop` is set, as
+    /// with [`Detector::stopped_by`].
     #[must_use]
     pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.pool = self.pool.stopped_by(Stop::new(stop));
@@ -183,7 +196,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self
     }
 
-    /// The same with other vector instructions, if the engine uses any ([`Rows`](crate::Rows)). The couples and their order are the same.
+    /// The same with other vector instructions, if the engine uses any ([`Rows`](crate::Rows)). The couples
+    /// and their order are the same.
     ///
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
@@ -207,15 +221,15 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
             + parts * size_of::<PeriodicCouple<D>>()
     }
 
-    /// Predicts what a search takes: engine, rows, images, memory, and the expected number of couples.
+    /// Predicts the cost of a search: engine, rows, images, memory, and the expected number of couples.
     ///
-    /// The plan and the rows are those of the search over all elements. In a box with many images, elements and images are searched
-    /// together, and the plan and the rows include the images. The number of couples is estimated as by [`Detector::explain`], with images
-    /// among the neighbours.
+    /// The plan and the rows are those of the search over all elements. In a box with many images, elements
+    /// and images are searched together, and the plan and the rows include the images. The number of couples
+    /// is estimated as by [`Detector::explain`], with images among the neighbours.
     ///
     /// # Cost
-    /// The elements are wrapped and the images made, in the memory that a search would use. Then follows one pass over elements and images,
-    /// as in [`Detector::explain`].
+    /// The elements are wrapped and the images made, in the memory that a search would use. Then follows one
+    /// pass over elements and images, as in [`Detector::explain`].
     ///
     /// # Errors
     /// The errors of [`PeriodicSearch::for_each`], except running out of memory that only a search takes.
@@ -257,8 +271,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         }
         means.bytes += images.bytes();
 
-        // The cells hold elements and images together. Their larger number can only widen cells by the eighth that is allowed for wide
-        // domains.
+        // The cells hold elements and images together. Their larger number can only widen cells by the eighth
+        // that is allowed for wide domains.
         let bounds = searched.bounds().join(&outer.bounds());
         let edge = Grid::unbounded(searched).cell_size().max(Grid::unbounded(&outer).cell_size());
         let grid = Grid::with_cell_size(bounds.min, bounds.max, 1.125 * edge);
@@ -271,8 +285,9 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// Calls `visit` with every couple that touches. Only elements and images are stored.
     ///
     /// # Errors
-    /// [`Error::TooFarFromBox`], [`Error::OutsideBox`], [`Error::UnresolvedBox`], [`Error::TooManyImages`], [`Error::OutOfMemory`], and those of
-    /// [`Search::for_each`]. `visit` has not been called then, unless memory ran out.
+    /// [`Error::TooFarFromBox`], [`Error::OutsideBox`], [`Error::UnresolvedBox`], [`Error::TooManyImages`],
+    /// [`Error::OutOfMemory`], and those of [`Search::for_each`]. `visit` has not been called then, unless
+    /// memory ran out.
     pub fn for_each(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -285,8 +300,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// Writes the couples into `couples`, which is cleared first; its memory is reused.
     ///
     /// # Errors
-    /// The errors of [`PeriodicSearch::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an
-    /// error.
+    /// The errors of [`PeriodicSearch::for_each`], and [`Error::OutOfMemory`] if the couples themselves do
+    /// not fit. `couples` is empty after an error.
     pub fn couples(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -297,10 +312,11 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.append(couples).inspect_err(|_| couples.clear())
     }
 
-    /// Writes the couples with shift 0 into `unshifted` and all others into `shifted`, each in the order of [`PeriodicSearch::couples`].
-    /// Both are cleared first.
+    /// Writes the couples with shift 0 into `unshifted` and all others into `shifted`, each in the order of
+    /// [`PeriodicSearch::couples`]. Both are cleared first.
     ///
-    /// In a large box with all elements inside, nearly all couples have shift 0. Then this takes less than half the memory, and less time.
+    /// In a large box with all elements inside, nearly all couples have shift 0. Then this takes less than
+    /// half the memory, and less time.
     ///
     /// # Errors
     /// The errors of [`PeriodicSearch::couples`]; both lists are empty after an error.
@@ -327,10 +343,11 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.count()
     }
 
-    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state of its part.
+    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state
+    /// of its part.
     ///
-    /// As in [`Rows::fold`](crate::Rows::fold), the parts do not depend on the number of threads. Engines other than [`Rows`](crate::Rows)
-    /// have one part.
+    /// As in [`Rows::fold`](crate::Rows::fold), the parts do not depend on the number of threads. Engines
+    /// other than [`Rows`](crate::Rows) have one part.
     ///
     /// # Errors
     /// As [`PeriodicSearch::for_each`].
@@ -518,7 +535,8 @@ struct AroundElements<'s, T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> AroundElements<'_, T, D> {
-    /// An element and an image by their places in `outer`; `None` if the element is not there, because then it touches no image.
+    /// An element and an image by their places in `outer`; `None` if the element is not there, because then
+    /// it touches no image.
     fn couple(&self, element: usize, image: usize) -> Option<Couple> {
         let near = &self.images.near;
         let i = if self.images.apart { near.binary_search(&(element as u32)).ok()? } else { element };
@@ -583,10 +601,11 @@ impl<T: Real, const D: usize> Images<T, D> {
         self.displaced(couple.i, couple.j, [0; D])
     }
 
-    /// The couple of `i` and the image of `j` displaced by `shift`, with the shift between the caller's positions.
+    /// The couple of `i` and the image of `j` displaced by `shift`, with the shift between the caller's
+    /// positions.
     ///
-    /// With `x = w + n . v` for both positions, `x_j + shift . v` touches `x_i` if `w_j + s . v` touches `w_i` and `shift = s + n_i - n_j`.
-    /// (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
+    /// With `x = w + n . v` for both positions, `x_j + shift . v` touches `x_i` if `w_j + s . v` touches
+    /// `w_i` and `shift = s + n_i - n_j`. (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
     #[inline]
     fn displaced(&self, i: u32, j: u32, mut shift: [i32; D]) -> PeriodicCouple<D> {
         if self.any_away {
@@ -611,9 +630,10 @@ impl<T: Real, const D: usize> Images<T, D> {
         })
     }
 
-    /// Whether a couple of two elements of `outer`, `i < j`, is reported here. Not reported are: couples of two elements if all elements
-    /// are searched separately; couples of two images; couples of an element and an image of an element with a smaller number; couples of
-    /// an element and the lower of two opposite images of itself.
+    /// Whether a couple of two elements of `outer`, `i < j`, is reported here. Not reported are: couples of
+    /// two elements if all elements are searched separately; couples of two images; couples of an element and
+    /// an image of an element with a smaller number; couples of an element and the lower of two opposite
+    /// images of itself.
     #[inline]
     fn is_reported(&self, Couple { i, j }: Couple) -> bool {
         let Some(&element) = self.near.get(i as usize) else { return false };

@@ -19,7 +19,8 @@ use crate::stop::Stop;
 #[cfg(feature = "rayon")]
 use others::Others;
 
-/// Limit on the number of threads. More than any machine has processors would take minutes to start, and then slow each other down.
+/// Limit on the number of threads. More than any machine has processors would take minutes to start, and then
+/// slow each other down.
 #[cfg(feature = "rayon")]
 const MAX_THREADS: usize = 1024;
 
@@ -31,7 +32,8 @@ thread_local! {
 
 /// A number of threads.
 ///
-/// Users split their work so that the result does not depend on the number of threads. The pool only decides which thread does which task.
+/// Users split their work so that the result does not depend on the number of threads. The pool only decides
+/// which thread does which task.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
     #[cfg(feature = "rayon")]
@@ -63,8 +65,8 @@ impl Pool {
         Ok(Self { others: Some(Others::new(threads)?.into()), stop: Stop::default() })
     }
 
-    /// The threads of a pool that the user has. Whoever calls a search from one of these threads must hold no lock that other work of the pool needs,
-    /// because the thread may do that work while it waits.
+    /// The threads of a pool that the user has. Whoever calls a search from one of these threads must hold no
+    /// lock that other work of the pool needs, because the thread may do that work while it waits.
     #[cfg(feature = "rayon")]
     pub(crate) fn of(pool: Arc<rayon::ThreadPool>) -> Self {
         let several = pool.current_num_threads() > 1;
@@ -116,8 +118,8 @@ impl Pool {
 
     /// Runs `work` on each task, in any order and at the same time.
     ///
-    /// The caller may itself be a thread of another pool. It must not do other work of that pool while it waits, as threads of rayon do, because
-    /// it may hold a lock that this work needs.
+    /// The caller may itself be a thread of another pool. It must not do other work of that pool while it
+    /// waits, as threads of rayon do, because it may hold a lock that this work needs.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
@@ -175,8 +177,8 @@ mod tests {
         total.into_inner()
     }
 
-    /// The callers are threads of a pool, and each holds something while it waits. A thread that took another job meanwhile would need it
-    /// twice.
+    /// The callers are threads of a pool, and each holds something while it waits. A thread that took another
+    /// job meanwhile would need it twice.
     #[test]
     fn a_caller_that_waits_does_no_other_work() {
         thread_local!(static MINE: RefCell<Pool> = RefCell::new(Pool::new(2).unwrap()));

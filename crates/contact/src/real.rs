@@ -7,8 +7,8 @@ use crate::simd::task::Kernels;
 
 /// A coordinate type: `f32` or `f64`, and no other.
 ///
-/// The type of the input decides contact. Cells are counted in `f64` for both types, so `f32` coordinates are mapped to cells without an
-/// extra rounding.
+/// The type of the input decides contact. Cells are counted in `f64` for both types, so `f32` coordinates are
+/// mapped to cells without an extra rounding.
 pub trait Real:
     Kernels
     + Copy
@@ -40,10 +40,11 @@ pub trait Real:
     /// The distance from 1 to the next larger number of this type.
     const EPSILON: f64;
 
-    /// The same value as `f64`: exact.
+    /// The exact value as `f64`.
     fn to_f64(self) -> f64;
 
-    /// The smallest value of this type that is at least `x`; `x` must not exceed [`Real::MAX_MAGNITUDE`] by more than a small factor.
+    /// The smallest value of this type that is at least `x`; `x` must not exceed [`Real::MAX_MAGNITUDE`] by
+    /// more than a small factor.
     fn at_least(x: f64) -> Self;
 
     /// The value of this type nearest to `x`, ties to even: exact for `f64`.
@@ -108,7 +109,8 @@ mod tests {
         assert_eq!(f64::at_least(0.1), 0.1);
     }
 
-    /// The sum of `D` squared differences and the squared contact distance stay finite for the largest magnitudes.
+    /// The sum of `D` squared differences and the squared contact distance stay finite for the largest
+    /// magnitudes.
     #[test]
     fn squares_at_the_limit_are_finite() {
         let difference = 2.0 * f32::MAX_MAGNITUDE;

@@ -14,8 +14,8 @@ use crate::real::Real;
 
 /// A search that finds every couple of touching elements, each once.
 ///
-/// All implementations return the same set of couples for the same elements. Each has its own order, which is a function of the input
-/// alone. A search owns its working memory and reuses it from call to call.
+/// All implementations return the same set of couples for the same elements. Each has its own order, which is
+/// a function of the input alone. A search owns its working memory and reuses it from call to call.
 ///
 /// # Example
 /// ```
@@ -37,14 +37,16 @@ pub trait Search<T: Real, const D: usize> {
     /// Calls `visit` with every couple that touches, without storing couples.
     ///
     /// # Errors
-    /// An error if the engine cannot hold the elements: [`Error::TooManyElements`], [`Error::DomainTooWide`], [`Error::OutOfMemory`].
-    /// `visit` has not been called then.
+    /// An error if the engine cannot hold the elements: [`Error::TooManyElements`], [`Error::DomainTooWide`],
+    /// [`Error::OutOfMemory`]. `visit` has not been called then.
     fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error>;
 
-    /// Writes the couples into `couples` in the order of the engine. `couples` is cleared first, and its memory is reused.
+    /// Writes the couples into `couples` in the order of the engine. `couples` is cleared first, and its
+    /// memory is reused.
     ///
     /// # Errors
-    /// The errors of [`Search::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an error.
+    /// The errors of [`Search::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit.
+    /// `couples` is empty after an error.
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         let mut room = Ok(());

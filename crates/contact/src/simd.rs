@@ -1,9 +1,11 @@
-//! The vector instructions of a search, chosen at run time, so that a standard build is fast on every processor.
+//! The vector instructions of a search, chosen at run time, so that a standard build is fast on every
+//! processor.
 //!
-//! The kernel is written once, in `kernel`, over the few operations of `Vector`. A second kernel, in `cluster`, compares four elements at
-//! a time and falls back on the first. Each other file implements the operations for one instruction set and compiles both kernels for it.
-//! `portable` is plain Rust and the definition: all others give the same couples in the same order. To add an instruction set, write its
-//! file and add it to [`Simd`] and to the macro below; tests pick it up from [`Simd::available`].
+//! The kernel is written once, in `kernel`, over the few operations of `Vector`. A second kernel, in
+//! `cluster`, compares four elements at a time and falls back on the first. Each other file implements the
+//! operations for one instruction set and compiles both kernels for it. `portable` is plain Rust and the
+//! definition: all others give the same couples in the same order. To add an instruction set, write its file
+//! and add it to [`Simd`] and to the macro below; tests pick it up from [`Simd::available`].
 
 #![allow(unsafe_code, reason = "vector instructions, and pointers instead of slices in inner loops")]
 #![allow(
@@ -48,8 +50,8 @@ macro_rules! one_instruction {
     };
 }
 
-/// Compiles the kernels for a set of instructions, with its vectors, in 2D and 3D. None of the functions is generic, so they are compiled
-/// once with this crate, not again with every crate that uses it.
+/// Compiles the kernels for a set of instructions, with its vectors, in 2D and 3D. None of the functions is
+/// generic, so they are compiled once with this crate, not again with every crate that uses it.
 #[allow(unused_macros, reason = "as above")]
 macro_rules! entry_points {
     ($features:literal, $f64:ident, $f32:ident) => {
@@ -71,8 +73,9 @@ macro_rules! entry_points {
         /// Searches with the kernel that suits `task`.
         ///
         /// # Safety
-        /// The processor has the features. The groups of the filters are groups of their matrix, as [`Arranged`](crate::filter::Arranged) promises. The kernels
-        /// assert everything else that they rely on.
+        /// The processor has the features. The groups of the filters are groups of their matrix, as
+        /// [`Arranged`](crate::filter::Arranged) promises. The kernels assert everything else that they rely
+        /// on.
         pub(crate) unsafe fn $search(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function; the conditions establish the rest of each contract.
             unsafe {
@@ -89,7 +92,7 @@ macro_rules! entry_points {
         /// The kernel of one numbering, compiled for the features.
         ///
         /// # Safety
-        /// That of the search above.
+        /// The conditions of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $rows(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
@@ -99,7 +102,7 @@ macro_rules! entry_points {
         /// The kernel of two numberings, compiled for the features.
         ///
         /// # Safety
-        /// That of the search above.
+        /// The conditions of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $two_sets(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
@@ -109,7 +112,7 @@ macro_rules! entry_points {
         /// The kernel of clusters, compiled for the features.
         ///
         /// # Safety
-        /// That of the search above, and `cluster::pays(task)`.
+        /// The conditions of the search above, and `cluster::pays(task)`.
         #[target_feature(enable = $features)]
         unsafe fn $clusters(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
@@ -149,7 +152,8 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
             // SAFETY: every x86-64 has SSE2, and 16 bytes are read inside the array.
             let quarter = unsafe {
                 let bytes = _mm_loadu_si128(bytes.as_ptr().add(16 * quarter).cast());
-                // The shift is by 16-bit numbers: a bit that comes from the byte below is never the highest bit of a byte.
+                // The shift is by 16-bit numbers: a bit that comes from the byte below is never the highest
+                // bit of a byte.
                 _mm_movemask_epi8(_mm_slli_epi16::<SHIFT>(bytes))
             };
             bits << 16 | u64::from(quarter.cast_unsigned())
@@ -159,15 +163,16 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
     {
         let (words, _) = bytes.as_chunks::<8>();
         words.iter().rev().fold(0, |bits, word| {
-            // Each product of a lowest bit with the one relevant power of two out of eight lands in the highest byte, and no other product
-            // reaches it.
+            // Each product of a lowest bit with the one relevant power of two out of eight lands in the
+            // highest byte, and no other product reaches it.
             let lowest = u64::from_le_bytes(*word) >> (7 - SHIFT) & 0x0101_0101_0101_0101;
             bits << 8 | lowest.wrapping_mul(0x0102_0408_1020_4080) >> 56
         })
     }
 }
 
-/// Whether there are vector kernels for this dimension. Each dimension costs the time to compile some fifty kernels.
+/// Whether there are vector kernels for this dimension. Each dimension costs the time to compile some fifty
+/// kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3
 }
@@ -176,8 +181,8 @@ macro_rules! kernels {
     ($type:ty, $search:ident) => {
         impl Kernels for $type {
             fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>) {
-                // SAFETY: this processor has the instructions, or there were no `Available`. The groups of the filters of `task` are checked, or
-                // there were no `Arranged`.
+                // SAFETY: this processor has the instructions, or there were no `Available`. The groups of
+                // the filters of `task` are checked, or there were no `Arranged`.
                 unsafe {
                     match (level.level(), D) {
                         #[cfg(target_arch = "x86_64")]

@@ -38,8 +38,8 @@ impl std::error::Error for Mismatch {}
 
 /// Checks the couples of `sample` random elements against all others, by brute force.
 ///
-/// Returns the number of elements checked: `sample`, or all of them if there are fewer. The same `seed` picks the
-/// same elements. The order of `couples` does not matter.
+/// Returns the number of elements checked: `sample`, or all of them if there are fewer. The same `seed` picks
+/// the same elements. The order of `couples` does not matter.
 ///
 /// # Cost
 /// `sample * N` tests, and one pass over the couples.

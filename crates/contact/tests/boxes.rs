@@ -1,13 +1,14 @@
-//! Boxes most of which are much shorter than the longest, so that they look ahead in all rows around them. Compared with all-against-all;
-//! the order is the same for every set of vector instructions and any number of threads.
+//! Boxes most of which are much shorter than the longest, so that they look ahead in all rows around them.
+//! Compared with all-against-all; the order is the same for every set of vector instructions and any number
+//! of threads.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use fdem_contact::{Couple, Direct, Elements, Filter, Multilevel, Real, Rows, Search, Simd};
 use fdem_scenes::random::Random;
 
-/// Corners from 0 to `width` and edges from 0 to 1; one edge in 20 is `longest`. All are rounded to multiples of `step`, so that boxes
-/// begin and end at the same places.
+/// Corners from 0 to `width` and edges from 0 to 1; one edge in 20 is `longest`. All are rounded to multiples
+/// of `step`, so that boxes begin and end at the same places.
 fn boxes<T: Real, const D: usize>(n: usize, width: f64, longest: f64, step: f64) -> [Vec<[T; D]>; 2] {
     let mut random = Random::new(n as u64);
     let rounded = |x: f64| T::at_least(if step > 0.0 { (x / step).floor() * step } else { x });

@@ -1,4 +1,5 @@
-//! The C-grid equals all-against-all in any dimension, for bodies that span any number of cells; its memory and its work are bounded.
+//! The C-grid equals all-against-all in any dimension, for bodies that span any number of cells; its memory
+//! and its work are bounded.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -49,7 +50,8 @@ fn equals_direct<T: Real, const D: usize>(what: &str, elements: &Elements<'_, T,
     expected.len()
 }
 
-/// Spheres of one radius, spheres with radii, and boxes that are longer along one axis, with and without tolerance.
+/// Spheres of one radius, spheres with radii, and boxes that are longer along one axis, with and without
+/// tolerance.
 fn all_shapes<T: FromF64, const D: usize>(what: &str, cloud: &Cloud<D>) -> usize {
     let centres: Vec<[T; D]> = cloud.centres.iter().map(|centre| centre.map(T::from_f64)).collect();
     let radii: Vec<T> = cloud.radii.iter().copied().map(T::from_f64).collect();
@@ -165,7 +167,8 @@ fn bodies_without_size() {
     );
 }
 
-/// Sizes below the normal numbers. A search for cells that fit them once multiplied such a number by 1.25 forever.
+/// Sizes below the normal numbers. A search for cells that fit them once multiplied such a number by 1.25
+/// forever.
 #[test]
 fn bodies_smaller_than_normal_numbers() {
     let centres = |scale: f64| -> Vec<[f64; 3]> {
@@ -214,7 +217,7 @@ fn far_apart_and_large() {
         let radii: Vec<_> = cloud.radii.iter().map(|radius| radius * scale).collect();
         equals_direct("scaled", &Elements::spheres_with_radii(&centres, &radii).unwrap());
     }
-    // Sizes from the smallest to the largest lengths, all at once.
+    // Sizes from the smallest to the largest lengths, all together.
     let radii: Vec<f64> = (0..800).map(|k| 2.0_f64.powi(k - 400)).collect();
     equals_direct("all magnitudes", &Elements::spheres_with_radii(&cloud.centres, &radii).unwrap());
     let ends = [[-f64::MAX_MAGNITUDE; 2], [f64::MAX_MAGNITUDE; 2], [0.0; 2]];
@@ -222,7 +225,8 @@ fn far_apart_and_large() {
     equals_direct("the ends", &Elements::spheres_with_radii(&ends, &radii).unwrap());
 }
 
-/// Distances within a unit in the last place of the limit: mapping boxes to cells must not lose what the comparison accepts.
+/// Distances within a unit in the last place of the limit: mapping boxes to cells must not lose couples that
+/// the comparison accepts.
 #[test]
 fn distances_at_the_limit() {
     let mut touching = 0;
@@ -330,7 +334,8 @@ fn periodic_boxes() {
         let (inside, across): (Vec<_>, Vec<_>) =
             of_home.partition(|couple| couple.i as usize / 300 == couple.j as usize / 300);
         let shifted = found.iter().filter(|couple| couple.shift != [0, 0]).count();
-        // The box is so wide that no element is within reach of an image of an image. Each couple across a face is seen from both sides.
+        // The box is so wide that no element is within reach of an image of an image. Each couple across a
+        // face is seen from both sides.
         let far = found.iter().any(|couple| couple.shift.iter().any(|step| step.abs() > 1));
         assert!(!far);
         assert_eq!(inside.len(), found.len() - shifted);
@@ -385,7 +390,8 @@ fn a_search_used_again_finds_what_a_new_one_finds() {
     }
 }
 
-/// Memory is proportional to N for any domain: with 1e15 cells, or with as many cells per axis as floats can distinguish.
+/// Memory is proportional to N for any domain: with 1e15 cells, or with the largest number of cells per axis
+/// that floats can distinguish.
 #[test]
 fn memory_does_not_know_the_domain() {
     let mut per_element = Vec::new();
@@ -406,8 +412,8 @@ fn memory_does_not_know_the_domain() {
     assert!(per_element.iter().all(|&bytes| bytes == per_element[0] && bytes < 220.0), "{per_element:?}");
 }
 
-/// Entries and tests per element are bounded by the number of cells that bodies span. They depend neither on N nor on one body that covers
-/// everything.
+/// Entries and tests per element are bounded by the number of cells that bodies span. They depend neither on
+/// N nor on one body that covers everything.
 #[test]
 fn work_is_linear() {
     let work = |n: usize, edit: &dyn Fn(&mut Cloud<3>), sizes: Sizes| {
@@ -428,7 +434,7 @@ fn work_is_linear() {
     assert!(with[0] < without[0] + 10.0 && with[1] < without[1] + 1.5, "{without:?} {with:?}");
 }
 
-/// Only levels with elements exist, and a class of few elements has no level of its own.
+/// Only levels with elements exist, and a class of few elements has no separate level.
 #[test]
 fn levels_follow_the_sizes() {
     let counts = |levels: Vec<Level>| levels.iter().map(|level| level.elements).collect::<Vec<_>>();
@@ -470,10 +476,12 @@ fn auto_takes_cells_for_long_boxes_only() {
     assert_eq!(auto(&sparse, &max).engine, Engine::Rows);
 }
 
-/// Compares the predicted work of levels with the actual work: the candidates of one level by brute force, and the sum of the couples.
+/// Compares the predicted work of levels with the actual work: the candidates of one level by brute force,
+/// and the sum of the couples.
 #[test]
 fn the_work_of_levels_is_counted() {
-    // One row of cells along x, with a window of 1 on each side: elements 0.25 apart have 4 candidates behind them.
+    // One row of cells along x, with a window of 1 on each side: elements 0.25 apart have 4 candidates behind
+    // them.
     let centres: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k) * 0.25, 0.0]).collect();
     let elements = Elements::points(&centres, 1.0).unwrap();
     let work = Multilevel::new().work(&elements).unwrap();
@@ -504,7 +512,8 @@ fn the_work_of_levels_is_counted() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Arbitrary boxes whose coordinates are small integers: touching is exact, and sizes and places coincide.
+    /// Arbitrary boxes whose coordinates are small integers: touching is exact, and sizes and places
+    /// coincide.
     #[test]
     fn any_boxes_equal_direct(
         boxes in prop::collection::vec((prop::array::uniform3(-20_i16..20), prop::array::uniform3(0_u8..30)), 0..120),

@@ -188,7 +188,8 @@ fn tetrahedra_equal_all_pairs() {
     equal_to_all_pairs(3, narrow_solid);
 }
 
-/// Renumbering elements, nodes and bodies, or moving them, does not change the contacts: the coordinates are whole numbers.
+/// Renumbering elements, nodes and bodies, or moving them, does not change the contacts: the coordinates are
+/// whole numbers.
 fn unchanged_by_names_and_places<const D: usize, const N: usize>(seed: u64)
 where
     [[f64; D]; N]: Simplex<D>,
@@ -261,8 +262,8 @@ fn squares(labels: &[u16], [rows, columns]: [usize; 2]) -> Parts<2, 3> {
     parts
 }
 
-/// The cubes of a labelled image, six tetrahedra each, around the diagonal from the first corner to the last, so that faces of neighbours
-/// match.
+/// The cubes of a labelled image, six tetrahedra each, around the diagonal from the first corner to the last,
+/// so that faces of neighbours match.
 fn cubes(labels: &[u16], [planes, rows, columns]: [usize; 3]) -> Parts<3, 4> {
     let node = |[x, y, z]: [usize; 3]| ((z * (rows + 1) + y) * (columns + 1) + x) as u32;
     let mut parts = Parts { points: Vec::new(), elements: Vec::new(), bodies: Vec::new() };
@@ -287,7 +288,8 @@ fn cubes(labels: &[u16], [planes, rows, columns]: [usize; 3]) -> Parts<3, 4> {
     parts
 }
 
-/// The contacts of the mesh of an image equal those of the image: pairs with squares (cubes) at vertices, faces, centroids, normals.
+/// The contacts of the mesh of an image equal those of the image: pairs with squares (cubes) at vertices,
+/// faces, centroids, normals.
 fn equals_image<const D: usize, const N: usize>(labels: &[u16], shape: [usize; D], parts: &Parts<D, N>)
 where
     [[f64; D]; N]: Simplex<D>,
@@ -529,8 +531,8 @@ fn bad_spheres_are_refused_by_name() {
 /// A disc of 96 sides, cut into the Voronoi cells of seeds in it.
 struct Disc {
     seeds: Vec<[f64; 2]>,
-    /// The corners of each cell, and its neighbour on the side that starts there: a cell, or `seeds` plus the number of the side of the
-    /// disc.
+    /// The corners of each cell, and its neighbour on the side that starts there: a cell, or `seeds` plus the
+    /// number of the side of the disc.
     cells: Vec<Vec<([f64; 2], usize)>>,
 }
 
@@ -545,7 +547,8 @@ impl Disc {
         let cell = |&seed: &[f64; 2]| {
             let mut cell: Vec<_> = (0..SIDES).map(|k| (corner(k), seeds.len() + k)).collect();
             for (other, &at) in seeds.iter().enumerate().filter(|(_, at)| **at != seed) {
-                // The point is nearer to the seed than to the other one: the sign of the distance from the bisector.
+                // The point is nearer to the seed than to the other one: the sign of the distance from the
+                // bisector.
                 let (u, v) = (at[0] - seed[0], at[1] - seed[1]);
                 let (x, y) = (0.5 * (at[0] + seed[0]), 0.5 * (at[1] + seed[1]));
                 let side = |p: [f64; 2]| u * (p[0] - x) + v * (p[1] - y);
@@ -570,7 +573,8 @@ impl Disc {
         Self { seeds, cells }
     }
 
-    /// Moves seeds to the centroids of their cells several times, which gives cells of similar sizes without short sides.
+    /// Moves seeds to the centroids of their cells several times, which gives cells of similar sizes without
+    /// short sides.
     fn relaxed(rng: &mut Rng, grains: usize) -> Self {
         let mut seeds = Vec::new();
         while seeds.len() < grains {
@@ -614,8 +618,8 @@ impl Disc {
         lengths.into_values().fold(f64::INFINITY, f64::min)
     }
 
-    /// Meshes each cell as a fan of triangles around its seed. A corner is identified by the three cells, or sides of the disc, that meet
-    /// there, so cells share their nodes. Elements are shuffled.
+    /// Meshes each cell as a fan of triangles around its seed. A corner is identified by the three cells, or
+    /// sides of the disc, that meet there, so cells share their nodes. Elements are shuffled.
     fn mesh(&self, rng: &mut Rng) -> Parts<2, 3> {
         let mut parts = Parts { points: self.seeds.clone(), elements: Vec::new(), bodies: Vec::new() };
         let mut nodes = BTreeMap::new();
@@ -677,8 +681,9 @@ fn centroid(outline: &[[f64; 2]]) -> [f64; 2] {
     sum.map(|x| x / (3.0 * area))
 }
 
-/// Wherever three grains meet at a corner, every two of them share a side as well, so here "touch" and "share a length" mean the same. In
-/// the image, boundaries shorter than a few pixels can be missed, so discs with such boundaries are skipped.
+/// Wherever three grains meet at a corner, every two of them share a side as well, so here "touch" and "share
+/// a length" mean the same. In the image, boundaries shorter than a few pixels can be missed, so discs with
+/// such boundaries are skipped.
 #[test]
 fn grains_of_a_disc_touch_as_the_cells_and_as_in_its_image() {
     let mut rng = Rng(9);
@@ -723,7 +728,8 @@ fn opposite_grains_at_a_corner_share_no_length() {
     );
 }
 
-/// Two overlapping discs of grains: the common area of every two grains equals that of their outlines, by `geo`.
+/// Two overlapping discs of grains: the common area of every two grains equals that of their outlines, by
+/// `geo`.
 #[test]
 fn overlapping_grains_have_the_area_of_their_outlines() {
     let mut rng = Rng(10);

@@ -1,4 +1,5 @@
-//! Contacts in labelled images, compared with a brute force that uses neither rows nor runs, and with the Voronoi diagram of a disc.
+//! Contacts in labelled images, compared with a brute force that uses neither rows nor runs, and with the
+//! Voronoi diagram of a disc.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -33,7 +34,8 @@ impl Random {
 /// A contact by definition: the list of its pairs of grid squares.
 #[derive(Debug, Default)]
 struct Pairs<const D: usize> {
-    /// For pairs at a face, at an edge, and at a vertex: the centre, and the step to the grid square of the larger label.
+    /// For pairs at a face, at an edge, and at a vertex: the centre, and the step to the grid square of the
+    /// larger label.
     by_share: [Vec<([f64; D], [f64; D])>; 3],
 }
 
@@ -220,8 +222,8 @@ fn equals_brute_force<L: Label + Debug, const D: usize>(
     pairs
 }
 
-/// Images of every type of label, with its extremes, and with numbers that differ in their highest bits only. The first label is the
-/// background.
+/// Images of every type of label, with its extremes, and with numbers that differ in their highest bits only.
+/// The first label is the background.
 fn of_all_types<const D: usize>(most: usize, random: &mut Random) -> usize {
     equals_brute_force::<_, D>(&[0_u8, 1, 2, 127, 128, u8::MAX], most, random)
         + equals_brute_force::<_, D>(&[0_u16, 1, 2, 256, 1 << 15, u16::MAX], most, random)
@@ -245,8 +247,8 @@ fn images_in_3d_equal_brute_force() {
     assert!(pairs > 100_000, "{pairs}");
 }
 
-/// Grains of a disc: the rasterised cells of a Voronoi diagram. Two grains touch if their cells share a side; the contact is at its middle,
-/// in the direction of their sites.
+/// Grains of a disc: the rasterised cells of a Voronoi diagram. Two grains touch if their cells share a side;
+/// the contact is at its middle, in the direction of their sites.
 #[test]
 fn grains_of_a_disc_touch_as_their_cells_do() {
     const GRAINS: usize = 40;
@@ -262,7 +264,8 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
             sites.push(site);
         }
     }
-    // The side of two cells: their bisector, clipped to the disc and to what is nearer to these sites than to others.
+    // The side of two cells: their bisector, clipped to the disc and to the region nearer to these sites than
+    // to others.
     let mut sides = BTreeMap::new();
     for j in 0..GRAINS {
         for i in 0..j {
@@ -317,7 +320,8 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
         assert!(off < 2.0 * pixel, "{contact:?} is {} pixels off", off / pixel);
         let cosine = direction[0] * normal[0] + direction[1] * normal[1];
         assert!(1.0 - cosine < 4.0 * (pixel / length).powi(2), "{contact:?}: cosine {cosine}");
-        // Because of steps along both axes, its length lies between the true length and the sum of its projections.
+        // Because of steps along both axes, its length lies between the true length and the sum of its
+        // projections.
         let steps = length * (normal[0].abs() + normal[1].abs());
         assert!((contact.area(&spacing) - steps).abs() < 5.0 * pixel, "{contact:?}: {steps}");
     }

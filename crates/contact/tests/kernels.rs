@@ -1,7 +1,9 @@
-//! The vector kernels on short rows, with every set of instructions that the processor has. A program of its own, fast enough for valgrind,
-//! an emulator that watches each access to memory, or for a sanitizer. See `.ci/run`.
+//! The vector kernels on short rows, with every set of instructions that the processor has. A separate
+//! program, fast enough for valgrind, an emulator that watches each access to memory, or for a sanitizer. See
+//! `.ci/run`.
 //!
-//! A new engine holds arrays without spare capacity, and so does the input: an access behind them is outside of the allocation.
+//! A new engine holds arrays without spare capacity, and so does the input: an access behind them is outside
+//! of the allocation.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -65,7 +67,8 @@ fn check_all<T: Real, const D: usize>() {
             check(&Elements::spheres(&points, T::HALF).unwrap().with_tolerance(tolerance).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap().with_tolerance(tolerance).unwrap());
-            // The first box is as long as all are wide. The others have no width, and most begin where another one does.
+            // The first box is as long as all are wide. The others have no width, and most begin where
+            // another one does.
             let short: Box<[[T; D]]> =
                 points.iter().map(|point| point.map(|x| x * T::at_least(0.1))).collect();
             let mut far = short.clone();

@@ -1,8 +1,8 @@
-//! The memory law: Munjiza-NBS allocates exactly (3.65), (3.80) and their extension to D dimensions; the C-grid allocates memory
-//! proportional to N.
+//! The memory law: Munjiza-NBS allocates exactly (3.65), (3.80) and their extension to D dimensions; the
+//! C-grid allocates memory proportional to N.
 //!
-//! A program of its own, because it replaces the allocator by one that counts, and without the test harness, whose main thread allocates
-//! while a test runs.
+//! A separate program, because it replaces the allocator by one that counts, and without the test harness,
+//! whose main thread allocates while a test runs.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -32,7 +32,8 @@ impl Meter {
     }
 }
 
-/// `n` elements in a slanted row, `spacing` diameters apart along every axis, so that the domain is wide along all axes.
+/// `n` elements in a slanted row, `spacing` diameters apart along every axis, so that the domain is wide
+/// along all axes.
 fn row<const D: usize>(n: usize, spacing: f64) -> Vec<[f64; D]> {
     (0..n).map(|k| std::array::from_fn(|axis| k as f64 * spacing * (1.0 + axis as f64))).collect()
 }
@@ -88,7 +89,8 @@ fn nbs_allocates_what_the_book_says_and_nothing_else() {
     assert_eq!(nbs.integers(), 3 * 500 + nz + 2 * nx + 2 * ny, "(3.80)");
 }
 
-/// The C-grid holds what it reports, proportional to N: in 1 cell, in 10^15, or in more cells than integers can count.
+/// The C-grid holds the reported number of bytes, proportional to N: in 1 cell, in 10^15, or in more cells
+/// than integers can count.
 fn c_grid_holds_so_much_per_element() {
     let mut per_element = Vec::new();
     for (n, spacing) in [(1_000, 1e-3), (1_000, 1.0), (100_000, 1.0), (100_000, 1e13)] {

@@ -1,8 +1,9 @@
-//! The unsafe code on a few hundred elements: a program of its own for Miri, an interpreter that detects undefined behaviour and data races. See `.ci/run` and
-//! `just miri`.
+//! The unsafe code on a few hundred elements: a separate program for Miri, an interpreter that detects
+//! undefined behaviour and data races. See `.ci/run` and `just miri`.
 //!
-//! Miri reports a processor without vector instructions beyond SSE2, so the portable kernel runs. Under Miri the library cuts its work into smaller parts (`cfg!(miri)`), so that few
-//! elements suffice for two threads to fill one array and one list. Outside of Miri this is an ordinary test.
+//! Miri reports a processor without vector instructions beyond SSE2, so the portable kernel runs. Under Miri
+//! the library cuts its work into smaller parts (`cfg!(miri)`), so that few elements suffice for two threads
+//! to fill one array and one list. Outside of Miri this is an ordinary test.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 

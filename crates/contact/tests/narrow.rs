@@ -9,8 +9,9 @@
 //! | triangles, tetrahedra in 3D | exact arithmetic, `parry`; volumes: slices and columns |
 //! | boxes | `parry`: distance; depth: the corners along all axes |
 //!
-//! Half of the pairs have coordinates 0 to 4, some of them shifted by 2^-50, the step between floats at 4. So shared vertices, collinear
-//! and coplanar figures, and figures one step off, are common. The other half are random.
+//! Half of the pairs have coordinates 0 to 4, some of them shifted by 2^-50, the step between floats at 4.
+//! Therefore shared vertices, collinear and coplanar figures, and figures one step off, are common. The other
+//! half are random.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 #![allow(clippy::cast_possible_wrap, reason = "the numbers of the grid are below 8")]
@@ -81,7 +82,8 @@ trait Number: Clone + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     fn sign(&self) -> i32;
 }
 
-/// A polynomial in [`STEP`] whose coefficients are far below the inverse of it: the first nonzero coefficient has the sign.
+/// A polynomial in [`STEP`] whose coefficients are far below the inverse of it: the first nonzero coefficient
+/// has the sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Near([i64; 5]);
 
@@ -155,7 +157,8 @@ fn edges<N: Number, const D: usize>(points: &[[N; D]]) -> Vec<[N; D]> {
     (0..points.len()).flat_map(|i| (0..i).map(move |j| minus(&points[i], &points[j]))).collect()
 }
 
-/// Whether the hulls of two sets in 2D have a point in common: their difference is a polygon, segment or point that contains the origin.
+/// Whether the hulls of two sets in 2D have a point in common: their difference is a polygon, segment or
+/// point that contains the origin.
 fn exact_touch_2d<N: Number>(a: &[[N; 2]], b: &[[N; 2]]) -> bool {
     let w = minus(&a[0], &b[0]);
     let zero = w[0].clone() - w[0].clone();
@@ -167,7 +170,8 @@ fn exact_touch_2d<N: Number>(a: &[[N; 2]], b: &[[N; 2]]) -> bool {
     !axes.iter().any(|axis| separates(axis, a, b))
 }
 
-/// The same in 3D. The normals of the difference are cross products of edges; a flat difference has others too.
+/// The same in 3D. The normals of the difference are cross products of edges; a flat difference has others
+/// too.
 fn exact_touch_3d<N: Number>(a: &[[N; 3]], b: &[[N; 3]]) -> bool {
     let edges: Vec<_> = edges(a).into_iter().chain(edges(b)).collect();
     let mut normals = Vec::new();
@@ -201,8 +205,8 @@ fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-/// A gap is right if the bodies are that far apart along the normal, because then no two of their points are closer, and if the point is in
-/// the middle of it. Along the normal of a touch the bodies overlap.
+/// A gap is right if the bodies are that far apart along the normal, because then no two of their points are
+/// closer, and if the point is in the middle of it. Along the normal of a touch the bodies overlap.
 fn check_direction<const D: usize>(contact: &Contact<D>, a: &[[f64; D]], b: &[[f64; D]], tolerance: f64) {
     let n = contact.normal;
     assert!((dot(n, n) - 1.0).abs() < 1e-14, "{contact:?} of {a:?} and {b:?}");
@@ -236,7 +240,8 @@ fn column(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     range
 }
 
-/// The common area of two hulls: between the places where their chords end or cross, the common height is linear in x.
+/// The common area of two hulls: between the places where their chords end or cross, the common height is
+/// linear in x.
 fn area_in_common(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let mut places: Vec<f64> = a.iter().chain(b).map(|p| p[0]).collect();
     for (i, p) in a.iter().enumerate() {
@@ -280,8 +285,8 @@ fn slice(t: &[[f64; 3]; 4], z: f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// The common volume of two tetrahedra: between the heights of vertices, and of edges through faces, the common area is quadratic in z, and
-/// two Gauss points give its integral.
+/// The common volume of two tetrahedra: between the heights of vertices, and of edges through faces, the
+/// common area is quadratic in z, and two Gauss points give its integral.
 fn volume_in_common(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> f64 {
     let mut places: Vec<f64> = a.iter().chain(b).map(|p| p[2]).collect();
     let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -365,7 +370,8 @@ fn spheres_and_planes_agree_with_parry() {
         if c == d {
             continue;
         }
-        // The plane perpendicular to the line of the centres, seen from the side of its normal, where it is the half-space of parry.
+        // The plane perpendicular to the line of the centres, seen from the side of its normal, where it is
+        // the half-space of parry.
         let n = std::array::from_fn(|k| c[k] - d[k]);
         let contact = sphere_plane(&a, &Plane::new(d, n).unwrap());
         let wall = shape::HalfSpace::new(vector(n).normalize());
@@ -775,8 +781,8 @@ fn boxes_agree_with_parry() {
             [cuboid_a.distance_to_point(&pose_a, p, true), cuboid_b.distance_to_point(&pose_b, p, true)]
         };
         if let Measure::Gap(gap) = contact.measure {
-            // The ends of the gap are on the boxes, and `check_direction` has shown that nothing is closer; so where parry differs, it is
-            // wrong.
+            // The ends of the gap are on the boxes, and `check_direction` has shown that nothing is closer;
+            // so where parry differs, it is wrong.
             let [from, to] = [-0.5, 0.5].map(|t| std::array::from_fn(|k| contact.point[k] + t * gap * n[k]));
             assert!(outside(from)[0] < 1e-9 && outside(to)[1] < 1e-9, "{a:?} {b:?}: {contact:?}");
             assert!(gap < apart + 1e-6, "{a:?} {b:?}: {gap} {apart}");

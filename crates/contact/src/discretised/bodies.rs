@@ -9,8 +9,8 @@ use crate::narrow::{Contact, Measure};
 
 /// Two touching bodies, and the sums and means over all of their contacts.
 ///
-/// `point` and `normal` are means weighted by the overlap; without overlap, by the shared boundary; without either, every couple of
-/// elements has the same weight.
+/// `point` and `normal` are means weighted by the overlap; without overlap, by the shared boundary; without
+/// either, every couple of elements has the same weight.
 ///
 /// # Shapes
 /// `D` is the dimension of the bodies.
@@ -20,15 +20,17 @@ pub struct BodyContact<const D: usize> {
     pub bodies: [u32; 2],
     /// Number of couples of touching elements, one of each body.
     pub couples: u64,
-    /// Total overlap: the area of triangles in 2D, the volume of tetrahedra, the length of the lines in which surfaces cross, or the sum of
-    /// the depths of spheres.
+    /// Total overlap: the area of triangles in 2D, the volume of tetrahedra, the length of the lines in which
+    /// surfaces cross, or the sum of the depths of spheres.
     pub overlap: f64,
-    /// Size of the shared boundary: the length of common edges of triangles in 2D, the area of common faces of tetrahedra, or the area in
-    /// which surfaces are coplanar and overlap. 0 for bodies that meet only at nodes (in 3D also at edges).
+    /// Size of the shared boundary: the length of common edges of triangles in 2D, the area of common faces
+    /// of tetrahedra, or the area in which surfaces are coplanar and overlap. 0 for bodies that meet only at
+    /// nodes (in 3D also at edges).
     pub shared: f64,
     /// The weighted mean of the contact points.
     pub point: [f64; D],
-    /// The weighted mean of the contact normals, from the first body to the second, of length 1; zeros if they cancel out.
+    /// The weighted mean of the contact normals, from the first body to the second, of length 1; zeros if
+    /// they cancel out.
     pub normal: [f64; D],
 }
 
@@ -91,13 +93,15 @@ impl<const D: usize> Gathered<D> {
     }
 }
 
-/// Gathers contacts to contacts of bodies. Each contact comes with the bodies of its first and its second element.
+/// Gathers contacts to contacts of bodies. Each contact comes with the bodies of its first and its second
+/// element.
 ///
-/// Sums run over the contacts in their order, so the result is a function of the list alone. Gaps are left out. For meshes,
-/// [`body_contacts`] also finds the boundary that triangles in 2D and tetrahedra share.
+/// Sums run over the contacts in their order, so the result is a function of the list alone. Gaps are left
+/// out. For meshes, [`body_contacts`] also finds the boundary that triangles in 2D and tetrahedra share.
 ///
 /// # Shapes
-/// `m` contacts of elements; result: the contacts of bodies, each pair of bodies once, sorted by the smaller, then the larger number.
+/// `m` contacts of elements; result: the contacts of bodies, each pair of bodies once, sorted by the smaller,
+/// then the larger number.
 ///
 /// # Cost
 /// Time proportional to `m log m`, 16 bytes for each contact and 200 for each pair of bodies.
@@ -125,16 +129,16 @@ pub fn gather<const D: usize>(
 
 /// Gathers the contacts of the elements of a mesh to contacts of its bodies, including the shared boundary.
 ///
-/// Two bodies share an edge (2D) or a face (tetrahedra) if each has exactly one element with that edge or face. Edges and faces are
-/// compared by the coordinates of their nodes, so bodies whose meshes have separate nodes share boundary too. The length or area is the
-/// same to the last bit from both sides.
+/// Two bodies share an edge (2D) or a face (tetrahedra) if each has exactly one element with that edge or
+/// face. Edges and faces are compared by the coordinates of their nodes, so bodies whose meshes have separate
+/// nodes share boundary too. The length or area is the same to the last bit from both sides.
 ///
 /// # Shapes
-/// `contacts`: those of [`MeshSearch::contacts`](super::MeshSearch::contacts), or some of them. Pairs of bodies without a contact are left
-/// out. Result: see [`gather`].
+/// `contacts`: those of [`MeshSearch::contacts`](super::MeshSearch::contacts), or some of them. Pairs of
+/// bodies without a contact are left out. Result: see [`gather`].
 ///
 /// # Cost
-/// That of [`gather`]; for meshes that are not surfaces, also the sorting of all nodes and facets.
+/// Cost of [`gather`]; for meshes that are not surfaces, also the sorting of all nodes and facets.
 ///
 /// # Errors
 /// [`DiscretisedError::MalformedContact`]; [`DiscretisedError::Search`] if there is no memory.

@@ -9,7 +9,8 @@ use crate::narrow::{MAX_MAGNITUDE, MIN_MAGNITUDE, ShapeError};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DiscretisedError {
-    /// A coordinate of a node is NaN or infinite, or its magnitude is neither 0 nor within the range in which predicates are exact.
+    /// A coordinate of a node is NaN or infinite, or its magnitude is neither 0 nor within the range in which
+    /// predicates are exact.
     Coordinate {
         /// Zero-based number of the node.
         node: usize,
@@ -52,14 +53,15 @@ pub enum DiscretisedError {
     MalformedContact {
         /// Zero-based number of the contact.
         index: usize,
-        /// Its first element.
+        /// The first element of the contact.
         i: u32,
-        /// Its second element.
+        /// The second element of the contact.
         j: u32,
         /// Number of elements of the mesh; they are numbered from 0.
         elements: usize,
     },
-    /// An error of the search over the bounding boxes. Its element numbers are those of the mesh, or spheres first, then elements.
+    /// An error of the search over the bounding boxes. Its element numbers are those of the mesh, or spheres
+    /// first, then elements.
     Search(Error),
 }
 

@@ -4,9 +4,11 @@ use crate::narrow::{
     Contact, Tetrahedron, Triangle, tetrahedron_tetrahedron, triangle_triangle, triangle_triangle_2d,
 };
 
-/// The vertices of an element: three in 2D for a triangle, three in 3D for a triangle of a surface, four in 3D for a tetrahedron.
+/// The vertices of an element: three in 2D for a triangle, three in 3D for a triangle of a surface, four in
+/// 3D for a tetrahedron.
 ///
-/// An element without area or volume is the piece that its vertices span; a tetrahedron that names its last node twice is a triangle.
+/// An element without area or volume is the piece that its vertices span; a tetrahedron that names its last
+/// node twice is a triangle.
 pub trait Simplex<const D: usize>: sealed::Sealed<D> {}
 
 impl Simplex<2> for [[f64; 2]; 3] {}
@@ -18,8 +20,8 @@ pub(super) mod sealed {
 
     /// The mesh has checked the coordinates as the constructors of shapes do.
     pub trait Sealed<const D: usize>: Copy + Send + Sync {
-        /// For each facet along which elements of one mesh are neighbours, the local numbers of its nodes, then of the opposite node. A
-        /// surface has none.
+        /// For each facet along which elements of one mesh are neighbours, the local numbers of its nodes,
+        /// then of the opposite node. A surface has none.
         const FACETS: &'static [([usize; D], usize)];
 
         fn touch(&self, other: &Self) -> bool;

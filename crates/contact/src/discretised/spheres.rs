@@ -17,7 +17,8 @@ pub struct SphereContact {
     pub sphere: u32,
     /// The body of the triangle.
     pub body: u32,
-    /// The triangle of the mesh, the feature of the triangle, and the contact, whose normal leads from the sphere to the triangle.
+    /// The triangle of the mesh, the feature of the triangle, and the contact, whose normal leads from the
+    /// sphere to the triangle.
     pub contact: MeshContact,
 }
 
@@ -31,22 +32,22 @@ type Candidates<'a> = &'a [(u32, u32, u32)];
 impl MeshSearch<3> {
     /// Writes the contacts of spheres with the surfaces of bodies into `contacts`, which is cleared first.
     ///
-    /// Within each body every face, edge and vertex counts once, as in [`sphere_mesh`]: a sphere on a flat wall has one contact with it at
-    /// any position.
+    /// Within each body every face, edge and vertex counts once, as in [`sphere_mesh`]: a sphere on a flat
+    /// wall has one contact with it at any position.
     ///
     /// # Shapes
-    /// `centres`, `radii` `[n]`. Result: `m` contacts, sorted by sphere, then body, then triangle. A sphere has at most one contact with
-    /// each triangle.
+    /// `centres`, `radii` `[n]`. Result: `m` contacts, sorted by sphere, then body, then triangle. A sphere
+    /// has at most one contact with each triangle.
     ///
     /// # Units
     /// One length unit for everything.
     ///
     /// # Cost
-    /// That of [`MeshSearch`] for spheres and triangles together.
+    /// Cost of [`MeshSearch`] for spheres and triangles together.
     ///
     /// # Errors
-    /// [`DiscretisedError::Radii`], [`DiscretisedError::Sphere`], and [`DiscretisedError::Search`], which numbers the spheres first, then
-    /// the triangles. `contacts` is empty after an error.
+    /// [`DiscretisedError::Radii`], [`DiscretisedError::Sphere`], and [`DiscretisedError::Search`], which
+    /// numbers the spheres first, then the triangles. `contacts` is empty after an error.
     ///
     /// # Example
     /// ```
@@ -128,14 +129,15 @@ impl MeshSearch<3> {
 
     /// Checks the contacts of `sample` random spheres against all triangles, by the narrow phase alone.
     ///
-    /// Returns the number of spheres checked: `sample`, or all of them if there are fewer. The same `seed` picks the same spheres.
+    /// Returns the number of spheres checked: `sample`, or all of them if there are fewer. The same `seed`
+    /// picks the same spheres.
     ///
     /// # Cost
     /// `sample` tests per triangle.
     ///
     /// # Errors
-    /// The errors of [`MeshSearch::sphere_contacts`]. The inner result is the first [`Mismatch`] found, which numbers the spheres first, then
-    /// the triangles.
+    /// The errors of [`MeshSearch::sphere_contacts`]. The inner result is the first [`Mismatch`] found, which
+    /// numbers the spheres first, then the triangles.
     ///
     /// # Example
     /// ```
@@ -213,9 +215,9 @@ fn triangles(surface: &MeshView<'_, 3, 3>) -> Result<Vec<Triangle<3>>, Error> {
 
 /// How far beyond its radius a sphere may still touch because of rounding.
 ///
-/// A sphere touches if `d² <= r²`, where `d²` has an error of 32 rounding steps of the square of the largest difference of coordinates
-/// ([`sphere_triangle`](crate::narrow::sphere_triangle)). The closest points on edges, and the corners of the box, are rounded like
-/// coordinates. The margin is twice the sum of all these.
+/// A sphere touches if `d² <= r²`, where `d²` has an error of 32 rounding steps of the square of the largest
+/// difference of coordinates ([`sphere_triangle`](crate::narrow::sphere_triangle)). The closest points on
+/// edges, and the corners of the box, are rounded like coordinates. The margin is twice the sum of all these.
 struct Margin {
     squared: f64,
     plain: f64,

@@ -53,13 +53,16 @@ impl<const D: usize> Spacing<D> {
 
 /// Two bodies in contact, with all counts.
 ///
-/// The counts are integers; area, centroid and normal are computed from them for the [`Spacing`] of the image.
+/// The counts are integers; area, centroid and normal are computed from them for the [`Spacing`] of the
+/// image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImageContact<L, const D: usize> {
     labels: [L; 2],
-    /// For each axis across which faces lie, the sums modulo 2^32: at half the size, more contacts fit into the caches.
+    /// For each axis across which faces lie, the sums modulo 2^32: at half the size, more contacts fit into
+    /// the caches.
     low: [Across<D>; D],
-    /// Data that few contacts have, or that few searches ask for. `None` if it would be empty, so that equal contacts compare equal.
+    /// Data that few contacts have, or that few searches request. `None` if it would be empty, so that equal
+    /// contacts compare equal.
     more: Option<Box<More<D>>>,
 }
 
@@ -83,7 +86,8 @@ struct More<const D: usize> {
     // Number of pairs that share an edge; below, of those that share a vertex.
     edges: u64,
     vertices: u64,
-    /// For each direction: number of pairs with the larger label later in the array, minus those with the smaller one later.
+    /// For each direction: number of pairs with the larger label later in the array, minus number of pairs
+    /// with the smaller one later.
     net: [i64; DIAGONALS],
     /// The sum of the midpoints, in half grid squares.
     midpoints: [u64; D],
@@ -98,7 +102,8 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
     #[inline]
     pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) {
         let count = (run.end - run.start) as u64;
-        // The sum of the doubled indices of the later grid squares minus the step; `ImageContacts::new` has bounded all of it.
+        // The sum of the doubled indices of the later grid squares minus the step; `ImageContacts::new` has
+        // bounded all of it.
         let sum = |axis: usize| {
             let doubled = if axis == D - 1 { (run.start + run.end - 1) as u64 } else { 2 * at[axis] };
             count * doubled.wrapping_add_signed(-i64::from(direction.step[axis]))
@@ -163,7 +168,8 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         })
     }
 
-    /// The same contact with labels of a type that holds those of every image: code that comes after need not know the type of the image.
+    /// The same contact with labels of a type that holds those of every image: code that comes after need not
+    /// know the type of the image.
     pub fn widened(self) -> ImageContact<i128, D> {
         ImageContact { labels: self.labels.map(Into::into), low: self.low, more: self.more }
     }
@@ -186,7 +192,8 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
 }
 
 impl<L: Copy, const D: usize> ImageContact<L, D> {
-    /// Number of faces across an axis behind which the larger label is, and of those behind which the smaller is.
+    /// Number of faces across an axis behind which the larger label is, and of those behind which the smaller
+    /// is.
     fn sides(&self, across: usize) -> [u64; 2] {
         let high = self.high(across);
         std::array::from_fn(|side| whole(high.faces[side], self.low[across].faces[side]))
@@ -217,12 +224,14 @@ impl<L: Copy, const D: usize> ImageContact<L, D> {
         std::array::from_fn(|across| self.sides(across).into_iter().sum())
     }
 
-    /// Number of pairs of grid squares that share an edge but no face; 0 unless [`Neighbourhood::Edge`] or `Vertex` was requested.
+    /// Number of pairs of grid squares that share an edge but no face; 0 unless [`Neighbourhood::Edge`] or
+    /// `Vertex` was requested.
     pub fn edges(&self) -> u64 {
         self.more.as_ref().map_or(0, |more| more.edges)
     }
 
-    /// Number of pairs of grid squares that share only a vertex; 0 unless [`Neighbourhood::Vertex`] was requested.
+    /// Number of pairs of grid squares that share only a vertex; 0 unless [`Neighbourhood::Vertex`] was
+    /// requested.
     pub fn vertices(&self) -> u64 {
         self.more.as_ref().map_or(0, |more| more.vertices)
     }
@@ -236,7 +245,8 @@ impl<L: Copy, const D: usize> ImageContact<L, D> {
         (0..D).map(|axis| spacing.face(axis) * faces[axis] as f64).sum()
     }
 
-    /// The mean of the centres of the shared faces, weighted by their areas; without faces, the mean of the midpoints of the pairs.
+    /// The mean of the centres of the shared faces, weighted by their areas; without faces, the mean of the
+    /// midpoints of the pairs.
     ///
     /// # Units
     /// The unit of the spacing; the centre of the first grid square of the image is at 0.
@@ -260,9 +270,9 @@ impl<L: Copy, const D: usize> ImageContact<L, D> {
 
     /// The mean direction of the contact, from the smaller label to the larger: a unit vector.
     ///
-    /// With faces, its direction is the sum of their areas, each times its unit normal. Without faces, it is the sum of the unit vectors
-    /// from centre to centre of the pairs. If the sum is zero, as for a body inside another one, there is no such direction, and the vector
-    /// is all zeros.
+    /// With faces, its direction is the sum of their areas, each times its unit normal. Without faces, it is
+    /// the sum of the unit vectors from centre to centre of the pairs. If the sum is zero, as for a body
+    /// inside another one, there is no such direction, and the vector is all zeros.
     pub fn normal(&self, spacing: &Spacing<D>) -> [f64; D] {
         let mut sum = [0.0; D];
         if self.faces() > 0 {
@@ -351,7 +361,8 @@ mod tests {
 
     #[test]
     fn sums_beyond_32_bits_are_whole() {
-        // Five runs of 2^30 faces and two more runs, in rows far down a plane: in one sum, and in the sums of two threads.
+        // Five runs of 2^30 faces and two more runs, in rows far down a plane: in one sum, and in the sums of
+        // two threads.
         let across: Vec<Direction<3>> = Direction::all(Neighbourhood::Face).collect();
         let (wide, at) = (1 << 30, [5, 70_000]);
         let run = |start, end| Run { earlier: 1_u8, later: 2, start, end };

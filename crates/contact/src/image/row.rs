@@ -23,7 +23,7 @@ pub(super) enum Kind {
     Face { axis: usize },
     /// Along two of three axes; its number among all directions that are no faces.
     Edge { number: usize },
-    /// Along all axes; its number likewise.
+    /// Along all axes; numbered in the same way.
     Vertex { number: usize },
 }
 
@@ -73,8 +73,8 @@ pub(super) struct Scan {
     marks: Vec<u8>,
 }
 
-/// Bits of a mark. `PAIR`: there is a pair of different bodies (or a label that may be new) here. Below: the next place differs, so a run
-/// ends here.
+/// Bits of a mark. `PAIR`: there is a pair of different bodies (or a label that may be new) here. Below: the
+/// next place differs, so a run ends here.
 const PAIR: u8 = 1;
 const ENDS: u8 = 2;
 
@@ -88,7 +88,8 @@ impl Scan {
         if self.marks.len() < room { resize(&mut self.marks, room, 0) } else { Ok(()) }
     }
 
-    /// Reports every label that differs from those before it along all axes. Each body has at least one such grid square, its first one.
+    /// Reports every label that differs from those before it along all axes. Each body has at least one such
+    /// grid square, its first one.
     ///
     /// `before`: the rows before it along the other axes.
     pub(super) fn new_labels<L: Label>(
@@ -138,7 +139,8 @@ impl Scan {
         })
     }
 
-    /// Reports the pairs in one direction, from the row `earlier` to the row `later`, which have the same length.
+    /// Reports the pairs in one direction, from the row `earlier` to the row `later`, which have the same
+    /// length.
     #[inline]
     pub(super) fn pairs<L: Label>(
         &mut self,
@@ -152,7 +154,8 @@ impl Scan {
         let count = later.len() - usize::from(along != 0);
         let (earlier, later) = (&earlier[from..][..count], &later[to..][..count]);
         mark(self.marks(count), earlier, later, background);
-        // The start of a run that continues from one group into the next, and whether the group before ended with the end of a run.
+        // The start of a run that continues from one group into the next, and whether the group before ended
+        // with the end of a run.
         let (mut open, mut ended) = (None, 1);
         self.groups(count, |first, pairs, ends| {
             let (mut starts, mut lasts) = (pairs & (ends << 1 | ended), pairs & ends);

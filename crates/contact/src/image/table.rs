@@ -24,8 +24,8 @@ struct Recent<L> {
     place: u32,
 }
 
-/// A power of two: larger than the number of contacts in a plane of a thousand by a thousand squares, and small enough for the second-level
-/// cache.
+/// A power of two: larger than the number of contacts in a plane of a thousand by a thousand squares, and
+/// small enough for the second-level cache.
 const RECENT: usize = if cfg!(miri) { 1 << 5 } else { 1 << 15 };
 
 impl<L: Label, const D: usize> Table<L, D> {
@@ -53,7 +53,8 @@ impl<L: Label, const D: usize> Table<L, D> {
         Ok(())
     }
 
-    /// The place of the contact of two labels, which is added if it is new; it is remembered in the slot `slot`.
+    /// The place of the contact of two labels, which is added if it is new; it is remembered in the slot
+    /// `slot`.
     #[inline(never)]
     fn place(&mut self, labels: [L; 2], slot: usize) -> Result<usize, Error> {
         let Self { places, contacts, .. } = self;
@@ -160,7 +161,8 @@ impl Places {
     }
 }
 
-/// The slot of a contact among the recent ones. One multiplication suffices, since labels are often numbered consecutively.
+/// The slot of a contact among the recent ones. One multiplication suffices, since labels are often numbered
+/// consecutively.
 #[inline]
 fn near<L: Label>([a, b]: [L; 2]) -> usize {
     // An odd number without a pattern: a fraction of the golden ratio.

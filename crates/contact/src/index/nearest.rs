@@ -16,15 +16,15 @@ use crate::search::rows::reach::RowsInReach;
 use crate::search::rows::scan::{PART, Scan};
 use crate::simd::task::{Arrays, Looks, Neighbour, Output, ROOM, Span, Task};
 
-/// Number of neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar
-/// neighbours.
+/// Number of neighbouring points that are searched for with one reach: enough to share the rows in reach, few
+/// enough to have similar neighbours.
 const STRETCH: usize = 32;
 
 /// The next reach is chosen so that one in this many of the latest distances is larger.
 const MISSES: usize = 16;
 
-/// If the windows of a stretch hold more elements than this per point and wanted element, or if there are more rows than the limit below,
-/// its points are searched for one by one.
+/// If the windows of a stretch hold more elements than this per point and neighbour, or if there are more
+/// rows than the limit below, its points are searched for one by one.
 const MAX_WINDOW: usize = 16;
 const MAX_ROWS: usize = 256;
 
@@ -90,10 +90,11 @@ impl<T: Real, const D: usize> Index<T, D> {
 
 /// The search for the nearest elements of the points of one part.
 ///
-/// Points near each other have neighbours at similar distances. So the distances that the latest points needed are tried first, for a
-/// stretch of points at once, with the kernel, and then somewhat larger distances for each point that has found too few. A point that still
-/// has too few is searched for alone, in growing boxes of rows. In any case all elements up to the distance of the last wanted one have
-/// been compared, so the result is exact.
+/// Points near each other have neighbours at similar distances. Therefore the distances that the latest
+/// points needed are tried first, for a stretch of points together, with the kernel, and then somewhat larger
+/// distances for each point that has found too few. A point that still has too few is searched for alone, in
+/// growing boxes of rows. In any case all elements up to the distance of the last neighbour have been
+/// compared, so the result is exact.
 struct Nearest<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
     centres: &'a [[T; D]],
@@ -287,11 +288,12 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// Sorts the keys and keeps the wanted ones.
+    /// Sorts the keys and keeps the first ones.
     fn sort_keys(&mut self) {
         let n = self.keys.len();
         if n <= FEW {
-            // Sorts by the leading bits of the distances first, without branches; any wrong order that is left is between near places.
+            // Sorts by the leading bits of the distances first, without branches; any wrong order that is
+            // left is between near places.
             let mut rough = [0; FEW];
             for ((rough, &key), k) in rough.iter_mut().zip(&self.keys).zip(0_u64..) {
                 *rough = (key >> 32) as u64 & !(FEW as u64 - 1) | k;
@@ -319,7 +321,8 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         self.keys.truncate(self.wanted);
     }
 
-    /// A key that ascends with the squared distance, then with the number: non-negative floats ascend with their bits.
+    /// A key that ascends with the squared distance, then with the number: non-negative floats ascend with
+    /// their bits.
     fn key(&self, point: &[T; D], place: usize) -> u128 {
         let squared = distance_squared(point, &self.centres[place]).to_f64();
         u128::from(squared.to_bits()) << 32 | u128::from(self.layout.ids[place])
@@ -331,8 +334,8 @@ fn squared<T: Real>(key: u128) -> T {
     T::nearest(f64::from_bits((key >> 32) as u64))
 }
 
-/// Upper bound on the distance, along any axis, of elements whose rounded squared distance is at most `squared`. The argument is that of
-/// `Elements::reach`.
+/// Upper bound on the distance, along any axis, of elements whose rounded squared distance is at most
+/// `squared`. The argument is that of `Elements::reach`.
 fn reach_of<T: Real, const D: usize>(squared: T) -> f64 {
     (squared.to_f64().sqrt() * (1.0 + (D + 8) as f64 * T::EPSILON)).max(T::MIN_RESOLVED)
 }

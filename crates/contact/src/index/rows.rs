@@ -1,4 +1,5 @@
-//! Searches around points: results are collected in the order of the index and returned in the order of the points.
+//! Searches around points: results are collected in the order of the index and returned in the order of the
+//! points.
 
 use std::ops::Range;
 
@@ -118,7 +119,8 @@ impl<T: Real> Part<T> {
         }
     }
 
-    /// Turns places into numbers, sorts them, and adds the squared distances. `points` are the points of this part.
+    /// Turns places into numbers, sorts them, and adds the squared distances. `points` are the points of this
+    /// part.
     fn sort_with_distances<const D: usize>(
         &mut self,
         ids: &[u32],

@@ -1,7 +1,7 @@
 //! Sorts a few numbers without data-dependent branches.
 
-/// K.E. Batcher's odd-even merge sort (AFIPS Spring Joint Computer Conference, 1968) of `N` numbers, as `C` pairs of places that are put in
-/// order one after the other.
+/// K.E. Batcher's odd-even merge sort (AFIPS Spring Joint Computer Conference, 1968) of `N` numbers, as `C`
+/// pairs of places that are put in order one after the other.
 const fn network<const N: usize, const C: usize>() -> [(usize, usize); C] {
     let mut network = [(0, 0); C];
     let mut next = 0;

@@ -8,9 +8,11 @@ use super::exact::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A coordinate is NaN or infinite, or its magnitude is neither 0 nor within the range in which predicates are exact.
+    /// A coordinate is NaN or infinite, or its magnitude is neither 0 nor within the range in which
+    /// predicates are exact.
     Coordinate {
-        /// Zero-based number of the vertex; 0 for a centre. For a plane, 1 is its normal; for an oriented box, 1 stands for its half edges.
+        /// Zero-based number of the vertex; 0 for a centre. For a plane, 1 is its normal; for an oriented
+        /// box, 1 stands for its half edges.
         vertex: usize,
         /// Zero-based axis: 0 is x.
         axis: usize,
@@ -42,7 +44,7 @@ pub enum ShapeError {
     NotOrthonormal {
         /// Two zero-based axes; the same one twice if its length is wrong.
         axes: [usize; 2],
-        /// Their dot product.
+        /// Dot product of the two axes.
         product: f64,
     },
     /// A triangle number that the mesh does not have.

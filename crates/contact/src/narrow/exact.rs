@@ -1,38 +1,45 @@
 //! Signs that decide topology, exact for all coordinates that [`super::shapes`] accepts.
 //!
-//! Orientations are those of the crate `robust`. It has no predicates for the sides of an edge within its triangle, nor for the order of
-//! points along an edge. These are evaluated in floating point and, where the error bound leaves a doubt, as expansions.
+//! Orientations are those of the crate `robust`. It has no predicates for the sides of an edge within its
+//! triangle, nor for the order of points along an edge. These are evaluated in floating point and, where the
+//! error bound leaves a doubt, as expansions.
 //!
 //! # Source
-//! J.R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", Discrete & Computational
-//! Geometry 18 (1997) 305–363: two-sum, two-product, grow-expansion and scale-expansion.
+//! J.R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates",
+//! Discrete & Computational Geometry 18 (1997) 305–363: two-sum, two-product, grow-expansion and
+//! scale-expansion.
 
 use robust::{Coord, Coord3D};
 
 use super::vector::{dot, sub};
 
-/// Largest magnitude of a coordinate or radius: `2^200`, so that products of four differences do not overflow.
+/// Largest magnitude of a coordinate or radius: `2^200`, so that products of four differences do not
+/// overflow.
 pub const MAX_MAGNITUDE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// Smallest magnitude of a coordinate or radius that is not 0: `2^-200`, so that products of four differences do not underflow.
+/// Smallest magnitude of a coordinate or radius that is not 0: `2^-200`, so that products of four differences
+/// do not underflow.
 pub const MIN_MAGNITUDE: f64 = f64::from_bits((1023 - 200) << 52);
 
 /// Twice the signed area of a triangle. Its sign is exact: positive if `a`, `b`, `c` turn left.
 #[inline]
 pub(super) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let coord = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
-    // Differences are taken from the last point. Seen from `a`, errors are in proportion to the edge `ab`, however short it is.
+    // Differences are taken from the last point. Seen from `a`, errors are in proportion to the edge `ab`,
+    // however short it is.
     robust::orient2d(coord(b), coord(c), coord(a))
 }
 
-/// Six times the signed volume of a tetrahedron. Its sign is exact: positive if `d` is on the side from which `a`, `b`, `c` turn left.
+/// Six times the signed volume of a tetrahedron. Its sign is exact: positive if `d` is on the side from which
+/// `a`, `b`, `c` turn left.
 #[inline]
 pub(super) fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
     let coord = |p: [f64; 3]| Coord3D { x: p[0], y: p[1], z: p[2] };
     -robust::orient3d(coord(d), coord(c), coord(b), coord(a))
 }
 
-/// The same with an accurate value too, to 1e-12 of it. Close to the plane of a needle, only the sign of the other function may be right.
+/// The same with an accurate value too, to 1e-12 of it. Close to the plane of a needle, only the sign of the
+/// other function may be right.
 pub(super) fn orient3d_value(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
     let value = orient3d(a, b, c, d);
     let [u, v, w] = [b, c, d].map(|p| sub(p, a));
@@ -81,8 +88,9 @@ pub(super) fn along(a: [f64; 3], b: [f64; 3], p: [f64; 3]) -> f64 {
     sign(&dot_exact(&difference(b, a), &difference(p, a)))
 }
 
-/// A number with the exact sign of `((u × v) × u) · w`, where `u = b - a`, `v = c - a`, `w = p - a`. It is positive if the projection of
-/// `p` into the plane of the triangle is on the same side of the edge `ab` as `c`; 0 for a triangle without area.
+/// A number with the exact sign of `((u × v) × u) · w`, where `u = b - a`, `v = c - a`, `w = p - a`. It is
+/// positive if the projection of `p` into the plane of the triangle is on the same side of the edge `ab` as
+/// `c`; 0 for a triangle without area.
 pub(super) fn inner_side(a: [f64; 3], b: [f64; 3], c: [f64; 3], p: [f64; 3]) -> f64 {
     // The same product without a cross product: (v·w)(u·u) - (u·w)(u·v).
     let (u, v, w) = (sub(b, a), sub(c, a), sub(p, a));

@@ -19,21 +19,23 @@ pub struct MeshContact {
     pub contact: Contact<3>,
 }
 
-/// Contacts whose points are closer than this times the radius are joined. This joins contacts that rounding of the vertices has split: two
-/// triangles that should be in one plane may have a fold of 1e-16 between them, and a sphere above the fold then touches both.
+/// Contacts whose points are closer than this times the radius are joined. This joins contacts that rounding
+/// of the vertices has split: two triangles that should be in one plane may have a fold of 1e-16 between
+/// them, and a sphere above the fold then touches both.
 const SAME_POINT: f64 = 1e-9;
 
-/// The contacts of a sphere with a mesh of triangles, in ascending order of triangles. No face, edge or vertex counts twice.
+/// The contacts of a sphere with a mesh of triangles, in ascending order of triangles. No face, edge or
+/// vertex counts twice.
 ///
-/// A contact is a point of the mesh where the distance to the centre has a local minimum. So a contact at an edge counts once, and only if
-/// no triangle with that edge comes closer; likewise at a vertex. A sphere on a flat wall has one contact at any position; in a corner it
-/// has as many as there are walls. Triangles are neighbours if they have vertices with equal coordinates, so the mesh may be indexed or
-/// not.
+/// A contact is a point of the mesh where the distance to the centre has a local minimum. Therefore a contact
+/// at an edge counts once, and only if no triangle with that edge comes closer; likewise at a vertex. A
+/// sphere on a flat wall has one contact at any position; in a corner it has one contact with each wall.
+/// Triangles are neighbours if they have vertices with equal coordinates, so the mesh may be indexed or not.
 ///
 /// # Shapes
-/// `mesh` `[n]` holds all triangles. `candidates` `[k]` holds at least the numbers of those whose boxes the sphere touches, each at least
-/// once. `contacts` is cleared, then filled. If `candidates` lacks a triangle that the sphere touches, a contact may be returned that this
-/// triangle would have removed.
+/// `mesh` `[n]` holds all triangles. `candidates` `[k]` holds at least the numbers of those whose boxes the
+/// sphere touches, each at least once. `contacts` is cleared, then filled. If `candidates` lacks a triangle
+/// that the sphere touches, a contact may be returned that this triangle would have removed.
 ///
 /// # Cost
 /// Time proportional to `k log k`.
@@ -71,7 +73,8 @@ pub fn sphere_mesh(
     contacts.sort_by_key(|c| c.triangle);
     contacts.dedup_by_key(|c| c.triangle);
 
-    // The closest triangle at every vertex and edge; among equally close ones the first, since only a smaller distance replaces it.
+    // The closest triangle at every vertex and edge; among equally close ones the first, since only a smaller
+    // distance replaces it.
     let squared = |c: &MeshContact| distance_squared(c.contact.point, sphere.centre);
     let mut vertices = BTreeMap::new();
     let mut edges = BTreeMap::new();
@@ -115,7 +118,8 @@ fn closer<K: Ord>(closest: &mut BTreeMap<K, (f64, u32)>, key: K, place: (f64, u3
     }
 }
 
-/// Keeps one of several contacts whose points are within a distance of each other: that of the first triangle.
+/// Keeps one of several contacts whose points are within a distance of each other: that of the first
+/// triangle.
 fn join(contacts: &mut Vec<MeshContact>, within: f64) {
     let mut order: Vec<usize> = (0..contacts.len()).collect();
     order.sort_by(|&i, &j| contacts[i].contact.point[0].total_cmp(&contacts[j].contact.point[0]));

@@ -9,8 +9,8 @@ use super::vector::{add, cross, distance_squared, dot, middle, neg, scale, sub, 
 /// Largest deviation of dot products of the axes from 0 and 1.
 const ORTHONORMAL: f64 = 1e-12;
 
-/// An axis perpendicular to two edges must be better than a face by this much, relative to the size, because nearly parallel boxes rest on
-/// faces.
+/// An axis perpendicular to two edges must be better than a face by this much, relative to the size, because
+/// nearly parallel boxes rest on faces.
 const PREFER_FACES: f64 = 1e-12;
 
 /// A box in any orientation. Edges of length 0 make it a rectangle, a segment or a point.
@@ -28,7 +28,8 @@ impl OrientedBox {
     /// `axes[k]` is the direction of the edges of length `2 half[k]`. The axes may be right- or left-handed.
     ///
     /// # Errors
-    /// [`ShapeError::Coordinate`], [`ShapeError::NegativeEdge`], [`ShapeError::NotOrthonormal`] if a dot product of axes is off by more than 1e-12.
+    /// [`ShapeError::Coordinate`], [`ShapeError::NegativeEdge`], [`ShapeError::NotOrthonormal`] if a dot
+    /// product of axes is off by more than 1e-12.
     ///
     /// # Example
     /// ```
@@ -111,16 +112,19 @@ enum Axis {
 
 /// Two boxes in any orientation: gap or depth.
 ///
-/// The boxes touch if none of the fifteen axes (six faces, nine pairs of edges) separates them: `|n · t| - r_a - r_b <= 0`, where `t` leads
-/// from centre to centre and `r` is half the length of a box along `n`. This is evaluated in `f64`, with an error of 32 rounding steps of
-/// the largest coordinate or edge. The depth is the smallest translation that separates the boxes, and the normal is its direction; among
-/// equal ones the first face is taken. For the normal of a face, the point is the centroid of the part of the facing face of the other box,
-/// moved against the normal to the middle of the overlap there; for two edges it is the middle between them. It is inside both boxes if the
-/// normal is that of a face and the depth does not exceed the edges. For a gap the point is the middle between the closest points, and the
-/// gap is their distance.
+/// The boxes touch if none of the fifteen axes (six faces, nine pairs of edges) separates them:
+/// `|n · t| - r_a - r_b <= 0`, where `t` leads from centre to centre and `r` is half the length of a box
+/// along `n`. This is evaluated in `f64`, with an error of 32 rounding steps of the largest coordinate or
+/// edge. The depth is the smallest translation that separates the boxes, and the normal is its direction;
+/// among equal ones the first face is taken. For the normal of a face, the point is the centroid of the part
+/// of the facing face of the other box, moved against the normal to the middle of the overlap there; for two
+/// edges it is the middle between them. It is inside both boxes if the normal is that of a face and the depth
+/// does not exceed the edges. For a gap the point is the middle between the closest points, and the gap is
+/// their distance.
 ///
 /// # Source
-/// S. Gottschalk, M.C. Lin, D. Manocha, "`OBBTree`: a hierarchical structure for rapid interference detection", SIGGRAPH 96, 171–180: the fifteen axes.
+/// S. Gottschalk, M.C. Lin, D. Manocha, "`OBBTree`: a hierarchical structure for rapid interference
+/// detection", SIGGRAPH 96, 171–180: the fifteen axes.
 ///
 /// # Example
 /// ```
@@ -193,8 +197,9 @@ fn edge_towards(own: &OrientedBox, axis: usize, direction: [f64; 3]) -> [[f64; 3
     })
 }
 
-/// The contact point on the face of `own` along `axis` that faces in the direction `out`. Takes the facing face of the other box, clips it
-/// to the sides of `own` and to below its face, and moves its centroid to the middle of the overlap there.
+/// The contact point on the face of `own` along `axis` that faces in the direction `out`. Takes the facing
+/// face of the other box, clips it to the sides of `own` and to below its face, and moves its centroid to the
+/// middle of the overlap there.
 fn point_on_face(own: &OrientedBox, axis: usize, out: [f64; 3], other: &OrientedBox) -> [f64; 3] {
     let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
     let sign = if dot(own.axes[axis], out) < 0.0 { -1.0 } else { 1.0 };
@@ -277,7 +282,8 @@ fn centroid(polygon: &[[f64; 3]]) -> Option<[f64; 3]> {
     Some(scale(sum, 1.0 / polygon.len() as f64))
 }
 
-/// The closest points of two separate boxes: a vertex of one and a point of the other, or points of two edges.
+/// The closest points of two separate boxes: a vertex of one and a point of the other, or points of two
+/// edges.
 fn closest(a: &OrientedBox, b: &OrientedBox) -> ([f64; 3], [f64; 3]) {
     let (of_a, of_b) = (a.vertices(), b.vertices());
     let mut best = (of_a[0], of_b[0]);

@@ -1,7 +1,7 @@
 //! Convex polygons and triangles in 2D.
 //!
-//! All functions below work on hulls: one point, the two ends of a segment in ascending order, or the vertices of a polygon that turns left
-//! at each of them.
+//! All functions below work on hulls: one point, the two ends of a segment in ascending order, or the
+//! vertices of a polygon that turns left at each of them.
 
 use super::contact::{Contact, Measure};
 use super::error::ShapeError;
@@ -9,7 +9,8 @@ use super::exact::{orient2d, project};
 use super::shapes::{Triangle, check_all};
 use super::vector::{before, between, distance_squared, dot, middle, neg, sub, unit, x_axis};
 
-/// A convex polygon in 2D, in either orientation. Without area it is the segment or point that its vertices span.
+/// A convex polygon in 2D, in either orientation. Without area it is the segment or point that its vertices
+/// span.
 ///
 /// Repeated vertices and vertices on a straight side are allowed and removed.
 ///
@@ -35,7 +36,8 @@ impl ConvexPolygon {
     /// `vertices` `[n]` points, with `n` at least 1.
     ///
     /// # Errors
-    /// [`ShapeError::NoVertices`], [`ShapeError::Coordinate`], [`ShapeError::NotConvex`]; the last is decided exactly.
+    /// [`ShapeError::NoVertices`], [`ShapeError::Coordinate`], [`ShapeError::NotConvex`]; the last is decided
+    /// exactly.
     pub fn new(vertices: &[[f64; 2]]) -> Result<Self, ShapeError> {
         check_all(vertices)?;
         let mut kept: Vec<usize> = Vec::with_capacity(vertices.len());
@@ -73,8 +75,8 @@ impl ConvexPolygon {
             sense = sign;
             hull.push(b);
         }
-        // On one turn around a convex polygon, the edges go forward once and back once in the order of points; on a star they do so more
-        // often.
+        // On one turn around a convex polygon, the edges go forward once and back once in the order of
+        // points; on a star they do so more often.
         let m = hull.len();
         let forward = |k: usize| before(vertices[hull[k % m]], vertices[hull[(k + 1) % m]]);
         let mut changes = (0..m).filter(|&k| forward(k) != forward(k + 1));
@@ -93,8 +95,8 @@ impl ConvexPolygon {
         &self.hull
     }
 
-    /// Whether the closed polygons have a point in common, decided exactly. Takes time proportional to the product of their numbers of
-    /// corners.
+    /// Whether the closed polygons have a point in common, decided exactly. Takes time proportional to the
+    /// product of their numbers of corners.
     pub fn touches(&self, other: &Self) -> bool {
         hulls_touch(&self.hull, &other.hull)
     }
@@ -126,15 +128,17 @@ pub fn triangle_triangle_2d(a: &Triangle<2>, b: &Triangle<2>, overlap: &mut Vec<
 
 /// Two convex polygons: gap, or area and overlap polygon.
 ///
-/// Whether the polygons touch and whether the area is 0 are decided exactly. The point of a touch is the centroid of the overlap, or the
-/// middle of the shared segment; for a gap it is the middle between the closest points. The normal of a touch is that of the edge along
-/// which the smallest translation separates the polygons; among equal ones the edges of the first polygon come first. The normal of a gap
-/// is the direction of the gap, or x if the closest points coincide. `overlap` is cleared, then filled with the corners of the overlap,
-/// turning left: two ends or one point if the polygons only just touch.
+/// Whether the polygons touch and whether the area is 0 are decided exactly. The point of a touch is the
+/// centroid of the overlap, or the middle of the shared segment; for a gap it is the middle between the
+/// closest points. The normal of a touch is that of the edge along which the smallest translation separates
+/// the polygons; among equal ones the edges of the first polygon come first. The normal of a gap is the
+/// direction of the gap, or x if the closest points coincide. `overlap` is cleared, then filled with the
+/// corners of the overlap, turning left: two ends or one point if the polygons only just touch.
 ///
 /// # Units
-/// The gap has the unit of the coordinates, the area its square. Errors: 32 rounding steps of the largest coordinate `m` for points and
-/// gap, `8 (n + 4) ε m l` for an area whose perimeter is `l`, with `n` corners and `ε = 2^-52`.
+/// The gap has the unit of the coordinates, the area its square. Errors: 32 rounding steps of the largest
+/// coordinate `m` for points and gap, `8 (n + 4) ε m l` for an area whose perimeter is `l`, with `n` corners
+/// and `ε = 2^-52`.
 ///
 /// # Cost
 /// Time proportional to the product of the numbers of corners.
@@ -201,8 +205,9 @@ fn edges(hull: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     (0..n).map(move |k| (hull[k], hull[(k + 1) % n]))
 }
 
-/// Whether two hulls touch, decided exactly. Two convex sets are separate if and only if one has an edge with the other strictly beyond it,
-/// because the difference of the sets is a polygon with the edges of both. If both sets are on one line, their order on it decides.
+/// Whether two hulls touch, decided exactly. Two convex sets are separate if and only if one has an edge with
+/// the other strictly beyond it, because the difference of the sets is a polygon with the edges of both. If
+/// both sets are on one line, their order on it decides.
 pub(super) fn hulls_touch(p: &[[f64; 2]], q: &[[f64; 2]]) -> bool {
     let beyond =
         |p: &[[f64; 2]], q: &[[f64; 2]]| edges(p).any(|(a, b)| q.iter().all(|&c| orient2d(a, b, c) < 0.0));
@@ -244,7 +249,7 @@ pub(super) fn hull_hull(p: &[[f64; 2]], q: &[[f64; 2]], overlap: &mut Vec<[f64; 
             return Contact { point: centroid, normal, measure: Measure::Area(area) };
         }
     }
-    // The hulls have only a segment or a point in common, or an area too small to be told from that.
+    // The hulls have only a segment or a point in common, or an area too small to distinguish from one.
     let common = shared(p, q).unwrap_or_else(|| {
         let (a, b) = closest(p, q);
         [middle(a, b); 2]
@@ -284,8 +289,8 @@ fn clip(p: &[[f64; 2]], q: &[[f64; 2]], overlap: &mut Vec<[f64; 2]>) {
     }
 }
 
-/// Area and centroid of a polygon that turns left; `None` if rounding leaves no area. Computed relative to its first corner, so that
-/// accuracy does not depend on the distance to the origin.
+/// Area and centroid of a polygon that turns left; `None` if rounding leaves no area. Computed relative to
+/// its first corner, so that accuracy does not depend on the distance to the origin.
 fn area_and_centroid(polygon: &[[f64; 2]]) -> Option<(f64, [f64; 2])> {
     let origin = *polygon.first()?;
     let (mut double, mut moment) = (0.0, [0.0; 2]);
@@ -308,7 +313,8 @@ fn area_and_centroid(polygon: &[[f64; 2]]) -> Option<(f64, [f64; 2])> {
     Some((0.5 * double, centroid))
 }
 
-/// The ends of the common part of two hulls that touch but do not overlap: corners of one on the other, and crossings of edges.
+/// The ends of the common part of two hulls that touch but do not overlap: corners of one on the other, and
+/// crossings of edges.
 fn shared(p: &[[f64; 2]], q: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
     let mut ends: Option<[[f64; 2]; 2]> = None;
     let mut include = |c: [f64; 2]| {
@@ -374,8 +380,8 @@ fn closest(p: &[[f64; 2]], q: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
 
 /// Whether two coplanar sets of one to three points each have hulls that touch.
 ///
-/// A common point is a common point in every projection. At least one projection along an axis keeps distinct points of the plane distinct,
-/// so a common point there is a common point in space.
+/// A common point is a common point in every projection. At least one projection along an axis keeps distinct
+/// points of the plane distinct, so a common point there is a common point in space.
 pub(super) fn coplanar_touch(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
     (0..3).all(|axis| hulls_touch(flatten(a, axis).points(), flatten(b, axis).points()))
 }

@@ -11,10 +11,10 @@ use super::vector::{
 
 /// Two segments: gap, or length of the common part.
 ///
-/// Whether they touch is decided exactly. The length is 0 if they cross or meet in a point. The point is the middle of the common part or
-/// of the gap. The normal of a touch is perpendicular to both segments, and x for two points. The error of the gap is 16 rounding steps of
-/// the largest coordinate, also for parallel and nearly parallel segments. The error of the point is such a step divided by the sine of the
-/// angle.
+/// Whether they touch is decided exactly. The length is 0 if they cross or meet in a point. The point is the
+/// middle of the common part or of the gap. The normal of a touch is perpendicular to both segments, and x
+/// for two points. The error of the gap is 16 rounding steps of the largest coordinate, also for parallel and
+/// nearly parallel segments. The error of the point is such a step divided by the sine of the angle.
 ///
 /// # Example
 /// ```
@@ -44,9 +44,10 @@ pub fn segment_segment(a: &Segment, b: &Segment) -> Contact<3> {
 
 /// Two capsules: gap or depth.
 ///
-/// Let `d` be the distance of [`segment_segment`] between the axes, 0 if these touch. The capsules touch if `d · d <= (r_1 + r_2)²`. The
-/// depth is `r_1 + r_2 - d`, the smallest translation that separates them. The point is the middle of the overlap or gap, on the shortest
-/// line between the axes. If the axes touch, the normal is that of [`segment_segment`]. The errors are as there.
+/// Let `d` be the distance of [`segment_segment`] between the axes, 0 if these touch. The capsules touch if
+/// `d · d <= (r_1 + r_2)²`. The depth is `r_1 + r_2 - d`, the smallest translation that separates them. The
+/// point is the middle of the overlap or gap, on the shortest line between the axes. If the axes touch, the
+/// normal is that of [`segment_segment`]. The errors are as there.
 ///
 /// # Example
 /// ```
@@ -97,8 +98,8 @@ pub(super) fn closest(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]
     consider((a[1], foot(a[1], b)));
     consider((foot(b[0], a), b[0]));
     consider((foot(b[1], a), b[1]));
-    // Both feet are inside: the common perpendicular. It is computed from the cross product, not from (u·u)(v·v) - (u·v)², which loses the
-    // small angle between nearly parallel segments to cancellation.
+    // Both feet are inside: the common perpendicular. It is computed from the cross product, not from
+    // (u·u)(v·v) - (u·v)², which loses the small angle between nearly parallel segments to cancellation.
     let n = cross(u, v);
     let squared = dot(n, n);
     if squared > 0.0 {
@@ -110,7 +111,8 @@ pub(super) fn closest(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]
     best
 }
 
-/// The ends of the common part of two touching segments if no division is needed: a piece of one line, or an end.
+/// The ends of the common part of two touching segments if no division is needed: a piece of one line, or an
+/// end.
 fn common(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
     let mut points: Option<[[f64; 3]; 2]> = None;
     for (p, other) in [(a[0], b), (a[1], b), (b[0], a), (b[1], a)] {
@@ -122,7 +124,8 @@ fn common(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
     points
 }
 
-/// A direction perpendicular to two segments, from the middle of the first towards that of the second if these differ along it.
+/// A direction perpendicular to two segments, from the middle of the first towards that of the second if
+/// these differ along it.
 fn across(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [f64; 3] {
     let (u, v) = (sub(a[1], a[0]), sub(b[1], b[0]));
     let longer = if dot(u, u) >= dot(v, v) { u } else { v };

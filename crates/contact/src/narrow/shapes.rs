@@ -93,7 +93,8 @@ impl Capsule {
     }
 }
 
-/// A triangle in 2D or 3D, in either orientation. Without area it is the segment or point that its vertices span.
+/// A triangle in 2D or 3D, in either orientation. Without area it is the segment or point that its vertices
+/// span.
 ///
 /// # Example
 /// ```
@@ -125,7 +126,8 @@ impl<const D: usize> Triangle<D> {
     }
 }
 
-/// A tetrahedron with its vertices in any order. Without volume it is the flat piece, segment or point that its vertices span.
+/// A tetrahedron with its vertices in any order. Without volume it is the flat piece, segment or point that
+/// its vertices span.
 ///
 /// # Example
 /// ```

@@ -20,9 +20,10 @@ pub enum Feature {
 
 /// Two spheres: gap or depth.
 ///
-/// They touch if `d · d <= (r_1 + r_2)²`, with the operations of [`Elements`](crate::Elements), so that both phases agree to the last bit.
-/// The point is the middle of the overlap or gap, on the line of the centres. For centres that coincide the normal is x and the depth is
-/// `r_1 + r_2`. The errors of point and measure are 8 rounding steps of the largest coordinate or radius.
+/// They touch if `d · d <= (r_1 + r_2)²`, with the operations of [`Elements`](crate::Elements), so that both
+/// phases agree to the last bit. The point is the middle of the overlap or gap, on the line of the centres.
+/// For centres that coincide the normal is x and the depth is `r_1 + r_2`. The errors of point and measure
+/// are 8 rounding steps of the largest coordinate or radius.
 ///
 /// # Example
 /// ```
@@ -47,9 +48,9 @@ pub fn sphere_sphere<const D: usize>(a: &Sphere<D>, b: &Sphere<D>) -> Contact<D>
 
 /// A sphere and a plane without thickness: gap or depth.
 ///
-/// They touch if `|n · (c - p)| <= r`, evaluated in this order. The point is the projection of the centre onto the plane; the normal leads
-/// from the centre to it. For a centre in the plane, the normal is opposite to that of the plane. The errors are 8 rounding steps of the
-/// largest coordinate.
+/// They touch if `|n · (c - p)| <= r`, evaluated in this order. The point is the projection of the centre
+/// onto the plane; the normal leads from the centre to it. For a centre in the plane, the normal is opposite
+/// to that of the plane. The errors are 8 rounding steps of the largest coordinate.
 ///
 /// # Example
 /// ```
@@ -72,11 +73,13 @@ pub fn sphere_plane<const D: usize>(sphere: &Sphere<D>, plane: &Plane<D>) -> Con
 
 /// A sphere and a triangle without thickness: gap or depth, and the feature of the triangle.
 ///
-/// They touch if `d² <= r · r`, where `d²` is the rounded squared distance between the centre and the closest point of the triangle. Its
-/// error is 32 rounding steps of the square of the largest coordinate difference. Exact signs decide whether the closest point is on the
-/// face, an edge or a vertex; a centre exactly above an edge belongs to the edge. The contact point is that closest point, and the normal
-/// leads from the centre to it. For a centre on the triangle, the normal is opposite to that of the triangle by the right-hand rule, or
-/// perpendicular to a triangle without area. An edge gives the same bits in every triangle that has it.
+/// They touch if `d² <= r · r`, where `d²` is the rounded squared distance between the centre and the closest
+/// point of the triangle. Its error is 32 rounding steps of the square of the largest coordinate difference.
+/// Exact signs decide whether the closest point is on the face, an edge or a vertex; a centre exactly above
+/// an edge belongs to the edge. The contact point is that closest point, and the normal leads from the centre
+/// to it. For a centre on the triangle, the normal is opposite to that of the triangle by the right-hand
+/// rule, or perpendicular to a triangle without area. An edge gives the same bits in every triangle that has
+/// it.
 ///
 /// # Source
 /// The regions are those of C. Ericson, "Real-Time Collision Detection" (2005), 5.1.5.
@@ -101,7 +104,8 @@ pub fn sphere_triangle(sphere: &Sphere<3>, triangle: &Triangle<3>) -> (Contact<3
     (Contact { point: foot.point, normal, measure: depth_or_gap(touch, depth) }, foot.feature)
 }
 
-/// The measure of round bodies. Rounding may give the depth the wrong sign by one step; the decision `touch` takes precedence.
+/// The measure of round bodies. Rounding may give the depth the wrong sign by one step; the decision `touch`
+/// takes precedence.
 pub(super) fn depth_or_gap(touch: bool, depth: f64) -> Measure {
     if touch { Measure::Depth(depth.max(0.0)) } else { Measure::Gap((-depth).max(0.0)) }
 }

@@ -8,7 +8,8 @@ use super::sphere::foot;
 use super::triangle::{edge_touches_sides, triangle_triangle, triangles_touch};
 use super::vector::{add, cross, distance_squared, dot, middle, neg, scale, sub, unit, x_axis};
 
-/// The vertices of the face opposite to each vertex. Seen from outside of a tetrahedron of positive volume, they turn left.
+/// The vertices of the face opposite to each vertex. Seen from outside of a tetrahedron of positive volume,
+/// they turn left.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// The ends of each edge.
@@ -23,20 +24,22 @@ impl Tetrahedron {
 
 /// Two tetrahedra: gap or volume.
 ///
-/// Whether they touch is decided exactly. The volume is exactly 0 if the plane of a face separates them. The point is the centroid of the
-/// common volume. If that is 0, it is the centroid of the common area of faces, or else of the common length of edges, or else the common
-/// point. For a gap it is the middle between the closest points. The normal of a touch is that of the smallest translation that separates
-/// them, among the normals of the faces and the directions perpendicular to two edges (x if there is none). The normal of a gap is the
-/// direction of the gap.
+/// Whether they touch is decided exactly. The volume is exactly 0 if the plane of a face separates them. The
+/// point is the centroid of the common volume. If that is 0, it is the centroid of the common area of faces,
+/// or else of the common length of edges, or else the common point. For a gap it is the middle between the
+/// closest points. The normal of a touch is the direction of the smallest translation that separates the two,
+/// among the normals of the faces and the directions perpendicular to two edges (x if there is none). The
+/// normal of a gap is the direction of the gap.
 ///
 /// # Units
-/// The gap has the unit of the coordinates, the volume its cube. Let `l` be the largest difference of coordinates between their vertices.
-/// The error of the volume is at most `1e-12 l³`; that of the gap is 64 rounding steps of the largest coordinate. If the volume is no
-/// larger than its error, the point is inaccurate but within the bounding boxes of both.
+/// The gap has the unit of the coordinates, the volume its cube. Let `l` be the largest difference of
+/// coordinates between their vertices. The error of the volume is at most `1e-12 l³`; that of the gap is 64
+/// rounding steps of the largest coordinate. If the volume is no larger than its error, the point is
+/// inaccurate but within the bounding boxes of both.
 ///
 /// # Cost
-/// One tetrahedron is cut at the four faces of the other into tetrahedra, at most 81 and usually about ten. No polyhedron is built, so
-/// rounding cannot make one inconsistent.
+/// One tetrahedron is cut at the four faces of the other into tetrahedra, at most 81 and usually about ten.
+/// No polyhedron is built, so rounding cannot make one inconsistent.
 ///
 /// # Example
 /// ```
@@ -79,13 +82,14 @@ pub fn tetrahedron_tetrahedron(a: &Tetrahedron, b: &Tetrahedron) -> Contact<3> {
     Contact { point: point_of_touch(&of_a, &of_b), normal, measure: Measure::Volume(0.0) }
 }
 
-/// A tetrahedron, oriented to positive volume if it has any, and the sides of its faces on which the vertices of another are.
+/// A tetrahedron, oriented to positive volume if it has any, and the sides of its faces on which the vertices
+/// of another are.
 struct Sides {
     vertices: [[f64; 3]; 4],
     /// Whether the tetrahedron has a volume.
     solid: bool,
-    /// For each face and each vertex of the other: a number with the exact sign, positive inside, in proportion to the distance from the
-    /// face.
+    /// For each face and each vertex of the other: a number with the exact sign, positive inside, in
+    /// proportion to the distance from the face.
     of_other: [[f64; 4]; 4],
 }
 
@@ -124,7 +128,8 @@ fn touch(a: &Sides, b: &Sides) -> bool {
         return true;
     }
     if a.solid && b.solid {
-        // No vertex of one is in the other. So if they touch, an edge of one passes through a face of the other.
+        // No vertex of one is in the other. Therefore, if they touch, an edge of one passes through a face of
+        // the other.
         return [(a, b), (b, a)].into_iter().any(|(own, other)| {
             (0..4).any(|k| {
                 let (face, sides) = (other.face(k), other.of_other[k]);
@@ -138,7 +143,8 @@ fn touch(a: &Sides, b: &Sides) -> bool {
     (0..4).any(|k| (0..4).any(|l| triangles_touch(&a.face(k), &b.face(l))))
 }
 
-/// A vertex of a piece: its position, and the sides of the four faces of the other tetrahedron on which it is.
+/// A vertex of a piece: its position, and the sides of the four faces of the other tetrahedron on which it
+/// is.
 #[derive(Clone, Copy)]
 struct Corner {
     x: [f64; 3],
@@ -224,7 +230,8 @@ fn normal_of_least_move(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> [f64; 3] {
     best.1
 }
 
-/// The closest points of two separate tetrahedra: a vertex of one and a point of a face of the other, or points of two edges.
+/// The closest points of two separate tetrahedra: a vertex of one and a point of a face of the other, or
+/// points of two edges.
 fn closest(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> ([f64; 3], [f64; 3]) {
     let mut best = (p[0], q[0]);
     let mut least = f64::INFINITY;
@@ -252,8 +259,8 @@ fn closest(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> ([f64; 3], [f64; 3]) {
     best
 }
 
-/// The contact point if there is no common volume: the centroid of the common area of faces, or else of the common length, or else a common
-/// point; or a vertex inside the other.
+/// The contact point if there is no common volume: the centroid of the common area of faces, or else of the
+/// common length, or else a common point; or a vertex inside the other.
 fn point_of_touch(a: &Sides, b: &Sides) -> [f64; 3] {
     let origin = a.vertices[0];
     // Weights and weighted sums of areas, lengths and points.

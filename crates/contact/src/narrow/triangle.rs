@@ -12,12 +12,13 @@ use super::vector::{
 
 /// Two triangles in 3D: gap, or length or area of the common part.
 ///
-/// Whether they touch, and whether they are coplanar, is decided exactly. Coplanar triangles have [`Measure::Area`]; all others, and
-/// triangles without area, have [`Measure::Length`]; both may be 0. The point is the middle of the common segment or the centroid of the
-/// common area; for a gap it is the middle between the closest points. The normal of a touch is that of the first triangle (that of the
-/// second if the first has no area; perpendicular to both if neither has), turned to the side of the centroid of the second. The normal of
-/// a gap is the direction of the gap. The errors of gap and length are 64 rounding steps of the largest coordinate; for the length divided
-/// by the sine of the angle between the planes.
+/// Whether they touch, and whether they are coplanar, is decided exactly. Coplanar triangles have
+/// [`Measure::Area`]; all others, and triangles without area, have [`Measure::Length`]; both may be 0. The
+/// point is the middle of the common segment or the centroid of the common area; for a gap it is the middle
+/// between the closest points. The normal of a touch is the normal of the first triangle (of the second if
+/// the first has no area; perpendicular to both if neither has), turned to the side of the centroid of the
+/// second. The normal of a gap is the direction of the gap. The errors of gap and length are 64 rounding
+/// steps of the largest coordinate; for the length divided by the sine of the angle between the planes.
 ///
 /// # Example
 /// ```
@@ -77,7 +78,8 @@ fn edges(&[a, b, c]: &[[f64; 3]; 3]) -> [[[f64; 3]; 2]; 3] {
 
 /// Whether two closed triangles have a point in common. If they do, an edge of one touches the other.
 pub(super) fn triangles_touch(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> bool {
-    // All vertices are strictly on one side of the plane of the other. For a triangle without area, all points are in its planes.
+    // All vertices are strictly on one side of the plane of the other. For a triangle without area, all
+    // points are in its planes.
     let sides = |p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]| q.map(|d| orient3d(p[0], p[1], p[2], d));
     let apart = |s: [f64; 3]| s.iter().all(|&x| x > 0.0) || s.iter().all(|&x| x < 0.0);
     let of_q = sides(p, q);
@@ -119,7 +121,8 @@ pub(super) fn edge_touches_sides(
     if from == 0.0 && to == 0.0 {
         return coplanar_touch(&[p, q], triangle);
     }
-    // The line crosses the plane once. The point is inside the triangle if all edges pass the line on the same side.
+    // The line crosses the plane once. The point is inside the triangle if all edges pass the line on the
+    // same side.
     let turns = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
     turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
 }
@@ -144,7 +147,8 @@ fn normal(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [f64; 3] {
     if dot(normal, way) < 0.0 { neg(normal) } else { normal }
 }
 
-/// Area and centroid of the common part of two coplanar triangles, in the projection in which the first is largest.
+/// Area and centroid of the common part of two coplanar triangles, in the projection in which the first is
+/// largest.
 fn coplanar_overlap(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> (f64, [f64; 3]) {
     let n = cross(sub(p[1], p[0]), sub(p[2], p[0]));
     let mut axis = 0;
@@ -166,7 +170,8 @@ fn coplanar_overlap(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> (f64, [f64; 3]) {
     (flat.measure.value() * (1.0 + y * y + z * z).sqrt(), point)
 }
 
-/// The ends of the common part of two touching triangles that are not coplanar: the points where edges of one meet the other.
+/// The ends of the common part of two touching triangles that are not coplanar: the points where edges of one
+/// meet the other.
 fn common_segment(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
     let mut points: Vec<[f64; 3]> = Vec::with_capacity(12);
     for (own, other) in [(p, q), (q, p)] {
@@ -221,7 +226,8 @@ fn common_segment(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
     farthest
 }
 
-/// The closest points of two separate triangles: points of two edges, or a vertex of one and a point of the other.
+/// The closest points of two separate triangles: points of two edges, or a vertex of one and a point of the
+/// other.
 pub(super) fn closest(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> ([f64; 3], [f64; 3]) {
     let mut best = (p[0], q[0]);
     let mut least = f64::INFINITY;

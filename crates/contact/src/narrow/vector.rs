@@ -52,7 +52,8 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The direction of a vector; `None` for zero. The vector is scaled first, because squares of products of four lengths may overflow.
+/// The direction of a vector; `None` for zero. The vector is scaled first, because squares of products of
+/// four lengths may overflow.
 #[inline]
 pub(super) fn unit<const D: usize>(a: [f64; D]) -> Option<[f64; D]> {
     let largest = a.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
@@ -70,7 +71,8 @@ pub(super) fn x_axis<const D: usize>() -> [f64; D] {
     std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 })
 }
 
-/// A unit vector perpendicular to a vector: the cross product with the axis along which the vector is shortest; x for zero.
+/// A unit vector perpendicular to a vector: the cross product with the axis along which the vector is
+/// shortest; x for zero.
 pub(super) fn perpendicular(a: [f64; 3]) -> [f64; 3] {
     let mut shortest = 0;
     for k in 1..3 {

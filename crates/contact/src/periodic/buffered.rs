@@ -1,4 +1,5 @@
-//! Couples of moving elements in a box that repeats: detect once with a buffer, then check the candidates while nothing has moved far.
+//! Couples of moving elements in a box that repeats: detect once with a buffer, then check the candidates
+//! while nothing has moved far.
 
 use crate::buffer::{Reason, Reference};
 use crate::elements::{Bounds, Elements, Shape};
@@ -7,26 +8,32 @@ use crate::periodic::cell::PeriodicBox;
 use crate::periodic::{PeriodicCouple, PeriodicSearch, reserve};
 use crate::real::Real;
 
-/// Repeated contact detection in a box that repeats, as [`Buffered`](crate::Buffered): it detects again only when an element has moved farther than half the
-/// buffer relative to the mean motion of all.
+/// Repeated contact detection in a box that repeats, as [`Buffered`](crate::Buffered): it detects again only
+/// when an element has moved farther than half the buffer relative to the mean motion of all.
 ///
-/// A motion by whole edges is no motion: elements may leave the box, or be put back into it by the caller, between two updates.
+/// A motion by whole edges is no motion: elements may leave the box, or be put back into it by the caller,
+/// between two updates.
 ///
 /// # Why no couple is lost
-/// Each element is wrapped into the box, at the detection to `W_i` and now to `w_i`. For any whole numbers `c_i` let `u_i = w_i + c_i . v`, with the edges `v`.
-/// The image of `j` at `w_j + s . v` touches `i` now. With `t = s + c_i - c_j`, exactly, `u_i - (u_j + t . v) = w_i - (w_j + s . v)`. So the argument of
-/// [`Buffered`](crate::Buffered) holds for the positions `W` and `u` and the candidates `(i, j, t)`. The choice of `c_i` decides only how often there is a
-/// detection: it is the one that makes the motion `u_i - W_i` smallest along each edge.
+/// Each element is wrapped into the box, at the detection to `W_i` and now to `w_i`. For any whole numbers
+/// `c_i` let `u_i = w_i + c_i . v`, with the edges `v`. The image of `j` at `w_j + s . v` touches `i` now.
+/// With `t = s + c_i - c_j`, exactly, `u_i - (u_j + t . v) = w_i - (w_j + s . v)`. Therefore the argument of
+/// [`Buffered`](crate::Buffered) holds for the positions `W` and `u` and the candidates `(i, j, t)`. The
+/// choice of `c_i` decides only how often there is a detection: it is the one that makes the motion
+/// `u_i - W_i` smallest along each edge.
 ///
-/// Four points are rounded: both images, `u_i` and `u_j`. Per axis each of them is a sum of `D` products and a coordinate in `f64`, rounded to `T`; it errs by less
-/// than `(D + 2)` units of `T` relative to the sum of the magnitudes, and a vector by less than `D` times that. The limit is reduced by all four.
+/// Four points are rounded: both images, `u_i` and `u_j`. Per axis each of them is a sum of `D` products and
+/// a coordinate in `f64`, rounded to `T`; it errs by less than `(D + 2)` units of `T` relative to the sum of
+/// the magnitudes, and a vector by less than `D` times that. The limit is reduced by all four.
 ///
 /// # Order
-/// That of the candidates, which is the order of [`PeriodicSearch`] at the last detection. It depends on the sequence of updates.
+/// The order of the candidates, which is the order of [`PeriodicSearch`] at the last detection. It depends on
+/// the sequence of updates.
 ///
 /// # Cost
-/// An update that keeps the candidates: two passes over the positions and two over the candidates, on one thread. One that detects: a search besides, on the
-/// threads of the search. Memory: that of the search, the positions four times, and `8 + 4 D` bytes per candidate.
+/// An update that keeps the candidates: two passes over the positions and two over the candidates, on one
+/// thread. One that detects: a search besides, on the threads of the search. Memory: that of the search, the
+/// positions four times, and `8 + 4 D` bytes per candidate.
 ///
 /// # Example
 /// ```
@@ -57,7 +64,8 @@ pub struct PeriodicBuffered<T, const D: usize> {
     buffer: T,
     /// The shifts are those between wrapped elements at the detection.
     candidates: Vec<PeriodicCouple<D>>,
-    /// The wrapped elements at the last detection, and their box; `None` before the first and after one that failed.
+    /// The wrapped elements at the last detection, and their box; `None` before the first and after one that
+    /// failed.
     reference: Option<(Reference<T, D>, PeriodicBox<T, D>)>,
     now: Wrapped<T, D>,
     updates: u64,
@@ -67,7 +75,8 @@ pub struct PeriodicBuffered<T, const D: usize> {
 /// Elements, wrapped into the box.
 #[derive(Clone, Debug)]
 struct Wrapped<T, const D: usize> {
-    /// Centres or minimum corners, and maximum corners of boxes; then those of images, and the radii of all where they differ.
+    /// Centres or minimum corners, and maximum corners of boxes; then those of images, and the radii of all
+    /// where they differ.
     points: Vec<[T; D]>,
     far_points: Vec<[T; D]>,
     radii: Vec<T>,
@@ -148,13 +157,15 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
         self.redetections
     }
 
-    /// Writes the couples that touch now into `couples`, cleared first, and returns why there was a new detection; `None` if the candidates were kept.
+    /// Writes the couples that touch now into `couples`, cleared first, and returns why there was a new
+    /// detection; `None` if the candidates were kept.
     ///
     /// The couples are those of [`PeriodicSearch::couples`].
     ///
     /// # Errors
-    /// The errors of [`PeriodicSearch::couples`]; [`Error::InvalidTolerance`] if tolerance and buffer together are beyond [`Real::MAX_MAGNITUDE`]. `couples` is
-    /// empty then, nothing is kept, and the next update detects.
+    /// The errors of [`PeriodicSearch::couples`]; [`Error::InvalidTolerance`] if tolerance and buffer
+    /// together are beyond [`Real::MAX_MAGNITUDE`]. `couples` is empty then, nothing is kept, and the next
+    /// update detects.
     pub fn update(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -334,7 +345,8 @@ impl<T: Real, const D: usize> Wrapped<T, D> {
         Ok(true)
     }
 
-    /// By how many edges each element is displaced to be as near as possible to the place where it was. Any number would do.
+    /// Finds the number of edges by which each element is displaced, so that it is as near as possible to its
+    /// previous place. Any number would do.
     fn compare(&mut self, before: &[[T; D]], cell: &PeriodicBox<T, D>) {
         for ((now, before), back) in self.points.iter().zip(before).zip(&mut self.back) {
             let motion: [f64; D] = std::array::from_fn(|axis| now[axis].to_f64() - before[axis].to_f64());

@@ -6,12 +6,14 @@ use crate::real::Real;
 
 /// A box that is periodic along some or all of its edges: rectangular, or sheared (triclinic).
 ///
-/// `D` edges from the origin span the box. The fractions of a point are its coordinates in units of the edges; inside they are 0 to 1.
-/// Along a periodic edge everything repeats: points that differ by whole edges are equivalent. The edges may have any direction and tilt as
-/// long as they are linearly independent and right-handed.
+/// `D` edges from the origin span the box. The fractions of a point are its coordinates in units of the
+/// edges; inside they are 0 to 1. Along a periodic edge everything repeats: points that differ by whole edges
+/// are equivalent. The edges may have any direction and tilt as long as they are linearly independent and
+/// right-handed.
 ///
-/// An edge that is not periodic only gives the direction of the faces across which the other edges repeat; these are parallel to it. Its
-/// length has no effect, nothing is wrapped along it, and elements may lie anywhere along it.
+/// An edge that is not periodic only gives the direction of the faces across which the other edges repeat;
+/// these are parallel to it. Its length has no effect, nothing is wrapped along it, and elements may lie
+/// anywhere along it.
 ///
 /// # Shapes
 /// `origin`: `[D]`; `edges`: `[D]` rows of `[D]`. Edge `a` is periodic if `periodic[a]`.
@@ -35,14 +37,17 @@ pub struct PeriodicBox<T, const D: usize> {
     origin: [T; D],
     edges: [[T; D]; D],
     periodic: [bool; D],
-    /// Rows of the inverse matrix: the fraction along edge `a` is the product of row `a` with the point, relative to the origin.
+    /// Rows of the inverse matrix: the fraction along edge `a` is the product of row `a` with the point,
+    /// relative to the origin.
     dual: [[f64; D]; D],
 }
 
-/// Largest number of periods between a point and the box: a shift is the sum of two of these and the shift of an image, in `i32`.
+/// Largest number of periods between a point and the box: a shift is the sum of two of these and the shift of
+/// an image, in `i32`.
 pub(crate) const MAX_PERIODS: f64 = 268_435_456.0;
 
-/// Smallest height of an edge above the edges before it, in units of its length; lower edges count as linearly dependent.
+/// Smallest height of an edge above the edges before it, in units of its length; lower edges count as
+/// linearly dependent.
 const MIN_HEIGHT: f64 = 1e-10;
 
 impl<T: Real, const D: usize> PeriodicBox<T, D> {
@@ -51,7 +56,8 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
     /// The length of an edge is the difference `max - min`, rounded once.
     ///
     /// # Errors
-    /// [`Error::InvalidDomain`] if `min < max` does not hold on every axis; otherwise those of [`PeriodicBox::triclinic`].
+    /// [`Error::InvalidDomain`] if `min < max` does not hold on every axis; otherwise those of
+    /// [`PeriodicBox::triclinic`].
     pub fn orthogonal(min: [T; D], max: [T; D], periodic: [bool; D]) -> Result<Self, Error> {
         let mut edges = [[T::ZERO; D]; D];
         for axis in 0..D {
@@ -67,7 +73,8 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
     /// A box spanned by `edges` from `origin`.
     ///
     /// # Errors
-    /// [`Error::InvalidBoxOrigin`], [`Error::InvalidBoxEdge`], [`Error::DependentBoxEdges`], [`Error::NegativeBoxVolume`].
+    /// [`Error::InvalidBoxOrigin`], [`Error::InvalidBoxEdge`], [`Error::DependentBoxEdges`],
+    /// [`Error::NegativeBoxVolume`].
     pub fn triclinic(origin: [T; D], edges: [[T; D]; D], periodic: [bool; D]) -> Result<Self, Error> {
         let limit = T::MAX_MAGNITUDE.to_f64();
         for (axis, x) in origin.into_iter().enumerate() {
@@ -121,8 +128,9 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
 
     /// The position of a point along each edge, in units of the edge.
     ///
-    /// With `g_a` the row of the inverse matrix of the edges for edge `a`, in `f64`: `((g_a0 * (x_0 - o_0)) + g_a1 * (x_1 - o_1)) + …`, the
-    /// axes in ascending order, each operation rounded once.
+    /// With `g_a` the row of the inverse matrix of the edges for edge `a`, in `f64`:
+    /// `((g_a0 * (x_0 - o_0)) + g_a1 * (x_1 - o_1)) + …`, the axes in ascending order, each operation rounded
+    /// once.
     #[inline]
     pub fn fractions(&self, point: &[T; D]) -> [f64; D] {
         self.fractions_of(&point.map(T::to_f64))
@@ -137,20 +145,23 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         })
     }
 
-    /// The image of a point in the box, and the number of periods along each edge between the point and its image.
+    /// The image of a point in the box, and the number of periods along each edge between the point and its
+    /// image.
     ///
-    /// The periods are `n_a = floor` of the [`fractions`](Self::fractions), and 0 along edges that are not periodic. The image is the point
-    /// [`displaced`](Self::displaced) by `-n`, or the point itself if all `n` are 0. It may be outside the box by a rounding error. `None`
-    /// if a coordinate is not finite, or the point is more than `2^28` periods away.
+    /// The periods are `n_a = floor` of the [`fractions`](Self::fractions), and 0 along edges that are not
+    /// periodic. The image is the point [`displaced`](Self::displaced) by `-n`, or the point itself if all
+    /// `n` are 0. It may be outside the box by a rounding error. `None` if a coordinate is not finite, or the
+    /// point is more than `2^28` periods away.
     pub fn wrap(&self, point: [T; D]) -> Option<([T; D], [i32; D])> {
         let periods = self.periods(&self.fractions(&point)).ok()?;
         Some((self.wrapped(point, &periods), periods))
     }
 
-    /// The point displaced by `shift` edges: per axis `x + (((s_0 * v_0) + s_1 * v_1) + …)`, where `v_a` is the component of edge `a`.
+    /// The point displaced by `shift` edges: per axis `x + (((s_0 * v_0) + s_1 * v_1) + …)`, where `v_a` is
+    /// the component of edge `a`.
     ///
-    /// The operations are done in `f64`, the edges in ascending order. Each operation rounds once, without fused multiply-add; the result
-    /// is rounded to `T`.
+    /// The operations are done in `f64`, the edges in ascending order. Each operation rounds once, without
+    /// fused multiply-add; the result is rounded to `T`.
     #[inline]
     pub fn displaced(&self, point: &[T; D], shift: &[i32; D]) -> [T; D] {
         std::array::from_fn(|axis| {
@@ -160,9 +171,9 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         })
     }
 
-    /// The extremes of the fractions of points with the extremes `bounds`, if the edges lie along the axes. Then each fraction depends on
-    /// one coordinate and, even with rounding, never falls where that coordinate grows. (The other terms of its sum are zeros.) `None` for
-    /// other boxes.
+    /// The extremes of the fractions of points with the extremes `bounds`, if the edges lie along the axes.
+    /// Then each fraction depends on one coordinate and, even with rounding, never falls where that
+    /// coordinate grows. (The other terms of its sum are zeros.) `None` for other boxes.
     pub(crate) fn fractions_within(&self, bounds: &Bounds<D>) -> Option<Bounds<D>> {
         let along_axes = (0..D).all(|edge| (0..D).all(|axis| edge == axis || self.dual[edge][axis] == 0.0));
         let positive = (0..D).all(|edge| self.dual[edge][edge] > 0.0);
@@ -202,7 +213,8 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         if *periods == [0; D] { point } else { self.displaced(&point, &periods.map(|n| -n)) }
     }
 
-    /// The rows of the inverse of the matrix of edges: the fraction along edge `a` grows by the product of row `a` with a displacement.
+    /// The rows of the inverse of the matrix of edges: the fraction along edge `a` grows by the product of
+    /// row `a` with a displacement.
     pub fn dual(&self) -> &[[f64; D]; D] {
         &self.dual
     }
@@ -216,8 +228,8 @@ pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
     vector.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt() * largest
 }
 
-/// Checks linear independence by the Gram-Schmidt process. Every vector is orthogonalised twice, so that rounding is not mistaken for
-/// height.
+/// Checks linear independence by the Gram-Schmidt process. Every vector is orthogonalised twice, so that
+/// rounding is not mistaken for height.
 fn check_independent<const D: usize>(directions: &[[f64; D]; D]) -> Result<(), Error> {
     let mut basis = [[0.0; D]; D];
     for edge in 0..D {
@@ -238,8 +250,8 @@ fn check_independent<const D: usize>(directions: &[[f64; D]; D]) -> Result<(), E
     Ok(())
 }
 
-/// The inverse and the determinant, by Gauss-Jordan elimination with row pivots. The inverse of a diagonal matrix is exact except for its
-/// divisions.
+/// The inverse and the determinant, by Gauss-Jordan elimination with row pivots. The inverse of a diagonal
+/// matrix is exact except for its divisions.
 fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|row| std::array::from_fn(|column| if row == column { 1.0 } else { 0.0 }));

@@ -11,15 +11,16 @@ use crate::search::make_room;
 
 /// Elements wrapped into a box; separately, the elements near its faces together with their images.
 ///
-/// Every couple with an image consists of an element of `near` and an image. If an image of `j` touches `i`, then the opposite image of `i`
-/// is as near to `j` by the bound on fractions from which images are made (see [`margin`]), so `i` has an image too. In a large box these
-/// elements are few. If they are not, `near` holds all elements.
+/// Every couple with an image consists of an element of `near` and an image. If an image of `j` touches `i`,
+/// then the opposite image of `i` is as near to `j` by the bound on fractions from which images are made (see
+/// [`margin`]), so `i` has an image too. In a large box these elements are few. If they are not, `near` holds
+/// all elements.
 ///
 /// # Shapes
-/// `wrapped`, `wrapped_far`: `[n]`, in the caller's order, filled only if some element was outside. `near`: `[k]`, ascending. `points`:
-/// `[k + m]`, first the elements `near`, then the `m` images, by owner and then by shift: centres, or minimum corners. `far_points`: the
-/// same for maximum corners, empty for spheres. `radii`: the same, empty unless spheres have radii. `periods`: `[n]`. `owners`, `shifts`:
-/// `[m]`.
+/// `wrapped`, `wrapped_far`: `[n]`, in the caller's order, filled only if some element was outside. `near`:
+/// `[k]`, ascending. `points`: `[k + m]`, first the elements `near`, then the `m` images, by owner and then
+/// by shift: centres, or minimum corners. `far_points`: the same for maximum corners, empty for spheres.
+/// `radii`: the same, empty unless spheres have radii. `periods`: `[n]`. `owners`, `shifts`: `[m]`.
 #[derive(Clone, Debug)]
 pub(crate) struct Images<T, const D: usize> {
     wrapped: Vec<[T; D]>,
@@ -29,7 +30,8 @@ pub(crate) struct Images<T, const D: usize> {
     bounds: Bounds<D>,
     /// Number of periods between each element and the box. Entries of elements that were inside are stale.
     periods: Vec<[i32; D]>,
-    /// One bit per element: whether it was outside. Often most are inside, and these bits stay in cache where `periods` would not.
+    /// One bit per element: whether it was outside. Often most are inside, and these bits stay in cache where
+    /// `periods` would not.
     away: Vec<u64>,
     pub(crate) any_away: bool,
     /// Elements that have images, or all elements if they are not kept apart.
@@ -53,7 +55,8 @@ pub(crate) struct Images<T, const D: usize> {
 /// A chunk of the elements, handled by one thread. Chunks do not depend on the number of threads.
 #[derive(Clone, Debug)]
 struct Chunk<T, const D: usize> {
-    /// Extremes of the wrapped elements and of their fractions; then the same for the elements that have images.
+    /// Extremes of the wrapped elements and of their fractions; then the same for the elements that have
+    /// images.
     bounds: Bounds<D>,
     fractions: Bounds<D>,
     any_away: bool,
@@ -67,7 +70,8 @@ struct Chunk<T, const D: usize> {
 /// Number of elements in a chunk: a multiple of 64, so that no two chunks share a word of `away`.
 const CHUNK: usize = 8192;
 
-/// The box, the extremes of the fractions of the wrapped elements, and the largest difference between the fractions of touching elements.
+/// The box, the extremes of the fractions of the wrapped elements, and the largest difference between the
+/// fractions of touching elements.
 struct Window<'a, T, const D: usize> {
     cell: &'a PeriodicBox<T, D>,
     fractions: Bounds<D>,
@@ -364,7 +368,8 @@ impl<T, const D: usize> Default for Chunk<T, D> {
 }
 
 impl<T: Real, const D: usize> Chunk<T, D> {
-    /// Wraps `points` into `wrapped`. Writes `periods` and `away` where an element is outside. All arguments belong to this chunk only.
+    /// Wraps `points` into `wrapped`. Writes `periods` and `away` where an element is outside. All arguments
+    /// belong to this chunk only.
     fn wrap(
         &mut self,
         points: &[[T; D]],
@@ -404,7 +409,8 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         (self.fractions, self.bounds) = (all_fractions, bounds);
     }
 
-    /// Finds the elements that have images among the wrapped `points`, which are numbered from `first` on. Points in `interior` have none.
+    /// Finds the elements that have images among the wrapped `points`, which are numbered from `first` on.
+    /// Points in `interior` have none.
     fn find_near(
         &mut self,
         first: usize,
@@ -499,25 +505,29 @@ fn outside<T: Real, const D: usize>(
 /// The largest difference, along each edge, between the fractions of an element and of an image that touch.
 ///
 /// # Why no image that touches is lost
-/// Let `p` be the rounded image of the wrapped point `w_j` under the shift `s`, and let it touch `w_i`. Then `|p - w_i| <= R`, the reach,
-/// which bounds the rounding of the contact test (`Elements::reach`). Let `g_a` be the row of the inverse as it is stored, `v_b` the edges,
-/// `F` the fractions as they are computed, `S_b` a bound on `|s_b|`, and `u = T::EPSILON` (at least `2^-52`, twice the error of an
-/// operation in `f64`).
-/// - `g_a . v_b = [a = b] + E_ab`. `E_ab` is computed here, with an error of at most `D u` of the sum of the absolute products.
+/// Let `p` be the rounded image of the wrapped point `w_j` under the shift `s`, and let it touch `w_i`. Then
+/// `|p - w_i| <= R`, the reach, which bounds the rounding of the contact test (`Elements::reach`). Let `g_a`
+/// be the row of the inverse as it is stored, `v_b` the edges, `F` the fractions as they are computed, `S_b`
+/// a bound on `|s_b|`, and `u = T::EPSILON` (at least `2^-52`, twice the error of an operation in `f64`).
+/// - `g_a . v_b = [a = b] + E_ab`. `E_ab` is computed here, with an error of at most `D u` of the sum of the
+///   absolute products.
 /// - `p = w_j + s . v + d`, and `|d_k| <= (D + 3) u M_k` with `M_k = |w_k| + |o_k| + sum_b S_b |v_bk|`.
 /// - `F_i = g_a . (w_i - o) + e`, and `|e| <= (D + 2) u sum_k |g_ak| M_k`; the same for `F_j`.
 ///
-/// So `|s_a + F_j - F_i| <= |g_a| R + sum_b S_b |E_ab| + (3 D + 7) u sum_k |g_ak| M_k`. The differences of fractions from which the shifts
-/// are found add at most `4 u (S_a + 1)`. The factor `1 + 2^-40` covers the rounding of this bound, and results below the normal floats.
+/// Therefore `|s_a + F_j - F_i| <= |g_a| R + sum_b S_b |E_ab| + (3 D + 7) u sum_k |g_ak| M_k`. The
+/// differences of fractions from which the shifts are found add at most `4 u (S_a + 1)`. The factor
+/// `1 + 2^-40` covers the rounding of this bound, and results below the normal floats.
 ///
-/// Touching boxes have `|p_k - w_ik| <= L + t + (2 D + 7) u M_k` on every axis. Here `w` and `p` are minimum corners, `L` is the longest
-/// edge of a wrapped box, `t` the tolerance, and `M_k` bounds maximum corners and `t` too. An edge of an image exceeds that of its owner by
-/// at most the roundings of its two corners, `2 (D + 3) u M_k`; `max + t` is rounded once. `R` is at least `L + t`, so `|g_a| R` is
-/// replaced by `sum_k |g_ak| R`, and `3 D + 7` by `5 D + 14`.
+/// Touching boxes have `|p_k - w_ik| <= L + t + (2 D + 7) u M_k` on every axis. Here `w` and `p` are minimum
+/// corners, `L` is the longest edge of a wrapped box, `t` the tolerance, and `M_k` bounds maximum corners and
+/// `t` too. An edge of an image exceeds that of its owner by at most the roundings of its two corners,
+/// `2 (D + 3) u M_k`; `max + t` is rounded once. `R` is at least `L + t`, so `|g_a| R` is replaced by
+/// `sum_k |g_ak| R`, and `3 D + 7` by `5 D + 14`.
 ///
-/// It remains to find `S_b`. The margin is `|g_a| R` plus a rest that grows at most in proportion to the shifts. Let `z` be the largest
-/// `|s_b| / S_b`. With `S_b = 2 (range_b + |g_b| R + 1)` the inequality gives `|s_a| <= S_a / 2 + max(z, 1) rest_a`. If
-/// `rest_a <= S_a / 4`, which is checked, then `z <= 1/2 + max(z, 1) / 4`, so `z <= 3/4`, and the bound holds.
+/// It remains to find `S_b`. The margin is `|g_a| R` plus a rest that grows at most in proportion to the
+/// shifts. Let `z` be the largest `|s_b| / S_b`. With `S_b = 2 (range_b + |g_b| R + 1)` the inequality gives
+/// `|s_a| <= S_a / 2 + max(z, 1) rest_a`. If `rest_a <= S_a / 4`, which is checked, then
+/// `z <= 1/2 + max(z, 1) / 4`, so `z <= 3/4`, and the bound holds.
 fn margin<T: Real, const D: usize>(
     bounds: &Bounds<D>,
     cell: &PeriodicBox<T, D>,
@@ -563,7 +573,8 @@ fn margin<T: Real, const D: usize>(
 }
 
 impl<T: Real, const D: usize> Window<'_, T, D> {
-    /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before rounding to whole edges.
+    /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before
+    /// rounding to whole edges.
     #[inline]
     fn ends(&self, edge: usize, fraction: f64) -> [f64; 2] {
         let low = (self.fractions.min[edge] - fraction) - self.margin[edge];
@@ -571,12 +582,12 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
         [low, high]
     }
 
-    /// A region whose elements have no images: with it most elements of a large box with edges along the axes need no closer look. Empty
-    /// for other boxes.
+    /// A region whose elements have no images: with it most elements of a large box with edges along the axes
+    /// need no closer look. Empty for other boxes.
     ///
-    /// Neither end of the range of shifts grows where the fraction grows, and the fraction does not fall where the coordinate grows, even
-    /// with rounding. So if there is no image to the left of the largest of some coordinates, nor one to the right of the smallest, there
-    /// is none in between.
+    /// Neither end of the range of shifts grows where the fraction grows, and the fraction does not fall
+    /// where the coordinate grows, even with rounding. Therefore, if there is no image to the left of the
+    /// largest of some coordinates, nor one to the right of the smallest, there is none in between.
     fn interior(&self) -> Bounds<D> {
         let mut interior = {
             let limit = T::MAX_MAGNITUDE.to_f64();

@@ -1,6 +1,7 @@
-//! The threads of a pool under Miri, which are started anew for each run.
+//! The threads of a pool under Miri, which are started for each run.
 //!
-//! The threads of rayon cannot run there: crossbeam-epoch, which they use, violates the rules for pointers that Miri checks (Stacked Borrows).
+//! The threads of rayon cannot run there: crossbeam-epoch, which they use, violates the rules for pointers
+//! that Miri checks (Stacked Borrows).
 
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ impl Others {
         Ok(Self { count: threads - 1 })
     }
 
-    /// As many threads as a pool of the user has, without the caller's.
+    /// Number of threads in a pool of the user, without the caller's.
     pub(super) fn of(pool: Arc<rayon::ThreadPool>) -> Self {
         Self { count: pool.current_num_threads() - 1 }
     }
@@ -29,7 +30,8 @@ impl Others {
         self.count
     }
 
-    /// Runs `take_all` on the caller and on as many others as are useful. `take_all` takes tasks until none of `tasks` is left.
+    /// Runs `take_all` on the caller and on as many other threads as are useful. `take_all` takes tasks until
+    /// none of `tasks` is left.
     pub(super) fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
         std::thread::scope(|scope| {
             for _ in 0..self.count.min(tasks.saturating_sub(1)) {

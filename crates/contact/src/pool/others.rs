@@ -9,7 +9,8 @@ use crate::error::Error;
 /// Stack of a thread, bytes.
 const STACK: usize = 2 << 20;
 
-/// Memory that a thread needs when it begins, besides its stack, bytes: more than enough. The standard library and the C library end the program if there is less.
+/// Memory that a thread needs when it begins, besides its stack, bytes: more than enough. The standard
+/// library and the C library end the program if there is less.
 const BEGINNING: usize = 1 << 18;
 
 /// All threads except the caller's. The caller works too, because waking one thread fewer is faster.
@@ -53,7 +54,8 @@ impl Others {
         self.count
     }
 
-    /// Runs `take_all` on the caller and on as many others as are useful. `take_all` takes tasks until none of `tasks` is left.
+    /// Runs `take_all` on the caller and on as many other threads as are useful. `take_all` takes tasks until
+    /// none of `tasks` is left.
     ///
     /// Not generic, so that the code for threads is compiled once.
     pub(super) fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {

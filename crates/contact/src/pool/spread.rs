@@ -1,9 +1,10 @@
 //! Moves threads that the system has woken on the same processor as the thread that woke them.
 //!
-//! A thread that has slept may be put on a busy processor while another one is idle, until the system balances the load. That takes some
-//! milliseconds, longer than many a search. Linux does this in virtual machines, where a virtual processor that has halted counts as busy;
-//! two threads are then slower than one. A thread that has not started in time is excluded from the processor of the caller for a moment,
-//! which moves it at once. No thread stays pinned. On other systems nothing is done.
+//! A thread that has slept may be put on a busy processor while another one is idle, until the system
+//! balances the load. That takes some milliseconds, longer than many searches. Linux does this in virtual
+//! machines, where a virtual processor that has halted counts as busy; two threads are then slower than one.
+//! A thread that has not started in time is excluded from the processor of the caller for a moment, which
+//! moves it immediately. No thread stays pinned. On other systems nothing is done.
 
 #[cfg(target_os = "linux")]
 mod threads {
@@ -16,7 +17,8 @@ mod threads {
     /// A thread that will start on an idle processor has started within this time.
     const PATIENCE: Duration = Duration::from_micros(30);
 
-    /// Number of threads that are moved at a time. If many threads are late, the reason is that many threads take long to wake.
+    /// Number of threads that are moved at a time. If many threads are late, the reason is that many threads
+    /// take long to wake.
     const MOST: usize = 16;
 
     #[derive(Debug)]
@@ -29,8 +31,8 @@ mod threads {
     #[derive(Debug, Default)]
     struct Thread {
         id: OnceLock<Pid>,
-        /// Held while a thread is being moved. Of two movers at once, the second would take the temporary exclusion of the first for the
-        /// allowed set.
+        /// Held while a thread is being moved. If two movers act together, the second would take the
+        /// temporary exclusion of the first for the allowed set.
         moving: Mutex<()>,
         started: AtomicBool,
     }
@@ -61,8 +63,8 @@ mod threads {
             self.threads.iter().for_each(|thread| thread.started.store(false, Ordering::Relaxed));
         }
 
-        /// Waits for `others` threads to start. If that takes too long, moves those that have not started away from the processor of the
-        /// caller.
+        /// Waits for `others` threads to start. If that takes too long, moves those that have not started
+        /// away from the processor of the caller.
         pub(crate) fn look(&self, others: usize) {
             if !self.fit {
                 return;

@@ -17,44 +17,54 @@ use levels::Levels;
 use lists::{Bodies, Cells, Counted};
 use spans::Spans;
 
-/// The C-grid of Williams, Perkins and Cook: bodies of any size and shape, each in all cells that its bounding box covers.
+/// The C-grid of Williams, Perkins and Cook: bodies of any size and shape, each in all cells that its
+/// bounding box covers.
 ///
-/// The search walks slab by slab along the last axis. Bodies enter a singly connected list in the slab where their bounding boxes begin
-/// ("In") and leave it after the slab where these end ("Out"). The list of a slab is spread in the same way along the next axis, and so on,
-/// down to the list of a cell: one sub-divider, nested once per dimension. Bodies that share a cell are compared. Bodies that share several
-/// cells are compared in one of them only: on each axis, the cell of the larger of their minimum corners. So no table of couples is needed:
+/// The search walks slab by slab along the last axis. Bodies enter a singly connected list in the slab where
+/// their bounding boxes begin ("In") and leave it after the slab where these end ("Out"). The list of a slab
+/// is spread in the same way along the next axis, and so on, down to the list of a cell: one sub-divider,
+/// nested once per dimension. Bodies that share a cell are compared. Bodies that share several cells are
+/// compared in one of them only: on each axis, the cell of the larger of their minimum corners. Therefore no
+/// table of couples is needed:
 /// ```text
 ///       . _______ .     a enters before b on either axis:
 ///    ____|b  .   |.     they are compared in the cell o,
 /// . |a . | o     |.     where b enters on both.
 /// . |____|_______|.
 /// ```
-/// Slabs in which no body enters are left out, so nothing runs over empty cells, and no array has an entry per cell. Neither time nor
-/// memory depends on the size of the domain.
+/// Slabs in which no body enters are left out, so nothing runs over empty cells, and no array has an entry
+/// per cell. Neither time nor memory depends on the size of the domain.
 ///
 /// # Levels
-/// A body covers at most `5^D` cells (125 from 3D on), averaged over its possible positions: as many as a cube of four cell edges, or a
-/// longer and thinner box. A body that would cover more moves to the level above, whose cells are 4 times as wide. A level is searched
-/// together with all finer bodies that overlap the joint bounds of its own bodies, in its cells; of two bodies compared there, at least one
-/// belongs to the level. The cells of the first level follow the median of the elements. If a class of sizes has at most 64 elements, they
-/// join the level above instead of forming a level. Wider cells are used where elements are so sparse that this takes less time.
+/// A body covers at most `5^D` cells (125 from 3D on), averaged over its possible positions: the number of
+/// cells that a cube of four cell edges covers, or a longer and thinner box. A body that would cover more
+/// moves to the level above, whose cells are 4 times as wide. A level is searched together with all finer
+/// bodies that overlap the joint bounds of its own bodies, in its cells; of two bodies compared there, at
+/// least one belongs to the level. The cells of the first level follow the median of the elements. If a class
+/// of sizes has at most 64 elements, they join the level above instead of forming a level. Wider cells are
+/// used where elements are so sparse that this takes less time.
 ///
 /// # Order
-/// Level by level, the smallest bodies first; inside a level cell by cell, in ascending order. The order is a function of the input alone.
+/// Level by level, the smallest bodies first; inside a level cell by cell, in ascending order. The order is a
+/// function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N L for L levels, if the number of bounding boxes that share a cell is bounded. There is at most one level per
-/// factor of 4 between the largest and the smallest size. A body makes at most `5^D` (125) entries in each of its level and those above,
-/// and is tested in these cells. The bound fails where cells are crowded: n bodies in one place all touch, which takes n² / 2 tests. The
-/// same number is made for long thin boxes that lie crosswise in a cell without touching, and for points in one cell without size. Memory:
-/// 140 to 170 bytes per element in 3D and `f64`, whatever elements span ([`CGrid::bytes`]). Runs on one thread without vector instructions.
+/// Time proportional to N L for L levels, if the number of bounding boxes that share a cell is bounded. There
+/// is at most one level per factor of 4 between the largest and the smallest size. A body makes at most `5^D`
+/// (125) entries in each of its level and those above, and is tested in these cells. The bound fails where
+/// cells are crowded: n bodies in one place all touch, which takes n² / 2 tests. The same number is made for
+/// long thin boxes that lie crosswise in a cell without touching, and for points in one cell without size.
+/// Memory: 140 to 170 bytes per element in 3D and `f64`, whatever elements span ([`CGrid::bytes`]). Runs on
+/// one thread without vector instructions.
 ///
 /// # Source
-/// J.R. Williams, E. Perkins, B. Cook, "A contact algorithm for partitioning N arbitrary sized objects", Engineering Computations 21 (2004)
-/// 235-248, as far as it is summarised in its abstract and in A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp.
-/// 128-129. Published are: bodies that span several cells; lists that bodies enter and leave at the minimum and maximum of their bounding
-/// boxes; the sub-divider per axis, so that the dimension is a depth of nesting; time and memory linear in N. Our own are: the order of the
-/// lists, which lets bodies enter without a search; the rule for the cell that reports a couple; levels and cell sizes; leaving out slabs.
+/// J.R. Williams, E. Perkins, B. Cook, "A contact algorithm for partitioning N arbitrary sized objects",
+/// Engineering Computations 21 (2004) 235-248, according to the summary in its abstract and in A. Munjiza,
+/// "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 128-129. Published are: bodies that span
+/// several cells; lists that bodies enter and leave at the minimum and maximum of their bounding boxes; the
+/// sub-divider per axis, so that the dimension is a depth of nesting; time and memory linear in N. Our own
+/// are: the order of the lists, which lets bodies enter without a search; the rule for the cell that reports
+/// a couple; levels and cell sizes; leaving out slabs.
 ///
 /// # Example
 /// ```
@@ -95,7 +105,7 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         }
     }
 
-    /// The same until it is stopped.
+    /// Returns the search with a signal that stops it.
     pub(crate) fn stopped_by(mut self, stop: Stop) -> Self {
         self.stop = stop;
         self
@@ -112,8 +122,8 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         Levels::new(Spans::new(elements)).each().to_vec()
     }
 
-    /// The same with the predicted time of the search in nanoseconds. `None` unless most elements are boxes several times longer than wide,
-    /// and the time is less than `limit`.
+    /// The same with the predicted time of the search in nanoseconds. `None` unless most elements are boxes
+    /// several times longer than wide, and the time is less than `limit`.
     pub(crate) fn levels_for_long_boxes(
         elements: &Elements<'_, T, D>,
         limit: f64,
@@ -138,13 +148,14 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         Bodies::<T, D>::expected_bytes(elements, n) + numbers
     }
 
-    /// Number of entries that the latest search made in lists of slabs and cells, on all axes. It grows with the number of cells that
-    /// bodies cover.
+    /// Number of entries that the latest search made in lists of slabs and cells, on all axes. It grows with
+    /// the number of cells that bodies cover.
     pub fn entries(&self) -> u64 {
         self.counted.entries
     }
 
-    /// Number of tests of two bodies that the latest search made. It grows with the number of bodies that share a cell.
+    /// Number of tests of two bodies that the latest search made. It grows with the number of bodies that
+    /// share a cell.
     pub fn tests(&self) -> u64 {
         self.counted.tests
     }

@@ -11,7 +11,8 @@ use crate::stop::Stop;
 
 /// Direct checking: every element is tested against every other, in any dimension.
 ///
-/// The reference that all tests compare with, and the fastest engine for a few dozen elements. Couples come in ascending order.
+/// The reference that all tests compare with, and the fastest engine for a few dozen elements. Couples come
+/// in ascending order.
 ///
 /// # Cost
 /// `(N² - N)/2` tests; no memory.

@@ -21,29 +21,33 @@ use crate::simd::{Available, Simd};
 
 use levels::Model;
 
-/// A search for elements of any sizes, in levels. It suits powders, where the largest element is many times as large as the smallest.
+/// A search for elements of any sizes, in levels. It suits powders, where the largest element is many times
+/// as large as the smallest.
 ///
-/// A single cell size suits similar sizes only: cells as wide as the largest element would hold thousands of small ones. Here the elements
-/// are split by size. Each level is sorted into rows of its own cells, as in [`Rows`](crate::Rows), and compared with itself and with every
-/// other level. For two levels, each element of one looks for elements of the other in the rows around it. It looks as far as its own
-/// radius plus the largest radius of the other level, and less far along rows that are farther away, but never as far as the largest size
-/// of all elements would require.
+/// A single cell size suits similar sizes only: cells as wide as the largest element would hold thousands of
+/// small ones. Here the elements are split by size. Each level is sorted into rows of cells of its own size,
+/// as in [`Rows`](crate::Rows), and compared with itself and with every other level. Between two levels, each
+/// element of one looks for elements of the other in the rows around it. It looks as far as its own radius
+/// plus the largest radius of the other level, and less far along rows that are farther away, but never as
+/// far as the largest size of all elements would require.
 ///
-/// A model of the cost, made from the sizes and the extent of the domain, decides where one level ends and the next begins, and which of
-/// two levels looks for the other. Neighbouring classes of size (two per octave) are merged into one level as long as that reduces the
-/// predicted time.
+/// A model of the cost, made from the sizes and the extent of the domain, decides where one level ends and
+/// the next begins, and which of two levels looks for the other. Neighbouring classes of size (two per
+/// octave) are merged into one level as long as that reduces the predicted time.
 ///
 /// # Order
-/// Level by level, the smallest first: the couples within the level in the order of [`Rows`](crate::Rows), then those with each larger
-/// level. The order is a function of the input alone.
+/// Level by level, the smallest first: the couples within the level in the order of [`Rows`](crate::Rows),
+/// then those with each larger level. The order is a function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N for a given distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), 4 bytes for its number, and
-/// `4 D` bytes for the cells of its row if it is alone in the row.
+/// Time proportional to N for a given distribution of sizes. Memory per element: that of
+/// [`Rows`](crate::Rows), 4 bytes for its number, and `4 D` bytes for the cells of its row if it is alone in
+/// the row.
 ///
 /// # Source
-/// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936. Their optimal choice: D. Krijgsman, V. Ogarko,
-/// S. Luding, Comput. Part. Mech. 1 (2014) 357-372. Rows, windows and the model of the cost are our own.
+/// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936. Their optimal
+/// choice: D. Krijgsman, V. Ogarko, S. Luding, Comput. Part. Mech. 1 (2014) 357-372. Rows, windows and the
+/// model of the cost are our own.
 ///
 /// # Example
 /// ```
@@ -110,23 +114,23 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         Ok(self)
     }
 
-    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread pool. The couples and their order
-    /// are the same for any number.
+    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread
+    /// pool. The couples and their order are the same for any number.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
-    /// `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate
+    /// was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
     }
 
-    /// The same with given levels. The first level holds sizes (diameters, largest edges of boxes) up to the first of `limits`, the next
-    /// one sizes up to the next limit, and the last one all others. Empty levels are left out. The couples are the same; their order
-    /// differs.
+    /// The same with given levels. The first level holds sizes (diameters, largest edges of boxes) up to the
+    /// first of `limits`, the next one sizes up to the next limit, and the last one all others. Empty levels
+    /// are left out. The couples are the same; their order differs.
     ///
-    /// Each limit is moved up to the next power of two, or 1.5 times a power of two, because classes of sizes are not split. NaN counts as
-    /// infinity.
+    /// Each limit is moved up to the next power of two, or 1.5 times a power of two, because classes of sizes
+    /// are not split. NaN counts as infinity.
     ///
     /// # Example
     /// ```
@@ -279,8 +283,8 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Work {
-    /// The level whose elements look for others, and the level of these others, as places in [`Multilevel::levels`]. Both are equal for one
-    /// level alone.
+    /// The level whose elements look for others, and the level of these others, as places in
+    /// [`Multilevel::levels`]. Both are equal for one level alone.
     pub levels: [usize; 2],
     /// Predicted number of windows that the elements open on rows of cells.
     pub predicted_windows: f64,
@@ -288,7 +292,8 @@ pub struct Work {
     pub windows: u64,
     /// Predicted number of elements in these windows.
     pub predicted_candidates: f64,
-    /// Actual number of elements in these windows. Each is compared, or found to be too far away along another axis.
+    /// Actual number of elements in these windows. Each is compared, or found to be too far away along
+    /// another axis.
     pub candidates: u64,
     /// Couples found.
     pub couples: u64,

@@ -13,20 +13,21 @@ use crate::stop::Stop;
 
 /// Munjiza-NBS ("no binary search"): all couples among elements of similar size, in time proportional to N.
 ///
-/// Each element belongs to the cell that holds its centre. All elements are put onto lists along the last axis. Each list that is not empty
-/// is in turn put onto lists along the next axis, together with its neighbours below, and so on down to cells. Cells are compared by the
-/// contact mask ([`CONTACT_MASK`]). In 2D (`o` the central cell):
+/// Each element belongs to the cell that holds its centre. All elements are put onto lists along the last
+/// axis. Each list that is not empty is in turn put onto lists along the next axis, together with its
+/// neighbours below, and so on down to cells. Cells are compared by the contact mask ([`CONTACT_MASK`]). In
+/// 2D (`o` the central cell):
 /// ```text
 /// .  .  .
 /// x  o  .
 /// x  x  x
 /// ```
-/// Lists are emptied by walking the elements again. After the heads have been written once, no loop runs over cells, so the time depends
-/// neither on the size of the domain nor on the packing density.
+/// Lists are emptied by walking the elements again. After the heads have been written once, no loop runs over
+/// cells, so the time depends neither on the size of the domain nor on the packing density.
 ///
 /// # Reading this beside the book
-/// One recursion (p. 128) stands for the 8 steps of the 2D procedure (pp. 110-111) and the 13 steps of the 3D one (pp. 126-128). The source
-/// file marks each step as follows:
+/// One recursion (p. 128) covers the 8 steps of the 2D procedure (pp. 110-111) and the 13 steps of the 3D one
+/// (pp. 126-128). The source file marks each step as follows:
 ///
 /// | this file | 2D steps | 3D steps |
 /// |---|---|---|
@@ -40,18 +41,20 @@ use crate::stop::Stop;
 /// | last axis: remove its lists | 8 | 13 |
 ///
 /// # Order
-/// Cells come in the order in which the walk over the elements first reaches their layer, row and cell. The order is a function of the
-/// input alone.
+/// Cells come in the order in which the walk over the elements first reaches their layer, row and cell. The
+/// order is a function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N at any packing density while sizes are similar. The cell is as large as the largest element, and n small elements
-/// in one cell cost n² tests. Memory: exactly [`Nbs::integers`] integers of 4 bytes.
+/// Time proportional to N at any packing density while sizes are similar. The cell is as large as the largest
+/// element, and n small elements in one cell cost n² tests. Memory: exactly [`Nbs::integers`] integers of 4
+/// bytes.
 ///
 /// # Source
-/// A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer. Meth.
-/// Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 102-128.
-/// Departures: elements and cells are numbered from 0; empty is [`NONE`], not -1; the cell is wider than the largest element by a rounding
-/// step (see [`Grid`]); boxes are mapped by their minimum corner, because its differences round less than those of centres.
+/// A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer.
+/// Meth. Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp.
+/// 102-128. Departures: elements and cells are numbered from 0; empty is [`NONE`], not -1; the cell is wider
+/// than the largest element by a rounding step (see [`Grid`]); boxes are mapped by their minimum corner,
+/// because its differences round less than those of centres.
 ///
 /// # Example
 /// ```
@@ -117,7 +120,7 @@ impl<const D: usize> Nbs<D> {
         self
     }
 
-    /// The same until it is stopped.
+    /// Returns the search with a signal that stops it.
     pub(crate) fn stopped_by(mut self, stop: Stop) -> Self {
         self.stop = stop;
         self
@@ -153,7 +156,8 @@ impl<const D: usize> Nbs<D> {
         Grid::fit(elements, self.domain, self.max_heads)
     }
 
-    /// Searches as [`Search::for_each`], and shows `observer` the lists, the central cells and the candidates as they occur.
+    /// Searches as [`Search::for_each`], and shows `observer` the lists, the central cells and the candidates
+    /// as they occur.
     ///
     /// The figures of the book are printed in this way. An observer that does nothing costs nothing.
     ///
@@ -218,7 +222,8 @@ impl<T: Real, const D: usize> Search<T, D> for Nbs<D> {
 
 /// Observes a search, for teaching and for the golden tests. Every method does nothing by default.
 pub trait Observer<const D: usize> {
-    /// The lists along `axis` are complete and all new, for the central list of the axes above: `cell[axis + 1..]`.
+    /// The lists along `axis` are complete and all new, for the central list of the axes above:
+    /// `cell[axis + 1..]`.
     fn lists(&mut self, axis: usize, cell: &[u32; D], lists: &Lists) {
         let _ = (axis, cell, lists);
     }
@@ -252,10 +257,11 @@ struct Pass<'a, G, O, const D: usize> {
 }
 
 impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
-    /// Spreads a central list of the axis above over the lists of `axis`, with its neighbours, and visits each.
+    /// Spreads a central list of the axis above over the lists of `axis`, with its neighbours, and visits
+    /// each.
     ///
-    /// `central` and `neighbours` are first elements of lists of the axis above. Above the last axis there is a single list, that of all
-    /// elements.
+    /// `central` and `neighbours` are first elements of lists of the axis above. Above the last axis there is
+    /// a single list, that of all elements.
     fn spread(&mut self, axis: usize, central: u32, neighbours: [u32; 4]) -> Result<(), Error> {
         // 2D steps 1 and 3; 3D steps 1, 3 and 6: integerise the coordinate, push on the list.
         self.walk(axis, central, |pass, element, cell| {
@@ -271,7 +277,8 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
         }
         self.observer.lists(axis, &self.cell, &self.lists[axis]);
 
-        // 2D steps 2 and 5; 3D steps 2, 5 and 8: a list that is new is marked old and becomes the central one.
+        // 2D steps 2 and 5; 3D steps 2, 5 and 8: a list that is new is marked old and becomes the central
+        // one.
         self.walk(axis, central, |pass, _, cell| {
             if let Some(first) = pass.lists[axis].take_new(cell) {
                 let neighbours = CONTACT_MASK

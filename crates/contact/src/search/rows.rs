@@ -23,33 +23,39 @@ use crate::simd::{Available, Simd, has_vectors};
 use layout::Layout;
 use scan::{PART, Scan, Scanner, Scans, Sink};
 
-/// The default engine: the decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists.
+/// The default engine: the decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of
+/// lists.
 ///
-/// A *row* is a line of cells along the axis with the most cells. Cells are as wide as the largest element, and wider where rows would hold few elements. Elements are sorted by row and, inside a row, by coordinate along it. The
-/// lists of NBS become runs of contiguous memory, and rows without elements do not exist. A row is compared with itself and with the half
-/// mask of neighbour rows (1 in 2D, 4 in 3D, `(3^(D-1) - 1)/2`). Because rows are sorted, an element's candidates in a neighbour row are
-/// one window, whose lower end only moves forward. Coordinates are tested a vector at a time, with AVX-512, AVX2 or NEON if the processor
-/// has them. Where it is faster, four elements are compared at once in 32 bits first. All instruction sets give the same couples in the
-/// same order, by the comparison of [`Elements`].
+/// A *row* is a line of cells along the axis with the most cells. Cells are as wide as the largest element,
+/// and wider where rows would hold few elements. Elements are sorted by row and, inside a row, by coordinate
+/// along it. The lists of NBS become runs of contiguous memory, and rows without elements do not exist. A row
+/// is compared with itself and with the half mask of neighbour rows (1 in 2D, 4 in 3D, `(3^(D-1) - 1)/2`).
+/// Because rows are sorted, an element's candidates in a neighbour row are one window, whose lower end only
+/// moves forward. Coordinates are tested a vector at a time, with AVX-512, AVX2 or NEON if the processor has
+/// them. Where it is faster, four elements are compared at once in 32 bits first. All instruction sets give
+/// the same couples in the same order, by the comparison of [`Elements`].
 /// ```text
 ///   row below   . . [ x x x x x ] . . .      |x_j - x_i| <= reach
 ///   own row     . . . . i [ x x x ] . .      j > i
 /// ```
 ///
 /// # Order
-/// Rows ascend by cell on the other axes, and elements ascend along their row. The partners of an element are first those in its own row,
-/// then those in the rows of the mask, each ascending. If most boxes are much shorter than the longest one, the partners of a box are
-/// instead those that begin later along the row, in all rows around it. The order is a function of the input alone.
+/// Rows ascend by cell on the other axes, and elements ascend along their row. The partners of an element are
+/// first those in its own row, then those in the rows of the mask, each ascending. If most boxes are much
+/// shorter than the longest one, the partners of a box are instead those that begin later along the row, in
+/// all rows around it. The order is a function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per element: `D` coordinates; the
-/// radius, if radii differ; 4 bytes of id; 2 bytes of bin; at most 8 bytes of row starts. That is 30 to 38 bytes in 3D and `f64`, 8 more
-/// with radii, and 4 to 12 more with a [`Filter`](crate::Filter). In addition, each thread sorts one block of rows at a time in memory of
-/// its own: some hundred kilobytes, or 50 bytes per element of the longest row if that is more. Nothing grows with the domain.
+/// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per
+/// element: `D` coordinates; the radius, if radii differ; 4 bytes of id; 2 bytes of bin; at most 8 bytes of
+/// row starts. That is 30 to 38 bytes in 3D and `f64`, 8 more with radii, and 4 to 12 more with a
+/// [`Filter`](crate::Filter). In addition, each thread sorts one block of rows at a time in its own memory:
+/// some hundred kilobytes, or 50 bytes per element of the longest row if that is more. Nothing grows with the
+/// domain.
 ///
 /// # Source
-/// The decomposition is that of A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149. Rows, windows and vectors are our
-/// own.
+/// The decomposition is that of A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149.
+/// Rows, windows and vectors are our own.
 ///
 /// # Example
 /// ```
@@ -89,12 +95,12 @@ impl<T: Real, const D: usize> Rows<T, D> {
         Ok(self)
     }
 
-    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread pool. The couples and their order
-    /// are the same for any number. Clones share their threads.
+    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread
+    /// pool. The couples and their order are the same for any number. Clones share their threads.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
-    /// `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate
+    /// was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
@@ -141,10 +147,12 @@ impl<T: Real, const D: usize> Rows<T, D> {
         sparse::grid(elements)
     }
 
-    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state of its part.
+    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state
+    /// of its part.
     ///
-    /// The elements are cut into parts. Each part begins with a state from `start`, and the states are returned in the order of the parts.
-    /// The parts do not depend on the number of threads, so neither does a sum over the states.
+    /// The elements are cut into parts. Each part begins with a state from `start`, and the states are
+    /// returned in the order of the parts. The parts do not depend on the number of threads, so neither does
+    /// a sum over the states.
     ///
     /// # Errors
     /// As [`Search::for_each`].

@@ -224,7 +224,8 @@ impl Estimate for F32x8 {
             let [a, b, c, d] = vectors;
             let [a, b] = [_mm256_castps_si256(a.0), _mm256_castps_si256(b.0)];
             let [c, d] = [_mm256_castps_si256(c.0), _mm256_castps_si256(d.0)];
-            // Packing keeps signs: in each half, four bytes of each vector, which are then put together lane by lane.
+            // Packing keeps signs: in each half, four bytes of each vector, which are then put together lane
+            // by lane.
             let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
             let order = _mm256_setr_epi8(
                 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15, 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14,

@@ -1,30 +1,35 @@
-//! Compares four elements at a time in coordinates of 32 bits, and uses the exact comparison where these leave a doubt.
+//! Compares four elements at a time in coordinates of 32 bits, and uses the exact comparison where these
+//! leave a doubt.
 //!
-//! A stretch of a row and its surroundings are copied: relative to a point nearby, in units of the reach, rounded to 32 bits. Then most
-//! windows fit into one vector. Four neighbours in a row, a *cluster*, share their windows, so fewer branches on the end of a window are
-//! mispredicted, and each loaded vector is used four times.
+//! A stretch of a row and its surroundings are copied: relative to a point nearby, in units of the reach,
+//! rounded to 32 bits. Then most windows fit into one vector. Four neighbours in a row, a *cluster*, share
+//! their windows, so fewer branches on the end of a window are mispredicted, and each loaded vector is used
+//! four times.
 //!
 //! # Why the couples are the same
-//! In units of the reach, let `M` bound the coordinates of the copy, `u = 2^-24`, and `v` half the epsilon of the input type. Roundings are
-//! given to first order; the constants below leave room for the rest.
-//! - A coordinate is off by at most `(u + 3 v) M`: difference, product and factor round in the type of the input, then the copy rounds. A
-//!   difference of two coordinates is off by twice that and by its own rounding, `2 u M`; together by less than `e = (4 u + 8 v) M`.
-//! - So the sum `s` of `D <= 3` squares is off by less than `2 e sqrt(3 s) + 3 e^2`, plus `(D + 1) u s` for its own roundings and
-//!   `(D + 2) v s` for those in the definition of contact.
-//! - The contact distance `c <= 1` is a sum of non-negative numbers and off by at most `(5 u + 12 v) c`; its square is off by twice that
-//!   relative to `c^2`.
+//! In units of the reach, let `M` bound the coordinates of the copy, `u = 2^-24`, and `v` half the epsilon of
+//! the input type. Roundings are given to first order; the constants below leave room for the rest.
+//! - A coordinate is off by at most `(u + 3 v) M`: difference, product and factor round in the type of the
+//!   input, then the copy rounds. A difference of two coordinates is off by twice that and by its own
+//!   rounding, `2 u M`; together by less than `e = (4 u + 8 v) M`.
+//! - Therefore the sum `s` of `D <= 3` squares is off by less than `2 e sqrt(3 s) + 3 e^2`, plus
+//!   `(D + 1) u s` for its own roundings and `(D + 2) v s` for the roundings in the definition of contact.
+//! - The contact distance `c <= 1` is a sum of non-negative numbers and off by at most `(5 u + 12 v) c`; its
+//!   square is off by twice that relative to `c^2`.
 //!
-//! With `E = (4 e + 2^-18) c + 4 e^2` no contact has `s > c^2 + E` here, because these bounds ascend with `s`. All elements with
-//! `s <= c^2 - E` are contacts, because `s` less its bound ascends too. If any `s` of a cluster lies in between, the kernel compares the
-//! cluster again. Any value that underflows in the definition is smaller than `e^2` here.
+//! With `E = (4 e + 2^-18) c + 4 e^2` no contact has `s > c^2 + E` here, because these bounds ascend with
+//! `s`. All elements with `s <= c^2 - E` are contacts, because `s` less its bound ascends too. If any `s` of
+//! a cluster lies in between, the kernel compares the cluster again. Any value that underflows in the
+//! definition is smaller than `e^2` here.
 //!
-//! The kernel does not compute `s` but `t = s - (c^2 + E)`, the squares added to a number that is negative: the sign of `t` says whether a
-//! contact is possible, and `t > -2 E` that it is not sure. Partial sums are at most the larger of `s` and `c^2 + E`, so the roundings of `t` are
-//! those of `s` above or `(D + 2) u (c^2 + E)`, which is less than a tenth of the `2^-18 c` in `E`. With radii, the largest `E` of all serves for
-//! the second comparison: `c = 1`.
+//! The kernel does not compute `s` but `t = s - (c^2 + E)`, the squares added to a number that is negative:
+//! the sign of `t` says whether a contact is possible, and `t > -2 E` that it is not sure. Partial sums are
+//! at most the larger of `s` and `c^2 + E`, so the roundings of `t` are those of `s` above or
+//! `(D + 2) u (c^2 + E)`, which is less than a tenth of the `2^-18 c` in `E`. With radii, the largest `E` of
+//! all serves for the second comparison: `c = 1`.
 //!
-//! Windows extend `4 e` beyond the reach, and rounding keeps the order of coordinates, so no window misses an element. Couples are written
-//! in the order of the kernel.
+//! Windows extend `4 e` beyond the reach, and rounding keeps the order of coordinates, so no window misses an
+//! element. Couples are written in the order of the kernel.
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -59,7 +64,8 @@ const DENSITY: f64 = 1.5;
 /// Largest number of vectors that a cluster is compared with, if there is a filter.
 const VECTORS: usize = 128;
 
-/// Number of elements near a cluster that are looked at in any case: a loop that mostly ends at the same place is foreseen.
+/// Number of elements near a cluster that are looked at in any case: a loop that mostly ends at the same
+/// place is foreseen.
 const LEAST: usize = 24;
 
 /// Room for the elements near a cluster.
@@ -68,7 +74,8 @@ const NEAR: usize = 560;
 /// Largest magnitude of a copied coordinate: larger ones would leave too much in doubt.
 const LARGEST: f64 = 512.0;
 
-/// Room for the copies of a row and its neighbours: the coordinates of up to three axes and the radii of each.
+/// Room for the copies of a row and its neighbours: the coordinates of up to three axes and the radii of
+/// each.
 type Copies = [[[MaybeUninit<f32>; CAPACITY]; 4]; FEW + 1];
 
 /// A copied piece of a row.
@@ -100,7 +107,8 @@ struct Segment<const D: usize> {
 struct Limits<C> {
     /// `-(c^2 + E)` for elements of one radius.
     possible: C,
-    /// `E` above for elements with radii: its factor of the contact distance, and the rest, which is negative.
+    /// `E` above for elements with radii: its factor of the contact distance, and the rest, which is
+    /// negative.
     slope: C,
     rest: C,
     /// `2 E` for the largest contact distance.
@@ -144,8 +152,8 @@ struct Hits<C> {
     marks: C,
 }
 
-/// For the vector that begins behind the first element of a cluster: the marks of those elements of the cluster that come before each lane. Those
-/// that come later have been compared with it already.
+/// For the vector that begins behind the first element of a cluster: the marks of the elements of the cluster
+/// that come before each lane. Later elements have been compared with it already.
 const fn behind(marks: [u32; CLUSTER]) -> [u32; WIDTH] {
     let mut behind = [0; WIDTH];
     let mut lane = 0;
@@ -175,8 +183,9 @@ pub(super) fn pays<T: Real>(task: &Task<'_, T>) -> bool {
 /// Searches as `kernel::search` does, with clusters where they help.
 ///
 /// # Safety
-/// The processor has the instructions of `V` and `C`, the groups of the filters are groups of their matrix, and [`pays`] is true of `task`. `Rows::new`
-/// asserts everything else: rows are inside the arrays, with [`WIDTH`] entries after the last element of each.
+/// The processor has the instructions of `V` and `C`, the groups of the filters are groups of their matrix,
+/// and [`pays`] is true of `task`. `Rows::new` asserts everything else: rows are inside the arrays, with
+/// [`WIDTH`] entries after the last element of each.
 #[inline(always)]
 pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>)
 where
@@ -197,7 +206,7 @@ where
 /// One variant of [`search`].
 ///
 /// # Safety
-/// That of [`search`].
+/// The conditions of [`search`].
 #[inline(always)]
 unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -216,8 +225,8 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     let mut from = task.from;
     while from < task.to {
         let to = task.to.min(from + SEGMENT);
-        // SAFETY: the contract of this function; the stretch is inside the row, the writer was made from `out`, and `copies` are written again only when the
-        // segment that points to them is no longer used.
+        // SAFETY: the contract of this function; the stretch is inside the row, the writer was made from
+        // `out`, and `copies` are written again only when the segment that points to them is no longer used.
         unsafe {
             let is_copied = if out.patience.without > 0 {
                 out.patience.without -= 1;
@@ -244,10 +253,12 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     unsafe { writer.close(out) };
 }
 
-/// Copies the elements `range` of the row and all elements that can touch them into `segment`, which is made in place; `false` if that does not pay.
+/// Copies the elements `range` of the row and all elements that can touch them into `segment`, which is made
+/// in place; `false` if that does not pay.
 ///
 /// # Safety
-/// That of [`search`]; `range` is not empty and inside the row; no segment that points to `copies` is used afterwards.
+/// The conditions of [`search`]; `range` is not empty and inside the row; no segment that points to `copies`
+/// is used afterwards.
 #[inline(always)]
 unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
     task: &Task<'_, T>,
@@ -261,9 +272,10 @@ where
     V: Vector<T>,
 {
     let own = rows.own;
-    // SAFETY: `range` is inside the row. Vectors start inside rows, or just behind their last element, and so end inside the arrays. A piece has at most
-    // CAPACITY - PAD elements, so it and PAD entries behind it fit into the capacity; a vector writes fewer than PAD entries behind the piece. There are at
-    // most FEW neighbours, by `pays`.
+    // SAFETY: `range` is inside the row. Vectors start inside rows, or just behind their last element, and so
+    // end inside the arrays. A piece has at most CAPACITY - PAD elements, so it and PAD entries behind it fit
+    // into the capacity; a vector writes fewer than PAD entries behind the piece. There are at most FEW
+    // neighbours, by `pays`.
     unsafe {
         let (first, last) = (*own.along.add(range.start), *own.along.add(range.end - 1));
         let middle = usize::midpoint(range.start, range.end);
@@ -313,7 +325,8 @@ where
             let (along, radii) = (place.add(task.long * CAPACITY), place.add(D * CAPACITY));
             let piece =
                 Piece { axes: [place.cast_const(); D], along, radii, ids: row.ids.add(start), start, low: 0 };
-            // The axes are set where the piece is stored: loading a value that was just stored in pieces stalls for some 20 cycles.
+            // The axes are set where the piece is stored: loading a value that was just stored in pieces
+            // stalls for some 20 cycles.
             let piece = segment.pieces[index].write(piece);
             for (axis, copied) in piece.axes.iter_mut().enumerate() {
                 *copied = place.add(axis * CAPACITY);
@@ -337,7 +350,8 @@ where
 /// Copies `n` numbers of each axis, relative to its origin and multiplied by `scale`, followed by [`FAR`].
 ///
 /// # Safety
-/// The processor has the instructions; for each axis `n` and LANES more numbers can be read from `from` on, and `n` and PAD more can be written from `to` on.
+/// The processor has the instructions; for each axis `n` and LANES more numbers can be read from `from` on,
+/// and `n` and PAD more can be written from `to` on.
 #[inline(always)]
 unsafe fn shorten<T, V: Vector<T>, const D: usize>(
     from: [*const T; D],
@@ -420,11 +434,12 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
         cluster
     }
 
-    /// Marks the elements of `piece` from `j` on that touch elements of the cluster. `least` becomes the lesser of itself and the distances from the limit, as
-    /// [`Estimate::least`] has it.
+    /// Marks the elements of `piece` from `j` on that touch elements of the cluster. `least` becomes the
+    /// lesser of itself and the distances from the limit, as [`Estimate::least`] has it.
     ///
     /// # Safety
-    /// The processor has the instructions of `C`, and the lanes from `j` on end before the PAD entries behind the piece do.
+    /// The processor has the instructions of `C`, and the lanes from `j` on end before the PAD entries behind
+    /// the piece do.
     #[inline(always)]
     unsafe fn touch<const SHAPE: u8>(
         &self,
@@ -458,7 +473,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     }
 }
 
-/// What [`clusters`] does with the marks of a vector.
+/// How [`clusters`] handles the marks of a vector.
 trait Collect<C> {
     /// Takes the marks of the elements whose numbers are `ids`.
     ///
@@ -466,7 +481,7 @@ trait Collect<C> {
     /// The processor has the instructions of `C`, its lanes can be read from `ids` on, and there is room.
     unsafe fn take(&mut self, marks: C, ids: *const u32);
 
-    /// Whether there is no more room than for the vectors that the pieces of a segment have at least.
+    /// Whether there is only room for the vectors that the pieces of a segment have at least.
     fn is_full(&self) -> bool;
 }
 
@@ -536,10 +551,12 @@ impl<C: Estimate> Collect<C> for All<C> {
     }
 }
 
-/// Compares a cluster with all pieces; `false` if any couple is in doubt or there is no room. `base` is the place of the cluster in the first piece.
+/// Compares a cluster with all pieces; `false` if any couple is in doubt or there is no room. `base` is the
+/// place of the cluster in the first piece.
 ///
 /// # Safety
-/// The caller must keep what [`clusters`] requires, and leave the room in `to` that [`Collect::is_full`] checks.
+/// The caller must meet the conditions of [`clusters`], and leave the room in `to` that [`Collect::is_full`]
+/// checks.
 #[inline(always)]
 unsafe fn collect<C, const D: usize, const SHAPE: u8>(
     pieces: &mut [Piece<D>],
@@ -593,7 +610,7 @@ where
 /// Compares the elements `range`; `segment` is their copy.
 ///
 /// # Safety
-/// That of [`search`]; `rows` and `segment` are made from `task`, and `writer` from `out`.
+/// The conditions of [`search`]; `rows` and `segment` are made from `task`, and `writer` from `out`.
 #[inline(always)]
 unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -607,16 +624,20 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>
     V: Vector<T>,
     C: Estimate,
 {
-    // In the plane there are few vectors, and a filter needs the places of the elements: their couples are written from the vectors.
+    // In the plane there are few vectors, and a filter needs the places of the elements: their couples are
+    // written from the vectors.
     let apart = FILTER || D == 2 && !out.count_only;
     let mut all = All { hits: [const { MaybeUninit::uninit() }; VECTORS], count: 0 };
-    // What is near a cluster is read when the next one has been compared: a load of what has just been stored in pieces waits some 20 cycles.
+    // The elements near a cluster are read after the next cluster has been compared: a load of data that has
+    // just been stored in pieces waits some 20 cycles.
     let mut near = [Near::new(), Near::new()];
     let mut turn = 0;
     let (mut done, mut repeated) = (0, 0);
-    // SAFETY: the contract of this function. `copy` has written `count` pieces. A vector of a piece starts at most WIDTH - LANES entries behind its last
-    // element, and so ends inside the PAD entries behind it; the `ids` and labels of its lanes are at most WIDTH entries behind the row, inside their arrays.
-    // There is room for what is collected: when it is not yet full, each piece left writes only the vectors that it must, at most WIDTH / LANES.
+    // SAFETY: the contract of this function. `copy` has written `count` pieces. A vector of a piece starts at
+    // most WIDTH - LANES entries behind its last element, and so ends inside the PAD entries behind it; the
+    // `ids` and labels of its lanes are at most WIDTH entries behind the row, inside their arrays. There is
+    // room for the collected elements: when it is not yet full, each piece left writes only the vectors that
+    // it must, at most WIDTH / LANES.
     unsafe {
         let limits = Limits::<C>::new(task, segment);
         let tolerance = C::splat((task.tolerance.to_f64() * segment.scale) as f32);
@@ -681,7 +702,8 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>
 /// Writes the couples of one member of a cluster, if it has that one, with the elements of `found`.
 ///
 /// # Safety
-/// The processor has the instructions of `C`; `found` was collected for members of the row, from `from` on; that of [`Writer::take`].
+/// The processor has the instructions of `C`; `found` was collected for members of the row, from `from` on;
+/// that of [`Writer::take`].
 #[inline(always)]
 unsafe fn of_each<T, C, const D: usize, const FILTER: bool, const MEMBER: usize>(
     task: &Task<'_, T>,
@@ -716,7 +738,8 @@ unsafe fn of_each<T, C, const D: usize, const FILTER: bool, const MEMBER: usize>
 /// Writes the couples of a cluster; afterwards it has no members.
 ///
 /// # Safety
-/// The processor has the instructions of `C`; `near` was collected for members of the row; that of [`Writer::take`].
+/// The processor has the instructions of `C`; `near` was collected for members of the row; that of
+/// [`Writer::take`].
 #[inline(always)]
 unsafe fn hand_over<T, C, const D: usize>(
     rows: &Rows<'_, T, D>,
@@ -751,7 +774,7 @@ unsafe fn hand_over<T, C, const D: usize>(
 /// Writes the couples of one member of a cluster.
 ///
 /// # Safety
-/// That of [`hand_over`].
+/// The conditions of [`hand_over`].
 #[inline(always)]
 unsafe fn of_member<T, C, const D: usize, const MEMBER: usize>(
     rows: &Rows<'_, T, D>,

@@ -1,7 +1,8 @@
 //! Extremes of coordinates, for the check of the input, and of motions.
 //!
-//! Both passes are plain Rust over a fixed number of lanes, compiled once more for AVX2. The lanes are the same for all instructions, and no
-//! result depends on them but the sum of the motions, whose order is that of the lanes. So every processor gives the same bits.
+//! Both passes are plain Rust over a fixed number of lanes, compiled once more for AVX2. The lanes are the
+//! same for all instructions, and no result depends on them but the sum of the motions, whose order is that
+//! of the lanes. Therefore every processor gives the same bits.
 
 #![allow(clippy::needless_range_loop, reason = "a lane is an index into several arrays")]
 #![allow(
@@ -14,10 +15,12 @@ use crate::real::Real;
 use crate::simd::level::Simd;
 use crate::simd::prefetch;
 
-/// Numbers taken at a time. Lane `k` belongs to axis `k % D`, so `D` must divide this; other dimensions have one lane for each axis.
+/// Numbers taken at a time. Lane `k` belongs to axis `k % D`, so `D` must divide this; other dimensions have
+/// one lane for each axis.
 const LANES: usize = 12;
 
-/// The smallest and the largest coordinate on each axis; `None` if there are no points, or if a coordinate is NaN or infinite.
+/// The smallest and the largest coordinate on each axis; `None` if there are no points, or if a coordinate is
+/// NaN or infinite.
 pub(crate) fn of_points<T: Real, const D: usize>(points: &[[T; D]]) -> Option<([T; D], [T; D])> {
     let first = points.first()?;
     let start = Extremes { min: *first, max: *first, odd: [T::ZERO; D] };
@@ -48,7 +51,7 @@ unsafe fn points_avx2<T: Real, const D: usize>(start: Extremes<T, D>, points: &[
 #[inline(always)]
 fn points_in_lanes<T: Real, const D: usize>(start: Extremes<T, D>, points: &[[T; D]]) -> Extremes<T, D> {
     let numbers = points.as_flattened();
-    // As many bytes for either type.
+    // The same number of bytes for either type.
     if size_of::<T>() == size_of::<f32>() {
         start.with_points::<{ 2 * LANES }>(numbers)
     } else {
@@ -109,7 +112,8 @@ impl<T: Real, const N: usize> Extremes<T, N> {
     }
 }
 
-/// The motions of points on each axis: the differences of their coordinates, which are finite, now and before, rounded in `f64`.
+/// The motions of points on each axis: the differences of their coordinates, which are finite, now and
+/// before, rounded in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Motions<const D: usize> {
     pub(crate) min: [f64; D],
@@ -152,7 +156,8 @@ impl<const D: usize> Motions<D> {
             for place in [&now[0], &now[M / 2], &before[0], &before[M / 2]] {
                 prefetch::read(place);
             }
-            // One loop for each operation: compilers make vectors of these, and not of one loop with all of them.
+            // One loop for each operation: compilers make vectors of these, and not of one loop with all of
+            // them.
             let mut motion = [0.0; M];
             for k in 0..M {
                 motion[k] = now[k].to_f64() - before[k].to_f64();

@@ -28,11 +28,13 @@ pub(super) use variant;
 
 /// Compares every element of the stretch with those behind it in its row and with the neighbour rows.
 ///
-/// Each element in turn is compared with its own row, then with the neighbour rows in their order. Partners ascend along the row.
+/// Each element in turn is compared with its own row, then with the neighbour rows in their order. Partners
+/// ascend along the row.
 ///
 /// # Safety
-/// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix. [`Rows::new`] asserts everything else: rows are
-/// inside the arrays, with `V::LANES` entries after the last element of each.
+/// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix.
+/// [`Rows::new`] asserts everything else: rows are inside the arrays, with `V::LANES` entries after the last
+/// element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     task: &Task<'_, T>,
@@ -54,7 +56,7 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
 /// One variant of [`search`].
 ///
 /// # Safety
-/// That of [`search`].
+/// The conditions of [`search`].
 #[inline(always)]
 unsafe fn all<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -66,7 +68,8 @@ unsafe fn all<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
     let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
-    // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the writer was made from `out`.
+    // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the
+    // writer was made from `out`.
     unsafe {
         rows.compare::<V, TWO_SETS, SHAPE, FILTER>(task.from..task.to, &mut writer, out);
         writer.close(out);
@@ -90,7 +93,7 @@ pub(super) struct Row<T, const D: usize> {
     pub(super) axes: [*const T; D],
     /// The axis along which the row is sorted.
     pub(super) along: *const T,
-    /// As `axes`, for the upper ends of boxes.
+    /// Like `axes`, for the upper ends of boxes.
     far: [*const T; D],
     pub(super) radii: *const T,
     pub(super) ids: *const u32,
@@ -144,7 +147,8 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// Checks the task and takes the pointers. `few` and `many` are memory for the windows.
     ///
     /// # Panics
-    /// If a row is not inside the arrays with `lanes` entries after its last element, or a place is not inside its row.
+    /// If a row is not inside the arrays with `lanes` entries after its last element, or a place is not
+    /// inside its row.
     #[inline(always)]
     pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
         task: &'a Task<'a, T>,
@@ -188,8 +192,9 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// Compares the elements `range` of the row.
     ///
     /// # Safety
-    /// The processor has the instructions of `V`, which has at most the lanes for which this was made; `range` is inside that of the task; the groups of the
-    /// filters are groups of their matrix; `writer` was made from `out`.
+    /// The processor has the instructions of `V`, which has at most the lanes for which this was made;
+    /// `range` is inside that of the task; the groups of the filters are groups of their matrix; `writer` was
+    /// made from `out`.
     #[inline(always)]
     pub(super) unsafe fn compare<V: Vector<T>, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(
         &mut self,
@@ -198,9 +203,10 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         out: &mut Output<'_>,
     ) {
         let (task, own, own_labels, labels) = (self.task, self.own, self.own_labels, self.labels);
-        // SAFETY: the contract of this function gives the instructions and the groups. `new` has asserted that rows are inside the arrays. `k` is an
-        // element of its row. A vector starts at an element of a row, or just behind its last one with no lane counted; so it ends at most LANES
-        // entries behind the row, still inside the arrays.
+        // SAFETY: the contract of this function gives the instructions and the groups. `new` has asserted
+        // that rows are inside the arrays. `k` is an element of its row. A vector starts at an element of a
+        // row, or just behind its last one with no lane counted; so it ends at most LANES entries behind the
+        // row, still inside the arrays.
         unsafe {
             let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
             for k in range {
@@ -261,10 +267,12 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     }
 }
 
-/// The place of the first element of a row, from `low` on, that is not below `lows` (`BEYOND`: that is above), or the length of the row.
+/// The place of the first element of a row, from `low` on, that is not below `lows` (`BEYOND`: that is
+/// above), or the length of the row.
 ///
 /// # Safety
-/// The processor has the instructions, `low` is at most `len`, and LANES numbers can be read from each place up to the one that is returned.
+/// The processor has the instructions, `low` is at most `len`, and LANES numbers can be read from each place
+/// up to the one that is returned.
 #[inline(always)]
 pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
     along: *const T,
@@ -291,7 +299,8 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
 /// Compares one element with those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
-/// That of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the row.
+/// The conditions of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the
+/// row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
 unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(

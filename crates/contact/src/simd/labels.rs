@@ -8,7 +8,7 @@ use crate::simd::vector::Vector;
 #[derive(Clone, Copy)]
 pub(super) struct Labels<'a> {
     bodies: *const u32,
-    /// Categories, or groups if there are more than a word has bits.
+    /// Categories, or groups if there are more groups than bits in a word.
     categories: *const u32,
     masks: *const u32,
     matrix: Option<&'a GroupMatrix>,
@@ -88,11 +88,13 @@ impl<'a> Labels<'a> {
     /// The bits of `hits` whose element, from `place` on, may form a couple with the labelled one.
     ///
     /// # Safety
-    /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the arrays, all groups there are groups of the matrix, and
-    /// `label` comes from [`Labels::of`] of labels that are alike.
+    /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the
+    /// arrays, all groups there are groups of the matrix, and `label` comes from [`Labels::of`] of labels
+    /// that are alike.
     #[inline(always)]
     pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
-        // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole words.
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole
+        // words.
         unsafe {
             if !self.bodies.is_null() {
                 hits &= !V::equal(label.body, self.bodies.add(place));

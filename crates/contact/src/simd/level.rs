@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level behaves as [`Simd::Portable`].
+/// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level behaves as
+/// [`Simd::Portable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Simd {

@@ -34,7 +34,7 @@ unsafe fn store<const LANES: usize, const TWO_SETS: bool>(
 /// Looks the words up one by one; there is no gather.
 ///
 /// # Safety
-/// That of [`Vector::set`].
+/// The conditions of [`Vector::set`].
 #[inline(always)]
 unsafe fn set<const LANES: usize>(row: *const u32, from: *const u32) -> u32 {
     let mut bits = 0;
@@ -241,7 +241,7 @@ impl Estimate for F32x4 {
             vst1q_f32(numbers.as_mut_ptr(), self.0);
             let mut place = 0;
             for (lane, &number) in numbers.iter().enumerate() {
-                // What is not marked is overwritten by the next, or not counted.
+                // Unmarked elements are overwritten by the next, or not counted.
                 *marks.add(place) = number;
                 *to.add(place) = *ids.add(lane);
                 place += (lanes >> lane & 1) as usize;

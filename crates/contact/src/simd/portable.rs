@@ -1,4 +1,4 @@
-//! The kernel in plain Rust, for any processor; it defines what the vector kernels do.
+//! The kernel in plain Rust, for any processor; it defines the results of the vector kernels.
 
 use crate::couple::Couple;
 use crate::real::Real;
@@ -40,8 +40,8 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T>, out: &mut Outp
     });
 }
 
-/// Calls `touch(row, k, other, j)` for element `k` of the row and each element `j` in reach along it, of a neighbour row or of the same
-/// row.
+/// Calls `touch(row, k, other, j)` for element `k` of the row and each element `j` in reach along it, of a
+/// neighbour row or of the same row.
 fn scan<'a, T: Real, const D: usize>(
     task: &Task<'a, T>,
     out: &mut Output<'_>,

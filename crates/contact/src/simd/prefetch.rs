@@ -1,13 +1,14 @@
 //! Hints that prefetch memory before it is used.
 
-/// Prefetches memory some way behind `value`, for arrays that are read from beginning to end. Processors prefetch on their own, but stop at
-/// the end of a page.
+/// Prefetches memory some way behind `value`, for arrays that are read from beginning to end. Processors
+/// prefetch on their own, but stop at the end of a page.
 #[inline(always)]
 pub(crate) fn read<V>(value: &V) {
     hint::<false>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(READ_AHEAD));
 }
 
-/// Prefetches the memory behind `place` for writing. With hundreds of streams the processor cannot predict it.
+/// Prefetches the memory behind `place` for writing. With hundreds of streams the processor cannot predict
+/// it.
 #[inline(always)]
 pub(crate) fn write<V>(place: *mut V) {
     hint::<true>(place.cast::<i8>().wrapping_add(WRITE_AHEAD));
@@ -45,7 +46,8 @@ fn hint<const WRITE: bool>(place: *const i8) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_ET0, _MM_HINT_T0, _mm_prefetch};
-        // SAFETY: this is a hint; it is without effect for memory that is not there, and on processors that do not know it.
+        // SAFETY: this is a hint; it is without effect for memory that is not there, and on processors that
+        // do not know it.
         unsafe {
             if WRITE { _mm_prefetch::<_MM_HINT_ET0>(place) } else { _mm_prefetch::<_MM_HINT_T0>(place) }
         }

@@ -1,4 +1,5 @@
-//! What a kernel gets and gives: a stretch of a row to compare, the couples that were found, and the proof that the processor has the instructions.
+//! Input and output of a kernel: a stretch of a row to compare, the couples that were found, and the proof
+//! that the processor has the instructions.
 
 use crate::couple::Couple;
 use crate::error::Error;
@@ -57,8 +58,8 @@ pub(crate) struct Neighbour<T> {
     /// Elements before this one are too far to the left of all elements still to come.
     pub(crate) low: usize,
     pub(crate) looks: Looks,
-    /// The largest distance along this row between touching elements; for boxes, the largest distance by which one of two touching boxes
-    /// begins earlier.
+    /// The largest distance along this row between touching elements; for boxes, the largest distance by
+    /// which one of two touching boxes begins earlier.
     pub(crate) reach: T,
 }
 
@@ -67,8 +68,8 @@ pub(crate) struct Neighbour<T> {
 pub(crate) enum Looks {
     /// The reach before `x`.
     Back,
-    /// At `x`. The elements of the other row search from beyond their own place: of two boxes, the one that begins first looks for the
-    /// other.
+    /// At `x`. The elements of the other row search from beyond their own place: of two boxes, the one that
+    /// begins first looks for the other.
     Ahead,
     /// Just beyond `x`.
     Beyond,
@@ -77,12 +78,13 @@ pub(crate) enum Looks {
 /// The arrays of a layout.
 ///
 /// # Shapes
-/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays continue for at least one vector after the
-/// last element.
+/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays continue for
+/// at least one vector after the last element.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrays<'a, T> {
     pub(crate) coordinates: &'a [T],
-    /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`, which are the lower ends; empty for spheres.
+    /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`, which are the lower
+    /// ends; empty for spheres.
     pub(crate) far: &'a [T],
     /// Empty for boxes and elements of one radius.
     pub(crate) radii: &'a [T],
@@ -93,18 +95,19 @@ pub(crate) struct Arrays<'a, T> {
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
 ///
-/// The neighbour rows may belong to another set of elements. Then the element is not compared with its own row. Unless both sets are
-/// numbered together, couples are not ordered by number: `i` belongs to the stretch, `j` to the other set.
+/// The neighbour rows may belong to another set of elements. Then the element is not compared with its own
+/// row. Unless both sets are numbered together, couples are not ordered by number: `i` belongs to the
+/// stretch, `j` to the other set.
 pub struct Task<'a, T> {
     /// The arrays that hold the row.
     pub(crate) own: Arrays<'a, T>,
-    /// The arrays that hold the neighbour rows: the same ones, unless there are two sets. Both have radii or neither, and both have filters
-    /// of the same kind and with the same matrix or neither.
+    /// The arrays that hold the neighbour rows: the same ones, unless there are two sets. Both have radii or
+    /// neither, and both have filters of the same kind and with the same matrix or neither.
     pub(crate) other: Arrays<'a, T>,
     pub(crate) two_sets: bool,
     pub(crate) one_numbering: bool,
     pub(crate) row: Span,
-    /// The stretch of the row: couples whose first element lies in it are wanted.
+    /// The stretch of the row: couples whose first element lies in it are reported.
     pub(crate) from: usize,
     pub(crate) to: usize,
     pub(crate) neighbours: &'a [Neighbour<T>],
@@ -115,7 +118,8 @@ pub struct Task<'a, T> {
     /// The squared contact distance of elements of one radius.
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
-    /// The largest distance of elements of the row and the neighbour rows along any axis but the long one; infinite if unknown.
+    /// The largest distance of elements of the row and the neighbour rows along any axis but the long one;
+    /// infinite if unknown.
     pub(crate) spread: f64,
 }
 

@@ -8,11 +8,12 @@ use crate::simd::task::{Output, ROOM};
 /// Comparisons return a bit for each lane, the first lane lowest; the bits above `LANES` are 0.
 ///
 /// # Safety
-/// The processor has the instructions: every method needs them. Methods that take pointers say what else they need.
+/// The processor has the instructions: every method needs them. Methods that take pointers state further
+/// conditions.
 pub(crate) trait Vector<T>: Copy {
     const LANES: usize;
 
-    /// The same number in all lanes.
+    /// All lanes set to one number.
     ///
     /// # Safety
     /// The processor has the instructions.
@@ -63,21 +64,23 @@ pub(crate) trait Vector<T>: Copy {
     /// Lanes whose number, from `from` on, has a bit in common with `bits`.
     ///
     /// # Safety
-    /// That of [`Vector::equal`].
+    /// The conditions of [`Vector::equal`].
     unsafe fn overlap(bits: u32, from: *const u32) -> u32;
 
-    /// Lanes whose number `g`, from `from` on, is the place of a 1 among the bits of `row`: bit `g % 32` of word `g / 32`.
+    /// Lanes whose number `g`, from `from` on, is the place of a 1 among the bits of `row`: bit `g % 32` of
+    /// word `g / 32`.
     ///
     /// # Safety
-    /// That of [`Vector::equal`], and the word `g / 32` of `row` can be read for each of these numbers.
+    /// The conditions of [`Vector::equal`], and the word `g / 32` of `row` can be read for each of these
+    /// numbers.
     unsafe fn set(row: *const u32, from: *const u32) -> u32;
 
-    /// Stores the couples of `id` with those of the next `LANES` of `ids` whose bit in `hits` is set, in order: the smaller number first,
-    /// or with `TWO_SETS` that of `id` first.
+    /// Stores the couples of `id` with the elements among the next `LANES` of `ids` whose bit in `hits` is
+    /// set, in order: the smaller number first, or with `TWO_SETS` the number of `id` first.
     ///
     /// # Safety
-    /// The processor has the instructions, `LANES` numbers can be read from `ids` on, `LANES` couples can be written from `to` on, and only the lowest
-    /// `LANES` bits of `hits` are set.
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on, `LANES` couples can be
+    /// written from `to` on, and only the lowest `LANES` bits of `hits` are set.
     unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
@@ -89,7 +92,7 @@ pub(super) const CLUSTER: usize = 4;
 /// Its lanes may also hold *marks*: a bit for each element of a cluster.
 ///
 /// # Safety
-/// That of [`Vector`].
+/// The conditions of [`Vector`].
 pub(super) trait Estimate: Vector<f32> {
     /// The mark of each element of a cluster.
     const MARKS: [u32; CLUSTER];
@@ -100,14 +103,15 @@ pub(super) trait Estimate: Vector<f32> {
     /// The bits that both have.
     unsafe fn and(self, other: Self) -> Self;
 
-    /// In each lane the negative number that is nearer to zero; a negative one before a positive one. These are the lesser ones of the bits as
-    /// integers with a sign.
+    /// In each lane the negative number that is nearer to zero; a negative one before a positive one. These
+    /// are the lesser ones of the bits as integers with a sign.
     unsafe fn least(self, other: Self) -> Self;
 
     /// Whether any lane is negative and at most `width` from zero.
     unsafe fn is_within(self, width: f32) -> bool;
 
-    /// The marks of the lanes that are negative, for each of four vectors; other bits of the result are arbitrary.
+    /// The marks of the lanes that are negative, for each of four vectors; other bits of the result are
+    /// arbitrary.
     unsafe fn marks(vectors: [Self; CLUSTER]) -> Self;
 
     /// Lanes with any of the marks `of`.
@@ -128,11 +132,12 @@ pub(super) trait Estimate: Vector<f32> {
         }
     }
 
-    /// Stores the marks whose bit in `lanes` is set, in order, from `marks` on, and the same numbers of `ids` from `to` on.
+    /// Stores the marks whose bit in `lanes` is set, in order, from `marks` on, and the same numbers of `ids`
+    /// from `to` on.
     ///
     /// # Safety
-    /// The processor has the instructions, `LANES` numbers can be read from `ids` on and written from `marks` and `to` on, and only the lowest
-    /// `LANES` bits of `lanes` are set.
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on and written from `marks`
+    /// and `to` on, and only the lowest `LANES` bits of `lanes` are set.
     unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32);
 }
 
@@ -151,8 +156,8 @@ impl Writer {
     pub(super) fn new(out: &mut Output<'_>) -> Self {
         let (len, capacity) = (out.couples.len(), out.couples.capacity());
         let start = out.couples.as_mut_ptr();
-        // Wraps: without any room `full` would lie before `start`. It is only compared.
-        // If couples are only counted there is never room: so the loops need no variant for it, and no other test.
+        // Wraps: without any room `full` would lie before `start`. It is only compared. If couples are only
+        // counted there is never room: so the loops need no variant for it, and no other test.
         let is_full = out.count_only || capacity - len < ROOM;
         let full = start.wrapping_add(if is_full { len } else { capacity - ROOM + 1 });
         Self { to: start.wrapping_add(len), full, count: 0 }
@@ -161,10 +166,11 @@ impl Writer {
     /// Hands the couples over.
     ///
     /// # Safety
-    /// The writer was made from `out`, whose vector has not been used since, and only [`Writer::take`] has moved the writer on.
+    /// The writer was made from `out`, whose vector has not been used since, and only [`Writer::take`] has
+    /// moved the writer on.
     #[inline(always)]
     pub(super) unsafe fn close(self, out: &mut Output<'_>) {
-        // SAFETY: `to` points into the vector, behind what was written.
+        // SAFETY: `to` points into the vector, behind the written entries.
         unsafe {
             let len = self.to.offset_from_unsigned(out.couples.as_ptr());
             out.count += self.count + (len - out.couples.len()) as u64;
@@ -181,7 +187,7 @@ impl Writer {
     /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
     ///
     /// # Safety
-    /// That of [`Vector::store_couples`], room for couples aside, and that of [`Writer::close`].
+    /// The conditions of [`Vector::store_couples`], room for couples aside, and of [`Writer::close`].
     #[inline(always)]
     pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool>(
         &mut self,
@@ -191,7 +197,8 @@ impl Writer {
         out: &mut Output<'_>,
     ) {
         let found = hits.count_ones() as usize;
-        // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at least LANES; `make_room` asserts that.
+        // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at
+        // least LANES; `make_room` asserts that.
         unsafe {
             if self.to >= self.full {
                 if out.count_only {
@@ -208,7 +215,7 @@ impl Writer {
     /// Hands the couples over, has room made, and returns a writer behind them.
     ///
     /// # Safety
-    /// That of [`Writer::close`].
+    /// The conditions of [`Writer::close`].
     ///
     /// # Panics
     /// If no room was made.

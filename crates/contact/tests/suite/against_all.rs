@@ -54,7 +54,8 @@ pub(crate) fn squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
-/// Multiples of one half, among which ties are common; numbers whose differences are exact; arbitrary floats; powers of two.
+/// Multiples of one half, among which ties are common; numbers whose differences are exact; arbitrary floats;
+/// powers of two.
 pub(crate) fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         (-12..12_i32).prop_map(|k| f64::from(k) / 2.0),

@@ -1,4 +1,5 @@
-//! Buffered updates: after each one the couples equal those of `Direct`, and detections are as rare as documented.
+//! Buffered updates: after each one the couples equal those of `Direct`, and detections are as rare as
+//! documented.
 
 use fdem_contact::{Buffered, Couple, Direct, Elements, Error, Nbs, Real, Reason, Rows, Search, Update};
 use fdem_scenes::random::Random;
@@ -138,8 +139,9 @@ fn nudged<T: FromF64>(x: f64, units: i32) -> T {
     T::from_f64(rounded * (1.0 + f64::from(units) * T::EPSILON))
 }
 
-/// Two elements that are just not candidates approach each other by about half a buffer each, give or take some units in the last place.
-/// Rounding could lose a couple here. Also far from the origin, and with a common drift.
+/// Two elements that are just not candidates approach each other by about half a buffer each, give or take
+/// some units in the last place. Rounding could lose a couple here. Also far from the origin, and with a
+/// common drift.
 fn at_the_limit<T: FromF64>(
     units: [i32; 4],
     size: f64,
@@ -281,7 +283,8 @@ fn threads_change_nothing() {
     }
 }
 
-/// All elements move by a thousand buffers in each step; spheres and boxes; more elements than the sample for the mean.
+/// All elements move by a thousand buffers in each step; spheres and boxes; more elements than the sample for
+/// the mean.
 #[test]
 fn common_drift_does_not_detect() {
     let mut spheres = Buffered::new(0.25).unwrap();
@@ -299,7 +302,8 @@ fn common_drift_does_not_detect() {
     assert_eq!((spheres.redetections(), boxes.redetections()), (1, 1));
 }
 
-/// Of 4096 elements 1024 are sampled. If only these move, the mean of the sample misleads, and the mean of all is computed.
+/// Of 4096 elements 1024 are sampled. If only these move, the mean of the sample misleads, and the mean of
+/// all is computed.
 #[test]
 fn the_mean_of_all_decides() {
     let mut centres = line(4096);

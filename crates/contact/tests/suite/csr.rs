@@ -32,7 +32,8 @@ fn check(csr: &Csr, elements: usize, couples: &[Couple], full: bool) {
     assert_eq!(csr.neighbours(), expected.concat());
 }
 
-/// Up to 40 elements, with couples in any order and some of them twice, followed by up to 20 elements without couples.
+/// Up to 40 elements, with couples in any order and some of them twice, followed by up to 20 elements without
+/// couples.
 fn list() -> impl Strategy<Value = (usize, Vec<Couple>)> {
     (2..40_u32, 0..20_usize).prop_flat_map(|(named, more)| {
         let couple = (0..named, 0..named - 1)
@@ -82,7 +83,8 @@ proptest! {
         }
     }
 
-    /// The value of an entry is that from the element to its neighbour; values come in the order of the entries.
+    /// The value of an entry is that from the element to its neighbour; values come in the order of the
+    /// entries.
     #[test]
     fn values_belong_to_their_entries((elements, couples) in list()) {
         let mut csr = Csr::new();
@@ -164,7 +166,8 @@ fn periodic_list() -> impl Strategy<Value = (usize, Vec<PeriodicCouple<2>>)> {
 }
 
 proptest! {
-    /// The entries equal those of a sorted list, with the opposite shift from the other side; an earlier filling has no effect.
+    /// The entries equal those of a sorted list, with the opposite shift from the other side; an earlier
+    /// filling has no effect.
     #[test]
     fn periodic_rows_equal_a_sorted_list(lists in prop::collection::vec(periodic_list(), 1..4)) {
         let mut csr = Csr::new();

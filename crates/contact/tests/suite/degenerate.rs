@@ -1,4 +1,4 @@
-//! Extreme inputs: each gives the exact answer or a typed error that says what, where and the limit.
+//! Extreme inputs: each gives the exact answer or a typed error with the problem, its place and the limit.
 
 use fdem_contact::{Couple, Detector, Direct, Elements, Engine, Error, Nbs, Search};
 

@@ -5,7 +5,8 @@ use fdem_scenes::{Sizes, gas, lattice};
 
 use crate::ascending;
 
-/// Every set of instructions finds what all-against-all finds, in one order; returns the number of couples.
+/// Every set of instructions finds the couples of all-against-all, in one order; returns the number of
+/// couples.
 fn every_level_is_exact<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> usize {
     let expected = ascending(Direct, elements);
     let mut order: Option<Vec<Couple>> = None;
@@ -21,7 +22,8 @@ fn every_level_is_exact<T: Real, const D: usize>(elements: &Elements<'_, T, D>) 
     expected.len()
 }
 
-/// A gas in which every other element has a partner at the limit times `1 + delta`; `reach` gives the contact distance.
+/// A gas in which every other element has a partner at the limit times `1 + delta`; `reach` gives the contact
+/// distance.
 fn nearly_touching<const D: usize>(
     n: usize,
     scale: f64,
@@ -86,7 +88,8 @@ fn distances_beside_the_limit_3d() {
     near_the_limit_in_f32::<3>();
 }
 
-/// Shows that the scenes above are useful: without the exact comparison these couples would be decided wrongly.
+/// Shows that the scenes above are useful: without the exact comparison these couples would be decided
+/// wrongly.
 #[test]
 fn many_distances_are_nearer_to_the_limit_than_32_bits_tell() {
     let centres = nearly_touching::<3>(3000, 1.0, 0.0, tiny, |_| 0.5);

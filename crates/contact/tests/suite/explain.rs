@@ -45,7 +45,8 @@ fn couples_are_estimated() {
     is_within("few", &gas::<3>(2000, 1, 0.5, EQUAL).unwrap(), 1.3);
 }
 
-/// Rows of a lattice are as long as a stretch of the sample: taking the same place of every stretch would sample a single face.
+/// Rows of a lattice are as long as a stretch of the sample: taking the same place of every stretch would
+/// sample a single face.
 #[test]
 fn a_lattice_is_not_in_step_with_the_sample() {
     is_within("lattice", &lattice::<3>(64 * 64 * 64, 0.5, 1.0).unwrap(), 1.03);
@@ -79,7 +80,7 @@ fn coincident_elements_all_touch() {
     assert_eq!(explanation.couples, 3000.0 * 2999.0 / 2.0);
 }
 
-/// The predicted number of bytes is an upper bound, and at most twice what is held.
+/// The predicted number of bytes is an upper bound, and at most twice the bytes held.
 fn bytes_are_told<const D: usize>(scene: &str, elements: &Elements<'_, f64, D>) {
     for threads in [1, 2] {
         let mut rows = Rows::new().with_threads(threads).unwrap();

@@ -1,4 +1,4 @@
-//! Filters: every search finds what it finds without a filter, filtered afterwards, in the same order.
+//! Filters: every search finds its own result without a filter, filtered afterwards, in the same order.
 
 use fdem_contact::{
     Buffered, CGrid, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch,

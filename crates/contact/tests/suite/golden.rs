@@ -53,7 +53,8 @@ fn x_lists_of_the_other_rows() {
     assert_eq!(figures.rows[3].a, [[-1, -1, -1, 5, -1, -1, -1, -1, -1, -1], empty]);
 }
 
-/// p. 110 names (3, 7), (4, 7) and (5, 7) as the new x-lists of row 7; body 10, the first on the list, is in (4, 7).
+/// p. 110 names (3, 7), (4, 7) and (5, 7) as the new x-lists of row 7; body 10, the first on the list, is in
+/// (4, 7).
 #[test]
 fn central_cells_in_the_order_of_the_visit() {
     assert_eq!(

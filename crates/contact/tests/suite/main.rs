@@ -1,29 +1,35 @@
 //! Tests of the library from outside, by hazard.
 //!
 //! - `oracle`: every search equals all-against-all, for every dimension, float, shape and scene.
-//! - `degenerate`: no elements, one element, all in one place, far away, NaN, infinity, arrays of different lengths, domains that are too
-//!   wide.
-//! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
+//! - `degenerate`: no elements, one element, all in one place, far away, NaN, infinity, arrays of different
+//!   lengths, domains that are too wide.
+//! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance,
+//!   no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
-//! - `multilevel`: unlike sizes, from points to bodies that cover everything: every choice of levels equals all-against-all, in one order.
+//! - `multilevel`: unlike sizes, from points to bodies that cover everything: every choice of levels equals
+//!   all-against-all, in one order.
 //! - `reuse`: a search that is used again gives the list of a new one, whatever it searched before.
-//! - `buffer`: moving elements: the couples of every update equal all-against-all, also at the limit of the buffer; when a detection is
-//!   due.
+//! - `buffer`: moving elements: the couples of every update equal all-against-all, also at the limit of the
+//!   buffer; when a detection is due.
 //! - `csr`: compressed rows equal a map of sets, in any order, with repeats, values and malformed couples.
 //! - `periodic`: periodic boxes, sheared or not, against all images one by one.
 //! - `explain`: the prediction of a search, against the search.
-//! - `filter`: bodies, masks and groups: every search finds what filtering its list afterwards leaves, in the same order.
+//! - `filter`: bodies, masks and groups: every search finds the result of filtering its list afterwards, in
+//!   the same order.
 //! - `unsafe_code`: unsafe code is only in the files that the documentation lists.
-//! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every element.
+//! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every
+//!   element.
 //! - `queries`: elements around points, and the nearest ones, against the distances to all elements.
 //! - `against_all`: no tests; shared parts of the two before.
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
-//! - `doubt`: distances at the limit and next to it, where the kernels must not rely on 32 bits; lattices and crowds.
+//! - `doubt`: distances at the limit and next to it, where the kernels must not rely on 32 bits; lattices and
+//!   crowds.
 //! - `golden`: the numbers printed in the book.
 //! - `../boxes.rs`: boxes most of which are much shorter than the longest.
-//! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, with every set of instructions.
-//! - `../miri.rs`, a program of its own for Miri: the unsafe code on few elements.
-//! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
+//! - `../kernels.rs`, a separate program for valgrind: the vector kernels on short rows, with every set of
+//!   instructions.
+//! - `../miri.rs`, a separate program for Miri: the unsafe code on few elements.
+//! - `../memory.rs`, a separate program because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 

@@ -9,7 +9,8 @@ use crate::ascending;
 const LIMITS: [&[f64]; 4] =
     [&[], &[1.0], &[1e-3, 0.1, 1.0, 10.0], &[f64::NAN, 0.0, -1.0, 1e300, f64::INFINITY, 4.0]];
 
-/// Every choice of levels, threads and vectors finds the couples of all-against-all, in one order per choice of levels.
+/// Every choice of levels, threads and vectors finds the couples of all-against-all, in one order per choice
+/// of levels.
 fn equals_direct<const D: usize>(what: &str, elements: &Elements<'_, f64, D>) -> usize {
     let expected = ascending(Direct, elements);
     for limits in std::iter::once(None).chain(LIMITS.map(Some)) {
@@ -180,8 +181,9 @@ fn auto_takes_levels_where_they_pay() {
     assert!(unlike.reason.contains("ratio"), "{}", unlike.reason);
 }
 
-/// Small spheres around large ones, which they touch in one point: at distances that are whole numbers, along all rows, near and far from
-/// the origin. The large spheres have several sizes, each with a smaller reach than its level.
+/// Small spheres around large ones, which they touch in one point: at distances that are whole numbers, along
+/// all rows, near and far from the origin. The large spheres have several sizes, each with a smaller reach
+/// than its level.
 #[test]
 fn contacts_in_one_point_in_any_direction() {
     // Vectors for which x² + y² + z² is a square.

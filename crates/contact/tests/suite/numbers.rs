@@ -45,7 +45,8 @@ fn far_away<const D: usize>(places: &[[f64; D]], nbs: bool) {
     all_engines_agree(&Elements::boxes(&centres, &corners).unwrap(), nbs);
 }
 
-/// Coordinates have 13 bits left for a diameter. These bits decide which elements touch, and every engine takes the same decision.
+/// Coordinates have 13 bits left for a diameter. These bits decide which elements touch, and every engine
+/// takes the same decision.
 #[test]
 fn coordinates_of_1e12_with_diameters_of_1_are_exact() {
     far_away(&[[1e12, -1e12]], true);

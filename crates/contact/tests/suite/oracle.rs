@@ -22,8 +22,8 @@ impl FromF64 for f32 {
     }
 }
 
-/// Compares the searches on spheres of one radius, spheres with radii and boxes from the same cloud. Returns the number of couples, so that
-/// a caller can require some.
+/// Compares the searches on spheres of one radius, spheres with radii and boxes from the same cloud. Returns
+/// the number of couples, so that a caller can require some.
 fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
     let centres: Vec<[T; D]> = cloud.centres.iter().map(|centre| centre.map(T::from_f64)).collect();
     let radii: Vec<T> = cloud.radii.iter().copied().map(T::from_f64).collect();

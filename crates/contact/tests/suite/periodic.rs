@@ -62,8 +62,9 @@ fn displaced<T: FromF64, const D: usize>(x: &[T; D], shift: &[i32; D], edges: &[
     moved
 }
 
-/// The range of shifts to try along each edge. The volume of the box divided by the area of a face is a height; here it comes from the Gram
-/// matrix of the edges, so that no code is shared with the library. One more shift than needed on either side.
+/// The range of shifts to try along each edge. The volume of the box divided by the area of a face is a
+/// height; here it comes from the Gram matrix of the edges, so that no code is shared with the library. One
+/// more shift than needed on either side.
 fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]], reach: f64) -> [i32; D] {
     let edges = cell.edges().map(|edge| edge.map(T::to_f64));
     std::array::from_fn(|a| {
@@ -94,7 +95,8 @@ fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]],
     })
 }
 
-/// All elements against all images that are near along the first axis, one by one. Images are compared as documented.
+/// All elements against all images that are near along the first axis, one by one. Images are compared as
+/// documented.
 fn brute<T: FromF64, const D: usize>(
     centres: &[[T; D]],
     radii: Radii<'_, T>,
@@ -113,7 +115,8 @@ fn brute<T: FromF64, const D: usize>(
     let reach =
         (0..centres.len()).map(|k| 2.0 * radii.of(k).to_f64()).fold(0.0, f64::max) + tolerance.to_f64();
     let range = ranges(cell, &wrapped, reach);
-    // Elements further apart than this along the first axis are skipped; the bound is generous, so that rounding is left to the comparison.
+    // Elements further apart than this along the first axis are skipped; the bound is generous, so that
+    // rounding is left to the comparison.
     let near = 1.001 * reach + 1e-3;
     let mut order: Vec<usize> = (0..centres.len()).collect();
     order.sort_by(|&a, &b| wrapped[a][0].to_f64().total_cmp(&wrapped[b][0].to_f64()));
@@ -304,7 +307,8 @@ fn all_boxes<T: FromF64, const D: usize>() {
     assert!(couples > 1000, "the boxes have couples to lose: {couples}");
 }
 
-/// Elements on corners, edges and faces, and on either side of them, where rounding matters; all in one place; with a tolerance.
+/// Elements on corners, edges and faces, and on either side of them, where rounding matters; all in one
+/// place; with a tolerance.
 fn on_the_faces<T: FromF64, const D: usize>() {
     let mut random = Random::new(11);
     for (shape, edges) in shapes::<D>() {
@@ -552,7 +556,8 @@ fn what_cannot_be_searched_is_refused_with_the_reason() {
     assert!(matches!(error, Error::UnresolvedBox { edge: 0, .. }), "{error}");
 }
 
-/// One order for any number of threads and any vector instructions, in a large box and in one with many images; some elements are outside.
+/// One order for any number of threads and any vector instructions, in a large box and in one with many
+/// images; some elements are outside.
 #[test]
 fn threads_and_vectors_change_nothing() {
     let mut random = Random::new(31);

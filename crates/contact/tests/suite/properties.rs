@@ -7,7 +7,8 @@ use proptest::prelude::*;
 
 use crate::ascending;
 
-/// Multiples of 2^-10 in a bounded range: differences and their squares are exact, so "touching" does not depend on rounding.
+/// Multiples of 2^-10 in a bounded range: differences and their squares are exact, so "touching" does not
+/// depend on rounding.
 fn exact() -> impl Strategy<Value = f64> {
     (-8 * 1024..8 * 1024_i32).prop_map(|k| f64::from(k) / 1024.0)
 }
@@ -76,8 +77,8 @@ proptest! {
         prop_assert_eq!(nbs(&mirrored, &radii, 0.0), nbs(&centres, &radii, 0.0));
     }
 
-    /// Translation by whole steps of the lattice is exact in `f64`, so nothing may change. (Cells start at the lowest element, so any step
-    /// is also a translation by whole cells.)
+    /// Translation by whole steps of the lattice is exact in `f64`, so nothing may change. (Cells start at
+    /// the lowest element, so any step is also a translation by whole cells.)
     #[test]
     fn translation((centres, radii) in spheres(), steps in [-1000..1000_i32, -1000..1000_i32, -1000..1000_i32]) {
         let moved: Vec<_> = centres.iter()

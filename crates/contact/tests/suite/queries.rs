@@ -14,8 +14,9 @@ fn by_distance<T: Real, const D: usize>(point: &[T; D], centres: &[[T; D]]) -> V
     all
 }
 
-/// Searches around `points` with every set of instructions and several numbers of threads, for the distances `radii` and the numbers `ks`,
-/// in an index of `elements`, whose cells depend on their size. Returns the number of entries.
+/// Searches around `points` with every set of instructions and several numbers of threads, for the distances
+/// `radii` and the numbers `ks`, in an index of `elements`, whose cells depend on their size. Returns the
+/// number of entries.
 fn compare<T: Real, const D: usize>(
     scene: &str,
     elements: &Elements<'_, T, D>,
@@ -108,7 +109,8 @@ fn all_scenes<T: FromF64, const D: usize>() {
 
 in_all_dimensions!(all_scenes);
 
-/// Several parts of the work: all points of a gas among themselves, with any number of threads, in an index that is reused.
+/// Several parts of the work: all points of a gas among themselves, with any number of threads, in an index
+/// that is reused.
 #[test]
 fn many_points() {
     let cloud = gas::<3>(20_000, 1, 12.0, EQUAL).unwrap();

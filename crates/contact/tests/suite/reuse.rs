@@ -1,4 +1,4 @@
-//! A search that has been used before finds what a new one finds, in the same order.
+//! A search that has been used before finds the result of a new one, in the same order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -133,7 +133,8 @@ fn all_scenes<T: FromF64, const D: usize>() {
 
 in_all_dimensions!(all_scenes);
 
-/// Several parts of the work on several threads: each element of a set with itself, and every couple of one set twice.
+/// Several parts of the work on several threads: each element of a set with itself, and every couple of one
+/// set twice.
 #[test]
 fn a_set_with_itself_finds_what_one_search_finds() {
     let cloud = gas::<3>(30_000, 3, 12.0, EQUAL).unwrap();
@@ -216,7 +217,8 @@ proptest! {
     }
 }
 
-/// Filters between two sets: all kinds, compared with filtering afterwards, with every set of instructions, also for boxes.
+/// Filters between two sets: all kinds, compared with filtering afterwards, with every set of instructions,
+/// also for boxes.
 #[test]
 fn filters_of_the_two_sets_are_tested_together() {
     let [moving, fixed] = [(700, 1), (900, 2)].map(|(n, seed)| {

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Adds the paths of all Rust files in `folder`, relative to `root`, that allow unsafe code. The workspace denies it elsewhere.
+/// Adds the paths of all Rust files in `folder`, relative to `root`, that allow unsafe code. The workspace
+/// denies it elsewhere.
 fn collect(root: &Path, folder: &Path, found: &mut BTreeSet<String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

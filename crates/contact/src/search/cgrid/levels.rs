@@ -7,16 +7,17 @@ use crate::real::Real;
 use crate::search::cgrid::spans::Spans;
 use crate::search::level::Level;
 
-/// Largest number of axes along which lists are nested. In higher dimensions the first ones are used, which separate elements well enough.
+/// Largest number of axes along which lists are nested. In higher dimensions the first ones are used, which
+/// separate elements well enough.
 pub(super) const MOST_AXES: usize = 16;
 
-/// Number of classes of sizes below and above the usual one. Each class has cells 4 times as wide as the class below. This covers all
-/// lengths from `2^-500` to `2^501`.
+/// Number of classes of sizes below and above the usual one. Each class has cells 4 times as wide as the
+/// class below. This covers all lengths from `2^-500` to `2^501`.
 const CLASSES_BELOW: i32 = 504;
 const CLASSES: usize = 1009;
 
-/// A class with at most this number of elements does not pay for lists of its own: it makes at most half as many tests of each element with
-/// its like.
+/// A class with at most this number of elements does not pay for separate lists: it makes at most half as
+/// many tests of each element with its like.
 const FEW: usize = 64;
 
 /// With more cells than this on an axis, sorting takes longer and no more elements are separated.
@@ -28,8 +29,8 @@ const SAMPLE: usize = 32;
 /// Factors by which the cells of a level may be wider than those of its class.
 const WIDER: [f64; 7] = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2, 4.0, 4.0 * SQRT_2, 8.0];
 
-/// Costs in nanoseconds on a processor of 2023; only their ratios matter. To sort an element; then to list it in a cell, and to test two
-/// elements.
+/// Costs in nanoseconds on a processor of 2023; only their ratios matter. To sort an element; then to list it
+/// in a cell, and to test two elements.
 const SORT: f64 = 150.0;
 const ENTRY: f64 = 15.0;
 const TEST: f64 = 8.0;
@@ -41,7 +42,7 @@ pub(super) struct Levels<'e, 'a, T, const D: usize> {
     cost: f64,
     /// The level of each class.
     level_of: Vec<u16>,
-    /// Edge of the cells of the usual class, for an element that covers as many cells as allowed.
+    /// Edge of the cells of the usual class, for an element that covers the allowed number of cells.
     usual: f64,
     /// The smallest lower ends of all elements, axis by axis; then the largest upper ends.
     low: [f64; D],
@@ -90,7 +91,8 @@ impl<const D: usize> Class<D> {
     }
 }
 
-/// Largest number of cells that an element may cover: that of a cube of four edges, up to 3D. Longer elements may cover as many.
+/// Largest number of cells that an element may cover: that of a cube of four edges, up to 3D. Longer elements
+/// may cover the same number.
 fn most_cells<const D: usize>() -> f64 {
     [5.0, 25.0, 125.0][D.min(3) - 1]
 }
@@ -225,8 +227,8 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         }
     }
 
-    /// The predicted time for a level and the edge of its cells: that of its class, or a wider one if that takes less time because elements
-    /// cover fewer cells.
+    /// The predicted time for a level and the edge of its cells: that of its class, or a wider one if that
+    /// takes less time because elements cover fewer cells.
     fn cell_size(&self, edge: f64, class: &Class<D>) -> (f64, f64) {
         let widest = (0..D).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
         let least = T::MIN_RESOLVED.max(widest / MOST_CELLS);
@@ -245,7 +247,8 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
     /// The predicted time for the elements of a level among themselves, assuming that they are spread evenly.
     fn cost_of(&self, edge: f64, class: &Class<D>) -> f64 {
         let n = class.elements as f64;
-        // The bounds of the anchors, not of the ends: an element that covers everything says nothing about the space that the others have.
+        // The bounds of the anchors, not of the ends: an element that covers everything says nothing about
+        // the space that the others have.
         let bounds = self.spans.elements().bounds();
         let (mut entries, mut tests) = (0.0, 0.0);
         for (k, one) in class.widths.iter().enumerate() {

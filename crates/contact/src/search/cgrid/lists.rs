@@ -1,4 +1,5 @@
-//! The lists of the C-grid: bodies enter at their minimum, leave at their maximum, and are spread axis by axis down to cells.
+//! The lists of the C-grid: bodies enter at their minimum, leave at their maximum, and are spread axis by
+//! axis down to cells.
 
 use crate::couple::Couple;
 use crate::elements::{Bounds, Elements, Shape};
@@ -32,7 +33,7 @@ struct Key {
     body: u32,
 }
 
-/// Counts of what the search of one level did.
+/// Counts of the operations of one level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counted {
     pub(super) entries: u64,
@@ -51,7 +52,8 @@ pub(super) struct Bodies<T, const D: usize> {
     /// One array of places for each axis.
     places: Vec<Vec<Place>>,
     sorted_places: Vec<Place>,
-    /// Bits of each body: one for every axis but the first, set in the slab in which the body enters, and [`OWN`].
+    /// Bits of each body: one for every axis but the first, set in the slab in which the body enters, and
+    /// [`OWN`].
     entered: Vec<u32>,
     keys: Vec<Key>,
     sorted_keys: Vec<Key>,
@@ -62,7 +64,8 @@ pub(super) struct Bodies<T, const D: usize> {
 /// Marks a body of this level, as opposed to a finer level. The first axis needs no bit, so its bit is free.
 const OWN: u32 = 1;
 
-/// Number of axes whose bits separate the lists of a cell: there is one list for each combination of these bits and [`OWN`].
+/// Number of axes whose bits separate the lists of a cell: there is one list for each combination of these
+/// bits and [`OWN`].
 const TOLD_APART: usize = 4;
 const LISTS: usize = 1 << (1 + TOLD_APART);
 
@@ -74,8 +77,8 @@ pub(super) struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// The cell of a coordinate. The couples depend only on this: the cell does not descend while the coordinate ascends. Each operation
-    /// below preserves that.
+    /// The cell of a coordinate. The couples depend only on this: the cell does not descend while the
+    /// coordinate ascends. Each operation below preserves that.
     #[inline]
     fn of(&self, axis: usize, x: f64) -> u64 {
         ((x - self.origin[axis]) * self.inverse) as u64
@@ -162,10 +165,11 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         }
     }
 
-    /// Sorts the bodies by the cells in which they enter: by the last axis, then by the axis before, and so on, then by number.
+    /// Sorts the bodies by the cells in which they enter: by the last axis, then by the axis before, and so
+    /// on, then by number.
     ///
-    /// There is one stable pass per axis, the first axis first. The cells of an axis are numbered from 0. Cells in which nothing enters get
-    /// no number, because no couple is reported there.
+    /// There is one stable pass per axis, the first axis first. The cells of an axis are numbered from 0.
+    /// Cells in which nothing enters get no number, because no couple is reported there.
     pub(super) fn sort(&mut self, spans: Spans<'_, '_, T, D>, cells: &Cells<D>) {
         let Self { unsorted, keys, sorted_keys, slabs, places, .. } = self;
         keys.clear();
@@ -231,7 +235,8 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         }
     }
 
-    /// Calls `visit` with all couples of two bodies of this level, or of one body of this level and one of a finer level.
+    /// Calls `visit` with all couples of two bodies of this level, or of one body of this level and one of a
+    /// finer level.
     pub(super) fn search(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -261,8 +266,8 @@ impl<T: Real, const D: usize> Bodies<T, D> {
     }
 }
 
-/// The last of `slabs`, which are ascending cells, that is at most `cell`. Searches from `first`, which is at most `cell`, in steps that
-/// double.
+/// The last of `slabs`, which are ascending cells, that is at most `cell`. Searches from `first`, which is at
+/// most `cell`, in steps that double.
 fn last_up_to(slabs: &[u64], first: u32, cell: u64) -> u32 {
     let (mut low, mut leap) = (first as usize, 1);
     while low + leap < slabs.len() && slabs[low + leap] <= cell {
@@ -355,17 +360,19 @@ struct Pass<'s, G> {
 }
 
 impl<G: Geometry> Pass<'_, G> {
-    /// The sub-divider: spreads the list of a slab of the axis above over the slabs of `axis`, one after the other, and each of these over
-    /// the axis below.
+    /// The sub-divider: spreads the list of a slab of the axis above over the slabs of `axis`, one after the
+    /// other, and each of these over the axis below.
     ///
-    /// `first` is the first body of the list, which is in the order in which bodies enter along `axis`. The list of `axis` holds the bodies
-    /// of one slab. From slab to slab bodies enter and leave, and the list keeps the order of the axis below.
+    /// `first` is the first body of the list, which is in the order in which bodies enter along `axis`. The
+    /// list of `axis` holds the bodies of one slab. From slab to slab bodies enter and leave, and the list
+    /// keeps the order of the axis below.
     fn spread(&mut self, axis: usize, first: u32) -> Result<(), Error> {
         if axis == 0 {
             return self.cells(first);
         }
         let bit = 1 << axis;
-        // At least one of two bodies must have entered here, and likewise on each axis above, and one must belong to this level.
+        // At least one of two bodies must have entered here, and likewise on each axis above, and one must
+        // belong to this level.
         let needed = ((1_u32 << self.places.len()) - bit) | OWN;
         let (mut head, mut entering) = (NONE, first);
         while entering != NONE {
@@ -420,10 +427,11 @@ impl<G: Geometry> Pass<'_, G> {
         }
     }
 
-    /// Handles the first axis, whose slabs are cells: each body that enters is compared with those that are in the cell.
+    /// Handles the first axis, whose slabs are cells: each body that enters is compared with those that are
+    /// in the cell.
     ///
-    /// Two bodies are compared where, on every axis, one of them enters while the other is present: in the cell of the larger of their
-    /// minimum corners, and in no other.
+    /// Two bodies are compared where, on every axis, one of them enters while the other is present: in the
+    /// cell of the larger of their minimum corners, and in no other.
     fn cells(&mut self, first: u32) -> Result<(), Error> {
         let all = (1_u32 << self.places.len()) - 1;
         let mut heads = [NONE; LISTS];
@@ -447,8 +455,8 @@ impl<G: Geometry> Pass<'_, G> {
         Ok(())
     }
 
-    /// Compares a body with those on a list that have entered on the axes on which it has not. Takes bodies off the list that have left the
-    /// cell.
+    /// Compares a body with those on a list that have entered on the axes on which it has not. Takes bodies
+    /// off the list that have left the cell.
     #[inline]
     fn compare(&mut self, body: u32, needed: u32, head: &mut u32) {
         let cell = self.places[0][body as usize].enters;

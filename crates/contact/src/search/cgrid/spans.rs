@@ -6,7 +6,8 @@ use crate::real::Real;
 /// Number of boxes in the sample that shows whether most are long.
 const SAMPLE: usize = 63;
 
-/// The spans of elements ([`Elements::span`]): elements that touch overlap on every axis, so no couple is lost.
+/// The spans of elements ([`Elements::span`]): elements that touch overlap on every axis, so no couple is
+/// lost.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spans<'e, 'a, T, const D: usize> {
     elements: &'e Elements<'a, T, D>,
@@ -27,7 +28,8 @@ impl<'e, 'a, T: Real, const D: usize> Spans<'e, 'a, T, D> {
         self.elements.span(index, axis)
     }
 
-    /// Whether the elements are boxes most of which, judged by a sample, are several times longer than their mean width.
+    /// Whether the elements are boxes most of which, judged by a sample, are several times longer than their
+    /// mean width.
     pub(super) fn are_long_boxes(self) -> bool {
         let n = self.elements.len();
         if n == 0 || !matches!(self.elements.shape, Shape::Boxes(_)) {

@@ -20,12 +20,12 @@ struct Across {
     window: f64,
     candidate: f64,
     pair_of_rows: f64,
-    /// The width of the region that an element searches from, as a fraction of the width of its row, if there are several elements in the
-    /// row.
+    /// The width of the region that an element searches from, as a fraction of the width of its row, if there
+    /// are several elements in the row.
     width: f64,
 }
 
-/// Each sphere finds the rows near it on its own.
+/// Each sphere searches for the rows near it.
 const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0, width: 0.0 };
 
 /// Boxes that are near each other find rows together.
@@ -47,7 +47,8 @@ pub(super) struct Model<'e, 'a, T, const D: usize> {
     levels: Vec<Level>,
 }
 
-/// The class of a size. There are two classes per octave, given by the exponent and the first bit of the fraction.
+/// The class of a size. There are two classes per octave, given by the exponent and the first bit of the
+/// fraction.
 fn class(size: f64) -> usize {
     (size.to_bits() >> 51) as usize
 }
@@ -133,7 +134,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
             self.levels[k - 1] = both;
             self.levels.remove(k);
         }
-        // Merging two at a time can get stuck where merging all at once would save time.
+        // Merging only two levels at a time can end in a local optimum where merging all together would save
+        // time.
         let [first, .., last] = self.levels[..] else { return };
         let all = self.level(self.elements.len(), first.smallest, last.largest);
         if self.cost(&all) <= self.total() {
@@ -161,8 +163,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         pairs.sum::<f64>() + self.levels.iter().map(|level| self.cost(level)).sum::<f64>()
     }
 
-    /// Predicted number of windows that elements of one level open on rows of another (half of them within one level), and of elements in
-    /// these windows.
+    /// Predicted number of windows that elements of one level open on rows of another (half of them within
+    /// one level), and of elements in these windows.
     pub(super) fn work(&self, level: &Level, other: Option<&Level>) -> [f64; 2] {
         let (windows, other) = match other {
             None => (self.rows_around(level, 2.0 * level.cell_size).midpoint(1.0), level),
@@ -189,7 +191,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         self.cost_to_look(one, two).min(self.cost_to_look(two, one))
     }
 
-    /// Whether the elements of the first level look for those of the second, because that takes less time than the reverse.
+    /// Whether the elements of the first level look for those of the second, because that takes less time
+    /// than the reverse.
     pub(super) fn looks(&self, level: &Level, other: &Level) -> bool {
         self.cost_to_look(level, other) <= self.cost_to_look(other, level)
     }
@@ -219,7 +222,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         self.rows_around(other, width + 2.0 * self.reach(level, other))
     }
 
-    /// Number of elements of `level` per part of the search for those of `other`; all parts take about the same time.
+    /// Number of elements of `level` per part of the search for those of `other`; all parts take about the
+    /// same time.
     pub(super) fn part(&self, level: &Level, other: &Level) -> usize {
         let most = PART as f64;
         (most * USUAL / self.cost_of_element(level, other)).clamp(64.0, most) as usize

@@ -2,8 +2,8 @@
 
 /// Maps the cells of an axis, in order, to fewer numbers if most of them are empty.
 ///
-/// The axis is cut into stretches. In each stretch only the cells from the first to the last occupied one are numbered. An element far away
-/// from the others costs one number, not one for every cell in between.
+/// The axis is cut into stretches. In each stretch only the cells from the first to the last occupied one are
+/// numbered. An element far away from the others costs one number, not one for every cell in between.
 #[derive(Clone, Debug)]
 pub(crate) struct AxisMap {
     cells: u64,

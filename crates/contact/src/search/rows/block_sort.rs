@@ -12,7 +12,8 @@ pub(crate) struct BlockSort<T, const D: usize> {
     points: Vec<[T; D]>,
     ids: Vec<u32>,
     radii: Vec<T>,
-    /// One key per element: row, place along the row, place in the block, from the highest bits to the lowest.
+    /// One key per element: row, place along the row, place in the block, from the highest bits to the
+    /// lowest.
     keys: Vec<u64>,
     moved: Vec<u64>,
     counts: Vec<u32>,
@@ -43,7 +44,8 @@ const MIN_PLACE_BITS: u32 = 8;
 /// More bits than this are not exact in `f64`.
 const MAX_PLACE_BITS: u32 = 50;
 
-/// Insertion sort is fast while each element moves over a few others on average; beyond this number another sort is used.
+/// Insertion sort is fast while each element moves over a few others on average; beyond this number another
+/// sort is used.
 const MAX_MOVES_PER_ELEMENT: usize = 4;
 
 /// Average number of keys per occurring digit beyond which one pass leaves too much work to insertion sort.
@@ -141,10 +143,11 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Sorts the keys by counting their `digits`, then by insertion. Keys have `row_bits` bits for the row and `rest` bits below.
+    /// Sorts the keys by counting their `digits`, then by insertion. Keys have `row_bits` bits for the row
+    /// and `rest` bits below.
     ///
-    /// Keys of one row are nearly uniform, so few of them share a digit. If most rows are empty, many keys share a digit; then passes by
-    /// digits that tell all rows apart are faster.
+    /// Keys of one row are nearly uniform, so few of them share a digit. If most rows are empty, many keys
+    /// share a digit; then passes by digits that distinguish all rows are faster.
     fn sort_keys(&mut self, row_bits: u32, rest: u32, digits: Digits) -> Result<(), Error> {
         let n = self.keys.len();
         if n <= FEW {
@@ -179,7 +182,8 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Sorts any number of rows by comparing cells. The keys become the number of the row in the block, followed by the place.
+    /// Sorts any number of rows by comparing cells. The keys become the number of the row in the block,
+    /// followed by the place.
     fn sort_by_comparison(&mut self, keys: &RowKeys<D>, id_bits: u32) {
         let points = &self.points;
         self.moved.iter_mut().zip(0..).for_each(|(place, index)| *place = index);
@@ -198,7 +202,8 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
 
     /// Writes the block in the order of the keys, row by row.
     ///
-    /// Keys round the place along the row, so elements that are very close together may still be in the wrong order; this puts them right.
+    /// Keys round the place along the row, so elements that are very close together may still be in the wrong
+    /// order; this puts them right.
     fn write(
         &mut self,
         keys: &RowKeys<D>,
@@ -309,7 +314,8 @@ fn spread(keys: &[u64], sorted: &mut [u64], starts: &mut [u32], digit: impl Fn(u
     }
 }
 
-/// Copies the keys, of which there are at least two, and corrects most that are up to two places off, without unpredictable branches.
+/// Copies the keys, of which there are at least two, and corrects most that are up to two places off, without
+/// unpredictable branches.
 fn swap_neighbours(keys: &[u64], sorted: &mut [u64]) {
     // The largest key so far and the largest of the others: they wait until two smaller ones have passed.
     let (mut first, mut second) = (keys[0].max(keys[1]), keys[0].min(keys[1]));

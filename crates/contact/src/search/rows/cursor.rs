@@ -3,7 +3,8 @@
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
 
-/// Finds the row at one offset of the mask. It must be asked for rows in ascending order, because it only moves forward.
+/// Finds the row at one offset of the mask. It must receive the rows in ascending order, because it only
+/// moves forward.
 pub(super) struct Cursor<const D: usize> {
     offset: [i64; D],
     row: usize,
@@ -38,9 +39,11 @@ fn add<const D: usize>(cells: &[i64; D], offset: &[i64; D]) -> [i64; D] {
     std::array::from_fn(|k| cells[k] + offset[k])
 }
 
-/// The offsets of the neighbour rows of the contact mask, most significant axis first; the long axis comes last and has offset 0.
+/// The offsets of the neighbour rows of the contact mask, most significant axis first; the long axis comes
+/// last and has offset 0.
 ///
-/// These are the offsets before zero in lexicographic order, so each couple of neighbouring rows is compared once.
+/// These are the offsets before zero in lexicographic order, so each couple of neighbouring rows is compared
+/// once.
 pub(super) fn half_mask<const D: usize>() -> Vec<[i64; D]> {
     let mut offsets = vec![[0; D]];
     for level in 0..D - 1 {

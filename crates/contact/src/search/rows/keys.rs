@@ -8,7 +8,8 @@ use crate::search::rows::axis::AxisMap;
 
 /// The cells of an element on all axes but the long one, as one integer; rows ascend by it.
 ///
-/// In domains with more rows than [`MAX_ROWS`] the key holds the most significant axes only, and several rows share a key.
+/// In domains with more rows than [`MAX_ROWS`] the key holds the most significant axes only, and several rows
+/// share a key.
 #[derive(Clone, Debug)]
 pub(crate) struct RowKeys<const D: usize> {
     grid: Grid<D>,
@@ -21,8 +22,9 @@ pub(crate) struct RowKeys<const D: usize> {
     rows: u64,
 }
 
-/// Converts coordinates along the rows into integers that ascend with them: fractions of the extent of the domain. If most of the domain is
-/// empty, fractions of the range of some points instead, because a single far element would leave the same integer for all others.
+/// Converts coordinates along the rows into integers that ascend with them: fractions of the extent of the
+/// domain. If most of the domain is empty, fractions of the range of some points instead, because a single
+/// far element would leave the same integer for all others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Places {
     low: f64,
@@ -40,7 +42,7 @@ impl Places {
     }
 }
 
-/// Largest number of rows that keys tell apart: it leaves bits for the place along the row.
+/// Largest number of rows that keys can distinguish: it leaves bits for the place along the row.
 const MAX_ROWS: f64 = 281_474_976_710_656.0;
 
 impl<const D: usize> RowKeys<D> {
@@ -87,7 +89,7 @@ impl<const D: usize> RowKeys<D> {
         self.rows
     }
 
-    /// Whether every row has a number of its own.
+    /// Whether every row has a separate number.
     pub(crate) fn are_complete(&self) -> bool {
         self.held == D - 1
     }
@@ -104,7 +106,8 @@ impl<const D: usize> RowKeys<D> {
             }
             return;
         }
-        // Computed in floats, which are exact for such numbers. An axis that the key does not hold has one cell, number 0.
+        // Computed in floats, which are exact for such numbers. An axis that the key does not hold has one
+        // cell, number 0.
         let (mut cells, mut step) = ([1.0; D], [0.0; D]);
         for level in 0..self.held {
             (cells[level], step[level]) = (self.grid.cells()[self.axes[level]] as f64, 1.0);

@@ -18,14 +18,15 @@ use crate::simd::task::Arrays;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
 ///
-/// A *row* is all cells that differ in one axis only, the *long* one: the axis with the most cells. Only rows that hold
-/// elements exist. Inside a row the coordinates are stored axis by axis, so that a vector holds one coordinate of
-/// neighbouring elements.
+/// A *row* is all cells that differ in one axis only, the *long* one: the axis with the most cells. Only rows
+/// that hold elements exist. Inside a row the coordinates are stored axis by axis, so that a vector holds one
+/// coordinate of neighbouring elements.
 ///
 /// # Shapes
-/// Row `r` holds the elements `starts[r]..starts[r + 1]`. With `start` and `len` of it, axis `a` of the row is
-/// `coordinates[D * start + a * len ..][.. len]`, ascending for the long axis; `ids` and `radii` are `[start ..][.. len]`.
-/// All arrays end with [`PADDING`] unused entries, so that a vector may be loaded from any element on.
+/// Row `r` holds the elements `starts[r]..starts[r + 1]`. With `start` and `len` of it, axis `a` of the row
+/// is `coordinates[D * start + a * len ..][.. len]`, ascending for the long axis; `ids` and `radii` are
+/// `[start ..][.. len]`. All arrays end with [`PADDING`] unused entries, so that a vector may be loaded from
+/// any element on.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout<T, const D: usize> {
     pub(crate) coordinates: Vec<T>,
@@ -42,7 +43,8 @@ pub(crate) struct Layout<T, const D: usize> {
     pub(crate) starts: Vec<u32>,
     /// The cells of each row, as [`Layout::row_cells`] has them; empty until [`Layout::keep_cells`].
     cells: Vec<[u32; D]>,
-    /// The axes by number of cells: the long one first, then the one whose index changes fastest from row to row.
+    /// The axes by number of cells: the long one first, then the one whose index changes fastest from row to
+    /// row.
     pub(crate) axes: [usize; D],
     pub(crate) grid: Grid<D>,
     /// The bin of each element; a bin is a few rows.
@@ -129,10 +131,12 @@ impl Chosen for &[u32] {
 /// Unused entries behind each array: the widest vector has 16 lanes (`f32`, AVX-512).
 pub(crate) const PADDING: usize = 16;
 
-/// Approximate number of elements in a block of consecutive rows: these can be sorted in the second-level cache.
+/// Approximate number of elements in a block of consecutive rows: these can be sorted in the second-level
+/// cache.
 const BLOCK: usize = if cfg!(miri) { 32 } else { 2048 };
 
-/// Largest number of blocks that are filled at once: with more, the processor runs out of entries in its translation lookaside buffer.
+/// Largest number of blocks that are filled at once: with more, the processor runs out of entries in its
+/// translation lookaside buffer.
 const MAX_BLOCKS: usize = 1024;
 
 /// Largest number of bins, of which blocks are made: their counts stay in the first-level cache.
@@ -144,8 +148,8 @@ const FEW: usize = 64;
 /// With fewer elements several threads do not pay.
 const FEW_ELEMENTS: usize = if cfg!(miri) { 60 } else { 20_000 };
 
-/// With fewer elements a second thread alone does not pay. Cache lines of blocks that both threads write move between their caches, which
-/// takes twice the time while everything would fit into the cache of one.
+/// With fewer elements a second thread alone does not pay. Cache lines of blocks that both threads write move
+/// between their caches, which takes twice the time while everything would fit into the cache of one.
 const FEW_FOR_TWO: usize = if cfg!(miri) { 60 } else { 150_000 };
 
 /// Number of points in the sample that is looked at first.
@@ -154,7 +158,7 @@ const SAMPLE: usize = 512;
 /// Number of candidates that cost as much time as one more window.
 const WINDOW: f64 = 10.0;
 
-/// If one block holds more than this fraction of the elements (one in so many), most bins are empty.
+/// If one block holds more than one element in this number, most bins are empty.
 const SKEWED: usize = 8;
 
 impl<T: Real, const D: usize> Layout<T, D> {
@@ -205,7 +209,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.build_of(points, radii, All(points.len()), grid, axes, pool)
     }
 
-    /// The same for the `chosen` elements.
+    /// Like [`Self::build`], for the `chosen` elements.
     ///
     /// Works in two steps: elements are dropped into blocks of rows, then every block is sorted in cache.
     pub(crate) fn build_of(
@@ -274,8 +278,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Whether boxes look only ahead, but in all rows around them, instead of ahead and back in half of the rows. That pays if most boxes
-    /// are so much shorter than the longest one that the candidates left out outweigh twice the number of windows.
+    /// Whether boxes look only ahead, but in all rows around them, instead of ahead and back in half of the
+    /// rows. That pays if most boxes are so much shorter than the longest one that the candidates left out
+    /// outweigh twice the number of windows.
     pub(crate) fn looks_ahead(&self, reach: T) -> bool {
         let [low, high] = self.grid.span(self.axes[0]);
         let along_rows = self.len() as f64 / (self.rows() as f64 * (high - low));
@@ -342,8 +347,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// Drops every element into its block, in the order of the elements.
     ///
-    /// Each thread drops one stretch of elements. In each block the first places belong to the first stretch, so the order is the same as
-    /// on one thread.
+    /// Each thread drops one stretch of elements. In each block the first places belong to the first stretch,
+    /// so the order is the same as on one thread.
     fn fill_blocks(
         &mut self,
         points: &[[T; D]],
@@ -380,7 +385,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
                 *place += 1;
-                // SAFETY: the sums above gave every block of every stretch a range of places of its own, as long as its count; one task has a stretch.
+                // SAFETY: the sums above gave every block of every stretch a separate range of places, as
+                // long as its count; one task has a stretch.
                 unsafe {
                     places.write(at, *point);
                     ids.write(at, number as u32);
@@ -454,7 +460,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
         &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
     }
 
-    /// Estimate of the place in a row where the coordinate along it is `x`, assuming that elements are spread evenly.
+    /// Estimate of the place in a row where the coordinate along it is `x`, assuming that elements are spread
+    /// evenly.
     pub(crate) fn guess(&self, row: &Range<usize>, x: T) -> usize {
         let [low, high] = self.grid.span(self.axes[0]);
         let guess = (x.to_f64() - low) / (high - low) * row.len() as f64;
@@ -502,8 +509,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
         cells
     }
 
-    /// Stores the cells of each row for searches that skip from row to row. Finding the cells from the coordinates of an element would read
-    /// memory that is seldom in cache.
+    /// Stores the cells of each row for searches that skip from row to row. Finding the cells from the
+    /// coordinates of an element would read memory that is seldom in cache.
     pub(crate) fn keep_cells(&mut self) -> Result<(), Error> {
         if self.grid.cells().iter().any(|&cells| cells > u64::from(u32::MAX)) {
             return Ok(());
@@ -515,8 +522,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Upper bound on [`Layout::bytes`] for `n` elements over `grid`, unless a few bins hold most of them. `floats` is the number of floats
-    /// per element in addition to its point: 1 for a radius, `D` for the upper ends of a box.
+    /// Upper bound on [`Layout::bytes`] for `n` elements over `grid`, unless a few bins hold most of them.
+    /// `floats` is the number of floats per element in addition to its point: 1 for a radius, `D` for the
+    /// upper ends of a box.
     pub(crate) fn expected_bytes(
         n: usize,
         floats: usize,
@@ -569,7 +577,8 @@ fn shift_to_bins<const D: usize>(keys: &RowKeys<D>) -> u32 {
     (0..64).find(|shift| (keys.rows() - 1) >> shift < MAX_BINS).unwrap_or(63)
 }
 
-/// Whether a sample of the points shows that one bin holds a large part of all points. Then not all need be counted to find that out.
+/// Whether a sample of the points shows that one bin holds a large part of all points. Then not all need be
+/// counted to find that out.
 fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], chosen: impl Chosen, keys: &RowKeys<D>) -> bool {
     let shift = shift_to_bins(keys);
     let mut bins = [0; SAMPLE];
@@ -597,7 +606,8 @@ mod tests {
     use super::*;
     use crate::elements::Elements;
 
-    /// The order of the layout equals that of a plain sort by cells, then along the row, then by number, for any number of threads.
+    /// The order of the layout equals that of a plain sort by cells, then along the row, then by number, for
+    /// any number of threads.
     fn is_a_plain_sort<const D: usize>(points: &[[f64; D]], reach: f64, what: &str) {
         let elements = Elements::points(points, reach).unwrap();
         let grid = Grid::unbounded(&elements);
@@ -659,8 +669,8 @@ mod tests {
         }
     }
 
-    /// The last block has few elements, and its rows lie on both sides of row number `2^40`: the number of the row and the place together
-    /// would need more bits than an integer has.
+    /// The last block has few elements, and its rows lie on both sides of row number `2^40`: the number of
+    /// the row and the place together would need more bits than an integer has.
     #[test]
     fn rows_are_counted_from_the_block() {
         let mut state = 3_u64;

@@ -5,9 +5,9 @@ use crate::search::rows::layout::Layout;
 
 /// Finds the rows of a layout that lie inside a box of cells, however many cells are empty.
 ///
-/// Rows ascend by cells, so the rows in the box form runs, one for each existing combination of cells on the more significant axes. Between
-/// runs the search skips to the next row that may be inside. Each skip starts where the same skip of the previous call ended, because
-/// neighbouring boxes have neighbouring runs.
+/// Rows ascend by cells, so the rows in the box form runs, one for each existing combination of cells on the
+/// more significant axes. Between runs the search skips to the next row that may be inside. Each skip starts
+/// where the same skip of the previous call ended, because neighbouring boxes have neighbouring runs.
 #[derive(Debug)]
 pub(crate) struct RowsInReach<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
@@ -22,12 +22,13 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         Self { layout, hints: Vec::new() }
     }
 
-    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box from `min` to `max`, on every
-    /// axis but the long one. Stops, and returns `false`, once `found` returns `false`.
+    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box
+    /// from `min` to `max`, on every axis but the long one. Stops, and returns `false`, once `found` returns
+    /// `false`.
     ///
-    /// No row is missed: cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for the number `x` of a box and `y`
-    /// of an element, then the rounded left side is at most `y` too, because `y` is a float; so its cell is at most that of `y`. The same
-    /// holds at the other end.
+    /// No row is missed: cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for the
+    /// number `x` of a box and `y` of an element, then the rounded left side is at most `y` too, because `y`
+    /// is a float; so its cell is at most that of `y`. The same holds at the other end.
     pub(crate) fn find(
         &mut self,
         min: &[T; D],
@@ -38,12 +39,13 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         self.walk(min, max, reach, |row, _| found(row))
     }
 
-    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box from `min` to `max`, and with
-    /// the largest possible distance along the row. Distances are Euclidean if the reach is `round`, and per axis if not.
+    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box
+    /// from `min` to `max`, and with the largest possible distance along the row. Distances are Euclidean if
+    /// the reach is `round`, and per axis if not.
     ///
-    /// Elements of a row are at least as far from the box as the cells of the row. The quotients of the grid err by less than `2^-51` of
-    /// their value, and more than that is subtracted. The root loses some `2^-52` of the reach to rounding, which is less than the margin
-    /// that every reach contains.
+    /// Elements of a row are at least as far from the box as the cells of the row. The quotients of the grid
+    /// err by less than `2^-51` of their value, and more than that is subtracted. The root loses some `2^-52`
+    /// of the reach to rounding, which is less than the margin that every reach contains.
     pub(crate) fn find_around(
         &mut self,
         min: &[T; D],

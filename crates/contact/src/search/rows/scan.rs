@@ -16,8 +16,8 @@ use crate::search::rows::reach::RowsInReach;
 use crate::simd::prefetch;
 use crate::simd::task::{Arrays, Looks, Neighbour, Output, Span, Task};
 
-/// Elements in one part of the work, if each has about as many partners. Enough to outweigh the start of a part, few enough for its couples
-/// to stay in cache.
+/// Elements in one part of the work, if all have similar numbers of partners. Enough to outweigh the start of
+/// a part, few enough for its couples to stay in cache.
 pub(crate) const PART: usize = if cfg!(miri) { 64 } else { 4096 };
 
 /// Number of parts per thread in a batch.
@@ -31,7 +31,8 @@ pub(crate) const FIRST_ROOM: usize = if cfg!(miri) { 32 } else { 1024 };
 
 /// A search that sorts elements into rows.
 pub(crate) trait Scanner<T: Real, const D: usize> {
-    /// Sorts the elements and passes the scans to `search`, which need not be called if there are no elements.
+    /// Sorts the elements and passes the scans to `search`, which need not be called if there are no
+    /// elements.
     fn with_scans(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -52,7 +53,8 @@ pub(crate) trait Scanner<T: Real, const D: usize> {
         self.search(elements, Sink::Visit(&mut visit))
     }
 
-    /// Appends to `list` what `convert` makes of each block of couples, in their order, on all threads. `parts` is working memory.
+    /// Appends the result of `convert` for each block of couples to `list`, in their order, on all threads.
+    /// `parts` is working memory.
     fn append_converted<V: Copy + Send + Sync>(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -156,8 +158,8 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                 Ok(())
             }
             Sink::Visit(visit) => {
-                // The parts of a batch are searched at the same time and visited in their order, batch by batch, so that couples stay in
-                // cache.
+                // The parts of a batch are searched at the same time and visited in their order, batch by
+                // batch, so that couples stay in cache.
                 for batch in parts(scans).chunks(PARTS_AT_ONCE * pool.threads()) {
                     pool.stop().go_on()?;
                     memory.resize_with(memory.len().max(batch.len()), Vec::new);
@@ -191,7 +193,7 @@ fn stretches<'s, 'a, T: Real, const D: usize>(
     parts(scans)
 }
 
-/// Appends what `fill` finds in each part to `list`, in their order.
+/// Appends the results of `fill` for each part to `list`, in their order.
 fn append<'a, T: Real, V: Copy + Send, const D: usize>(
     scans: &[Scan<'a, T, D>],
     fill: impl Fn(&Scan<'a, T, D>, Range<usize>, &mut Vec<V>) -> Result<(), Error> + Sync,
@@ -215,7 +217,8 @@ pub(crate) struct Scan<'a, T, const D: usize> {
     pub(crate) layout: &'a Layout<T, D>,
     /// The other layout, with the same axes, if two sets are compared.
     pub(crate) against: Option<&'a Layout<T, D>>,
-    /// The arrays that the kernel reads, of the first and of the other set (twice the same for one set). Both have radii or neither.
+    /// The arrays that the kernel reads, of the first and of the other set (twice the same for one set). Both
+    /// have radii or neither.
     pub(crate) arrays: [Arrays<'a, T>; 2],
     pub(crate) reach: T,
     pub(crate) reach_squared: T,
@@ -306,7 +309,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 neighbours.clear();
                 let [min, max] = self.layout.extremes(&places, &piece);
                 let reach = self.reach_of(&places, &piece);
-                // All rows are found, and what is needed of them is prefetched, before the first is read.
+                // All rows are found, and the data needed from them is prefetched, before the first is read.
                 rows.find_around(&min, &max, reach, self.arrays[0].far.is_empty(), |row, reach| {
                     let (row, reach) = (other.row(row), T::at_least(reach));
                     let low = other.guess(&row, first - reach);
@@ -326,7 +329,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         }
     }
 
-    /// Prefetches what the kernel reads of the other set near one place in a row.
+    /// Prefetches the data of the other set that the kernel reads near one place in a row.
     fn ask_for(&self, row: &Range<usize>, element: usize) {
         let theirs = &self.arrays[1];
         let first = element.saturating_sub(NEAR);
@@ -339,7 +342,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
 
     /// The reach of the elements of a stretch, which may be smaller than that of their set.
     ///
-    /// Subtracting the difference of radii leaves slightly more than needed, because the margin for rounding was made for larger numbers.
+    /// Subtracting the difference of radii leaves slightly more than needed, because the margin for rounding
+    /// was made for larger numbers.
     fn reach_of(&self, places: &Range<usize>, stretch: &Range<usize>) -> f64 {
         let reach = self.reach.to_f64();
         match self.layout.radii(places).get(stretch.clone()) {
@@ -351,7 +355,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         }
     }
 
-    /// Cuts a stretch of a row at gaps longer than `far`. A short piece has fewer rows around it, and the gap is not searched.
+    /// Cuts a stretch of a row at gaps longer than `far`. A short piece has fewer rows around it, and the gap
+    /// is not searched.
     fn pieces(
         along: &[T],
         stretch: Range<usize>,
@@ -364,7 +369,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         })
     }
 
-    /// The rows that have places in `range`: the number of the row, its places, and the part of it inside `range`, counted from its start.
+    /// The rows that have places in `range`: the number of the row, its places, and the part of it inside
+    /// `range`, counted from its start.
     pub(crate) fn stretches(
         &self,
         range: &Range<usize>,
@@ -417,7 +423,8 @@ fn first_near<T: Real>(along: &[T], low: T, guess: usize) -> usize {
     from + along[from..to].partition_point(|&x| x < low)
 }
 
-/// Doubles the room for couples. If there is no memory, the couples found are dropped and `room` becomes the error.
+/// Doubles the room for couples. If there is no memory, the couples found are dropped and `room` becomes the
+/// error.
 fn grow(found: &mut Vec<Couple>, room: &mut Result<(), Error>) {
     if room.is_ok() {
         *room = make_room(found);
@@ -449,7 +456,8 @@ mod tests {
         (0..n).map(|_| std::array::from_fn(|_| next())).collect()
     }
 
-    /// Compares the rows of one layout with those of another whose cells have another size than the reach and other places.
+    /// Compares the rows of one layout with those of another whose cells have another size than the reach and
+    /// other places.
     fn two_layouts<const D: usize>(cell: f64, reach: f64, shift: f64) -> usize {
         let (mut moving, fixed) = (scattered::<D>(300, 6.0, 1), scattered::<D>(400, 7.0, 2));
         moving.iter_mut().flatten().for_each(|x| *x += shift);

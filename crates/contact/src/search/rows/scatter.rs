@@ -14,10 +14,10 @@ pub(crate) struct Scatter<'a, V> {
     array: PhantomData<&'a mut [V]>,
 }
 
-// SAFETY: this stands for a mutable borrow of the array, which may be sent where `V` may. Its one method writes, to places that no other thread uses at the
-// same time, by the contract of that method.
+// SAFETY: this represents a mutable borrow of the array, which may be sent where `V` may. Its one method
+// writes, to places that no other thread uses at the same time, by the contract of that method.
 unsafe impl<V: Send> Send for Scatter<'_, V> {}
-// SAFETY: as above: what is shared is the borrow, and each entry is written by one thread.
+// SAFETY: as above: only the borrow is shared, and each entry is written by one thread.
 unsafe impl<V: Send> Sync for Scatter<'_, V> {}
 
 impl<'a, V: Copy> Scatter<'a, V> {
@@ -35,7 +35,8 @@ impl<'a, V: Copy> Scatter<'a, V> {
     #[inline]
     pub(crate) unsafe fn write(self, place: usize, value: V) {
         assert!(place < self.len);
-        // SAFETY: the place is inside the array, and no other thread writes it by the contract of this function.
+        // SAFETY: the place is inside the array, and no other thread writes it by the contract of this
+        // function.
         unsafe { self.start.add(place).write(value) };
         prefetch::write(self.start.wrapping_add(place));
     }
@@ -53,7 +54,8 @@ mod tests {
             for thread in 0..2 {
                 scope.spawn(move || {
                     for place in (thread..1000).step_by(2) {
-                        // SAFETY: one thread writes to even places, the other to odd ones, all below the array's length.
+                        // SAFETY: one thread writes to even places, the other to odd ones, all below the
+                        // array's length.
                         unsafe { scatter.write(place, place + 1) };
                     }
                 });

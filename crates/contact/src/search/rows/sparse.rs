@@ -19,16 +19,17 @@ const WIDEST: f64 = 8.0;
 /// Edge of the cells that are sampled, in cells as wide as the reach.
 const EDGE: f64 = 8.0;
 
-/// One element in so many is sampled, up to [`MOST`].
+/// One element in this number is sampled, up to [`MOST`].
 const ONE_IN: usize = 16;
 
 const MOST: usize = 4096;
 
 /// The grid of a search over `elements`.
 ///
-/// Cells need not be wider than the reach. But if there are few elements, most rows hold one or two, and to find their neighbour rows takes longer
-/// than to compare elements. Wider cells give fewer rows with more elements. The density where the elements are, which may be in
-/// clusters, is estimated from pairs of a sample that share a cell.
+/// Cells need not be wider than the reach. But if there are few elements, most rows hold one or two, and to
+/// find their neighbour rows takes longer than to compare elements. Wider cells give fewer rows with more
+/// elements. The density where the elements are, which may be in clusters, is estimated from pairs of a
+/// sample that share a cell.
 pub(crate) fn grid<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Grid<D> {
     let grid = Grid::unbounded(elements);
     let n = elements.len();

@@ -1,4 +1,5 @@
-//! Elements that walk in boxes that repeat: after each update the couples are those of a search that tests everything.
+//! Elements that walk in boxes that repeat: after each update the couples are those of a search that tests
+//! everything.
 
 use fdem_contact::{
     Elements, Engine, Error, Filter, PeriodicBox, PeriodicBuffered, PeriodicCouple, PeriodicSearch, Reason,
@@ -17,7 +18,7 @@ fn expected<T: FromF64, const D: usize>(
     couples
 }
 
-/// How elements walk, and what the caller does with those that leave the box.
+/// How elements walk, and how the caller handles elements that leave the box.
 #[derive(Clone, Copy)]
 struct Walk {
     step: f64,

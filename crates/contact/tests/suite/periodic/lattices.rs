@@ -15,7 +15,8 @@ fn root<T: FromF64>(squared: f64) -> T {
     root
 }
 
-/// Every element of a lattice that fills the box has the coordination number of the lattice; in a small box it touches itself.
+/// Every element of a lattice that fills the box has the coordination number of the lattice; in a small box
+/// it touches itself.
 fn coordination<T: FromF64, const D: usize>(basis: &[[f64; D]], squared: f64, coordination: usize) {
     for cells in [1, 2, 3, 4] {
         for origin in [0.0, -1.0, 0.5, 77.0] {
@@ -63,7 +64,8 @@ fn lattices_have_their_coordination_numbers() {
     coordination::<f32, 3>(&fcc, 2.0, 12);
 }
 
-/// One element in the primitive cell of a lattice touches only its own images: half the coordination number of couples.
+/// One element in the primitive cell of a lattice touches only its own images: half the coordination number
+/// of couples.
 #[test]
 fn one_element_in_a_primitive_cell_touches_its_images() {
     let fcc = [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
@@ -80,7 +82,8 @@ fn one_element_in_a_primitive_cell_touches_its_images() {
     }
 }
 
-/// A hexagonal lattice, whose edges are irrational: six neighbours for any tilt that describes the same lattice.
+/// A hexagonal lattice, whose edges are irrational: six neighbours for any tilt that describes the same
+/// lattice.
 #[test]
 fn every_basis_of_a_lattice_gives_the_same_contacts() {
     let height = 0.75_f64.sqrt();
@@ -96,8 +99,9 @@ fn every_basis_of_a_lattice_gives_the_same_contacts() {
     }
 }
 
-/// The mean number of couples of a uniform gas: `n (n - 1) / 2` times the volume of the ball over that of the box, exact in periodic boxes
-/// of any shape, plus `n / 2` times the number of lattice points in the ball, which is 0 for reaches below the shortest edge.
+/// The mean number of couples of a uniform gas: `n (n - 1) / 2` times the volume of the ball over that of the
+/// box, exact in periodic boxes of any shape, plus `n / 2` times the number of lattice points in the ball,
+/// which is 0 for reaches below the shortest edge.
 #[test]
 fn a_uniform_gas_has_the_mean_number_of_couples() {
     let mut random = Random::new(23);

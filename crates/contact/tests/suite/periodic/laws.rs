@@ -51,8 +51,8 @@ proptest! {
         }
     }
 
-    /// Each element moved by whole edges of its own: the shifts change by these, and nothing else changes. All moved alike: nothing
-    /// changes.
+    /// Each element moved by whole edges: the shifts change by these, and nothing else changes. All moved
+    /// alike: nothing changes.
     #[test]
     fn moving_by_whole_edges(
         edges in edges(),
@@ -73,7 +73,8 @@ proptest! {
         prop_assert_eq!(of_spheres(&apart, &radii, &cell), canonical(expected.collect()));
     }
 
-    /// Elements that the caller wraps give the same couples as elements that the search wraps; the shifts differ by the periods.
+    /// Elements that the caller wraps give the same couples as elements that the search wraps; the shifts
+    /// differ by the periods.
     #[test]
     fn wrapping_beforehand(edges in edges(), (centres, radii) in spheres()) {
         let cell = PeriodicBox::triclinic([0.0; 3], edges, [true, true, false]).unwrap();
@@ -86,7 +87,8 @@ proptest! {
         prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
     }
 
-    /// Another basis of the same lattice, with the first edge added to the second: the same contacts with other shifts.
+    /// Another basis of the same lattice, with the first edge added to the second: the same contacts with
+    /// other shifts.
     #[test]
     fn another_basis(edges in edges(), (centres, radii) in spheres(), times in -3..4_i32) {
         let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
