@@ -1,4 +1,5 @@
-//! `CGrid` finds what all-against-all finds, for any sizes and any domain, and again in the same order when it is reused.
+//! `CGrid` finds the couples of all-against-all, for any sizes and any domain, and again in the same order
+//! when it is reused.
 
 #![no_main]
 

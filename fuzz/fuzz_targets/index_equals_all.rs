@@ -1,4 +1,5 @@
-//! `Index`, with every set of vector instructions, finds what tests of all against all find, or returns the documented error.
+//! `Index`, with every set of vector instructions, finds the results of tests of all against all, or returns
+//! the documented error.
 
 #![no_main]
 
@@ -6,8 +7,8 @@ use fdem_contact::{CrossCouple, Csr, Elements, Error, Index, Simd};
 use fdem_fuzz::{Number, Pair, PairLaw, check_pair, distance_squared};
 use libfuzzer_sys::fuzz_target;
 
-/// The rows of a search around points: the numbers of the elements and their squared distances; or the error as text, so that NaN values
-/// compare equal.
+/// The rows of a search around points: the numbers of the elements and their squared distances; or the error
+/// as text, so that NaN values compare equal.
 type Rows<T> = Result<Vec<Vec<(u32, T)>>, String>;
 
 struct IndexEqualsAll;

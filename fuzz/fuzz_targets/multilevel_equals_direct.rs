@@ -1,5 +1,5 @@
-//! `Multilevel`, with its own choice of levels and with any others, finds what all-against-all finds, in one order for every set of vector
-//! instructions.
+//! `Multilevel`, with its own choice of levels and with any others, finds the couples of all-against-all, in
+//! one order for every set of vector instructions.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! `Nbs` finds what all-against-all finds, or returns the error that the domain is too wide for its limit.
+//! `Nbs` finds the couples of all-against-all, or returns the error that the domain is too wide for its
+//! limit.
 
 #![no_main]
 

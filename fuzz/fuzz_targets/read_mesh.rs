@@ -1,4 +1,5 @@
-//! Any bytes are read as a mesh or refused without a panic; a mesh that is read has the documented properties of `MeshFile`.
+//! Any bytes are read as a mesh or refused without a panic; a mesh that is read has the documented properties
+//! of `MeshFile`.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! Any bytes are read or refused without a panic; a packing that is read has the documented properties of `Packing`.
+//! Any bytes are read or refused without a panic; a packing that is read has the documented properties of
+//! `Packing`.
 
 #![no_main]
 
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fdem_io::{Centres, Packing, ReadOptions, Skipped, read, write_packing_csv, write_packing_npy};
 use libfuzzer_sys::fuzz_target;
 
-/// Values of `--columns`; the first stands for no option.
+/// Values of `--columns`; the first means no option.
 const COLUMNS: [&str; 8] = [
     "",
     "x,y",

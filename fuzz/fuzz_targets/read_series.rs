@@ -1,5 +1,5 @@
-//! Any bytes, compressed or not, are read as a series or refused without a panic; a packing that is read has the documented properties of
-//! `Packing`.
+//! Any bytes, compressed or not, are read as a series or refused without a panic; a packing that is read has
+//! the documented properties of `Packing`.
 
 #![no_main]
 

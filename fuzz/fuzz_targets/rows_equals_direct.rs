@@ -1,4 +1,4 @@
-//! `Rows`, with every set of vector instructions, finds what all-against-all finds, in one order.
+//! `Rows`, with every set of vector instructions, finds the couples of all-against-all, in one order.
 
 #![no_main]
 

@@ -36,7 +36,8 @@ macro_rules! impl_number {
 impl_number!(f32, u32);
 impl_number!(f64, u64);
 
-/// Largest number of elements: small enough for all-against-all to be fast, large enough for rows longer than a few vectors.
+/// Largest number of elements: small enough for all-against-all to be fast, large enough for rows longer than
+/// a few vectors.
 const MOST_ELEMENTS: usize = 300;
 
 /// The shape of the elements.
@@ -108,7 +109,8 @@ impl Labels {
     }
 }
 
-/// A set of elements, valid or not, in arrays of exactly its length, so that the sanitizer detects a read behind them.
+/// A set of elements, valid or not, in arrays of exactly its length, so that the sanitizer detects a read
+/// behind them.
 #[derive(Debug)]
 pub struct Scene<T, const D: usize> {
     points: Box<[[T; D]]>,
@@ -159,7 +161,7 @@ impl<T: Number, const D: usize> Scene<T, D> {
     }
 
     /// # Errors
-    /// Those of [`Elements`].
+    /// The errors of [`Elements`].
     pub fn elements(&self) -> std::result::Result<Elements<'_, T, D>, Error> {
         let elements = match &self.shape {
             Shape::Points(cutoff) => Elements::points(&self.points, *cutoff),
@@ -219,8 +221,8 @@ impl<T: Number, const D: usize> Scene<T, D> {
         &self.points
     }
 
-    /// The couples that the documentation of `Index` specifies for elements of this scene and of another one, ascending; or the specified
-    /// error.
+    /// The couples that the documentation of `Index` specifies for elements of this scene and of another one,
+    /// ascending; or the specified error.
     ///
     /// # Errors
     /// [`Error::UnlikeShapes`], [`Error::UnlikeFilters`].
@@ -335,7 +337,8 @@ pub trait Law {
     fn check<T: Number, const D: usize>(elements: &Elements<'_, T, D>);
 }
 
-/// Checks `L` with the elements made from `bytes`, in 2D or 3D, `f32` or `f64`. Elements that are refused pass.
+/// Checks `L` with the elements made from `bytes`, in 2D or 3D, `f32` or `f64`. Elements that are refused
+/// pass.
 pub fn check<L: Law>(bytes: &[u8]) {
     let bytes = &mut Unstructured::new(bytes);
     let Ok(kind) = bytes.int_in_range(0..=3) else { return };

@@ -7,9 +7,9 @@ const NONE: usize = usize::MAX;
 
 /// Discs at rest on the floor `y = 0` between the walls `x = 0` and `x = room`.
 ///
-/// A disc is listed in every cell its box overlaps, so that a look-up visits only the cells of its own box whatever
-/// the sizes. The cell edge is the root mean square diameter: then all lists together have at most nine entries per
-/// disc.
+/// A disc is listed in every cell its box overlaps, so that a look-up visits only the cells of its own box
+/// whatever the sizes. The cell edge is the root mean square diameter: then all lists together have at most
+/// nine entries per disc.
 pub(crate) struct Bed {
     pub(crate) centres: Vec<[f64; 2]>,
     pub(crate) radii: Vec<f64>,
@@ -28,7 +28,7 @@ impl Bed {
         let n = radii.len().max(1) as f64;
         // Relative to the room, so that squares neither overflow nor vanish.
         let mean_square = radii.iter().map(|r| (2.0 * r / room) * (2.0 * r / room)).sum::<f64>() / n;
-        // A wide room gets no more than four columns per disc.
+        // A wide room gets at most four columns per disc.
         let cell = room * mean_square.sqrt().max(0.25 / n);
         Ok(Self {
             centres: reserved(radii.len())?,
@@ -63,9 +63,11 @@ impl Bed {
         Ok(())
     }
 
-    /// The height of the centre at which a disc falling from `from` first touches a disc below it, and that disc.
+    /// The height of the centre at which a disc falling from `from` first touches a disc below it, and that
+    /// disc.
     ///
-    /// Only discs whose centre is lower count: a disc that has just rolled off another at equal height falls freely.
+    /// Only discs whose centre is lower count: a disc that has just rolled off another at equal height falls
+    /// freely.
     pub(crate) fn fall(&self, from: [f64; 2], radius: f64) -> Option<(f64, usize)> {
         let [x, y] = from;
         let (left, right) = (self.column(x - radius), self.column(x + radius));

@@ -1,7 +1,8 @@
 //! Packings and worked figures of the book.
 //!
-//! Diameters are 1, so `spacing` is the book's `S/D`. Grids are square or cubic: `k` elements per axis with the smallest `k^D >= n`, filled
-//! row by row, `x` fastest. Along the additional axes of 3D the packings continue as along `y`.
+//! Diameters are 1, so `spacing` is the book's `S/D`. Grids are square or cubic: `k` elements per axis with
+//! the smallest `k^D >= n`, filled row by row, `x` fastest. Along the additional axes of 3D the packings
+//! continue as along `y`.
 //!
 //! # Source
 //! A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, chapter 3.
@@ -46,7 +47,8 @@ pub fn packing_c<const D: usize>(n: usize, spacing: f64) -> Result<Cloud<D>, Err
     packing(n, spacing, |_, i| i * spacing)
 }
 
-/// Packing D: distances of one diameter and of `spacing` alternate in `x`; two diameters apart in `y` (and `z`).
+/// Packing D: distances of one diameter and of `spacing` alternate in `x`; two diameters apart in `y` (and
+/// `z`).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if `spacing` is not positive, or the packing would be infinitely wide;
@@ -80,11 +82,13 @@ fn packing<const D: usize>(
     Ok(Cloud { centres, radii: Sizes::Equal { radius: 0.5 }.radii(n, 0)? })
 }
 
-/// Cells of the ten-body example: `[i_x, i_y]` of bodies 1 to 10, counted from 1, in a domain of 10 by 10 cells.
+/// Cells of the ten-body example: `[i_x, i_y]` of bodies 1 to 10, counted from 1, in a domain of 10 by 10
+/// cells.
 ///
-/// Rows are printed as the y-lists of Fig. 3.41; columns of bodies 1, 4, 7 and 10 are stated on p. 108. Bodies 2, 3, 5, 6 and 8 have the
-/// columns of the eight-body example with the same placement (Figs 3.21 and 3.22, p. 95). Body 9 is drawn in row 6 beside body 3, in column
-/// 3 or 4; the drawing does not show which. Here it is in **column 3**, which is our choice: column 4 would add the couples 4-9 and 6-9.
+/// Rows are printed as the y-lists of Fig. 3.41; columns of bodies 1, 4, 7 and 10 are stated on p. 108.
+/// Bodies 2, 3, 5, 6 and 8 have the columns of the eight-body example with the same placement (Figs 3.21
+/// and 3.22, p. 95). Body 9 is drawn in row 6 beside body 3, in column 3 or 4; the drawing does not show
+/// which. Here it is in **column 3**, which is our choice: column 4 would add the couples 4-9 and 6-9.
 ///
 /// # Source
 /// Figs 3.40 to 3.44, pp. 103-108.
@@ -92,7 +96,8 @@ pub const fn ten_body_cells() -> [[u32; 2]; 10] {
     [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6], [3, 6], [4, 7]]
 }
 
-/// The ten-body example as discs of diameter 1, each in the middle of its cell; cells have edge 1 and start at 0.
+/// The ten-body example as discs of diameter 1, each in the middle of its cell; cells have edge 1 and start
+/// at 0.
 ///
 /// Bodies 1 and 10 share a cell and coincide. Body `b` of the book is element `b − 1`.
 ///

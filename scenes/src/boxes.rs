@@ -39,12 +39,13 @@ impl<const D: usize> Boxes<D> {
     }
 }
 
-/// Boxes with uniformly random centres in a cube, dense enough for `neighbours` overlaps per box; plates, rods and cubes are mixed.
+/// Boxes with uniformly random centres in a cube, dense enough for `neighbours` overlaps per box; plates,
+/// rods and cubes are mixed.
 ///
-/// The logarithm of each edge is uniformly random between those of 1 and of `aspect`, so the longest edge of a box is 1 to `aspect` times
-/// its shortest. The cube is `[0, L)^D` with `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of `Π_k (e_ik + e_jk)`,
-/// the volume in which the centre of `j` must be for the boxes to touch. Boxes near the faces have fewer overlaps, as in
-/// [`gas`](crate::gas).
+/// The logarithm of each edge is uniformly random between those of 1 and of `aspect`, so the longest edge of
+/// a box is 1 to `aspect` times its shortest. The cube is `[0, L)^D` with `n V / L^D = neighbours`, where `V`
+/// is the mean over all pairs `i ≠ j` of `Π_k (e_ik + e_jk)`, the volume in which the centre of `j` must be
+/// for the boxes to touch. Boxes near the faces have fewer overlaps, as in [`gas`](crate::gas).
 ///
 /// # Shapes
 /// `n` boxes, in no spatial order.
@@ -56,7 +57,8 @@ impl<const D: usize> Boxes<D> {
 /// Time and memory proportional to `n`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `neighbours` is not positive, `aspect` is not at least 1 and finite, or `L` is not finite; [`Error::OutOfMemory`].
+/// [`Error::OutOfRange`] if `neighbours` is not positive, `aspect` is not at least 1 and finite, or `L` is
+/// not finite; [`Error::OutOfMemory`].
 ///
 /// # Example
 /// ```
@@ -89,7 +91,8 @@ pub fn boxes<const D: usize>(n: usize, seed: u64, neighbours: f64, aspect: f64) 
     Ok(Boxes { min, max })
 }
 
-/// The edge of the cube. `V` is exact: expanded, the product of sums is a sum over all ways to take each axis from one of the two boxes.
+/// The edge of the cube. `V` is exact: expanded, the product of sums is a sum over all ways to take each axis
+/// from one of the two boxes.
 fn cube<const D: usize>(edges: &[[f64; D]], neighbours: f64) -> Result<f64, Error> {
     let n = edges.len() as f64;
     // The product of the edges along the axes whose bit is set, summed over the boxes.
@@ -126,7 +129,8 @@ mod tests {
 
     #[test]
     fn there_are_as_many_overlaps_as_asked_for() {
-        // The faces of the cube reduce the number by a few percent; its standard deviation is about its square root.
+        // The faces of the cube reduce the number by a few percent; its standard deviation is about its
+        // square root.
         let n = 6_000;
         let found = overlaps(&boxes::<2>(n, 5, 6.0, 4.0).unwrap()) as f64 / n as f64;
         assert!((2.8..3.05).contains(&found), "{found}");

@@ -8,22 +8,25 @@ use crate::sizes::Sizes;
 
 /// Clusters: small gases scattered uniformly over a wide cube that is empty otherwise.
 ///
-/// Each cluster is a cube of `per_cluster` elements (the last one may have fewer) in which an element has `neighbours` contacts on average,
-/// not counting the effect of faces: see [`gas_edge`](crate::gas_edge). Clusters may overlap. For equal spheres `neighbours` is eight times
-/// the packing fraction, for equal discs four times.
+/// Each cluster is a cube of `per_cluster` elements (the last one may have fewer) in which an element has
+/// `neighbours` contacts on average, not counting the effect of faces: see [`gas_edge`](crate::gas_edge).
+/// Clusters may overlap. For equal spheres `neighbours` is eight times the packing fraction, for equal discs
+/// four times.
 ///
 /// # Shapes
-/// `n` centres and radii, cluster after cluster; all centres in `[0, L]^D`, `L` being `domain` mean diameters.
+/// `n` centres and radii, cluster after cluster; all centres in `[0, L]^D`, `L` being `domain` mean
+/// diameters.
 ///
 /// # Units
-/// Those of `sizes`. `domain` counts mean diameters, which are twice the mean of the drawn radii; `neighbours` is a number.
+/// The unit of `sizes`. `domain` counts mean diameters, which are twice the mean of the drawn radii;
+/// `neighbours` is a number.
 ///
 /// # Cost
 /// Time and memory proportional to `n`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `per_cluster` is zero, or if `domain`, `neighbours` or a length that follows from them
-/// is not positive and finite; [`Error::TooNarrow`] if a cluster is wider than the domain; the errors of
+/// [`Error::OutOfRange`] if `per_cluster` is zero, or if `domain`, `neighbours` or a length that follows from
+/// them is not positive and finite; [`Error::TooNarrow`] if a cluster is wider than the domain; the errors of
 /// [`Sizes::radii`]; [`Error::OutOfMemory`].
 ///
 /// # Example

@@ -10,19 +10,22 @@ use crate::sizes::Sizes;
 const MAX_MOVES: usize = 10_000;
 /// Number of places at which a disc is dropped before the scene is given up.
 const MAX_DROPS: usize = 100;
-/// Sine of the angle by which rounding may place a touching disc behind a rolling one. For circles that graze each other, rounding errors
-/// grow to their square root, about 1e-8.
+/// Sine of the angle by which rounding may place a touching disc behind a rolling one. Where circles graze
+/// each other, rounding errors grow to their square root, about 1e-8.
 const BEHIND: f64 = 1e-7;
-/// Largest overlap of discs at rest through rounding, before compression, as a fraction of the sum of their radii.
+/// Largest overlap of discs at rest through rounding, before compression, as a fraction of the sum of their
+/// radii.
 const OVERLAP: f64 = 1e-9;
 
-/// A bed of discs under gravity: each disc falls at a random place, rolls down over others, and comes to rest.
+/// A bed of discs under gravity: each disc falls at a random place, rolls down over others, and comes to
+/// rest.
 ///
-/// A disc rests on the floor, or on two supports, one on either side of it: discs or a wall. Discs are placed one at a time and never move
-/// again, so each has about four contacts. Every position follows in closed form from touching circles. Without compression, contacts are
-/// exact up to rounding (no overlap above 1e-9 of the sum of the radii). With compression, all centres are scaled by `1 − compression`, so
-/// touching discs overlap by that fraction of the sum of their radii, and floor and walls overlap the discs that touch them in the same
-/// way: the box `0 <= x <= width`, `y >= 0` is the box after compression.
+/// A disc rests on the floor, or on two supports, one on either side of it: discs or a wall. Discs are placed
+/// one at a time and never move again, so each has about four contacts. Every position follows in closed form
+/// from touching circles. Without compression, contacts are exact up to rounding (no overlap above 1e-9 of
+/// the sum of the radii). With compression, all centres are scaled by `1 − compression`, so touching discs
+/// overlap by that fraction of the sum of their radii, and floor and walls overlap the discs that touch them
+/// in the same way: the box `0 <= x <= width`, `y >= 0` is the box after compression.
 ///
 /// # Shapes
 /// `n` centres and radii in the order of dropping: every disc is supported by earlier ones.
@@ -31,18 +34,18 @@ const OVERLAP: f64 = 1e-9;
 /// `width` shares the unit of `sizes`; `compression` is a number, 1e-3 for a bed under light load.
 ///
 /// # Cost
-/// Time proportional to `n`, about a microsecond per disc; memory for the arrays and a look-up grid, some 200 bytes
-/// per disc.
+/// Time proportional to `n`, about a microsecond per disc; memory for the arrays and a look-up grid, some 200
+/// bytes per disc.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `width` is not positive or `compression` is not in `[0, 1)`; [`Error::TooNarrow`] if a disc is wider than the
-/// box; the errors of [`Sizes::radii`]; [`Error::OutOfMemory`]; [`Error::NoRest`] if a disc dropped at a hundred places never came to rest
-/// without overlap, which has not been observed.
+/// [`Error::OutOfRange`] if `width` is not positive or `compression` is not in `[0, 1)`; [`Error::TooNarrow`]
+/// if a disc is wider than the box; the errors of [`Sizes::radii`]; [`Error::OutOfMemory`]; [`Error::NoRest`]
+/// if a disc dropped at a hundred places never came to rest without overlap, which has not been observed.
 ///
 /// # Source
-/// W. M. Visscher, M. Bolsterli, "Random packing of equal and unequal spheres in two and three dimensions", Nature
-/// 239 (1972) 504–507. Departures: walls instead of periodic sides; a disc takes the first place it finds, not the
-/// lowest of several.
+/// W. M. Visscher, M. Bolsterli, "Random packing of equal and unequal spheres in two and three dimensions",
+/// Nature 239 (1972) 504–507. Departures: walls instead of periodic sides; a disc takes the first place it
+/// finds, not the lowest of several.
 ///
 /// # Example
 /// ```
@@ -92,7 +95,7 @@ enum End {
     Meet(usize),
 }
 
-/// The position where a disc dropped at `x` comes to rest, if it does.
+/// The position where a disc dropped at `x` comes to rest, if there is one.
 fn settle(bed: &Bed, x: f64, radius: f64) -> Option<[f64; 2]> {
     let mut place = [x, f64::INFINITY];
     let mut support = None;
@@ -122,9 +125,9 @@ fn settle(bed: &Bed, x: f64, radius: f64) -> Option<[f64; 2]> {
 
 /// Rolls a disc at `place` down over `pivot`, to the right if `side` is 1 and to the left if it is −1.
 ///
-/// The centre moves on a circle around the pivot, from `place` down to at most the height of the pivot. Points of that quarter circle are
-/// measured from the pivot. `progress`, the squared distance of the centres times the sine of the angle rolled, shows which of several
-/// events comes first.
+/// The centre moves on a circle around the pivot, from `place` down to at most the height of the pivot.
+/// Points of that quarter circle are measured from the pivot. `progress`, the squared distance of the centres
+/// times the sine of the angle rolled, shows which of several events comes first.
 fn roll(bed: &Bed, place: [f64; 2], radius: f64, pivot: usize, side: f64) -> ([f64; 2], End) {
     let [cx, cy] = bed.centres[pivot];
     let reach = radius + bed.radii[pivot];
@@ -217,7 +220,8 @@ mod tests {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// Discs of radius 1, dropped next to or onto resting discs, in a box of width 20; right triangles give the expected positions.
+    /// Discs of radius 1, dropped next to or onto resting discs, in a box of width 20; right triangles give
+    /// the expected positions.
     #[test]
     fn single_discs_settle_where_geometry_says() {
         let settled = |resting: &[([f64; 2], f64)], x: f64| {
@@ -243,7 +247,8 @@ mod tests {
         close(settled(&[([17.0, 1.5], 1.5)], 17.1), [19.0, 3.0]);
         // Between two discs whose centres are 3 apart: 2.5² = 1.5² + 2².
         close(settled(&[([5.0, 1.5], 1.5), ([8.0, 1.5], 1.5)], 5.1), [6.5, 3.5]);
-        // From disc to disc down a slope to the floor: 2² = 1.6² + 1.2² on the lower one, then free fall beside it.
+        // From disc to disc down a slope to the floor: 2² = 1.6² + 1.2² on the lower one, then free fall
+        // beside it.
         close(settled(&[([8.0, 1.0], 1.0), ([6.8, 2.6], 1.0)], 6.9), [10.0, 1.0]);
     }
 
@@ -310,7 +315,8 @@ mod tests {
     fn bed_is_dense() {
         let (n, width) = (2_000, 30.0);
         let bed = deposit(n, 44, SIZES[1], width, 1e-3).unwrap();
-        // The area of discs and parts of discs below a height well under the surface, compared with the box below that height.
+        // The area of discs and parts of discs below a height well under the surface, compared with the box
+        // below that height.
         let level = 40.0;
         let filled: f64 = (0..n)
             .filter(|&i| bed.centres[i][1] < level)

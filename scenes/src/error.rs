@@ -10,9 +10,9 @@ pub enum Error {
     OutOfRange {
         /// The parameter or length.
         what: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
-        /// Its range.
+        /// The allowed range.
         limit: &'static str,
     },
     /// The smallest radius exceeds the largest.
@@ -24,7 +24,7 @@ pub enum Error {
     },
     /// Something does not fit into its space.
     TooNarrow {
-        /// What does not fit.
+        /// The thing that does not fit.
         what: &'static str,
         /// The length that it needs.
         required: f64,

@@ -9,22 +9,22 @@ use crate::sizes::Sizes;
 
 /// A gas: centres drawn uniformly from a cube, dense enough for `neighbours` contacts per element.
 ///
-/// The cube is `[0, L)^D` with `L` from [`gas_edge`]. Elements overlap freely. Those near a face have fewer contacts, so a finite gas has
-/// slightly fewer than `neighbours`: fewer by the fraction `9/8 d/L` for spheres of diameter `d` and `8/(3π) d/L` for discs, plus terms of
-/// higher order.
+/// The cube is `[0, L)^D` with `L` from [`gas_edge`]. Elements overlap freely. Spheres near a face have fewer
+/// contacts, so a finite gas has slightly fewer than `neighbours`: fewer by the fraction `9/8 d/L` for
+/// spheres of diameter `d` and `8/(3π) d/L` for discs, plus terms of higher order.
 ///
 /// # Shapes
 /// `n` centres and radii, in no spatial order.
 ///
 /// # Units
-/// Those of `sizes`; `neighbours` is a number.
+/// The unit of `sizes`; `neighbours` is a number.
 ///
 /// # Cost
 /// Time and memory proportional to `n`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `neighbours` is not positive, or so small or so large that `L` is infinite or zero;
-/// the errors of [`Sizes::radii`]; [`Error::OutOfMemory`].
+/// [`Error::OutOfRange`] if `neighbours` is not positive, or so small or so large that `L` is infinite or
+/// zero; the errors of [`Sizes::radii`]; [`Error::OutOfMemory`].
 ///
 /// # Example
 /// ```
@@ -49,19 +49,20 @@ pub fn gas<const D: usize>(n: usize, seed: u64, neighbours: f64, sizes: Sizes) -
 
 /// Edge `L` of the cube in which a gas of these `radii` has `neighbours` contacts per element on average.
 ///
-/// `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of the volume `V_D(r_i + r_j)` of a ball with radius `r_i + r_j`;
-/// for equal sizes `V = V_D(2 r)`. The mean is exact in any dimension: expanded by the binomial theorem, `Σ (r_i + r_j)^D` is a sum of
-/// products of the moments `Σ r_i^k`. The effect of faces is not included.
+/// `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of the volume `V_D(r_i + r_j)` of a
+/// ball with radius `r_i + r_j`; for equal sizes `V = V_D(2 r)`. The mean is exact in any dimension: expanded
+/// by the binomial theorem, `Σ (r_i + r_j)^D` is a sum of products of the moments `Σ r_i^k`. The effect of
+/// faces is not included.
 ///
 /// # Shapes
 /// `radii` `[n]`, `n >= 1`.
 ///
 /// # Units
-/// Those of `radii`.
+/// The unit of `radii`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `neighbours` is not positive, if there are no `radii` or one of them is not positive
-/// and finite, or if `L` is not.
+/// [`Error::OutOfRange`] if `neighbours` is not positive, if there are no `radii` or one of them is not
+/// positive and finite, or if `L` is not.
 ///
 /// # Example
 /// ```
@@ -145,7 +146,8 @@ mod tests {
         count
     }
 
-    /// The probability that two points of a unit square or cube are within `t`, including the effect of faces, is a polynomial in `t`.
+    /// The probability that two points of a unit square or cube are within `t`, including the effect of
+    /// faces, is a polynomial in `t`.
     #[test]
     fn equal_gas_has_the_contacts_asked_for() {
         let (n, neighbours) = (2_000, 12.0);
@@ -166,7 +168,8 @@ mod tests {
         }
     }
 
-    /// In 3D the mean over pairs of `(1 − 9/8 d/L) d³`, `d = r_i + r_j`, is the leading term with the effect of faces.
+    /// In 3D the mean over pairs of `(1 − 9/8 d/L) d³`, `d = r_i + r_j`, is the leading term with the effect
+    /// of faces.
     #[test]
     fn unequal_gas_has_the_contacts_asked_for() {
         let (n, neighbours) = (2_000, 6.0);

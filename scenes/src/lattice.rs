@@ -7,15 +7,15 @@ use crate::sizes::Sizes;
 
 /// A square (`D = 2`) or cubic (`D = 3`) lattice of equal elements.
 ///
-/// With `k` the smallest number for which `k^D >= n`, elements fill the `k^D` grid row by row, `x` fastest; the last rows may be
-/// incomplete. Coordinates are whole multiples of the spacing, each rounded once. With `spacing` 1 and a diameter that is a power of two,
-/// neighbours touch exactly.
+/// With `k` the smallest number for which `k^D >= n`, elements fill the `k^D` grid row by row, `x` fastest;
+/// the last rows may be incomplete. Coordinates are whole multiples of the spacing, each rounded once. With
+/// `spacing` 1 and a diameter that is a power of two, neighbours touch exactly.
 ///
 /// # Shapes
 /// `n` centres and radii, in grid order.
 ///
 /// # Units
-/// That of `radius`; `spacing` counts diameters.
+/// The unit of `radius`; `spacing` counts diameters.
 ///
 /// # Cost
 /// Time and memory proportional to `n`.
@@ -42,21 +42,22 @@ pub fn lattice<const D: usize>(n: usize, spacing: f64, radius: f64) -> Result<Cl
 
 /// A [`lattice`] whose elements are moved at random and may differ in size.
 ///
-/// Every coordinate moves by a uniformly random amount of at most `jitter` spacings in either direction; at 0.5, neighbouring elements can
-/// just meet.
+/// Every coordinate moves by a uniformly random amount of at most `jitter` spacings in either direction;
+/// at 0.5, neighbouring elements can just meet.
 ///
 /// # Shapes
 /// `n` centres and radii, in grid order.
 ///
 /// # Units
-/// Those of `sizes`; `spacing` counts mean diameters, that is twice the mean of the drawn radii; `jitter` counts
-/// spacings.
+/// The unit of `sizes`; `spacing` counts mean diameters, that is twice the mean of the drawn radii; `jitter`
+/// counts spacings.
 ///
 /// # Cost
 /// Time and memory proportional to `n`.
 ///
 /// # Errors
-/// Those of [`lattice`] and [`Sizes::radii`]; [`Error::OutOfRange`] if `jitter` is negative or not finite.
+/// The errors of [`lattice`] and [`Sizes::radii`]; [`Error::OutOfRange`] if `jitter` is negative or not
+/// finite.
 pub fn jittered_lattice<const D: usize>(
     n: usize,
     seed: u64,

@@ -1,8 +1,8 @@
 //! Seeded clouds, packings and figures of the book, as plain arrays.
 //!
-//! | scene | what it is | for |
+//! | scene | content | for |
 //! |---|---|---|
-//! | [`gas`] | uniform random centres, as many contacts each as asked for | speed against `n` and density |
+//! | [`gas`] | uniform random centres, with a given mean number of contacts | speed against `n` and density |
 //! | [`clusters`] | gases far apart in a wide domain | searches that must not allocate the empty space |
 //! | [`boxes`] | axis-aligned boxes of mixed aspect, uniform random | bounding boxes of any shape |
 //! | [`lattice`], [`jittered_lattice`] | square or cubic grids | exact touching, cell faces |
@@ -12,10 +12,11 @@
 //!
 //! A scene is a [`Cloud`] of centres and radii. [`Sizes`] defines how the radii are drawn.
 //!
-//! **The same seed gives the same bits on every platform.** The code uses only IEEE addition, subtraction, multiplication, division and
-//! square root of `std`. Transcendental functions come from the portable crate `libm`, and random bits from ChaCha8 through
-//! [`random::Random`]. Centres and radii come from separate streams of the seed, so another size distribution does not change the random
-//! part of the centres. (Rust's 32-bit x86 targets without SSE2 do not round as IEEE requires and are excluded.)
+//! **The same seed gives the same bits on every platform.** The code uses only IEEE addition, subtraction,
+//! multiplication, division and square root of `std`. Transcendental functions come from the portable crate
+//! `libm`, and random bits from ChaCha8 through [`random::Random`]. Centres and radii come from separate
+//! streams of the seed, so another size distribution does not change the random part of the centres. (Rust's
+//! 32-bit x86 targets without SSE2 do not round as IEEE requires and are excluded.)
 //!
 //! ```
 //! use fdem_scenes::{Sizes, gas};

@@ -1,7 +1,8 @@
 //! The sets on which other search libraries were timed, in 3D.
 //!
-//! Densities reproduce the pair counts recorded with those timings: half of the volume is filled in [`poly`] and [`lognormal`], a tenth
-//! inside the clusters of [`sparse`]. The recorded sets were drawn from other random numbers, so counts agree statistically, not exactly.
+//! Densities reproduce the pair counts recorded with those timings: half of the volume is filled in [`poly`]
+//! and [`lognormal`], a tenth inside the clusters of [`sparse`]. The recorded sets were drawn from other
+//! random numbers, so counts agree statistically, not exactly.
 //!
 //! | set | `n` | pairs recorded |
 //! |---|---|---|
@@ -14,8 +15,8 @@
 //!
 //! [`unlike`] and [`boxes`] were added later.
 //!
-//! Every function returns the errors of the generator that it calls. With these parameters only [`Error::OutOfMemory`] can occur, unless
-//! stated otherwise.
+//! Every function returns the errors of the generator that it calls. With these parameters only
+//! [`Error::OutOfMemory`] can occur, unless stated otherwise.
 
 use crate::boxes::Boxes;
 use crate::cloud::Cloud;
@@ -65,11 +66,12 @@ pub fn lognormal(n: usize, seed: u64) -> Result<Cloud<3>, Error> {
     crate::gas(n, seed, 3.648, Sizes::Lognormal { median: 0.5, sigma: 0.25 })
 }
 
-/// Radii from 1 to `ratio` by a power law with exponent −2.5, 4 neighbours each: the number of couples per sphere is the same for any
-/// ratio.
+/// Radii from 1 to `ratio` by a power law with exponent −2.5, 4 neighbours each: the number of couples per
+/// sphere is the same for any ratio.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`]; [`Error::MinAboveMax`], [`Error::OutOfRange`] for a `ratio` that is not at least 1 and finite.
+/// [`Error::OutOfMemory`]; [`Error::MinAboveMax`], [`Error::OutOfRange`] for a `ratio` that is not at least 1
+/// and finite.
 pub fn unlike(n: usize, seed: u64, ratio: f64) -> Result<Cloud<3>, Error> {
     crate::gas(n, seed, 4.0, Sizes::PowerLaw { min: 1.0, max: ratio, exponent: -2.5 })
 }

@@ -1,7 +1,7 @@
 //! The seeded random number generator of all scenes.
 //!
-//! ChaCha8 is a published stream cipher with test vectors, so its bits never change. The conversions from bits to numbers are written here,
-//! because the distributions of `rand` may change between releases.
+//! ChaCha8 is a published stream cipher with test vectors, so its bits never change. The conversions from
+//! bits to numbers are written here, because the distributions of `rand` may change between releases.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -19,8 +19,8 @@ const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
 /// Seeded random numbers, the same on every platform.
 ///
 /// # Source
-/// D. J. Bernstein, "`ChaCha`, a variant of Salsa20" (2008), with 8 rounds; the key is the seed in little-endian
-/// bytes followed by 24 zeros, the nonce is the stream.
+/// D. J. Bernstein, "`ChaCha`, a variant of Salsa20" (2008), with 8 rounds; the key is the seed in
+/// little-endian bytes followed by 24 zeros, the nonce is the stream.
 ///
 /// # Example
 /// ```
@@ -71,7 +71,8 @@ impl Random {
     /// An integer drawn uniformly from `0..n`; zero if `n` is zero.
     ///
     /// # Source
-    /// D. Lemire, "Fast random integer generation in an interval", ACM Trans. Model. Comput. Simul. 29 (2019).
+    /// D. Lemire, "Fast random integer generation in an interval", ACM Trans. Model. Comput. Simul. 29
+    /// (2019).
     pub fn below(&mut self, n: u64) -> u64 {
         if n == 0 {
             return 0;
@@ -112,8 +113,8 @@ impl Random {
 mod tests {
     use super::*;
 
-    /// First bytes of the `ChaCha8` test vector for a zero key and a zero nonce (draft-strombergson-chacha-test-vectors,
-    /// TC1): 3e00ef2f895f40d6 7f5bb8e81f09a5a1.
+    /// First bytes of the `ChaCha8` test vector for a zero key and a zero nonce
+    /// (draft-strombergson-chacha-test-vectors, TC1): 3e00ef2f895f40d6 7f5bb8e81f09a5a1.
     #[test]
     fn bits_are_those_of_the_published_cipher() {
         let mut random = Random::new(0);
@@ -160,7 +161,8 @@ mod tests {
         }
         assert!(counts.iter().all(|count| count.abs_diff(10_000) < 410), "{counts:?}");
         assert_eq!((random.below(0), random.below(1)), (0, 0));
-        // With three quarters of the 64-bit range, multiples of 3 would occur twice as often without the second draw.
+        // With three quarters of the 64-bit range, multiples of 3 would occur twice as often without the
+        // second draw.
         let multiples = (0..9_000).filter(|_| random.below(3 << 62).is_multiple_of(3)).count();
         assert!(multiples.abs_diff(3_000) < 225, "{multiples}");
     }

@@ -39,8 +39,8 @@ impl Sizes {
     /// Time and memory proportional to `n`; two elementary functions per radius unless all radii are equal.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter outside its documented range, or if a `sigma` of hundreds makes a drawn radius underflow or
-    /// overflow; [`Error::MinAboveMax`]; [`Error::OutOfMemory`].
+    /// [`Error::OutOfRange`] for a parameter outside its documented range, or if a `sigma` of hundreds makes
+    /// a drawn radius underflow or overflow; [`Error::MinAboveMax`]; [`Error::OutOfMemory`].
     ///
     /// # Example
     /// ```
@@ -101,9 +101,10 @@ impl Sizes {
 
 /// Inverse of the cumulative distribution of a power law.
 ///
-/// With `a = exponent + 1` and `q = max/min`, the fraction of radii below `r` is `u = ((r/min)^a − 1) / (q^a − 1)`, so
-/// `r = min (1 + u (q^a − 1))^(1/a)`. Written with `expm1` and `log1p`, this stays accurate for small `a`. For positive `a` the formula
-/// starts from `max` instead, so that `q^−|a|` never overflows.
+/// With `a = exponent + 1` and `q = max/min`, the fraction of radii below `r` is
+/// `u = ((r/min)^a − 1) / (q^a − 1)`, so `r = min (1 + u (q^a − 1))^(1/a)`. Written with `expm1` and `log1p`,
+/// this stays accurate for small `a`. For positive `a` the formula starts from `max` instead, so that
+/// `q^−|a|` never overflows.
 struct PowerLaw {
     min: f64,
     max: f64,

@@ -1,7 +1,7 @@
 //! Golden hashes: one per generator, the same on every platform.
 //!
-//! A changed hash means that the same seed now gives another scene. That invalidates every recorded measurement and every stored scene.
-//! Change a number here only together with a line in the change log.
+//! A changed hash means that the same seed now gives another scene. That invalidates every recorded
+//! measurement and every stored scene. Change a number here only together with a line in the change log.
 
 use fdem_scenes::random::Random;
 use fdem_scenes::{

@@ -20,8 +20,9 @@ pub struct Port {
 
 /// Ranks that work together: processes, or threads of one process, numbered from 0.
 ///
-/// Calls are collective unless their description says otherwise: every rank makes the same calls in the same order. A call that fails ends all ranks
-/// with a message; a rank that panics ends the others too. A rank uses its communicator from one thread at a time.
+/// Calls are collective unless their description says otherwise: every rank makes the same calls in the same
+/// order. A call that fails ends all ranks with a message; a rank that panics ends the others too. A rank
+/// uses its communicator from one thread at a time.
 ///
 /// # Example
 /// ```
@@ -44,16 +45,19 @@ pub trait Communicator: Send + Sync {
     /// Waits until all ranks have come here.
     fn barrier(&self);
 
-    /// Sends messages, and returns those that other ranks have sent to this one, by sender in ascending order.
+    /// Sends messages, and returns those that other ranks have sent to this one, by sender in ascending
+    /// order.
     ///
-    /// At most one message for each rank. A message to the rank itself is handed back without a copy. The cost grows with the messages of this rank, and
-    /// little with the number of ranks, so a rank may leave out ranks to which it has nothing to say.
+    /// At most one message for each rank. A message to the rank itself is handed back without a copy. The
+    /// cost grows with the messages of this rank, and little with the number of ranks, so a rank may leave
+    /// out ranks to which it has nothing to say.
     ///
     /// # Panics
     /// If a rank does not exist, or is named twice.
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message>;
 
-    /// Returns the bytes of all ranks, in the order of the ranks. For short messages: every rank gets all of them.
+    /// Returns the bytes of all ranks, in the order of the ranks. For short messages: every rank gets all of
+    /// them.
     fn all_gather(&self, bytes: &[u8]) -> Vec<Vec<u8>>;
 
     /// Replaces the bytes by those of rank 0.
@@ -71,9 +75,11 @@ pub trait Communicator: Send + Sync {
     /// If the ranks have different numbers of values.
     fn all_max(&self, values: &mut [f64]);
 
-    /// Sends bytes to another rank, which calls [`receive`](Self::receive). Messages between two ranks keep their order.
+    /// Sends bytes to another rank, which calls [`receive`](Self::receive). Messages between two ranks keep
+    /// their order.
     ///
-    /// Not collective. The call may wait until the other rank receives, so that a stream of messages takes bounded memory.
+    /// Not collective. The call may wait until the other rank receives, so that a stream of messages takes
+    /// bounded memory.
     ///
     /// # Panics
     /// If there is no such other rank.
@@ -85,10 +91,11 @@ pub trait Communicator: Send + Sync {
     /// If there is no such other rank.
     fn receive(&self, from: usize) -> Vec<u8>;
 
-    /// Prepares messages of fixed lengths that are sent many times, at most one halo's worth at once.
+    /// Prepares messages of fixed lengths that are sent many times, one set of messages at a time.
     ///
-    /// The first port to a rank is connected with the first port that receives from this one there, and so on; their lengths are equal. A rank without
-    /// neighbours passes no ports. Ports to the rank itself are allowed.
+    /// The first port to a rank is connected with the first port that receives from this one there, and so
+    /// on; their lengths are equal. A rank without neighbours passes no ports. Ports to the rank itself are
+    /// allowed.
     fn halo(&self, send: &[Port], receive: &[Port]) -> Box<dyn Halo + '_>;
 
     /// Ends all ranks with an exit code. Not collective.
@@ -97,7 +104,8 @@ pub trait Communicator: Send + Sync {
 
 /// Messages of fixed lengths between neighbours: fill, start, work, finish, read; then again.
 ///
-/// The calls are collective among neighbours: if one starts, so do the others. Several halos may be under way at the same time.
+/// The calls are collective among neighbours: if one starts, so do the others. Several halos may be under way
+/// at the same time.
 ///
 /// # Example
 /// ```
@@ -142,7 +150,8 @@ pub trait Halo {
     fn incoming(&self, port: usize) -> &[u8];
 }
 
-/// Checks the messages of an [exchange](Communicator::exchange) among `size` ranks: for those who implement a communicator.
+/// Checks the messages of an [exchange](Communicator::exchange) among `size` ranks: for those who implement a
+/// communicator.
 ///
 /// # Panics
 /// If a rank does not exist, or is named twice.

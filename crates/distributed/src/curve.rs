@@ -17,7 +17,8 @@ pub struct Curve<const D: usize> {
 }
 
 impl<const D: usize> Curve<D> {
-    /// Bits of a coordinate. A domain has 65,536 cells along each axis, which is enough to divide crowded places; more bits would take more time.
+    /// Bits of a coordinate. A domain has 65,536 cells along each axis, which is enough to divide crowded
+    /// places; more bits would take more time.
     const BITS: u32 = {
         let bits = 63 / D as u32;
         if bits < 16 { bits } else { 16 }
@@ -60,7 +61,8 @@ impl<const D: usize> Curve<D> {
 /// Largest number of cells of a coarse grid. Its table fits the second-level cache.
 const MOST_CELLS: usize = 1 << 16;
 
-/// A [`Curve`] through a coarse grid, whose cells are looked up in a table. Each cell has consecutive keys of the curve.
+/// A [`Curve`] through a coarse grid, whose cells are looked up in a table. Each cell has consecutive keys of
+/// the curve.
 #[derive(Clone, Debug)]
 pub(crate) struct Coarse<const D: usize> {
     curve: Curve<D>,
@@ -102,20 +104,23 @@ impl<const D: usize> Coarse<D> {
     }
 }
 
-/// Keys that divide weighted keys among the ranks: rank `r` gets the keys from the splitter before `r` up to, but without, splitter `r`.
+/// Keys that divide weighted keys among the ranks: rank `r` gets the keys from the splitter before `r` up to,
+/// but without, splitter `r`.
 ///
-/// The weight of each rank differs from the mean by at most 2 %, unless many keys are equal or single weights are large. The splitters depend on the keys
-/// of all ranks together, and not on which rank has which. Collective.
+/// The weight of each rank differs from the mean by at most 2 %, unless many keys are equal or single weights
+/// are large. The splitters depend on the keys of all ranks together, and not on which rank has which.
+/// Collective.
 ///
 /// # Shapes
-/// `keys`, `weights`: `[n]` in any order, with another `n` on each rank; keys are below `u64::MAX`. Result: one splitter fewer than ranks, ascending, the
-/// same on all ranks. [`owner`] finds the rank of a key.
+/// `keys`, `weights`: `[n]` in any order, with another `n` on each rank; keys are below `u64::MAX`. Result:
+/// one splitter fewer than ranks, ascending, the same on all ranks. [`owner`] finds the rank of a key.
 ///
 /// # Cost
-/// The rank's keys are sorted. Then at most 16 sums over all ranks of 15 numbers for each splitter; no rank sees the keys of others.
+/// The rank's keys are sorted. Then at most 16 sums over all ranks of 15 numbers for each splitter; no rank
+/// sees the keys of others.
 ///
 /// # Panics
-/// If there are not as many weights as keys, or the sum of all weights exceeds `i64::MAX`.
+/// If the number of weights differs from the number of keys, or the sum of all weights exceeds `i64::MAX`.
 ///
 /// # Source
 /// The histogram sort of L.V. Kalé, S. Krishnan, "A comparison based parallel sorting algorithm", ICPP 1993.
@@ -137,7 +142,8 @@ pub fn splitters(communicator: &dyn Communicator, keys: &[u64], weights: &[u64])
     divide(communicator.size(), weight, below, |values| communicator.all_sum(values))
 }
 
-/// The splitters that so many ranks would find with [`splitters`], for a caller that has the keys of all of them. Not collective.
+/// The splitters that the given number of ranks would find with [`splitters`], for a caller that has the keys
+/// of all of them. Not collective.
 ///
 /// # Panics
 /// As [`splitters`], and if there are no ranks.
@@ -180,10 +186,12 @@ pub fn owner(splitters: &[u64], key: u64) -> usize {
 /// Parts into which the interval of each splitter is cut in a round.
 const PARTS: u64 = 16;
 
-/// Largest distance of a splitter from its place, as a part of the mean weight of a rank. A rank has two ends.
+/// Largest distance of a splitter from its place, as a part of the mean weight of a rank. A rank has two
+/// ends.
 const INEXACT: i64 = 100;
 
-/// An interval of keys that holds a splitter: at most the wanted weight is below `low`, and more than that below `high`.
+/// An interval of keys that holds a splitter: at most the target weight is below `low`, and more than that
+/// below `high`.
 #[derive(Clone, Copy)]
 pub(crate) struct Interval {
     pub(crate) low: u64,
@@ -194,7 +202,7 @@ pub(crate) struct Interval {
 }
 
 impl Interval {
-    /// The end whose weight is nearer to the wanted one.
+    /// The end whose weight is nearer to the target weight.
     pub(crate) fn nearer_end(&self) -> (u64, i64) {
         let [low, high] = self.below.map(|below| (below - self.wanted).abs());
         if low <= high { (self.low, low) } else { (self.high, high) }
@@ -212,14 +220,16 @@ impl Interval {
     }
 }
 
-/// Finds splitters. `below` returns the weight of this rank's keys below a key, `weight` is that of all of them, and `add_up` adds up values of all ranks.
+/// Finds splitters. `below` returns the weight of this rank's keys below a key, `weight` is that of all of
+/// them, and `add_up` adds up values of all ranks.
 fn divide(size: usize, weight: u64, below: impl Fn(u64) -> u64, add_up: impl Fn(&mut [i64])) -> Vec<u64> {
     let (mut intervals, enough) = intervals(size, weight, u64::MAX, &add_up);
     narrow(&mut intervals, enough, below, &add_up);
     ascending(intervals.iter().map(|interval| interval.nearer_end().0))
 }
 
-/// The intervals of the splitters when nothing is known, with keys below `high`; and how far a weight may be from the wanted one.
+/// The intervals of the splitters before any sum, with keys below `high`; and the allowed deviation of a
+/// weight from its target.
 pub(crate) fn intervals(
     size: usize,
     weight: u64,

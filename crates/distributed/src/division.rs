@@ -1,11 +1,13 @@
-//! Dividing keys among ranks without sorting them: they are counted by cells, and only cells in which a splitter falls are looked into.
+//! Dividing keys among ranks without sorting them: they are counted by cells, and only cells in which a
+//! splitter falls are looked into.
 
 use crate::communicator::Communicator;
 use crate::curve::{ascending, intervals, narrow, owner};
 
-/// The keys of a rank, divided among all ranks. Cell `c` has the keys from `c << shift` up to `(c + 1) << shift`.
+/// The keys of a rank, divided among all ranks. Cell `c` has the keys from `c << shift` up to
+/// `(c + 1) << shift`.
 ///
-/// A part is what one rank gets of one cell; nearly all cells have one part.
+/// A part is the share of one rank in one cell; nearly all cells have one part.
 pub(crate) struct Division {
     /// First part of each cell. [`SEVERAL`] is added if there are more.
     first_parts: Vec<u32>,
@@ -29,9 +31,10 @@ pub(crate) struct Part {
 const SEVERAL: u32 = 1 << 31;
 
 impl Division {
-    /// Divides keys so that all ranks get about as many, up to 2 %. Collective.
+    /// Divides keys so that all ranks get the same number, up to 2 %. Collective.
     ///
-    /// `counts` has the number of this rank's keys in each cell. `keys_in` returns the keys of all cells that are marked, in any order.
+    /// `counts` has the number of this rank's keys in each cell. `keys_in` returns the keys of all cells that
+    /// are marked, in any order.
     pub(crate) fn new(
         communicator: &dyn Communicator,
         counts: &[usize],
@@ -123,7 +126,8 @@ mod tests {
     use super::*;
     use crate::threads;
 
-    /// Divides keys, of which rank `r` has every `size`-th one, in `cells` cells, and checks each rank's parts. Returns the number of keys of each owner.
+    /// Divides keys, of which rank `r` has every `size`-th one, in `cells` cells, and checks each rank's
+    /// parts. Returns the number of keys of each owner.
     fn divided(size: usize, cells: usize, shift: u32, keys: &[u64]) -> Vec<usize> {
         let of_ranks = threads::run(size, |communicator| {
             let own: Vec<u64> = keys.iter().skip(communicator.rank()).step_by(size).copied().collect();

@@ -40,7 +40,8 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// Returns the value if all ranks have one, and otherwise the error of the first rank without. Collective. The errors name elements by ids.
+/// Returns the value if all ranks have one, and otherwise the error of the first rank without. Collective.
+/// The errors name elements by ids.
 pub(crate) fn agree<V>(
     communicator: &dyn Communicator,
     result: Result<V, fdem_contact::Error>,

@@ -2,14 +2,17 @@
 
 use std::env;
 
-/// Number of processes that an MPI launcher (`mpirun`, `mpiexec`, `srun`) has started this one among, if there are several.
+/// Number of processes that an MPI launcher (`mpirun`, `mpiexec`, `srun`) has started this one among, if
+/// there are several.
 ///
-/// Reads the environment only, so that it works without MPI. A program that was built without MPI can refuse to run once for each process.
+/// Reads the environment only, so that it works without MPI. A program that was built without MPI can refuse
+/// to run once for each process.
 pub fn launched() -> Option<usize> {
     ranks_by(|name| env::var(name).ok())
 }
 
-/// The number of this process among those, as the launcher gives it, if it does. A program that cannot start MPI can say why once.
+/// The number of this process among those, as the launcher gives it, if it does. A program that cannot start
+/// MPI can say why once.
 pub fn launched_rank() -> Option<usize> {
     launched()?;
     rank_by(|name| env::var(name).ok())
@@ -22,7 +25,8 @@ fn rank_by(variable: impl Fn(&str) -> Option<String>) -> Option<usize> {
 
 fn ranks_by(variable: impl Fn(&str) -> Option<String>) -> Option<usize> {
     let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
-    // Open MPI; MPICH and Intel MPI (Hydra); MVAPICH; Slurm, for which the variable of a step is set by `srun` and not by `sbatch`.
+    // Open MPI; MPICH and Intel MPI (Hydra); MVAPICH; Slurm, for which the variable of a step is set by
+    // `srun` and not by `sbatch`.
     let of_mpi = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS"].map(number);
     // Inside a batch script itself, `SLURM_PROCID` is 0 and `SLURM_STEP_NUM_TASKS` is missing.
     let of_slurm = number("SLURM_PROCID").and(number("SLURM_STEP_NUM_TASKS"));

@@ -6,10 +6,11 @@
 //!                    Communicator: threads of one process, or processes under MPI
 //! ```
 //!
-//! A rank is a process with a part of the elements. [`DistributedSearch`] finds the couples that one process would find, to the last bit, and no rank holds all elements or all
-//! couples. `mpirun -n 8 fdem contacts big.npy --output couples.npy` runs it.
+//! A rank is a process with a part of the elements. [`DistributedSearch`] finds the couples that one process
+//! would find, to the last bit, and no rank holds all elements or all couples.
+//! `mpirun -n 8 fdem contacts big.npy --output couples.npy` runs it.
 //!
-//! | you want | use |
+//! | for | use |
 //! |---|---|
 //! | the couples of elements that are spread over ranks, in open space or in a periodic box | [`DistributedSearch`] |
 //! | ranks that are threads, without MPI | [`threads::run`] |
@@ -19,23 +20,30 @@
 //! | to know whether a launcher has started several processes, also without MPI | [`launched`] |
 //!
 //! # How it is built
-//! A communicator carries bytes, and nothing else of this crate knows MPI. Ranks that are threads have channels, which close when a rank ends, so that nobody waits for it forever.
-//! Under MPI, sparse exchanges count their messages first, and halos are persistent requests.
+//! A communicator carries bytes, and nothing else of this crate knows MPI. Ranks that are threads have
+//! channels, which close when a rank ends, so that nobody waits for it forever. Under MPI, sparse exchanges
+//! count their messages first, and halos are persistent requests.
 //!
-//! A search first sends each element to its owner. Each rank counts its elements by cells of a coarse grid, which are divided along Hilbert's curve so that all ranks get about as many elements; a
-//! few sums over all ranks suffice, and no rank sees the keys of others. A cell is divided by finer keys if a splitter falls into it and the cell is too large for one rank. Elements arrive in runs of
-//! neighbouring cells, which keeps the search in cache. Couples are divided in the same way, by ids.
+//! A search first sends each element to its owner. Each rank counts its elements by cells of a coarse grid,
+//! which are divided along Hilbert's curve so that all ranks get similar numbers of elements; a few sums over
+//! all ranks suffice, and no rank sees the keys of others. A cell is divided by finer keys if a splitter
+//! falls into it and the cell is too large for one rank. Elements arrive in runs of neighbouring cells, which
+//! keeps the search in cache. Couples are divided in the same way, by ids.
 //!
-//! Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large elements do not attract all small ones; sizes are compared by powers of two. Between elements of one power of two, one of the two ranks gets the ghosts. So every couple is found on exactly one rank.
+//! Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large
+//! elements do not attract all small ones; sizes are compared by powers of two. Between elements of one power
+//! of two, one of the two ranks gets the ghosts. Therefore every couple is found on exactly one rank.
 //!
-//! In a periodic box, wrapped elements have owners, and ghosts are displaced by whole edges. A displaced ghost is widened by more than all rounding, and each couple with it is decided anew by the comparison
-//! of [`PeriodicSearch`](fdem_contact::PeriodicSearch): the element with the smaller id, against the image of the other.
+//! In a periodic box, wrapped elements have owners, and ghosts are displaced by whole edges. A displaced
+//! ghost is widened by more than all rounding, and each couple with it is decided again by the comparison of
+//! [`PeriodicSearch`](fdem_contact::PeriodicSearch): the element with the smaller id, against the image of
+//! the other.
 //!
 //! # To change X, open Y
 //!
 //! | to change | open |
 //! |---|---|
-//! | what ranks can say to each other | `src/communicator.rs`; ranks that are threads: `src/threads.rs`; MPI: `crates/mpi/src/lib.rs` |
+//! | the messages between ranks | `src/communicator.rs`; ranks that are threads: `src/threads.rs`; MPI: `crates/mpi/src/lib.rs` |
 //! | variables by which launchers are recognised | `src/launcher.rs` |
 //! | which rank owns an element | `src/search/owners.rs`, `src/search/runs.rs`, `src/division.rs`, `src/curve.rs`; the curve itself: `crates/mesh/src/curve.rs` |
 //! | which rank gets a ghost, groups, images | `src/search/ghosts.rs` |
@@ -47,7 +55,8 @@
 //! | tests under `mpirun` | `crates/mpi/tests/mpirun.sh`, `crates/mpi/tests/mpi.rs`; checks for threads and processes alike: `tests/common` |
 //!
 //! # Limits
-//! Ids have 32 bits, so a search has at most 4,294,967,294 elements. Filters of `fdem-contact` (bodies, groups) are not supported.
+//! Ids have 32 bits, so a search has at most 4,294,967,294 elements. Filters of `fdem-contact` (bodies,
+//! groups) are not supported.
 
 mod communicator;
 pub mod curve;

@@ -18,27 +18,35 @@ use owners::{Owned, distribute};
 
 pub use elements::Shapes;
 
-/// Finds which elements touch, where each rank has some of them. The couples are those that one process would find, to the last bit.
+/// Finds which elements touch, where each rank has some of them. The couples are those that one process would
+/// find, to the last bit.
 ///
-/// Each rank gives its elements, any of them, with an id that no other element has. The search sends each element to the rank that owns its part of the domain, and
-/// ghosts to neighbours, and finds the couples of each rank with a [`Detector`]. The rank that gets the ghost keeps the couple. No rank holds all elements
+/// Each rank gives its elements, any of them, with an id that no other element has. The search sends each
+/// element to the rank that owns its part of the domain, and ghosts to neighbours, and finds the couples of
+/// each rank with a [`Detector`]. The rank that gets the ghost keeps the couple. No rank holds all elements
 /// or all couples.
 ///
 /// # Order
-/// Couples are sorted by `i`, `j` and shift over all ranks: rank 0 has the first ones, rank 1 the next ones, and so on, each about the same number.
+/// Couples are sorted by `i`, `j` and shift over all ranks: rank 0 has the first ones, rank 1 the next ones,
+/// and so on, each about the same number.
 ///
 /// # When do two elements touch?
-/// The comparison is that of [`Elements`] and, in a periodic box, that of [`PeriodicSearch`](fdem_contact::PeriodicSearch), where ids take the place of numbers.
+/// The comparison is that of [`Elements`] and, in a periodic box, that of
+/// [`PeriodicSearch`](fdem_contact::PeriodicSearch), where ids take the place of numbers.
 ///
 /// # Cost
-/// With `n` elements and `m` couples in all on `p` ranks: time and memory of a search among about `n / p` elements and the ghosts, which are the elements at the
-/// border of a part of the domain. Elements, ghosts and couples are each sent once, and those that stay on their rank are not sent. Elements and couples are
-/// counted by cells along the curve or by ids; only crowded cells are sorted to be divided. 4 million spheres that start on the wrong ranks take 8 ranks about the
-/// processor time of one process (`bench/DISTRIBUTED.md`). All ranks get the boxes around about 256 groups of elements of each rank, 14 kB in 3D. Large elements are sent to the ranks of the small ones that they may touch, and not the other way.
+/// With `n` elements and `m` couples in all on `p` ranks: time and memory of a search among about `n / p`
+/// elements and the ghosts, which are the elements at the border of a part of the domain. Elements, ghosts
+/// and couples are each sent once, and those that stay on their rank are not sent. Elements and couples are
+/// counted by cells along the curve or by ids; only crowded cells are sorted to be divided. 4 million spheres
+/// that start on the wrong ranks take 8 ranks about the processor time of one process
+/// (`bench/DISTRIBUTED.md`). All ranks get the boxes around about 256 groups of elements of each rank, 14 kB
+/// in 3D. Large elements are sent to the ranks of the small ones that they may touch, and not the other way.
 ///
 /// # Source
-/// S. Plimpton, "Fast parallel algorithms for short-range molecular dynamics", J. Comput. Phys. 117 (1995), for ghosts of a spatial decomposition; M. Parashar,
-/// J.C. Browne, "On partitioning dynamic adaptive grid hierarchies", HICSS 1996, for parts along a space-filling curve.
+/// S. Plimpton, "Fast parallel algorithms for short-range molecular dynamics", J. Comput. Phys. 117 (1995),
+/// for ghosts of a spatial decomposition; M. Parashar, J.C. Browne, "On partitioning dynamic adaptive grid
+/// hierarchies", HICSS 1996, for parts along a space-filling curve.
 ///
 /// # Example
 /// ```
@@ -79,7 +87,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         Self { communicator, detector: Detector::new(), statistics: Statistics::default() }
     }
 
-    /// The same with `threads` threads on this rank; 0 is one per processor. Not collective. The couples are the same.
+    /// The same with `threads` threads on this rank; 0 is one per processor. Not collective. The couples are
+    /// the same.
     ///
     /// # Errors
     /// [`fdem_contact::Error::NoThreads`].
@@ -88,7 +97,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         Ok(self)
     }
 
-    /// The same with an engine for the search on each rank; `None` chooses one from the elements. The couples are the same.
+    /// The same with an engine for the search on each rank; `None` chooses one from the elements. The couples
+    /// are the same.
     #[must_use]
     pub fn with_engine(mut self, engine: impl Into<Option<fdem_contact::Engine>>) -> Self {
         self.detector = self.detector.with_engine(engine);
@@ -103,16 +113,18 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     /// Finds the couples in open space, and returns this rank's run of them. Collective.
     ///
     /// # Shapes
-    /// `ids`: `[n]`, one for each element of `shapes`; each rank has its own `n`. No id occurs twice on all ranks together.
+    /// `ids`: `[n]`, one for each element of `shapes`; each rank has its own `n`. No id occurs twice on all
+    /// ranks together.
     ///
     /// # Units
-    /// `tolerance`, the largest gap that counts as contact, is in the length unit of the elements. It is the same on all ranks.
+    /// `tolerance`, the largest gap that counts as contact, is in the length unit of the elements. It is the
+    /// same on all ranks.
     ///
     /// # Errors
     /// [`Error`], the same on all ranks.
     ///
     /// # Panics
-    /// If there are not as many ids as elements.
+    /// If the number of ids differs from the number of elements.
     pub fn couples(
         &mut self,
         ids: &[u32],
@@ -147,7 +159,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     /// [`Error`], the same on all ranks.
     ///
     /// # Panics
-    /// If there are not as many ids as elements.
+    /// If the number of ids differs from the number of elements.
     pub fn periodic_couples(
         &mut self,
         ids: &[u32],
@@ -170,7 +182,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         Ok(found.sorted(self.communicator))
     }
 
-    /// Checks the elements of this rank, and that all ranks have the same kind of elements, tolerance and box.
+    /// Checks the elements of this rank, and that all ranks have the same kind of elements, tolerance and
+    /// box.
     fn check<'a>(
         &self,
         ids: &[u32],
@@ -216,8 +229,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         Ok(ghosts::exchange(self.communicator, set, chosen, lattice.is_some()))
     }
 
-    /// Searches this rank's elements and ghosts, and calls `keep` with the ids and the shift of each couple that this rank keeps, `i < j` as in
-    /// [`PeriodicCouple`].
+    /// Searches this rank's elements and ghosts, and calls `keep` with the ids and the shift of each couple
+    /// that this rank keeps, `i < j` as in [`PeriodicCouple`].
     fn search(
         &mut self,
         owned: Set<T, D>,

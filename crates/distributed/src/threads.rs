@@ -9,10 +9,12 @@ use std::thread;
 
 use crate::communicator::{Communicator, Halo, Message, Port, check_messages, check_other};
 
-/// Messages of [`Communicator::send`] that wait between two ranks before the sender waits. Few, so that a program that would lock up under MPI does so here.
+/// Messages of [`Communicator::send`] that wait between two ranks before the sender waits. Small, so that a
+/// program that would lock up under MPI does so here.
 const WAITING: usize = 1;
 
-/// The collective call to which a message belongs. If ranks are in different calls, the program has a mistake.
+/// The collective call to which a message belongs. If ranks are in different calls, the program has a
+/// mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Call {
     Barrier,
@@ -29,7 +31,7 @@ type Collective = (Call, Option<Vec<u8>>);
 /// A message of a halo, with the number of the halo.
 type OfHalo = (u64, Vec<u8>);
 
-/// A rank: its channels to all ranks. They close when the rank ends, and whoever waits for it notices.
+/// A rank: its channels to all ranks. They close when the rank ends, and threads that wait for it notice.
 struct Thread {
     rank: usize,
     to_all: Vec<Sender<Collective>>,
@@ -41,13 +43,15 @@ struct Thread {
     halos: AtomicU64,
 }
 
-/// The messages of halos from one rank. Those that came before they were waited for are kept by the number of their halo.
+/// The messages of halos from one rank. Messages that arrive before they are waited for are kept by the
+/// number of their halo.
 struct Inbox {
     receiver: Receiver<OfHalo>,
     early: BTreeMap<u64, VecDeque<Vec<u8>>>,
 }
 
-/// The panic of a rank that waited for one that had ended. It is not the cause, so it is not the one that is passed on.
+/// The panic of a rank that waited for one that had ended. It is not the cause, so it is not the one that is
+/// passed on.
 struct Abandoned;
 
 /// Ends this rank because another one has ended.
@@ -59,8 +63,9 @@ fn abandoned() -> ! {
 /// Runs `work` on `size` ranks, each a thread, and returns their results in the order of the ranks.
 ///
 /// # Panics
-/// If `work` panics on a rank: the others stop as soon as they wait for that rank, and its panic is passed on. Also if `size` is 0, if the ranks make
-/// different collective calls, or if a rank waits for one that has returned.
+/// If `work` panics on a rank: the others stop as soon as they wait for that rank, and its panic is passed
+/// on. Also if `size` is 0, if the ranks make different collective calls, or if a rank waits for one that has
+/// returned.
 ///
 /// # Example
 /// ```

@@ -1,7 +1,9 @@
-//! No rank holds all elements or all couples: the memory of one rank grows with its share, and not with the whole.
+//! No rank holds all elements or all couples: the memory of one rank grows with its share, and not with the
+//! whole.
 //!
-//! A program of its own, because it replaces the allocator by one that counts. The ranks are threads, so the peak is that of all of them together; a rank that
-//! gathered everything would multiply it by the number of ranks.
+//! A separate program, because it replaces the allocator by one that counts. The ranks are threads, so the
+//! peak is that of all of them together; a rank that gathered everything would multiply it by the number of
+//! ranks.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed unwrap is a failed test")]
 
@@ -40,8 +42,9 @@ fn peak(size: usize, side: u32) -> f64 {
 }
 
 fn main() {
-    // Bytes per element with 4 and with 16 ranks at two sizes. If each rank held all elements (28 bytes each), or all couples (24 bytes for each element), 12
-    // more ranks would add 336 or 288 bytes. Borders, which shrink with the size, add some.
+    // Bytes per element with 4 and with 16 ranks at two sizes. If each rank held all elements (28 bytes
+    // each), or all couples (24 bytes for each element), 12 more ranks would add 336 or 288 bytes. Borders,
+    // which shrink with the size, add some.
     for side in [40, 60] {
         let [few, many] = [4, 16].map(|size| peak(size, side));
         println!("{side}^3 elements: {few:.0} bytes each on 4 ranks, {many:.0} on 16");

@@ -3,7 +3,8 @@
 /// Position along Hilbert's curve of a cell in a grid of `2^bits` cells along each axis.
 ///
 /// # Shapes
-/// `cell`: `D` coordinates below `2^bits`; `bits` times `D` is at most 64. The result is below `2^(bits D)`, and each cell has its own.
+/// `cell`: `D` coordinates below `2^bits`; `bits` times `D` is at most 64. The result is below `2^(bits D)`,
+/// and each cell has its own.
 ///
 /// # Source
 /// J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004).

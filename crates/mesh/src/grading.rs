@@ -3,12 +3,14 @@
 /// Growth of the size over the distance: the largest that leaves good angles.
 pub(crate) const GROWTH: f64 = 0.3;
 
-/// Sizes over its own to which the region where a place makes elements smaller counts in [`Grading::elements`].
+/// Sizes over its own to which the region where a place makes elements smaller counts in
+/// [`Grading::elements`].
 const NEAR: f64 = 3.0;
 
-/// The wanted length of edges: everywhere one size, and smaller near some places.
+/// The length of edges at each place: everywhere one size, and smaller near some places.
 ///
-/// Within its reach of a place the size is that of the place. Beyond, it grows by 0.3 times the distance until it is the size of the body. Where places meet, the smallest counts.
+/// Within its reach of a place the size is that of the place. Beyond, it grows by 0.3 times the distance
+/// until it is the size of the body. Where places meet, the smallest counts.
 ///
 /// # Units
 /// All lengths are in the unit of the coordinates.
@@ -61,7 +63,7 @@ impl<const D: usize> Grading<D> {
         self.near.iter().fold(self.size, |least, near| least.min(near.size))
     }
 
-    /// The same in coordinates about another origin.
+    /// Returns the sizes in coordinates about another origin.
     #[must_use]
     pub fn relative_to(&self, origin: [f64; D]) -> Self {
         let near = self.near.iter();
@@ -141,7 +143,8 @@ fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 
 /// Places from 0 to 1 that cut a curve into pieces as long as `size` says there; without the two ends.
 ///
-/// `length` is that of the curve; `size` grows by no more than [`GROWTH`] times the distance. `round` makes a number of pieces, 1 or more, of the length over the size.
+/// `length` is the length of the curve; `size` grows by no more than [`GROWTH`] times the distance. `round`
+/// makes a number of pieces, 1 or more, of the length over the size.
 pub(crate) fn stations(length: f64, size: &dyn Fn(f64) -> f64, round: &dyn Fn(f64) -> usize) -> Vec<f64> {
     /// Share of the size by which the number of pieces is summed up.
     const STEP: f64 = 0.25;

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 /// Elements above which a mesh, or a model, is refused.
 pub const MOST_ELEMENTS: usize = 20_000_000;
 
-/// A mesh of triangles or of tetrahedra, which share nodes inside of a body: `D` dimensions, `N = D + 1` corners.
+/// A mesh of triangles or of tetrahedra, which share nodes inside of a body: `D` dimensions, `N = D + 1`
+/// corners.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "[f64; D]: Serialize, [u32; N]: Serialize",
@@ -14,7 +15,8 @@ pub const MOST_ELEMENTS: usize = 20_000_000;
 pub struct Mesh<const D: usize = 2, const N: usize = 3> {
     /// Coordinates of the nodes, m. No two elements of different bodies share one.
     pub nodes: Vec<[f64; D]>,
-    /// Nodes of each element: those of a triangle counter-clockwise; those of a tetrahedron such that the first three are counter-clockwise seen from the last.
+    /// Nodes of each element: those of a triangle counter-clockwise; those of a tetrahedron such that the
+    /// first three are counter-clockwise seen from the last.
     pub elements: Vec<[u32; N]>,
     /// Body of each element.
     pub bodies: Vec<u32>,

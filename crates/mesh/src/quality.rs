@@ -13,16 +13,17 @@ pub struct Quality {
     pub nodes: usize,
     /// Shortest, mean and longest edge of elements, m.
     pub edges: [f64; 3],
-    /// Smallest angle of each element: least and mean, degrees. That of an equilateral triangle is 60. Angles of tetrahedra are those between their faces; those of an even one
-    /// are 70.5.
+    /// Smallest angle of each element: least and mean, degrees. An equilateral triangle has 60. Angles of
+    /// tetrahedra are those between their faces; those of an even one are 70.5.
     pub smallest_angle: [f64; 2],
     /// Share of elements whose smallest angle is below 25 degrees.
     pub below_25: f64,
     /// The element with the smallest angle.
     pub worst: u32,
-    /// Its centre, m.
+    /// Centre of that element, m.
     pub worst_at: Vec<f64>,
-    /// Share of triangles whose angles are, within half a degree, 45, 45, 90 or 60, 60, 60 degrees: those of regular meshes.
+    /// Share of triangles whose angles are, within half a degree, 45, 45, 90 or 60, 60, 60 degrees: those of
+    /// regular meshes.
     pub regular: f64,
     /// Smallest height of an element, m.
     pub smallest_height: f64,

@@ -1,7 +1,8 @@
 //! Surfaces of shapes in space, ready to be meshed.
 //!
-//! Shapes with flat faces need no size: their faces are meshed by [`tetrahedra`](crate::tetrahedra::tetrahedra). Curved faces are given as triangles as large as the mesh is to have them.
-//! In names of faces, x runs from left to right, y from front to back, z from bottom to top.
+//! Shapes with flat faces need no size: their faces are meshed by
+//! [`tetrahedra`](crate::tetrahedra::tetrahedra). Curved faces are given as triangles as large as the mesh is
+//! to have them. In names of faces, x runs from left to right, y from front to back, z from bottom to top.
 
 mod extrusion;
 mod grains;

@@ -1,8 +1,10 @@
 //! Triangles and tetrahedra by their corners.
 
-/// The corners of a triangle, `[[f64; 2]; 3]`, or of a tetrahedron, `[[f64; 3]; 4]`, in the order that [`Mesh::elements`](crate::Mesh) asks for.
+/// The corners of a triangle, `[[f64; 2]; 3]`, or of a tetrahedron, `[[f64; 3]; 4]`, in the order of
+/// [`Mesh::elements`](crate::Mesh).
 pub trait Simplex<const D: usize, const N: usize> {
-    /// Corners of each facet: an edge in the direction in which the triangle has it, a face counter-clockwise seen from outside.
+    /// Corners of each facet: an edge in the direction in which the triangle has it, a face counter-clockwise
+    /// seen from outside.
     const FACETS: [[usize; D]; N];
 
     /// Area or volume; negative if the corners have the other order.

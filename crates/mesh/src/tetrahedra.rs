@@ -1,17 +1,17 @@
 //! Unstructured meshes of tetrahedra, of even or graded size and good angles.
 //!
-//! [`tetrahedra`] meshes what a [`Surface`] bounds:
+//! [`tetrahedra`] meshes the inside of a [`Surface`]:
 //! 1. The surface is checked, moved to the origin and scaled ([`Surface::check`]).
 //! 2. Edges between faces are cut by the size; each face is meshed in its plane (`skin`).
-//! 3. Delaunay's tetrahedra of these points are made. Where they lack a triangle of the skin, it is split (`recover`); what is inside is found from facet to
-//!    facet (`regions`).
+//! 3. Delaunay's tetrahedra of these points are made. Where they lack a triangle of the skin, it is split
+//!    (`recover`); the inside is found from facet to facet (`regions`).
 //! 4. Points are inserted into spheres that are too large, then moved to where tetrahedra are even (`fill`).
 //! 5. Thin tetrahedra are removed by flips, moves, and points that come and go (`improve`).
 //!
 //! [`add_polygons`] puts polygons, such as joints in rock, into a surface before it is meshed.
 //!
-//! Directions of edges are random, as cracks along facets need it. The same seed gives the same mesh on every platform: what decides is exact, or uses only
-//! operations that IEEE 754 defines.
+//! Directions of edges are random, as cracks along facets need it. The same seed gives the same mesh on every
+//! platform: decisions are exact, or use only operations that IEEE 754 defines.
 
 mod check;
 pub(crate) mod delaunay;
@@ -47,7 +47,8 @@ use vector::{Point, minus, plus, times};
 /// The region outside of all bodies.
 pub const OUTSIDE: u32 = u32::MAX;
 
-/// The region on both sides of a facet that lies inside of a region, whichever this is: such a facet becomes facets of the mesh, and parts nothing.
+/// The region on both sides of a facet inside of any region: such a facet becomes facets of the mesh, and
+/// separates nothing.
 pub const INNER: u32 = u32::MAX - 1;
 
 /// Volume of a tetrahedron over the cube of the mean edge, in a large mesh.
@@ -59,24 +60,27 @@ pub const THICK: f64 = 3.0;
 /// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
 pub(crate) const FLAT: f64 = 12.0;
 
-/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers, also with polygons inside; how often at most; and by which share of the size it is finer each time.
+/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers,
+/// also with polygons inside; how often at most; and by which share of the size it is finer each time.
 const POOR: f64 = 8.0;
 const POOR_WITHIN: f64 = 2.0;
 const AGAIN: u64 = 6;
 
-/// Elements in all meshes of a surface together, from which on it is not meshed again: it would take longer than anyone waits.
+/// Elements in all meshes of a surface together, from which on it is not meshed again: it would take longer
+/// than anyone waits.
 const ENOUGH: usize = 1_000_000;
 const FINER: f64 = 0.04;
 
 /// Most rounds in which flat tetrahedra at the surface are left out.
 const PEELS: usize = 8;
 
-/// The wanted length of edges at each place, in the unit of the coordinates.
+/// Length of edges at each place, in the unit of the coordinates.
 pub type Size<'a> = dyn Fn([f64; 3]) -> f64 + Sync + 'a;
 
 /// Closed surfaces that bound one or several regions.
 ///
-/// Facets of one face need not be in one plane. Facets meet in common nodes and edges only. Regions may share facets.
+/// Facets of one face need not be in one plane. Facets meet in common nodes and edges only. Regions may share
+/// facets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Coordinates `[n]`, in any unit of length.
@@ -85,7 +89,8 @@ pub struct Surface {
     pub facets: Vec<[u32; 3]>,
     /// Face of each facet `[m]`.
     pub faces: Vec<u32>,
-    /// Regions behind and before each facet `[m]`, or [`OUTSIDE`], or [`INNER`] on both sides: its corners are counter-clockwise seen from before.
+    /// Regions behind and before each facet `[m]`, or [`OUTSIDE`], or [`INNER`] on both sides: its corners
+    /// are counter-clockwise seen from before.
     pub sides: Vec<[u32; 2]>,
     /// Names of the first faces; faces beyond have none.
     pub names: Vec<String>,
@@ -106,7 +111,8 @@ pub struct Tetrahedra {
     pub elements: Vec<[u32; 4]>,
     /// Region of each element `[m]`.
     pub regions: Vec<u32>,
-    /// Outer facets and facets between regions `[k]`, once each: counter-clockwise seen from outside, or from the region of the higher number.
+    /// Outer facets and facets between regions `[k]`, once each: counter-clockwise seen from outside, or from
+    /// the region of the higher number.
     pub facets: Vec<[u32; 3]>,
     /// Face of each of those facets `[k]`.
     pub faces: Vec<u32>,
@@ -116,24 +122,28 @@ pub struct Tetrahedra {
     pub inner_faces: Vec<u32>,
 }
 
-/// Meshes what a surface bounds with edges as long as `size` says.
+/// Meshes the inside of a surface with edges of the length `size`.
 ///
-/// The mean edge is the size. Where `size` changes, it is made to grow by at most 0.3 times the distance, and it is reduced near edges of the surface that are
-/// shorter. The surface of the mesh is that of the body; its facets and edges are cut, and nothing else.
+/// The mean edge is the size. Where `size` changes, it is made to grow by at most 0.3 times the distance, and
+/// it is reduced near edges of the surface that are shorter. The surface of the mesh is that of the body; its
+/// facets and edges are cut, and nothing else.
 ///
 /// # Units
 /// `size` is in the unit of the coordinates.
 ///
 /// # Cost
-/// About 15 s and 140 MB for a million elements, on one thread: two thirds of the time for six triangulations of moved points, a quarter for the insertion of points.
+/// About 15 s and 140 MB for a million elements, on one thread: two thirds of the time for six triangulations
+/// of moved points, a quarter for the insertion of points.
 ///
 /// # Errors
-/// [`MeshError`]: surfaces that are not closed, are inside out or cross themselves; sizes that are not positive or give more than [`MOST_ELEMENTS`](crate::MOST_ELEMENTS);
-/// [`MeshError::NotRecovered`] where faces meet at very sharp angles.
+/// [`MeshError`]: surfaces that are not closed, are inside out or cross themselves; sizes that are not
+/// positive or give more than [`MOST_ELEMENTS`](crate::MOST_ELEMENTS); [`MeshError::NotRecovered`] where
+/// faces meet at very sharp angles.
 ///
 /// # Source
-/// The modules name the papers they follow. The whole is Delaunay refinement (J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998) with
-/// the improvement of B. M. Klingner, J. R. Shewchuk, "Aggressive tetrahedral mesh improvement", Proc. 16th Int. Meshing Roundtable (2007).
+/// The modules name the papers they follow. The whole is Delaunay refinement (J. R. Shewchuk, "Tetrahedral
+/// mesh generation by Delaunay refinement", `SoCG` 1998) with the improvement of B. M. Klingner, J. R.
+/// Shewchuk, "Aggressive tetrahedral mesh improvement", Proc. 16th Int. Meshing Roundtable (2007).
 ///
 /// # Example
 /// ```
@@ -148,7 +158,7 @@ pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetra
     mesh_again(surface, size, false, seed, &|_| ())
 }
 
-/// As [`tetrahedra`], with elements that are smaller near some places, however small these are.
+/// Like [`tetrahedra`], with elements that are smaller near some places, however small these are.
 ///
 /// # Errors
 /// As [`tetrahedra`].
@@ -156,7 +166,8 @@ pub fn graded(surface: &Surface, grading: &Grading<3>, seed: u64) -> Result<Tetr
     moved(surface, grading, seed, &|_| ())
 }
 
-/// As [`graded`], with nodes moved by `to`: a body of flat faces becomes one of round faces, if they are moved by little.
+/// Like [`graded`], with nodes moved by `to`: a body of flat faces becomes one of round faces, if the moves
+/// are small.
 ///
 /// # Errors
 /// As [`tetrahedra`].
@@ -249,7 +260,7 @@ fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
     for (region, [volume, area, sizes]) in sums {
         // A plate has its volume over half of its surface as thickness.
         let thickness = 2.0 * volume / 3.0 / area;
-        // No edge is longer than the body; a size that is no number is told later.
+        // No edge is longer than the body; a size that is NaN is reported later.
         let size = (sizes / area).min(longest);
         if sizes.is_finite() && size > FLAT * thickness {
             return Err(MeshError::Thin { region, thickness, size });
@@ -379,7 +390,8 @@ impl Frame {
         plus(times(place, 1.0 / self.factor), self.middle)
     }
 
-    /// Puts points back in place. A coordinate that a node of the surface has gets exactly what that node had: points in planes along the axes stay in them.
+    /// Puts points back in place. A coordinate that equals one of a node of the surface is mapped to exactly
+    /// the coordinate of that node: points in planes along the axes stay in them.
     fn restore(&self, points: &mut [Point], inner: &[Point], outer: &[Point]) {
         for axis in 0..3 {
             let mut known: Vec<(f64, f64)> =

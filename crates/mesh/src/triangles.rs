@@ -1,12 +1,14 @@
 //! Unstructured meshes of triangles, of even or graded size and good angles.
 //!
-//! Outlines and lines are cut into pieces by the size; the inside is filled with points that keep a distance from each other (Poisson discs); all is triangulated
-//! by Delaunay's rule under the constraint of the outlines; then each point inside moves to the centroid of the triangles around it, and all is triangulated again, several
-//! times. Directions of edges are random, as cracks along edges need it, and the same seed gives the same mesh.
+//! Outlines and lines are cut into pieces by the size; the inside is filled with points that keep a distance
+//! from each other (Poisson discs); all is triangulated by Delaunay's rule under the constraint of the
+//! outlines; then each point inside moves to the centroid of the triangles around it, and all is triangulated
+//! again, several times. Directions of edges are random, as cracks along edges need it, and the same seed
+//! gives the same mesh.
 //!
 //! # Sources
-//! R. Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH 2007; Q. Du, V. Faber, M. Gunzburger, "Centroidal Voronoi tessellations", SIAM
-//! Review 41 (1999), for the idea of the smoothing.
+//! R. Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH 2007; Q. Du, V. Faber, M.
+//! Gunzburger, "Centroidal Voronoi tessellations", SIAM Review 41 (1999), for the idea of the smoothing.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +35,7 @@ pub const INSIDE: u32 = u32::MAX;
 /// Largest number of elements.
 const MOST: f64 = MOST_ELEMENTS as f64;
 
-/// Distance of points over the edge that is asked for, so that the mean edge is that one.
+/// Distance of points over the requested edge, so that the mean edge has the requested length.
 const SPACING: f64 = 0.71;
 
 /// Attempts to find a place beside a point before it is given up.
@@ -270,12 +272,15 @@ fn ring(random: &mut Random) -> Point {
     }
 }
 
-/// Singly connected lists of points by square cells, on one grid for each doubling of the distance that the points keep.
+/// Singly connected lists of points by square cells, on one grid for each doubling of the distance that the
+/// points keep.
 ///
-/// As that distance grows slowly from place to place, points that may be too near to each other are on one grid or on two that follow each other.
+/// As that distance grows slowly from place to place, points that may be too near to each other are on one
+/// grid or on two that follow each other.
 struct Cells {
     levels: Vec<Level>,
-    /// The distance from which points are on the second grid; each grid after it begins at twice the distance.
+    /// The distance from which points are on the second grid; each grid after it begins at twice the
+    /// distance.
     second: f64,
     next: Vec<u32>,
 }
@@ -417,7 +422,8 @@ fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, OutlineError> {
     Ok(faces_inside(&triangulation, &frame.lines))
 }
 
-/// The triangles that are parted from the outside by an odd number of outlines: found from triangle to triangle, so that no rounding decides.
+/// The triangles that are parted from the outside by an odd number of outlines: found from triangle to
+/// triangle, so that no rounding decides.
 fn faces_inside(
     triangulation: &ConstrainedDelaunayTriangulation<Point2<f64>>,
     lines: &[[u32; 2]],
@@ -451,8 +457,9 @@ fn faces_inside(
     kept.map(|face| face.vertices().map(|node| node.fix().index() as u32)).collect()
 }
 
-/// Moves each node that is not fixed to the centroid of what its triangles cover: where the size varies, with a weight that falls with its fourth power, which
-/// keeps small elements small (Du, Faber and Gunzburger, section 6).
+/// Moves each node that is not fixed to the centroid of the area that its triangles cover: where the size
+/// varies, with a weight that falls with its fourth power, which keeps small elements small (Du, Faber and
+/// Gunzburger, section 6).
 fn smooth(nodes: &mut [Point], fixed: usize, elements: &[[u32; 3]], inside: &Inside, size: &Grading<2>) {
     let even = size.near.is_empty();
     let mut sums = vec![[0.0; 3]; nodes.len()];
@@ -478,8 +485,8 @@ fn smooth(nodes: &mut [Point], fixed: usize, elements: &[[u32; 3]], inside: &Ins
     }
 }
 
-/// Removes nodes without triangles, and numbers nodes and triangles along Hilbert's curve: what is near in the body is near in memory. Returns the new number of
-/// each node, [`INSIDE`] for those that are gone.
+/// Removes nodes without triangles, and numbers nodes and triangles along Hilbert's curve: neighbours in the
+/// body are near in memory. Returns the new number of each node, [`INSIDE`] for removed nodes.
 fn renumber(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, elements: &mut [[u32; 3]]) -> Vec<u32> {
     let mut used = vec![false; nodes.len()];
     for &node in elements.iter().flatten() {

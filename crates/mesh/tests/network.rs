@@ -11,7 +11,8 @@ fn square() -> Domain {
     Domain { loops: vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]], lines: Vec::new() }
 }
 
-/// The mesh of a domain with lines, the length of the edges along each line, and the smallest angle in degrees.
+/// The mesh of a domain with lines, the length of the edges along each line, and the smallest angle in
+/// degrees.
 fn meshed(mut domain: Domain, lines: &[[Point; 2]], size: f64) -> (Triangles, Vec<f64>, f64) {
     let size = Grading::even(size);
     let area = domain.area();
@@ -57,7 +58,7 @@ fn lines_that_end_inside_cross_and_leave_the_domain() {
 fn lines_that_nearly_coincide_become_one() {
     let lines = [[[0.1, 0.5], [0.9, 0.5]], [[0.2, 0.503], [0.8, 0.495]], [[0.1, 0.001], [0.9, 0.004]]];
     let (_, lengths, angle) = meshed(square(), &lines, 0.05);
-    // Those along the outline are the outline.
+    // Lines along the outline become part of the outline.
     assert!((lengths[0] - 0.8).abs() < 1e-3 && lengths[1..] == [0.0, 0.0], "{lengths:?}");
     assert!(angle > 18.0, "{angle}");
 }
@@ -80,7 +81,7 @@ fn a_small_angle_stays_that_of_the_lines() {
     assert!(angle > 8.0, "{angle}");
 }
 
-/// Random networks in a square with a hole: all have a mesh, with their clipped lengths but for what is snapped.
+/// Random networks in a square with a hole: all have a mesh, and their clipped lengths apart from snapping.
 #[test]
 fn random_networks_have_meshes() {
     for seed in 0..20 {

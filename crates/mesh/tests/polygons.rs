@@ -1,10 +1,10 @@
 //! Polygons in bodies become facets of meshes:
 //! - facets lie on their polygons, their areas sum up to those that are clipped to the body;
 //! - blocks between polygons, and polygons that end inside;
-//! - what nearly coincides becomes one, and what nearly meets does;
+//! - polygons that nearly coincide become one, and so do polygons that nearly meet;
 //! - round bodies;
 //! - many polygons at random: every mesh is right, or there is an error;
-//! - what is refused.
+//! - refused polygons.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -86,7 +86,7 @@ fn root(parent: &mut [usize], mut at: usize) -> usize {
     at
 }
 
-/// What is measured of a mesh.
+/// The measured properties of a mesh.
 struct Found {
     mesh: Tetrahedra,
     /// Smallest angle between facets, degrees.
@@ -290,7 +290,7 @@ fn what_nearly_coincides_is_one() {
     let found = meshed(&cube(), &[level(0.5), level(0.52), disc([0.5; 3], [0.02, 0.0, 1.0], 0.3, 8)], 0.1, 1)
         .unwrap();
     assert!((found.areas[0] - 1.0).abs() < 1e-9 && found.areas[1..] == [0.0, 0.0], "{:?}", found.areas);
-    // On a face there is no joint, and beside the body neither: the surface stays what it is.
+    // A polygon on a face or beside the body makes no joint: the surface stays unchanged.
     for z in [0.98, 0.0, 1.5] {
         let mut surface = cube();
         add_polygons(&mut surface, &[level(z)], &Grading::even(0.1)).unwrap();
@@ -404,7 +404,8 @@ fn wrong_polygons_are_refused() {
     assert_eq!(refused(&[bow]), PolygonError::Crossed { polygon: 0 });
     let far = vec![[0.2, 0.2, f64::NAN], [0.5, 0.2, 0.5], [0.8, 0.2, 0.5]];
     assert_eq!(refused(&[far]), PolygonError::NotFinite { polygon: 0 });
-    // Through one line, at an angle of 2.8 degrees: moves of two planes by 0.35 of the size do not bring it out of the cube.
+    // Through one line, at an angle of 2.8 degrees: moves of two planes by 0.35 of the size do not bring it
+    // out of the cube.
     let tilted = plane([0.5; 3], [2.8_f64.to_radians().tan(), 0.0, 1.0]);
     let error = add_polygons(&mut cube(), &[level, tilted], &Grading::even(0.02)).unwrap_err();
     assert!(

@@ -114,7 +114,8 @@ fn check(surface: &Surface, mesh: &Tetrahedra) {
         let near = 1e-12 * (volume + far * volume.powf(2.0 / 3.0));
         assert!((volumes.sum::<f64>() - volume).abs() < near);
     }
-    // Each facet of an element is met once from each side, or is listed, as seen from outside or from the higher region.
+    // Each facet of an element is met once from each side, or is listed, as seen from outside or from the
+    // higher region.
     let key = |mut facet: [u32; 3]| {
         facet.sort_unstable();
         facet
@@ -528,7 +529,8 @@ fn plates_much_thinner_than_the_size_are_refused() {
     }
 }
 
-/// A sphere of `rings` rings of triangles between circles of latitude. Each quadrilateral is flat only up to rounding, and all its points are on one sphere.
+/// A sphere of `rings` rings of triangles between circles of latitude. Each quadrilateral is flat only up to
+/// rounding, and all its points are on one sphere.
 fn globe(rings: usize, a_face_each: bool) -> Surface {
     use std::f64::consts::PI;
     let sectors = 2 * rings;
@@ -569,8 +571,8 @@ fn globe(rings: usize, a_face_each: bool) -> Surface {
     }
 }
 
-/// Delaunay's tetrahedra of these points have flat ones outside, in whose spheres all points inside are: before locked facets were walls, no point was inserted, and
-/// the angles were below 2°.
+/// Delaunay's tetrahedra of these points have flat ones outside, in whose spheres all points inside are:
+/// before locked facets were walls, no point was inserted, and the angles were below 2°.
 #[test]
 fn surfaces_of_many_points_on_one_sphere_have_good_angles() {
     for (rings, a_face_each) in [(15, false), (15, true), (21, false), (21, true)] {
@@ -705,7 +707,8 @@ fn grains_of_a_sphere_may_have_sizes_that_differ() {
     assert!(least > 8.0 && most < 172.0, "{least} to {most}");
 }
 
-/// Angles are good, or those of the sharp edges of the body, unless it is too thin for the size or a face of it ends in an angle below 1°: such a face is flat up to its ends.
+/// Angles are good, or those of the sharp edges of the body, unless it is too thin for the size or a face of
+/// it ends in an angle below 1°: such a face is flat up to its ends.
 #[test]
 fn random_hulls_have_angles_as_good_as_their_edges_and_corners() {
     let (mut thin, mut narrow) = (0, 0);

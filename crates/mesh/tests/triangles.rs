@@ -1,4 +1,4 @@
-//! Meshes of triangles: they are conforming, have good angles, and elements as large as asked for.
+//! Meshes of triangles: they are conforming, have good angles, and elements of the requested size.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 

@@ -68,7 +68,8 @@ struct Cells {
     count: usize,
 }
 
-/// Largest number of cells. Each has a place in memory that is written to, and the processor keeps track of about as many pages.
+/// Largest number of cells. Each has a place in memory that is written to, and the processor keeps track of
+/// about this number of pages.
 const MOST_CELLS: usize = 1 << 10;
 
 /// Elements whose couples are in one cell, if no rank has more than the others and ids are consecutive.
@@ -123,10 +124,11 @@ impl<C: Sortable> Found<C> {
         self.couples.push(couple);
     }
 
-    /// Sorts the couples of all ranks. Afterwards the ranks, one after the other, have consecutive runs of about the same length. Collective.
+    /// Sorts the couples of all ranks. Afterwards the ranks, one after the other, have consecutive runs of
+    /// about the same length. Collective.
     ///
-    /// Each rank sorts its couples into cells, and writes them to the messages in which they are sent. The rank that owns a cell sorts the couples in it while they
-    /// are in cache.
+    /// Each rank sorts its couples into cells, and writes them to the messages in which they are sent. The
+    /// rank that owns a cell sorts the couples in it while they are in cache.
     pub(crate) fn sorted(self, communicator: &dyn Communicator) -> Vec<C> {
         let Self { mut couples, cells, counts } = self;
         let division = Division::new(communicator, &counts, cells.shift, |is_marked| {
@@ -182,7 +184,7 @@ fn messages<C: Sortable>(couples: &[C], cells: Cells, division: &Division) -> Ve
 /// Most bits of a digit.
 const MOST_DIGIT_BITS: u32 = 14;
 
-/// So few couples are sorted by insertion.
+/// Few couples are sorted by insertion.
 const FEW: usize = 16;
 
 /// Appends the couples of one cell in their order. They come in several runs. `ends` is memory.
@@ -192,7 +194,8 @@ fn append_sorted<C: Sortable>(runs: &[&[u8]], cells: Cells, ends: &mut Vec<usize
     let start = couples.len();
     couples.resize(start + runs.iter().map(|run| run.len()).sum::<usize>() / C::BYTES, first);
     let sorted = &mut couples[start..];
-    // About as many digits as couples. The first bits of a key in its cell are those of the first element.
+    // There are about as many digits as couples. The first bits of a key in its cell are those of the first
+    // element.
     let bits = sorted.len().ilog2().min(MOST_DIGIT_BITS).min(cells.shift);
     let digit = |couple: &C| (cells.key(couple) >> (cells.shift - bits)) as usize & ((1 << bits) - 1);
     ends.clear();

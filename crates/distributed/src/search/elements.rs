@@ -19,23 +19,23 @@ use crate::wire::{Reader, Writer};
 pub enum Shapes<'a, T, const D: usize> {
     /// Spheres (discs in 2D) of one radius, the same on all ranks.
     Equal {
-        /// Their centres.
+        /// Centres of the elements.
         centres: &'a [[T; D]],
-        /// Their radius.
+        /// Radius of the elements.
         radius: T,
     },
     /// Spheres (discs in 2D), each with its own radius.
     Spheres {
-        /// Their centres.
+        /// Centres of the elements.
         centres: &'a [[T; D]],
-        /// Their radii.
+        /// Radii of the elements.
         radii: &'a [T],
     },
     /// Axis-aligned boxes.
     Boxes {
-        /// Their minimum corners.
+        /// Minimum corners of the elements.
         min: &'a [[T; D]],
-        /// Their maximum corners.
+        /// Maximum corners of the elements.
         max: &'a [[T; D]],
     },
 }
@@ -78,7 +78,7 @@ impl<'a, T: Real, const D: usize> Shapes<'a, T, D> {
     }
 }
 
-/// A kind of element, and what all elements of it have in common.
+/// A kind of element, with the properties that all its elements share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind<T> {
     Equal(T),
@@ -121,7 +121,7 @@ pub(crate) struct Arrived<'a> {
 }
 
 impl<'a> Arrived<'a> {
-    /// Splits a message with so many elements.
+    /// Splits a message with the given number of elements.
     pub(crate) fn new<T, const D: usize>(
         bytes: &'a [u8],
         count: usize,
@@ -145,14 +145,14 @@ impl<'a> Arrived<'a> {
     }
 }
 
-/// A set has room for one ghost for so many elements, before memory is moved.
+/// A set has room for one ghost per this number of elements, before memory is moved.
 const GHOST_ROOM: usize = 8;
 
 /// Elements that a rank owns or has been sent. Positions are those inside the periodic box, if there is one.
 ///
 /// # Shapes
-/// `ids`, `points`: `[n]`. `radii`: `[n]`, or empty unless spheres have radii. `far_points`: `[n]`, or empty unless the elements are boxes. `periods`: `[n]`, or
-/// empty without a periodic box.
+/// `ids`, `points`: `[n]`. `radii`: `[n]`, or empty unless spheres have radii. `far_points`: `[n]`, or empty
+/// unless the elements are boxes. `periods`: `[n]`, or empty without a periodic box.
 #[derive(Clone, Debug)]
 pub(crate) struct Set<T, const D: usize> {
     pub(crate) kind: Kind<T>,
@@ -165,7 +165,8 @@ pub(crate) struct Set<T, const D: usize> {
     pub(crate) periods: Vec<[i32; D]>,
 }
 
-/// Where the elements of each run go: those of other ranks to messages, and those of this rank to a set.
+/// The destinations of the elements of each run: messages for elements of other ranks, and a set for elements
+/// of this rank.
 struct Rooms<'a> {
     runs: &'a Runs,
     own: usize,
@@ -176,7 +177,8 @@ struct Rooms<'a> {
 }
 
 impl Rooms<'_> {
-    /// Writes the values of all elements, behind what has been written to the messages. `kept` are the values in the set.
+    /// Writes the values of all elements, behind the contents of the messages. `kept` are the values in the
+    /// set.
     fn scatter<V: Copy, const B: usize, const N: usize>(
         &mut self,
         values: &[V],
@@ -232,8 +234,9 @@ impl<T: Real, const D: usize> View<'_, T, D> {
         }
     }
 
-    /// Puts the elements that rank `own`, this one, keeps into a set, and returns messages with the others, run by run. `starts` are the places in the set where
-    /// they start in each run. [`Arrived`] reads a message.
+    /// Puts the elements that rank `own`, this one, keeps into a set, and returns messages with the others,
+    /// run by run. `starts` are the places in the set where they start in each run. [`Arrived`] reads a
+    /// message.
     pub(crate) fn scatter(
         &self,
         runs: &Runs,
@@ -260,7 +263,8 @@ impl<T: Real, const D: usize> View<'_, T, D> {
         messages
     }
 
-    /// Class of similar sizes: the binary exponent of the largest distance at which an element touches another one of its size.
+    /// Class of similar sizes: the binary exponent of the largest distance at which an element touches
+    /// another one of its size.
     ///
     /// It is a function of the element alone, so that all ranks agree on it.
     pub(crate) fn level(&self, place: usize) -> u16 {
@@ -293,7 +297,8 @@ impl<T: Real, const D: usize> Set<T, D> {
         }
     }
 
-    /// Copies the caller's elements, wrapped into the box. They have been checked. Errors name elements by their place.
+    /// Copies the caller's elements, wrapped into the box. They have been checked. Errors name elements by
+    /// their place.
     pub(crate) fn wrapped(
         ids: &[u32],
         shapes: &Shapes<'_, T, D>,
@@ -336,7 +341,7 @@ impl<T: Real, const D: usize> Set<T, D> {
         }
     }
 
-    /// A set of so many elements, whose numbers are zeros, with room for some ghosts.
+    /// A set of the given number of elements, whose numbers are zeros, with room for some ghosts.
     pub(crate) fn blank(kind: Kind<T>, tolerance: T, count: usize, is_periodic: bool) -> Self {
         /// Zeros come from the system without being written.
         fn zeros<V: Clone>(zero: V, count: usize) -> Vec<V> {
@@ -424,8 +429,8 @@ impl<T: Real, const D: usize> Set<T, D> {
         }
     }
 
-    /// Whether element `i` touches the image of element `j` that is displaced by `shift`, by the comparison of
-    /// [`PeriodicSearch`](fdem_contact::PeriodicSearch).
+    /// Whether element `i` touches the image of element `j` that is displaced by `shift`, by the comparison
+    /// of [`PeriodicSearch`](fdem_contact::PeriodicSearch).
     pub(crate) fn touches_image(
         &self,
         i: usize,
@@ -446,7 +451,8 @@ impl<T: Real, const D: usize> Set<T, D> {
                 Elements::boxes(&points, &far).and_then(|pair| self.touch(pair))
             }
         };
-        // The numbers have been checked, and an image that is too far away for squares was refused with its ghost.
+        // The numbers have been checked, and an image that is too far away for squares was refused with its
+        // ghost.
         elements.unwrap_or(false)
     }
 

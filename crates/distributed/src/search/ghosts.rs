@@ -1,11 +1,13 @@
 //! Ghosts: elements that a rank sends to others, so that one rank finds each couple.
 //!
-//! Two elements that touch belong to ranks of which one gets a copy of the other's element, a ghost. The larger element is sent, so that a large one among
-//! small ones does not attract all of them. Sizes are compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
+//! Two elements that touch belong to ranks of which one gets a copy of the other's element, a ghost. The
+//! larger element is sent, so that a large one among small ones does not attract all of them. Sizes are
+//! compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
 //!
-//! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
-//! group. Elements come in runs along the curve, so groups need no sorting, except where elements crowd. An element goes to the ranks that have a group of its level
-//! or a lower one whose box it overlaps.
+//! A rank informs the others where its elements are: it cuts them, level by level and along the curve, into
+//! groups of neighbours, and sends the box around each group. Elements come in runs along the curve, so
+//! groups need no sorting, except where elements crowd. An element goes to the ranks that have a group of its
+//! level or a lower one whose box it overlaps.
 
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
@@ -14,7 +16,8 @@ use crate::communicator::{Communicator, Message};
 use crate::curve::Curve;
 use crate::wire::{Reader, Writer};
 
-/// About the number of groups into which a rank cuts its elements. Each level adds at most one more, and crowded places can double the number.
+/// About the number of groups into which a rank cuts its elements. Each level adds at most one more, and
+/// crowded places can double the number.
 pub(crate) const GROUPS: usize = 256;
 
 /// Elements of one rank and of one level that are near each other.
@@ -61,7 +64,8 @@ pub(crate) struct Groups<const D: usize> {
 /// An element that is sent, with the number of edges by which it is displaced from its place in the box.
 type Sent<const D: usize> = (u32, [i32; D]);
 
-/// Chooses the one of two ranks that gets ghosts from the other, for elements of one level. The choice alternates, so that ghosts are spread evenly.
+/// Chooses the one of two ranks that gets ghosts from the other, for elements of one level. The choice
+/// alternates, so that ghosts are spread evenly.
 pub(crate) fn keeper(a: usize, b: usize) -> usize {
     if (a + b).is_multiple_of(2) { a.min(b) } else { a.max(b) }
 }
@@ -71,7 +75,8 @@ pub(crate) fn keeper(a: usize, b: usize) -> usize {
 pub(crate) struct Lattice<'a, T, const D: usize> {
     pub(crate) cell: &'a PeriodicBox<T, D>,
     edges: [[f64; D]; D],
-    /// Upper bound on the magnitude of all coordinates of all ranks, and on the distance of elements that touch.
+    /// Upper bound on the magnitude of all coordinates of all ranks, and on the distance of elements that
+    /// touch.
     magnitude: f64,
     reach: f64,
 }
@@ -93,10 +98,12 @@ impl<'a, T: Real, const D: usize> Lattice<'a, T, D> {
         std::array::from_fn(|axis| (0..D).map(|edge| f64::from(shift[edge]) * self.edges[edge][axis]).sum())
     }
 
-    /// By how much the rounded position of an image may differ, relative to the elements around it, from the exact one; and the comparison from the exact one.
+    /// Bounds, relative to the elements around it, the error of the rounded position of an image, and the
+    /// error of the comparison.
     ///
-    /// A displacement is a sum of `D` products and a coordinate, in `f64`, and is rounded to `T`: its error is at most `D + 2` units in the last place of
-    /// the sum of magnitudes. Either of two elements is displaced, and before that both are wrapped. The comparison adds `D + 8` units of the reach, as
+    /// A displacement is a sum of `D` products and a coordinate, in `f64`, and is rounded to `T`: its error
+    /// is at most `D + 2` units in the last place of the sum of magnitudes. Either of two elements is
+    /// displaced, and before that both are wrapped. The comparison adds `D + 8` units of the reach, as
     /// [`Elements::span`] explains. Eight times as much covers all of it.
     pub(crate) fn rounding(&self, shift: &[i32; D]) -> f64 {
         let displaced: f64 = (0..D)
@@ -158,11 +165,12 @@ fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f
     })
 }
 
-/// A group with so many times the mean number of elements is cut.
+/// A group with this number of times the mean number of elements is cut.
 const CROWDED: usize = 4;
 
 impl<const D: usize> Groups<D> {
-    /// Cuts elements into groups: level by level, consecutive runs of elements. `ends` are those of the runs. Crowded groups are cut along the curve.
+    /// Cuts elements into groups: level by level, consecutive runs of elements. `ends` are those of the runs.
+    /// Crowded groups are cut along the curve.
     pub(crate) fn new<T: Real>(
         elements: &Elements<'_, T, D>,
         view: View<'_, T, D>,
@@ -259,7 +267,8 @@ pub(crate) struct Ghosts<T, const D: usize> {
     pub(crate) owners: Vec<u32>,
 }
 
-/// Exchanges the groups of all ranks, and finds out what this rank sends to each. Collective, if it succeeds on all ranks.
+/// Exchanges the groups of all ranks, and finds the elements that this rank sends to each. Collective, if it
+/// succeeds on all ranks.
 pub(crate) fn choose<T: Real, const D: usize>(
     communicator: &dyn Communicator,
     elements: &Elements<'_, T, D>,
@@ -371,7 +380,7 @@ fn read_groups<const D: usize>(bytes: &[u8]) -> Vec<Group<D>> {
         .collect()
 }
 
-/// Sends what was chosen, and receives the ghosts of this rank. Collective.
+/// Sends the chosen elements, and receives the ghosts of this rank. Collective.
 pub(crate) fn exchange<T: Real, const D: usize>(
     communicator: &dyn Communicator,
     set: &Set<T, D>,

@@ -9,10 +9,12 @@ use crate::communicator::Communicator;
 use crate::curve::{Coarse, Curve};
 use crate::division::Division;
 
-/// Elements in a cell, on the rank with the most elements, if they are spread evenly and there may be so many cells.
+/// Elements in a cell, on the rank with the most elements, if they are spread evenly and the number of cells
+/// is not limited.
 const IN_CELL: usize = 16;
 
-/// Number of runs of all ranks together, unless each rank has [`GROUPS`]. Each has a place in memory that is written to.
+/// Number of runs of all ranks together, unless each rank has [`GROUPS`]. Each has a place in memory that is
+/// written to.
 const RUNS: usize = 1 << 11;
 
 /// Elements of a rank after all have been sent to their owners.
@@ -22,7 +24,8 @@ pub(crate) struct Owned<T, const D: usize> {
     /// The ends of the runs: elements of consecutive cells along the curve, in no order inside the run.
     pub(crate) ends: Vec<usize>,
     pub(crate) curve: Curve<D>,
-    /// Upper bounds on the magnitude of all coordinates, and on the distance of elements that touch. The same on all ranks.
+    /// Upper bounds on the magnitude of all coordinates, and on the distance of elements that touch. The same
+    /// on all ranks.
     pub(crate) limits: [f64; 2],
 }
 

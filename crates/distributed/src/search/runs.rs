@@ -28,8 +28,8 @@ impl Runs {
         self.firsts[rank]..self.firsts[rank + 1]
     }
 
-    /// Sends all ranks the numbers of elements that they get. Returns those that this rank gets, first from itself,
-    /// then from each other rank that sends any; and the ends of its runs. Collective.
+    /// Sends all ranks the numbers of elements that they get. Returns those that this rank gets, first from
+    /// itself, then from each other rank that sends any; and the ends of its runs. Collective.
     pub(crate) fn announce(&self, communicator: &dyn Communicator) -> (Vec<Arriving>, Vec<usize>) {
         let own = communicator.rank();
         let counts_of = |rank: usize| &self.counts[self.of_rank(rank)];

@@ -68,7 +68,8 @@ fn streams(communicator: &dyn Communicator) {
     communicator.barrier();
 }
 
-/// Two halos at once, with several ports to the same rank, started repeatedly and finished in another order, with other calls between.
+/// Two halos together, with several ports to the same rank, started repeatedly and finished in another order,
+/// with other calls between.
 fn halos(communicator: &dyn Communicator) {
     let (rank, size) = (communicator.rank(), communicator.size());
     let (next, previous) = ((rank + 1) % size, (rank + size - 1) % size);

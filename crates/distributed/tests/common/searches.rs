@@ -69,7 +69,7 @@ fn share(n: usize, spread: fn(usize, usize) -> usize, communicator: &dyn Communi
     places
 }
 
-/// The couples of all ranks, one rank after the other, and a check that each has about as many.
+/// The couples of all ranks, one rank after the other, and a check that all have similar numbers of couples.
 fn gathered<C>(
     communicator: &dyn Communicator,
     couples: &[C],

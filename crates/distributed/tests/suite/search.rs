@@ -49,7 +49,8 @@ fn many_ranks_and_ids_far_apart() {
     assert_eq!(found(50), one);
 }
 
-/// Large elements are sent to the ranks of small ones, and not the other way: the ghosts of a packing with one giant are few.
+/// Large elements are sent to the ranks of small ones, and not the other way: the ghosts of a packing with
+/// one giant are few.
 #[test]
 fn a_giant_does_not_widen_the_halo_of_all() {
     let n = 4000;
@@ -116,7 +117,8 @@ fn all_ranks_return_the_error_of_the_first_rank_that_has_one() {
         assert!(reason.contains("periods"), "{reason}");
     }
 
-    // A box that is thinner than what coordinates of this magnitude resolve, and one that would need too many images.
+    // A box that is thinner than the resolution of coordinates of this magnitude, and one that would need too
+    // many images.
     let refused = |height: f64, radius: f64| {
         let errors = threads::run(2, |communicator| {
             let cell = PeriodicBox::orthogonal([0.0, 0.0], [1e9, height], [true, true]).unwrap();

@@ -11,14 +11,16 @@ type Point2 = [f64; 2];
 
 /// An outline in the plane of x and y with holes, from the height `bottom` to `top`.
 ///
-/// The first loop is the outline, the others are holes; each in either direction. Faces: `bottom`, `top`, then one for each edge of each loop in order, without names.
+/// The first loop is the outline, the others are holes; each in either direction. Faces: `bottom`, `top`,
+/// then one for each edge of each loop in order, without names.
 ///
 /// # Cost
 /// The outline is cut into triangles ear by ear: time grows with the square of its corners.
 ///
 /// # Errors
-/// [`MeshError::NotFinite`], [`MeshError::Length`]; [`MeshError::Empty`] without loops of three corners; [`MeshError::Outline`] if it crosses or touches itself;
-/// [`MeshError::Hole`] for holes beyond the outline or in each other.
+/// [`MeshError::NotFinite`], [`MeshError::Length`]; [`MeshError::Empty`] without loops of three corners;
+/// [`MeshError::Outline`] if it crosses or touches itself; [`MeshError::Hole`] for holes beyond the outline
+/// or in each other.
 pub fn extrusion(loops: &[Vec<[f64; 2]>], bottom: f64, top: f64) -> Result<Surface, MeshError> {
     positive(top - bottom)?;
     let corners: Vec<Point2> = loops.iter().flatten().copied().collect();

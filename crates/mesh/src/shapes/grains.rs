@@ -16,7 +16,8 @@ use cell::{Behind, Cell};
 /// Rounds in which seeds of grains move to the centres of their grains.
 const ROUNDS: usize = 12;
 
-/// Length of edges between grains over the cube root of the mean volume of a grain, below which they are contracted. Halved where that would fold a surface.
+/// Length of edges between grains over the cube root of the mean volume of a grain, below which they are
+/// contracted. Halved where that would fold a surface.
 const SHORT: f64 = 0.2;
 
 /// Attempts with halved lengths.
@@ -27,10 +28,12 @@ const SAME: f64 = 1e-9;
 
 /// Cuts a convex body into grains: the regions `0..count` of one surface, whose meshes share nodes.
 ///
-/// The grains are the Voronoi cells of points that move to the centres of their cells. Short edges are contracted, as they would need tiny elements. The faces of the body
-/// keep their numbers and names; each face between two grains has a number of its own.
+/// The grains are the Voronoi cells of points that move to the centres of their cells. Short edges are
+/// contracted, as they would need tiny elements. The faces of the body keep their numbers and names; each
+/// face between two grains has a new number.
 ///
-/// Angles of a mesh are good if it has about four elements across a grain. With fewer, some are as small as 4°: contracted faces meet at sharp angles.
+/// Angles of a mesh are good if it has about four elements across a grain. With fewer, some are as small as
+/// 4°: contracted faces meet at sharp angles.
 ///
 /// # Cost
 /// Time grows with the square of `count`: about 0.5 s for 500 grains.
@@ -39,8 +42,9 @@ const SAME: f64 = 1e-9;
 /// [`MeshError::NotConvex`]; [`MeshError::Empty`] if `count` is 0; errors of [`Surface::check`].
 ///
 /// # Source
-/// Q. Du, V. Faber, M. Gunzburger, "Centroidal Voronoi tessellations", SIAM Review 41 (1999); R. Quey, P. R. Dawson, F. Barbe, "Large-scale 3D random polycrystals for the
-/// finite element method", Comput. Methods Appl. Mech. Engng 200 (2011), for the contraction of short edges.
+/// Q. Du, V. Faber, M. Gunzburger, "Centroidal Voronoi tessellations", SIAM Review 41 (1999); R. Quey, P. R.
+/// Dawson, F. Barbe, "Large-scale 3D random polycrystals for the finite element method", Comput. Methods
+/// Appl. Mech. Engng 200 (2011), for the contraction of short edges.
 pub fn grains(body: &Surface, count: usize, seed: u64) -> Result<Surface, MeshError> {
     body.check()?;
     if count == 0 {
@@ -55,7 +59,8 @@ pub fn grains(body: &Surface, count: usize, seed: u64) -> Result<Surface, MeshEr
     with_lengths(SHORT * mean, &|short| complex.contracted(short))
 }
 
-/// The first surface that can be meshed, of those made with a length below which edges are contracted, with half of it, and so on.
+/// The first surface that can be meshed, of those made with a length below which edges are contracted, with
+/// half of it, and so on.
 fn with_lengths(short: f64, make: &dyn Fn(f64) -> Result<Surface, MeshError>) -> Result<Surface, MeshError> {
     let mut last = MeshError::Empty;
     let halved = (0..ATTEMPTS).scan(short, |short, _| {
@@ -72,7 +77,7 @@ fn with_lengths(short: f64, make: &dyn Fn(f64) -> Result<Surface, MeshError>) ->
     Err(last)
 }
 
-/// Points of a body that have moved to the centres of their Voronoi cells so many times.
+/// Points of a body after the given number of moves to the centres of their Voronoi cells.
 fn spread(whole: &Cell, count: usize, rounds: usize, seed: u64) -> Vec<Point> {
     let mut random = Random::new(seed);
     let mut seeds = Vec::with_capacity(count);
@@ -204,7 +209,8 @@ impl Complex {
         Self { points, on, polygons, names: body.names.clone() }
     }
 
-    /// The surface whose edges shorter than a length are contracted, shortest first. Corners, edges and faces of the body stay where they are.
+    /// The surface whose edges shorter than a length are contracted, shortest first. Corners, edges and faces
+    /// of the body stay where they are.
     fn contracted(&self, short: f64) -> Result<Surface, MeshError> {
         let outlines = self.polygons.iter().map(|(corners, _, _)| &corners[..]);
         let (points, to) = contract(&self.points, &self.on, outlines, short, &|middle, _| middle);
@@ -229,9 +235,11 @@ impl Complex {
     }
 }
 
-/// Contracts edges of polygons that are shorter than a length, shortest first. Returns where points are now, and which point each has become.
+/// Contracts edges of polygons that are shorter than a length, shortest first. Returns where points are now,
+/// and which point each has become.
 ///
-/// A point becomes one that is in all of its planes. Of two points in the same planes, `middle` has the place between them, and one of them.
+/// A point becomes one that is in all of its planes. If two points are in the same planes, `middle` has the
+/// place between them, and one of them.
 fn contract<'a>(
     points: &[Point],
     on: &[Vec<u32>],
@@ -294,7 +302,8 @@ fn leave_out_unused(surface: &mut Surface) {
     surface.nodes = used.iter().map(|&node| surface.nodes[node as usize]).collect();
 }
 
-/// Cuts a polygon that is nearly flat and nearly convex into triangles, ear by ear: that with the largest smallest angle first.
+/// Cuts a polygon that is nearly flat and nearly convex into triangles, ear by ear: that with the largest
+/// smallest angle first.
 fn cut(points: &[Point], mut polygon: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshError> {
     let at = |node: u32| points[node as usize];
     let origin = at(polygon[0]);

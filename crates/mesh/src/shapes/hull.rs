@@ -6,7 +6,8 @@ use crate::tetrahedra::order;
 use crate::tetrahedra::vector::{cross, dot, length, normal, unit};
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite};
 
-/// The convex polyhedron around points. Points inside are left out; facets of one plane make one face, without a name.
+/// The convex polyhedron around points. Points inside are left out; facets of one plane make one face,
+/// without a name.
 ///
 /// # Errors
 /// [`MeshError::NotFinite`]; [`MeshError::Flat`] if all points are in a plane.

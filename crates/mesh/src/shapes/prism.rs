@@ -1,4 +1,4 @@
-//! Prisms that stand for cylinders: convex, with flat sides, so that they can be cut into grains.
+//! Prisms that replace cylinders: convex, with flat sides, so that they can be cut into grains.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +7,9 @@ use super::round::Axis;
 use crate::tetrahedra::vector::{Point, dot, length, minus, plus, times};
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra};
 
-/// Number of sides. With fewer, moved elements are too oblique; with more, sides are narrow, and grains meet their edges at small angles. In 24 bodies of 12 grains the least angle between
-/// facets was 2.4° with 8 sides, 5.8° with 12, 8.1° with 14, 8.7° with 16, and 6.7° with 18.
+/// Number of sides. With fewer, moved elements are too oblique; with more, sides are narrow, and grains meet
+/// their edges at small angles. In 24 bodies of 12 grains the least angle between facets was 2.4° with 8
+/// sides, 5.8° with 12, 8.1° with 14, 8.7° with 16, and 6.7° with 18.
 const SIDES: u32 = 16;
 
 /// The angle under which the axis sees a side.
@@ -63,7 +64,8 @@ impl Prism {
         }
     }
 
-    /// Where a point of the prism is in the cylinder: farther from the axis, so that the sides are on the mantle.
+    /// Where a point of the prism is in the cylinder: farther from the axis, so that the sides are on the
+    /// mantle.
     fn rounded(&self, point: Point) -> Point {
         let along = minus(self.axis.to, self.axis.from);
         let off = minus(point, self.axis.from);

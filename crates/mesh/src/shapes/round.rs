@@ -19,7 +19,8 @@ const FEWEST: usize = 8;
 
 /// A cylinder between the centres of its two ends.
 ///
-/// The ends are polygons with corners on the circle; the mantle's facets have their corners on the mantle. Faces: `bottom` (around `from`), `top`, `mantle`.
+/// The ends are polygons with corners on the circle; the mantle's facets have their corners on the mantle.
+/// Faces: `bottom` (around `from`), `top`, `mantle`.
 ///
 /// # Errors
 /// [`MeshError::NotFinite`], [`MeshError::Length`], [`MeshError::Size`], [`MeshError::TooMany`].
@@ -49,7 +50,8 @@ pub fn cylinder(
 /// Faces: `bottom` (around `from`), `top`, `mantle`, `inner mantle`.
 ///
 /// # Errors
-/// As [`cylinder`]; [`MeshError::Length`] if `inner` is not less than `outer`; [`MeshError::Thin`] if the size is above 12 times the thickness of the wall.
+/// As [`cylinder`]; [`MeshError::Length`] if `inner` is not less than `outer`; [`MeshError::Thin`] if the
+/// size is above 12 times the thickness of the wall.
 pub fn tube(
     from: [f64; 3],
     to: [f64; 3],
@@ -133,7 +135,8 @@ impl Axis {
     }
 }
 
-/// Two directions of length 1, square to each other and to a vector: seen from its tip, the second is counter-clockwise of the first.
+/// Two directions of length 1, square to each other and to a vector: seen from its tip, the second is
+/// counter-clockwise of the first.
 pub(super) fn square_axes(along: Point) -> [Point; 2] {
     let least = (0..3).fold(0, |least, k| if along[k].abs() < along[least].abs() { k } else { least });
     let mut one = [0.0; 3];
@@ -142,7 +145,8 @@ pub(super) fn square_axes(along: Point) -> [Point; 2] {
     [one, cross(unit(along), one)]
 }
 
-/// Adds the mantle of a cylinder, seen from outside. Returns the nodes of both rims, in order of their angles.
+/// Adds the mantle of a cylinder, seen from outside. Returns the nodes of both rims, in order of their
+/// angles.
 fn mantle(
     surface: &mut Surface,
     axis: &Axis,
@@ -158,7 +162,8 @@ fn mantle(
         ring(&|angle| limited(axis.place(radius, angle, 0.0)), radius)?,
         ring(&|angle| limited(axis.place(radius, angle, 1.0)), radius)?,
     ];
-    // Rows of few points between the rims keep all triangles narrow: a triangle around half of the cylinder has no place in the plane.
+    // Rows of few points between the rims keep all triangles narrow: a triangle around half of the cylinder
+    // has no place in the plane.
     let rows = (long / (around / FEWEST as f64)).round().max(1.0);
     // At least four elements are at a facet in the end.
     let elements = 4.0 * 2.0 * FEWEST as f64 * rows;
@@ -245,7 +250,8 @@ fn ring(size: &dyn Fn(f64) -> f64, radius: f64) -> Result<Vec<f64>, MeshError> {
     Ok(angles.collect())
 }
 
-/// Triangles between two rings of angles in order, counter-clockwise if the second is above the first: numbers of the second follow those of the first.
+/// Triangles between two rings of angles in order, counter-clockwise if the second is above the first:
+/// numbers of the second follow those of the first.
 fn zip(below: &[f64], above: &[f64]) -> Vec<[usize; 3]> {
     let (n, m) = (below.len(), above.len());
     // Angle of a point, counted on over the turns.
@@ -270,14 +276,15 @@ fn zip(below: &[f64], above: &[f64]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// The smaller of two; not a number if the size is none.
+/// The smaller of two numbers; NaN if the size is NaN.
 fn at_most(size: f64, most: f64) -> f64 {
     if size > most { most } else { size }
 }
 
 /// A sphere: all nodes are on it.
 ///
-/// Points are spread over the sphere, moved until the triangles are even, and joined by their convex hull. Face: `surface`.
+/// Points are spread over the sphere, moved until the triangles are even, and joined by their convex hull.
+/// Face: `surface`.
 ///
 /// # Errors
 /// [`MeshError::NotFinite`], [`MeshError::Length`], [`MeshError::Size`], [`MeshError::TooMany`].
@@ -375,7 +382,8 @@ fn refine(
     Ok(())
 }
 
-/// Moves each point to the mean of the centres of the circles around it, weighted by area over the square of the size there.
+/// Moves each point to the mean of the centres of the circles around it, weighted by area over the square of
+/// the size there.
 fn spread(mesh: &Delaunay, points: &mut [Point], size: &dyn Fn(Point) -> f64) {
     let mut sums = vec![[0.0; 3]; points.len()];
     for facet in hull_of(mesh) {

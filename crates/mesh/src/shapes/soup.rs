@@ -8,8 +8,9 @@ use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite};
 impl Surface {
     /// The surface of loose triangles, as in STL files: counter-clockwise seen from outside.
     ///
-    /// Equal points become one node; triangles with two equal corners are left out. Neighbours with an angle of less than `angle` degrees between their normals are of one face. Whether the
-    /// surface is closed and does not cross itself is found out when it is meshed, or by [`Surface::check`].
+    /// Equal points become one node; triangles with two equal corners are left out. Neighbours with an angle
+    /// of less than `angle` degrees between their normals are of one face. Whether the surface is closed and
+    /// does not cross itself is found out when it is meshed, or by [`Surface::check`].
     ///
     /// # Errors
     /// [`MeshError::NotFinite`] with the number of the corner, three for each triangle; [`MeshError::Empty`].

@@ -7,7 +7,8 @@ use super::{INNER, MeshError, Surface};
 use crate::simplex::sorted;
 
 impl Surface {
-    /// Checks that the surface is closed around each region, has its outside outside, and does not cross itself.
+    /// Checks that the surface is closed around each region, has its outside outside, and does not cross
+    /// itself.
     ///
     /// # Cost
     /// Facets are compared with those whose boxes touch theirs: about 1 µs for each of a good surface.

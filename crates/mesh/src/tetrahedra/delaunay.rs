@@ -1,13 +1,16 @@
 //! Delaunay's tetrahedra of points in space, built point by point.
 //!
-//! The space outside of the points' convex hull is filled with ghosts: tetrahedra with a facet of the hull and the corner [`GHOST`]. A new point takes away all
-//! tetrahedra whose spheres it is in, and is joined to the facets around the gap. Ties (points on a common sphere) are broken as if each point were
-//! lifted a little, the more the higher its number: no tetrahedron is ever flat, and the result does not depend on the order of the insertions.
+//! The space outside of the points' convex hull is filled with ghosts: tetrahedra with a facet of the hull
+//! and the corner [`GHOST`]. A new point takes away all tetrahedra whose spheres it is in, and is joined to
+//! the facets around the gap. Ties (points on a common sphere) are broken as if each point were lifted a
+//! little, the more the higher its number: no tetrahedron is ever flat, and the result does not depend on the
+//! order of the insertions.
 //!
 //! # Sources
-//! A. Bowyer, "Computing Dirichlet tessellations", and D. F. Watson, "Computing the n-dimensional Delaunay tessellation", both Computer Journal 24 (1981);
-//! O. Devillers, M. Teillaud, "Perturbations for Delaunay and weighted Delaunay 3D triangulations", Comput. Geom. 44 (2011), for the ties;
-//! O. Devillers, S. Pion, M. Teillaud, "Walking in a triangulation", Int. J. Found. Comput. Sci. 13 (2002).
+//! A. Bowyer, "Computing Dirichlet tessellations", and D. F. Watson, "Computing the n-dimensional Delaunay
+//! tessellation", both Computer Journal 24 (1981); O. Devillers, M. Teillaud, "Perturbations for Delaunay and
+//! weighted Delaunay 3D triangulations", Comput. Geom. 44 (2011), for the ties; O. Devillers, S. Pion, M.
+//! Teillaud, "Walking in a triangulation", Int. J. Found. Comput. Sci. 13 (2002).
 
 use super::OUTSIDE;
 use super::predicates::{side, within};
@@ -43,12 +46,14 @@ struct Border {
 
 /// A Delaunay triangulation. The points are the caller's.
 ///
-/// With [`insert_inside`](Self::insert_inside), it is one of the space that locked facets divide: a sphere may hold points, if none of them is seen from inside the tetrahedron.
+/// With [`insert_inside`](Self::insert_inside), it is one of the space that locked facets divide: a sphere
+/// may hold points, if none of them is seen from inside the tetrahedron.
 #[derive(Clone)]
 pub(crate) struct Delaunay {
     /// Corners of each tetrahedron, of positive volume. Free places have [`NONE`] as their first two corners.
     pub(crate) corners: Vec<[u32; 4]>,
-    /// Beyond the facet opposite each corner: four times the neighbour, plus the place of its opposite corner.
+    /// Beyond the facet opposite each corner: four times the neighbour, plus the place of its opposite
+    /// corner.
     pub(crate) across: Vec<[u32; 4]>,
     /// Region of each tetrahedron; new ones take it from those in whose place they are.
     pub(crate) regions: Vec<u32>,
@@ -69,7 +74,8 @@ pub(crate) struct Delaunay {
 }
 
 impl Delaunay {
-    /// Delaunay's tetrahedra of the points `order`, inserted in that order; `None` if all points are in one plane. Points that are met twice are left out.
+    /// Delaunay's tetrahedra of the points `order`, inserted in that order; `None` if all points are in one
+    /// plane. Points that are met twice are left out.
     ///
     /// # Cost
     /// About 4 µs for a point, if points that follow each other are near each other.
@@ -140,7 +146,8 @@ impl Delaunay {
         true
     }
 
-    /// Inserts a point that is not [`OUTSIDE`] such that no locked facet is lost. Returns whether it is inserted.
+    /// Inserts a point that is not [`OUTSIDE`] such that no locked facet is lost. Returns whether it is
+    /// inserted.
     pub(crate) fn insert_inside(&mut self, points: &[Point], vertex: u32) -> bool {
         let point = points[vertex as usize];
         let start = self.locate(points, point, self.last);
@@ -165,8 +172,9 @@ impl Delaunay {
 
     /// The tetrahedron with a point in it, or a ghost beyond whose facet it is.
     ///
-    /// The facet to leave by is the first of those that part the tetrahedron from the point. Where locked facets keep tetrahedra from being Delaunay's, such a walk could
-    /// go round in circles: a long one starts with another facet each time.
+    /// The facet to leave by is the first of those that part the tetrahedron from the point. Where locked
+    /// facets keep tetrahedra from being Delaunay's, such a walk could go round in circles: a long one starts
+    /// with another facet each time.
     fn locate(&self, points: &[Point], point: Point, start: u32) -> u32 {
         let mut t = start as usize;
         if let Some(ghost) = self.corners[t].iter().position(|&corner| corner == GHOST) {
@@ -211,14 +219,16 @@ impl Delaunay {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| if k == ghost { point } else { points[corners[k] as usize] });
         let value = side(a, b, c, d);
         if value == 0.0 {
-            // In the plane of the facet, the sphere around the solid neighbour cuts out the circle around the facet.
+            // In the plane of the facet, the sphere around the solid neighbour cuts out the circle around the
+            // facet.
             return self.takes(points, (self.across[t][ghost] / 4) as usize, point, vertex);
         }
         value > 0.0
     }
 
-    /// Finds the tetrahedra that `point`, number `vertex`, takes away and that no locked facet parts from `start`, which has to be one of them. Returns whether the point
-    /// sees all facets around them from inside: only then may the gap be filled.
+    /// Finds the tetrahedra that `point`, number `vertex`, takes away and that no locked facet parts from
+    /// `start`, which has to be one of them. Returns whether the point sees all facets around them from
+    /// inside: only then may the gap be filled.
     pub(crate) fn find_gap_inside(
         &mut self,
         points: &[Point],
@@ -233,7 +243,8 @@ impl Delaunay {
         })
     }
 
-    /// Finds the tetrahedra that `point`, number `vertex`, takes away: `start` has to be one of them. Locked facets may be `walls`, behind which nothing is taken.
+    /// Finds the tetrahedra that `point`, number `vertex`, takes away: `start` has to be one of them. Locked
+    /// facets may be `walls`, behind which nothing is taken.
     pub(crate) fn find_gap(&mut self, points: &[Point], point: Point, vertex: u32, start: u32, walls: bool) {
         if self.search >= u32::MAX / 2 - 1 {
             self.met.fill(0);
@@ -360,8 +371,9 @@ const REST: [[[usize; 2]; 4]; 4] = [
 
 /// Whether a point on the sphere around a tetrahedron counts as inside.
 ///
-/// Every point is lifted by a tiny amount, and that of a higher number by far more: the highest whose lift changes anything decides. Lifting the new point itself
-/// moves it out; lifting a corner moves it in if it is on the same side of the other three as the corner.
+/// Every point is lifted by a tiny amount, and that of a higher number by far more: the highest whose lift
+/// changes anything decides. Lifting the new point itself moves it out; lifting a corner moves it in if it is
+/// on the same side of the other three as the corner.
 #[cold]
 fn tie(points: &[Point], corners: [u32; 4], point: Point, vertex: u32) -> bool {
     let mut order = [0, 1, 2, 3];
@@ -406,7 +418,8 @@ mod tests {
     use super::super::order;
     use super::*;
 
-    /// Checks neighbours, volumes and Delaunay's property by comparing all with all; returns the volume of the hull.
+    /// Checks neighbours, volumes and Delaunay's property by comparing all with all; returns the volume of
+    /// the hull.
     fn check(points: &[Point]) -> f64 {
         let order = order::rounds(&order::along_curve(points));
         let mesh = Delaunay::new(points, &order).unwrap();

@@ -47,7 +47,7 @@ pub enum MeshError {
     Degenerate {
         /// The facet.
         facet: usize,
-        /// Its first corner.
+        /// First corner of the facet.
         place: [f64; 3],
     },
     /// A facet lacks a neighbour.
@@ -80,7 +80,7 @@ pub enum MeshError {
     Twice {
         /// The facets.
         facets: [usize; 2],
-        /// Their first corner.
+        /// First corner of the facets.
         place: [f64; 3],
     },
     /// Facets contradict each other about the regions at their sides.
@@ -109,16 +109,16 @@ pub enum MeshError {
     Thin {
         /// The region.
         region: u32,
-        /// Its mean thickness.
+        /// Mean thickness of the region.
         thickness: f64,
         /// The mean size at its surface.
         size: f64,
     },
     /// A round body or hole is so slender that its facets, which are not longer than wide, are too many.
     Slender {
-        /// Its radius.
+        /// Radius of the body or hole.
         radius: f64,
-        /// Its length.
+        /// Length of the body or hole.
         length: f64,
         /// About how many elements it would take.
         elements: f64,

@@ -1,10 +1,12 @@
 //! Points inside, and how they are moved until the tetrahedra are even.
 //!
 //! # Sources
-//! J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998, for points in the middle of spheres that are too large; L. Chen, J. Xu, "Optimal
-//! Delaunay triangulations", J. Comput. Math. 22 (2004), and P. Alliez, D. Cohen-Steiner, M. Yvinec, M. Desbrun, "Variational tetrahedral meshing", SIGGRAPH 2005, for
-//! the moves: each point goes to the mean of the centres of the spheres around it; J. R. Shewchuk, "General-dimensional constrained Delaunay and constrained regular
-//! triangulations, I", Discrete Comput. Geom. 39 (2008), for tetrahedra that locked facets part.
+//! J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998, for points in the
+//! middle of spheres that are too large; L. Chen, J. Xu, "Optimal Delaunay triangulations", J. Comput. Math.
+//! 22 (2004), and P. Alliez, D. Cohen-Steiner, M. Yvinec, M. Desbrun, "Variational tetrahedral meshing",
+//! SIGGRAPH 2005, for the moves: each point goes to the mean of the centres of the spheres around it; J. R.
+//! Shewchuk, "General-dimensional constrained Delaunay and constrained regular triangulations, I", Discrete
+//! Comput. Geom. 39 (2008), for tetrahedra that locked facets part.
 
 use std::collections::VecDeque;
 
@@ -17,7 +19,8 @@ use super::skin::Skin;
 use super::vector::{Point, circle, cross, dot, in_ball, length, minus, normal, plus, sphere, times};
 use super::{MOST, MeshError, OUTSIDE, order, regions};
 
-/// A sphere is too large if its radius is above this times the size; chosen such that the mean edge is the size.
+/// A sphere is too large if its radius is above this times the size; chosen such that the mean edge is the
+/// size.
 const COARSE: f64 = 0.78;
 
 /// Largest distance of a new point from the centre of its sphere, over the radius.
@@ -29,7 +32,8 @@ const ROUNDS: usize = 6;
 /// Longest move of a round, over the size.
 const STEP: f64 = 0.4;
 
-/// Inserts points into spheres that are too large, first found first. None takes away a facet of the skin, nor lies in the sphere over one.
+/// Inserts points into spheres that are too large, first found first. None takes away a facet of the skin,
+/// nor lies in the sphere over one.
 pub(crate) fn fill(
     mesh: &mut Delaunay,
     points: &mut Vec<Point>,
@@ -71,14 +75,16 @@ pub(crate) fn fill(
     Ok(())
 }
 
-/// Whether a point is in the smallest sphere around a facet, or behind the facet (in front, counter-clockwise seen from outside).
+/// Whether a point is in the smallest sphere around a facet, or behind the facet (in front, counter-clockwise
+/// seen from outside).
 fn encroaches([a, b, c]: [Point; 3], point: Point) -> bool {
     let Some((centre, square)) = circle(a, b, c) else { return true };
     let offset = minus(point, centre);
     dot(offset, offset) < square || dot(offset, normal(a, b, c)) > 0.0
 }
 
-/// Moves the points inside, and makes Delaunay's tetrahedra of them, several times. Those of the skin alone are `bare`.
+/// Moves the points inside, and makes Delaunay's tetrahedra of them, several times. `bare` is the
+/// triangulation of the skin alone.
 pub(crate) fn smooth(
     mut mesh: Delaunay,
     bare: &Delaunay,
@@ -146,8 +152,9 @@ fn targets(mesh: &Delaunay, fixed: usize, points: &[Point], sizes: &Sizes<'_>) -
     targets
 }
 
-/// Delaunay's tetrahedra of moved points. Where these lack triangles of the skin, the points are inserted into the tetrahedra of the `bare` skin instead; those for which
-/// there is no room go back to where they were `before`, or are left out.
+/// Delaunay's tetrahedra of moved points. Where these lack triangles of the skin, the points are inserted
+/// into the tetrahedra of the `bare` skin instead; those for which there is no room go back to where they
+/// were `before`, or are left out.
 fn triangulate(
     moved: &mut [Point],
     before: &[Point],

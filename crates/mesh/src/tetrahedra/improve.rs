@@ -1,12 +1,14 @@
 //! Removes flat and thin tetrahedra.
 //!
-//! The worst tetrahedra come first. For each, edges and facets are flipped, its corners are moved, an edge is split or a corner removed: whatever makes the smallest
-//! angle of all tetrahedra that change larger. The smallest angle of the mesh only grows.
+//! The worst tetrahedra come first. For each, the mesher tries to flip edges and facets, move its corners,
+//! split an edge or remove a corner, if that makes the smallest angle of all changed tetrahedra larger. The
+//! smallest angle of the mesh only grows.
 //!
 //! # Sources
-//! L. A. Freitag, C. Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing", Int. J. Numer. Meth. Engng 40 (1997); B. M. Klingner, J. R. Shewchuk,
-//! "Aggressive tetrahedral mesh improvement", Proc. 16th Int. Meshing Roundtable (2007), for the order of the attempts and the measure, the smallest sine of the
-//! angles between facets, which is small for angles near 0° and near 180°.
+//! L. A. Freitag, C. Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing", Int. J.
+//! Numer. Meth. Engng 40 (1997); B. M. Klingner, J. R. Shewchuk, "Aggressive tetrahedral mesh improvement",
+//! Proc. 16th Int. Meshing Roundtable (2007), for the order of the attempts and the measure, the smallest
+//! sine of the angles between facets, which is small for angles near 0° and near 180°.
 
 pub(crate) mod body;
 mod flips;
@@ -19,7 +21,8 @@ use fdem_scenes::random::Random;
 use super::delaunay::NONE;
 use body::Body;
 
-/// Sines below which tetrahedra are improved: that of 22°, for most; 18° before points are inserted or removed.
+/// Sines below which tetrahedra are improved: that of 22°, for most; 18° before points are inserted or
+/// removed.
 const ENOUGH: f64 = 0.375;
 const POOR: f64 = 0.309;
 

@@ -1,4 +1,4 @@
-//! The numbers of nodes and elements: what is near in the body is near in memory.
+//! The numbers of nodes and elements: neighbours in the body are near in memory.
 
 use super::delaunay::{FACETS, NONE};
 use super::improve::body::{BORDER, Body};

@@ -1,4 +1,4 @@
-//! The order in which points are inserted: what follows each other is near each other.
+//! The order in which points are inserted: successive points are near each other.
 
 use super::vector::Point;
 use crate::curve::place;
@@ -29,10 +29,12 @@ pub(crate) fn along_curve(points: &[Point]) -> Vec<u32> {
     keys.into_iter().map(|(_, number)| number).collect()
 }
 
-/// An order in rounds: each has about twice the points of all before it, and runs along the curve. What a point meets is then small, and near.
+/// An order in rounds: each has about twice the points of all before it, and runs along the curve. Then each
+/// point meets a small neighbourhood that is near in memory.
 ///
 /// # Source
-/// N. Amenta, S. Choi, G. Rote, "Incremental constructions con BRIO", `SoCG` 2003; here each round takes points at even distances along the curve.
+/// N. Amenta, S. Choi, G. Rote, "Incremental constructions con BRIO", `SoCG` 2003; here each round takes
+/// points at even distances along the curve.
 pub(crate) fn rounds(along: &[u32]) -> Vec<u32> {
     let mut order = Vec::with_capacity(along.len());
     let mut step = (along.len() / 64).next_power_of_two();

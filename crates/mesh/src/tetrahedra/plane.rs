@@ -1,11 +1,12 @@
 //! Meshes of triangles in a plane, or on a plane that repeats along x (an unrolled cylinder).
 //!
-//! Starting from any triangles of a polygon, edges are flipped until all are Delaunay's; then points are inserted in circles that are too large, and moved to where
-//! triangles are even. Edges of the border stay.
+//! Starting from any triangles of a polygon, edges are flipped until all are Delaunay's; then points are
+//! inserted in circles that are too large, and moved to where triangles are even. Edges of the border stay.
 //!
 //! # Sources
-//! C. L. Lawson, "Software for C1 surface interpolation", Mathematical Software III (1977), for the flips; J. Ruppert, "A Delaunay refinement algorithm for quality
-//! 2-dimensional mesh generation", J. Algorithms 18 (1995); L. Chen, J. Xu, "Optimal Delaunay triangulations", J. Comput. Math. 22 (2004), for the moves.
+//! C. L. Lawson, "Software for C1 surface interpolation", Mathematical Software III (1977), for the flips; J.
+//! Ruppert, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation", J. Algorithms 18
+//! (1995); L. Chen, J. Xu, "Optimal Delaunay triangulations", J. Comput. Math. 22 (2004), for the moves.
 
 use std::collections::VecDeque;
 
@@ -16,10 +17,12 @@ use super::delaunay::NONE;
 /// A point in the plane.
 pub(crate) type Point2 = [f64; 2];
 
-/// A circle is too large if its radius is above this times the size; chosen such that the mean edge is the size.
+/// A circle is too large if its radius is above this times the size; chosen such that the mean edge is the
+/// size.
 const COARSE: f64 = 0.72;
 
-/// Largest distance of a new point from the centre of its circle, over the radius: centres of regular patterns would lie in patterns themselves.
+/// Largest distance of a new point from the centre of its circle, over the radius: centres of regular
+/// patterns would lie in patterns themselves.
 const JITTER: f64 = 0.2;
 
 /// Rounds of moves.
@@ -30,7 +33,8 @@ pub(crate) struct Plane {
     pub(crate) points: Vec<Point2>,
     /// Counter-clockwise.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Beyond the edge opposite each corner: three times the neighbour, plus the place of its opposite corner.
+    /// Beyond the edge opposite each corner: three times the neighbour, plus the place of its opposite
+    /// corner.
     across: Vec<[u32; 3]>,
     /// Length after which the plane repeats along x, or 0.
     period: f64,
@@ -63,7 +67,8 @@ impl Plane {
         Self::with_walls(points, triangles, period, &[])
     }
 
-    /// The same with edges inside that stay as those of the border do: pairs of ends in ascending order, sorted.
+    /// The same with edges inside that stay as those of the border do: pairs of ends in ascending order,
+    /// sorted.
     pub(crate) fn with_walls(
         points: Vec<Point2>,
         triangles: Vec<[u32; 3]>,
@@ -108,7 +113,8 @@ impl Plane {
 
     /// Fills the inside with points such that edges are about as long as `size` says, and triangles are even.
     ///
-    /// The first `fixed` points stay. Of a plane that repeats, no triangle may be wider than half of its period, nor its circle.
+    /// The first `fixed` points stay. In a periodic plane, no triangle may be wider than half of the period,
+    /// nor its circle.
     pub(crate) fn fill(&mut self, fixed: usize, size: &dyn Fn(Point2) -> f64, random: &mut Random) {
         self.make_delaunay();
         self.refine(size, random);
@@ -126,7 +132,8 @@ impl Plane {
     }
 
     fn flip_all(&mut self, open: &mut Vec<[u32; 2]>) {
-        // Ties are left as they are, so the flips end; the limit is for rounding that goes in circles. The fans of a long strip take n²/8.
+        // Ties are left as they are, so the flips end; the limit is for rounding that goes in circles. The
+        // fans of a long strip take n²/8.
         let mut left = self.triangles.len().saturating_pow(2).saturating_add(1000);
         while let Some([t, place]) = open.pop() {
             if left == 0 {
@@ -156,7 +163,8 @@ impl Plane {
         one + two < -1e-12 * scale
     }
 
-    /// Replaces an edge by the other diagonal; returns the other triangle. The new edge is opposite corner 1 here and corner 2 there.
+    /// Replaces an edge by the other diagonal; returns the other triangle. The new edge is opposite corner 1
+    /// here and corner 2 there.
     fn flip(&mut self, t: usize, e: usize) -> usize {
         let other = self.across[t][e];
         let (u, f) = ((other / 3) as usize, (other % 3) as usize);
@@ -285,7 +293,8 @@ impl Plane {
         flips.extend([[t as u32, 0], [u as u32, 1], [v as u32, 2]]);
     }
 
-    /// Moves each point from `fixed` on to the mean of the centres of the circles around it, weighted by area over the square of the size there.
+    /// Moves each point from `fixed` on to the mean of the centres of the circles around it, weighted by area
+    /// over the square of the size there.
     fn smooth(&mut self, fixed: usize, size: &dyn Fn(Point2) -> f64) {
         let mut at = vec![NONE; self.points.len()];
         for (t, triangle) in (0..).zip(&self.triangles) {

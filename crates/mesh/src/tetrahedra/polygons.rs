@@ -1,13 +1,16 @@
 //! Polygons inside of bodies, such as joints in rock, that become facets of the mesh.
 //!
-//! Polygons are cut where they cross each other and the faces of the surface, and what is outside is left out. What would give elements much smaller than the mesh size is moved by less than a
-//! share of it: polygons that nearly coincide become one, planes that pass a corner or a crossing go through it, and corners and edges of a polygon that are near another polygon or a face end on it.
-//! All stays flat: planes are moved along their normals, and corners within their planes. Nodes of round faces are moved along these, onto polygons.
+//! Polygons are cut where they cross each other and the faces of the surface, and parts outside are left out.
+//! Parts that would give elements much smaller than the mesh size are moved by less than a share of it:
+//! polygons that nearly coincide become one, planes that pass a corner or a crossing go through it, and
+//! corners and edges of a polygon that are near another polygon or a face end on it. All stays flat: planes
+//! are moved along their normals, and corners within their planes. Nodes of round faces are moved along
+//! these, onto polygons.
 //!
 //! - `sheet`: flat pieces, and the segments that two of them have in common.
 //! - `snap`: moves of planes and corners.
 //! - `warp`: moves of the nodes of round faces.
-//! - `arrange`: all segments are cut by each other; what is between them is triangulated plane by plane.
+//! - `arrange`: all segments are cut by each other; the areas between them are triangulated plane by plane.
 
 mod arrange;
 mod sheet;
@@ -42,7 +45,8 @@ const SAME: f64 = 1e-9;
 /// Distance from the mean plane over the width of a polygon up to which it is flat.
 const FLAT: f64 = 1e-3;
 
-/// How often polygons that are too close to others are moved to another place, by up to [`SNAP`], before they are refused.
+/// How often polygons that are too close to others are moved to another place, by up to [`SNAP`], before they
+/// are refused.
 const ATTEMPTS: usize = 30;
 
 /// The square of the number of polygons times the attempts, at most, if there are more than three.
@@ -97,7 +101,7 @@ pub enum PolygonError {
     },
     /// There are too many polygons.
     TooMany {
-        /// Their number.
+        /// Number of polygons.
         polygons: usize,
     },
 }
@@ -139,21 +143,26 @@ impl fmt::Display for PolygonError {
 
 impl Error for PolygonError {}
 
-/// Puts polygons, by their corners in order, into a surface as facets with [`INNER`](super::INNER) on both sides. Returns the face of the facets of the first polygon; those of the others follow.
-/// Where polygons coincide, the facets are those of the first.
+/// Puts polygons, by their corners in order, into a surface as facets with [`INNER`](super::INNER) on both
+/// sides. Returns the face of the facets of the first polygon; those of the others follow. Where polygons
+/// coincide, the facets are those of the first.
 ///
-/// Polygons are moved by up to 0.35 of the mesh size onto each other, onto faces, and to corners and crossings. What is still too close to be meshed is tried again at other places, up to 0.35 of the
-/// mesh size from where it was; these are random, and always the same. Faces that are cut are triangulated anew; others keep their facets, but nodes of round faces are moved along these, onto polygons.
-/// Without a polygon inside, the surface stays what it is.
+/// Polygons are moved by up to 0.35 of the mesh size onto each other, onto faces, and to corners and
+/// crossings. Polygons that are still too close to be meshed are tried again at other places, up to 0.35 of
+/// the mesh size from their own; these places are random, but reproducible. Faces that are cut are
+/// triangulated again; others keep their facets, but nodes of round faces are moved along these, onto
+/// polygons. Without a polygon inside, the surface stays unchanged.
 ///
 /// # Units
 /// `size` is in the unit of the coordinates.
 ///
 /// # Cost
-/// In proportion to the square of the number of segments in which polygons meet each other and faces, and of the number of polygons; up to 30 times where polygons are too close.
+/// In proportion to the square of the number of segments in which polygons meet each other and faces, and of
+/// the number of polygons; up to 30 times where polygons are too close.
 ///
 /// # Errors
-/// [`PolygonError`]: polygons that are not flat, and what is closer than 0.03 of the mesh size, or meets at less than 3 degrees, after all moves.
+/// [`PolygonError`]: polygons that are not flat, or are closer than 0.03 of the mesh size, or meet at less
+/// than 3 degrees, after all moves.
 ///
 /// # Example
 /// ```
@@ -216,7 +225,7 @@ pub fn add_polygons(
         if attempt == attempts {
             return Err(fault.clone());
         }
-        // What is too close to another may be farther from it elsewhere.
+        // A polygon that is too close to another may be farther from it elsewhere.
         for fault in &faults {
             if let PolygonError::Close { polygons, place } | PolygonError::Sharp { polygons, place, .. } =
                 fault
@@ -229,7 +238,8 @@ pub fn add_polygons(
     Ok(first)
 }
 
-/// Puts polygons into a surface, once. Returns the surface, if any of them is inside, and what is wrong with it.
+/// Puts polygons into a surface, once. Returns the surface, if any of them is inside, and the problem if
+/// there is one.
 fn put(
     surface: &Surface,
     faces: &FlatFaces,

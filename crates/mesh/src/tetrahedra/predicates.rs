@@ -1,20 +1,23 @@
 //! On which side of a plane, and of a sphere, a point is: exactly.
 //!
-//! Both are first computed in plain arithmetic. Only where the result is smaller than its error can be, exact arithmetic decides.
+//! Both are first computed in plain arithmetic. Only where the result is smaller than its error can be, exact
+//! arithmetic decides.
 //!
 //! # Source
-//! J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", Discrete Comput. Geom. 18 (1997), for the
-//! bounds of the errors: here they are taken with the largest differences of coordinates instead of the exact sum of products, which is larger and cheaper.
+//! J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates",
+//! Discrete Comput. Geom. 18 (1997), for the bounds of the errors: here they are taken with the largest
+//! differences of coordinates instead of the exact sum of products, which is larger and cheaper.
 
 use robust::Coord3D;
 
 use super::vector::Point;
 
-/// Bound of the error of [`side`], over the product of the largest differences along the axes: Shewchuk's (7 + 56 ε) ε, times 6 products, and a little more.
+/// Bound of the error of [`side`], over the product of the largest differences along the axes: Shewchuk's
+/// (7 + 56 ε) ε, times 6 products, and a little more.
 const SIDE: f64 = 6.0 * 7.9e-16;
 
-/// Bound of the error of [`within`], over the product of the largest differences and the largest square: (16 + 224 ε) ε, times 4 · 6 products
-/// times 3 squares, and a little more.
+/// Bound of the error of [`within`], over the product of the largest differences and the largest square:
+/// (16 + 224 ε) ε, times 4 · 6 products times 3 squares, and a little more.
 const WITHIN: f64 = 72.0 * 1.8e-15;
 
 fn exact(point: Point) -> Coord3D<f64> {
@@ -26,8 +29,8 @@ fn largest(a: f64, b: f64, c: f64) -> f64 {
     a.abs().max(b.abs()).max(c.abs())
 }
 
-/// Six times the volume of a tetrahedron: positive if the first three corners are counter-clockwise seen from the last, 0 if all are in a plane. The
-/// sign is exact.
+/// Six times the volume of a tetrahedron: positive if the first three corners are counter-clockwise seen from
+/// the last, 0 if all are in a plane. The sign is exact.
 #[inline]
 pub(crate) fn side(a: Point, b: Point, c: Point, d: Point) -> f64 {
     let [ax, ay, az] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
@@ -41,8 +44,8 @@ pub(crate) fn side(a: Point, b: Point, c: Point, d: Point) -> f64 {
     -robust::orient3d(exact(a), exact(b), exact(c), exact(d))
 }
 
-/// Positive if `e` is inside the sphere around the tetrahedron `abcd` of positive volume, negative if it is outside, 0 if it is on the sphere. The sign
-/// is exact.
+/// Positive if `e` is inside the sphere around the tetrahedron `abcd` of positive volume, negative if it is
+/// outside, 0 if it is on the sphere. The sign is exact.
 #[inline]
 pub(crate) fn within(a: Point, b: Point, c: Point, d: Point, e: Point) -> f64 {
     let [ax, ay, az] = [a[0] - e[0], a[1] - e[1], a[2] - e[2]];

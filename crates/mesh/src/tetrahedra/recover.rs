@@ -1,11 +1,13 @@
 //! Makes every triangle of a skin a facet of Delaunay's tetrahedra.
 //!
-//! A triangle is a facet if some sphere through its corners is empty. Where none is, edges of the skin are split, and the patches around them flipped, until
-//! all are there. Nothing is moved, so the skin still covers the same surface.
+//! A triangle is a facet if some sphere through its corners is empty. Where none is, edges of the skin are
+//! split, and the patches around them flipped, until all are there. Nothing is moved, so the skin still
+//! covers the same surface.
 //!
 //! # Source
-//! J. Ruppert, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation", J. Algorithms 18 (1995), for the circles around corners on which edges with
-//! a sharp angle between them are split; J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998.
+//! J. Ruppert, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation", J. Algorithms 18
+//! (1995), for the circles around corners on which edges with a sharp angle between them are split; J. R.
+//! Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998.
 
 use super::delaunay::{Delaunay, FACETS, GHOST, NONE};
 use super::order;
@@ -17,7 +19,8 @@ use super::{INNER, MeshError};
 /// Rounds of splitting.
 const ROUNDS: usize = 60;
 
-/// Facets of the skin in the tetrahedra: four times the tetrahedron, plus the place of the opposite corner; and the triangle. Each twice, from both sides.
+/// Facets of the skin in the tetrahedra: four times the tetrahedron, plus the place of the opposite corner;
+/// and the triangle. Each twice, from both sides.
 pub(crate) type Hits = Vec<(u32, u32)>;
 
 /// Corners in order of their numbers.
@@ -28,7 +31,7 @@ fn key(mut corners: [u32; 3]) -> [u32; 3] {
 
 /// Facets that are looked for.
 struct Wanted {
-    /// By their corners.
+    /// The facets by their corners.
     all: Vec<([u32; 3], u32)>,
     /// Whether a point is a corner of any.
     corner: Vec<bool>,
@@ -83,7 +86,8 @@ pub(crate) fn lock(mesh: &mut Delaunay, skin: &Skin) -> (Hits, Vec<u32>) {
 /// Delaunay's tetrahedra of the points of the skin. Splits triangles until all are facets.
 ///
 /// # Errors
-/// [`MeshError::Flat`]; [`MeshError::NotRecovered`] where triangles are missing after as many points as are reasonable.
+/// [`MeshError::Flat`]; [`MeshError::NotRecovered`] where triangles are missing after a reasonable number of
+/// added points.
 pub(crate) fn recover(skin: &mut Skin) -> Result<(Delaunay, Hits), MeshError> {
     let order = order::rounds(&order::along_curve(&skin.points));
     let mut mesh = Delaunay::new(&skin.points, &order).ok_or(MeshError::Flat)?;
@@ -147,7 +151,7 @@ fn mend(skin: &mut Skin, mesh: &Delaunay, missing: &[u32], nodes: usize) {
     let facets = flips.iter().flat_map(|flip| flip.unwrap_or([[NONE; 3]; 2]));
     let facets: Vec<[u32; 3]> = facets.collect();
     let mut there = vec![false; facets.len()];
-    // What is looked for twice is found once.
+    // A triangle that is searched for twice is found once.
     let mut unique: Vec<([u32; 3], usize)> = facets.iter().map(|&facet| key(facet)).zip(0..).collect();
     unique.sort_unstable();
     let keys: Vec<[u32; 3]> = unique.chunk_by(|a, b| a.0 == b.0).map(|same| same[0].0).collect();
@@ -211,7 +215,8 @@ fn is_border(skin: &Skin, edges: &Edges, a: u32, b: u32) -> bool {
     around.len() != 2 || skin.of[around[0].1 as usize] != skin.of[around[1].1 as usize]
 }
 
-/// The two triangles that an edge's two would be flipped to, in the order of [`Edges::around`]; `None` at edges between patches.
+/// The two triangles that an edge's two would be flipped to, in the order of [`Edges::around`]; `None` at
+/// edges between patches.
 fn flipped(skin: &Skin, edges: &Edges, triangle: u32, k: usize) -> Option<[[u32; 3]; 2]> {
     let corners = skin.triangles[triangle as usize];
     let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
@@ -268,7 +273,8 @@ fn split(
     let (a, b) = (a.min(b), a.max(b));
     let [from, to] = [a, b].map(|node| skin.points[node as usize]);
     let span = distance(from, to);
-    // Pieces at a corner of the surface have lengths that are powers of 2: those of neighbouring edges then do not split each other without end.
+    // Pieces at a corner of the surface have lengths that are powers of 2: those of neighbouring edges then
+    // do not split each other without end.
     let part = match ((a as usize) < nodes, (b as usize) < nodes) {
         (true, false) => power(span) / span,
         (false, true) => 1.0 - power(span) / span,
@@ -302,7 +308,8 @@ fn power(span: f64) -> f64 {
     power
 }
 
-/// Flips the edges of a patch until its triangles are Delaunay's in its plane; the `shared` ones, which have more than two, stay.
+/// Flips the edges of a patch until its triangles are Delaunay's in its plane; the `shared` ones, which have
+/// more than two, stay.
 fn flip_patch(skin: &mut Skin, shared: &[[u32; 2]], patch: u32) {
     let all: Vec<usize> = (0..skin.triangles.len()).filter(|&t| skin.of[t] == patch).collect();
     let mut used: Vec<u32> = all.iter().flat_map(|&t| skin.triangles[t]).collect();

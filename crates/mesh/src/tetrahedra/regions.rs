@@ -60,9 +60,11 @@ pub(crate) fn classify(mesh: &mut Delaunay, skin: &Skin, hits: &Hits) -> Result<
     Ok(())
 }
 
-/// Turns over pairs of triangles of one plane below which there is a flat tetrahedron: it is outside then. Returns whether there was any.
+/// Turns over pairs of triangles of one plane below which there is a flat tetrahedron: it is outside then.
+/// Returns whether there was any.
 ///
-/// Points in a plane that is not along the axes are in it only up to rounding, and four of them may be corners of a tetrahedron.
+/// Points in a plane that is not along the axes are in it only up to rounding, and four of them may be
+/// corners of a tetrahedron.
 pub(crate) fn peel(mesh: &Delaunay, skin: &mut Skin, hits: &Hits) -> bool {
     let mut of: Vec<(u32, u32)> = hits.clone();
     of.sort_unstable();

@@ -44,7 +44,8 @@ pub struct SharpCorner {
 /// Sine of the largest angle between facets of one plane.
 const FLAT: f64 = 1e-6;
 
-/// The corner of a flat face with the smallest angle; `None` without facets. Neighbours in one plane are of one face.
+/// The corner of a flat face with the smallest angle; `None` without facets. Neighbours in one plane are of
+/// one face.
 ///
 /// # Shapes
 /// `facets`: corners `[m]`, of a closed surface.
@@ -101,7 +102,8 @@ fn neighbours(facets: &[[u32; 3]]) -> Vec<(usize, usize, [u32; 2])> {
     pairs.collect()
 }
 
-/// The angle inside between two facets, degrees. `opposite` is the corner of the second that the first has not.
+/// The angle inside between two facets, degrees. `opposite` is the corner of the second that the first has
+/// not.
 fn angle([a, b, c]: [Point; 3], [d, e, f]: [Point; 3], opposite: Point) -> f64 {
     let (one, other) = (unit(normal(a, b, c)), unit(normal(d, e, f)));
     let turn = dot(one, other).clamp(-1.0, 1.0).acos().to_degrees();

@@ -12,12 +12,14 @@ const FEW: f64 = 12.0;
 /// Sizes that grow by at most [`GROWTH`] times the distance.
 pub(crate) enum Sizes<'a> {
     Even(f64),
-    /// The smaller of two: the values of a grid, which grow slowly, and the size itself, which may be smaller between the nodes of the grid.
+    /// The smaller of two: the values of a grid, which grow slowly, and the size itself, which may be smaller
+    /// between the nodes of the grid.
     Graded(Grid, &'a dyn Fn(Point) -> f64),
 }
 
 impl<'a> Sizes<'a> {
-    /// Samples `size` in the box from `low` to `high` and at some places, and limits how it grows. The error is the first place where it is no positive number.
+    /// Samples `size` in the box from `low` to `high` and at some places, and limits how it grows. The error
+    /// is the first place where it is no positive number.
     ///
     /// Whether the size varies is found out from samples, unless it `varies` for certain.
     pub(crate) fn new(

@@ -1,7 +1,8 @@
 //! The triangles of a surface, at the size of the mesh.
 //!
-//! Facets of one face that meet in one plane are a patch. Edges between patches are cut into pieces as long as the size says, then each patch is meshed anew in its
-//! plane. The skin covers exactly the surface that was given.
+//! Facets of one face that meet in one plane are a patch. Edges between patches are cut into pieces of the
+//! given size, then each patch is meshed again in its plane. The skin covers exactly the surface that was
+//! given.
 
 use fdem_scenes::random::Random;
 
@@ -25,7 +26,7 @@ pub(crate) struct Patch {
 
 /// Triangles that cover a surface.
 pub(crate) struct Skin {
-    /// Those of the surface come first.
+    /// The points of the surface come first.
     pub(crate) points: Vec<Point>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Patch of each triangle.
@@ -41,7 +42,8 @@ struct Edge {
     /// First point inside the edge, and their number.
     first: u32,
     count: u32,
-    /// Whether it is on a curved face: edges of its triangles differ in length anyway, so only long ones are cut.
+    /// Whether it is on a curved face: edges of its triangles differ in length anyway, so only long ones are
+    /// cut.
     curved: bool,
     /// Whether it has more than two facets: two of them may be of one patch.
     shared: bool,
@@ -104,7 +106,7 @@ impl Skin {
         let fixed = flat.len();
         let place = |[x, y]: Point2| plus(origin, plus(times(axes[0], x), times(axes[1], y)));
         let mut plane = Plane::with_walls(flat, triangles, 0.0, &walls);
-        // A facet of a curved face that no edge of was cut is as small as its neighbours want it.
+        // A facet of a curved face none of whose edges was cut is as small as its neighbours require.
         if fixed > 3 || is_large(surface.corners(one), sizes) {
             plane.fill(
                 fixed,
@@ -130,7 +132,8 @@ impl Skin {
     }
 }
 
-/// The pieces of edges that have facets of this patch on both sides and another facet besides: sorted, by their ends in ascending order.
+/// The pieces of edges that have facets of this patch on both sides and another facet besides: sorted, by
+/// their ends in ascending order.
 fn walls(surface: &Surface, facets: &[(u32, u32)], borders: &[Edge]) -> Vec<[u32; 2]> {
     let mut edges = Vec::new();
     for &(_, facet) in facets {
@@ -160,7 +163,8 @@ fn is_large(corners: [Point; 3], sizes: &Sizes<'_>) -> bool {
     circle(corners[0], corners[1], corners[2]).is_some_and(|(_, square)| square > size * size)
 }
 
-/// Two directions of length 1 in the plane of a triangle: counter-clockwise seen from the tip of its normal. Along the axes, exactly, if the plane is.
+/// Two directions of length 1 in the plane of a triangle: counter-clockwise seen from the tip of its normal.
+/// Along the axes, exactly, if the plane is.
 pub(super) fn axes_of([a, b, c]: [Point; 3]) -> [Point; 2] {
     let normal = unit(normal(a, b, c));
     for axis in 0..3 {
@@ -208,7 +212,7 @@ fn patches(surface: &Surface) -> (Vec<u32>, Vec<Edge>) {
 pub(super) struct FlatFaces {
     /// Flat face of each facet.
     pub(super) of_facet: Vec<u32>,
-    /// Their number.
+    /// Number of flat faces.
     pub(super) count: usize,
     /// Whether each is a part of a round face.
     pub(super) round: Vec<bool>,

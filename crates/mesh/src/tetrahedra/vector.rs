@@ -63,7 +63,8 @@ pub(crate) fn circle(a: Point, b: Point, c: Point) -> Option<(Point, f64)> {
     Some((plus(a, offset), dot(offset, offset)))
 }
 
-/// Centre of the sphere around a tetrahedron, and the square of its radius; `None` if the corners are in a plane.
+/// Centre of the sphere around a tetrahedron, and the square of its radius; `None` if the corners are in a
+/// plane.
 #[inline]
 pub(crate) fn sphere(a: Point, b: Point, c: Point, d: Point) -> Option<(Point, f64)> {
     let (u, v, w) = (minus(b, a), minus(c, a), minus(d, a));
@@ -75,7 +76,8 @@ pub(crate) fn sphere(a: Point, b: Point, c: Point, d: Point) -> Option<(Point, f
     (determinant != 0.0 && square.is_finite()).then(|| (plus(a, offset), square))
 }
 
-/// A random point in the ball of radius 1 around the origin; no sine is needed, which differs from platform to platform.
+/// A random point in the ball of radius 1 around the origin; no sine is needed, which differs from platform
+/// to platform.
 pub(crate) fn in_ball(random: &mut fdem_scenes::random::Random) -> Point {
     loop {
         let point = [(); 3].map(|()| random.between(-1.0, 1.0));

@@ -5,7 +5,8 @@ use std::fmt;
 
 use spade::InsertionError;
 
-/// Why an outline could not be meshed or filled with grains. Holes count from 1; places are coordinates of the outline.
+/// Why an outline could not be meshed or filled with grains. Holes count from 1; places are coordinates of
+/// the outline.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum OutlineError {
@@ -18,7 +19,7 @@ pub enum OutlineError {
     HoleOutside {
         /// The hole.
         hole: usize,
-        /// Its corner that is beyond.
+        /// The corner that is outside.
         place: [f64; 2],
     },
     /// A hole is in another.
@@ -37,7 +38,7 @@ pub enum OutlineError {
     SizeTooSmall,
     /// Coordinates that cannot be triangulated.
     Coordinates {
-        /// What has them.
+        /// The part of the input with these coordinates.
         what: &'static str,
         /// The reason.
         why: &'static str,

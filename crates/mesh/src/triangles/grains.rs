@@ -131,7 +131,7 @@ impl Grains {
         let [low, high] = domain.bounds();
         let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
         let far = 20.0 * distance(low, high);
-        // Points far away close the cells at the outline. The boundaries of their own cells are far outside.
+        // Points far away close the cells at the outline. The boundaries of their cells are far outside.
         let mut seeds: Vec<Point> = self.centres.clone();
         for [x, y] in [
             [1.0, 0.1],
@@ -162,7 +162,8 @@ impl Grains {
         Ok(edges)
     }
 
-    /// The grain of each element: parts of the mesh between lines, by the centre that is nearest to the middle of their largest element.
+    /// The grain of each element: parts of the mesh between lines, by the centre that is nearest to the
+    /// middle of their largest element.
     ///
     /// # Errors
     /// [`OutlineError::Coordinates`].
@@ -189,7 +190,8 @@ impl Grains {
     }
 }
 
-/// One of so many colours for each grain, so that neighbours have different ones where that is possible, and each colour comes about as often.
+/// One of the given number of colours for each grain, so that neighbours have different ones where that is
+/// possible, and each colour occurs about equally often.
 pub fn colours<const D: usize, const N: usize>(
     elements: &[[u32; N]],
     grains: &[u32],
@@ -242,7 +244,8 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// Finds the parts of the mesh between lines. Each element gets the smallest number of an element of its part.
+/// Finds the parts of the mesh between lines. Each element gets the smallest number of an element of its
+/// part.
 fn parts(mesh: &Triangles) -> Vec<u32> {
     let mut lines: Vec<_> = mesh.lines.iter().map(|&edge| ordered(edge)).collect();
     lines.sort_unstable();
@@ -396,7 +399,7 @@ impl Net {
         }
     }
 
-    /// Gives the lines to the domain, and what lies on an edge of a loop to that loop.
+    /// Gives the lines to the domain, and the parts on an edge of a loop to that loop.
     fn hand_over(mut self, domain: &mut Domain) {
         for line in &mut self.lines {
             line.sort_unstable();
@@ -452,7 +455,8 @@ fn along(a: Point, b: Point, t: f64) -> Point {
     [0, 1].map(|axis| a[axis] * (1.0 - t) + b[axis] * t)
 }
 
-/// Crossings of the line from `a` to `b` with edges of loops: the position along the line, and the place on the edge.
+/// Crossings of the line from `a` to `b` with edges of loops: the position along the line, and the place on
+/// the edge.
 fn crossings(a: Point, b: Point, domain: &Domain) -> Vec<(f64, Freedom)> {
     let mut found = Vec::new();
     for (number, corners) in domain.loops.iter().enumerate() {

@@ -1,8 +1,10 @@
 //! Networks of lines, such as joints in rock, that become edges of the mesh of a domain.
 //!
-//! Lines are cut where they cross each other and the loops of the domain, and what is outside is left out. What would give elements much smaller than the mesh size is snapped: points nearer to
-//! each other than a share of the mesh size become one, and a line that passes a point as near as that goes through it. Lines that nearly coincide therefore become one line, and
-//! lines that end near a loop, or near another line, end on it.
+//! Lines are cut where they cross each other and the loops of the domain, and parts outside are left out.
+//! Parts that would give elements much smaller than the mesh size are snapped: points nearer to each other
+//! than a share of the mesh size become one, and a line that passes a point at less than that distance goes
+//! through it. Lines that nearly coincide therefore become one line, and lines that end near a loop, or near
+//! another line, end on it.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -39,8 +41,9 @@ impl fmt::Display for Tangled {
 
 impl Error for Tangled {}
 
-/// Adds lines, by their two ends, to those of a domain, and their ends on loops to the loops. Returns for each line of the domain the number of the line that it is a part of, if it is one
-/// of these: where two coincide, that of the first.
+/// Adds lines, by their two ends, to those of a domain, and their ends on loops to the loops. Returns for
+/// each line of the domain the number of the line that it is a part of, if it is one of these: where two
+/// coincide, that of the first.
 ///
 /// # Units
 /// `size` is in the unit of the coordinates.
@@ -200,7 +203,7 @@ impl<'a> Network<'a> {
         for &end in self.edges.iter().flat_map(|(_, ends)| ends) {
             on_loop[end] = true;
         }
-        // Corners first, then what is on loops: these stay.
+        // Corners first, then points on loops: these stay.
         let mut order: Vec<usize> = (0..self.vertices.len()).filter(|&vertex| used[vertex]).collect();
         order.sort_by_key(|&vertex| (vertex >= self.corners, !on_loop[vertex], vertex));
         let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
@@ -233,7 +236,8 @@ impl<'a> Network<'a> {
         self.once_each();
     }
 
-    /// Removes parts without length, and all but the first of those between the same vertices, or along a loop.
+    /// Removes parts without length, and all but the first of those between the same vertices, or along a
+    /// loop.
     fn once_each(&mut self) {
         let ordered = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
         let mut edges: Vec<[usize; 2]> = self.edges.iter().map(|(_, ends)| ordered(*ends)).collect();
@@ -293,7 +297,8 @@ impl<'a> Network<'a> {
         self.once_each();
     }
 
-    /// Notes where two of them cut each other. `on_loop`: whether the first is an edge of a loop, which stays straight.
+    /// Notes where two of them cut each other. `on_loop`: whether the first is an edge of a loop, which stays
+    /// straight.
     fn compare(
         &mut self,
         numbers: [usize; 2],
@@ -311,14 +316,14 @@ impl<'a> Network<'a> {
                 let point = self.vertices[end];
                 let (t, foot) = foot(point, a, b);
                 let reach = self.reach(point);
-                // What is near an end is joined with it.
+                // Points near an end are joined with it.
                 let beside = distance(point, a) < reach || distance(point, b) < reach;
                 if distance(point, foot) >= reach || beside || t <= 0.0 || t >= 1.0 {
                     continue;
                 }
                 near = true;
                 if side == 0 && on_loop {
-                    // Its corners stay, and others come to it.
+                    // Its corners stay, and others are moved to it.
                     if end < self.corners {
                         continue;
                     }

@@ -9,7 +9,8 @@ use crate::grading::{Grading, stations};
 /// A point or vector.
 pub type Point = [f64; 2];
 
-/// Distance from 0, in widths of a domain, beyond which coordinates have too few digits left for the shape of elements.
+/// Distance from 0, in widths of a domain, beyond which coordinates have too few digits left for the shape of
+/// elements.
 const FAR: f64 = 1024.0;
 
 /// A domain to mesh: loops, the outer one first, and lines inside that become edges of the mesh.
@@ -27,9 +28,11 @@ impl Domain {
         bounds(self.loops.iter().flatten().copied())
     }
 
-    /// The middle of the bounds along each axis on which that is far from 0 for a domain of this width; 0 along others.
+    /// The middle of the bounds along each axis on which that is far from 0 for a domain of this width; 0
+    /// along others.
     ///
-    /// Differences of the corners from it are exact (Sterbenz' lemma), and a mesh that is made of them is the same wherever the domain lies.
+    /// Differences of the corners from it are exact (Sterbenz' lemma), and a mesh that is made of them is the
+    /// same wherever the domain lies.
     pub fn middle_if_far(&self) -> Point {
         let [low, high] = self.bounds();
         [0, 1].map(|axis| {
@@ -38,7 +41,7 @@ impl Domain {
         })
     }
 
-    /// The same in coordinates about another origin.
+    /// Returns the outline in coordinates about another origin.
     #[must_use]
     pub fn relative_to(&self, origin: Point) -> Self {
         let moved = |point: Point| [0, 1].map(|axis| point[axis] - origin[axis]);
@@ -56,7 +59,8 @@ impl Domain {
     }
 }
 
-/// Area of a closed polygon, positive counter-clockwise. It is computed relative to the first corner, so that a large distance from the origin costs no digits.
+/// Area of a closed polygon, positive counter-clockwise. It is computed relative to the first corner, so that
+/// a large distance from the origin costs no digits.
 pub fn area(corners: &[Point]) -> f64 {
     let Some(&origin) = corners.first() else { return 0.0 };
     corners.windows(2).map(|pair| twice_area(origin, pair[0], pair[1])).sum::<f64>() / 2.0
@@ -77,7 +81,8 @@ pub fn distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Points on a circle, as far from each other as the size says. There is one farthest along each axis, and one between two such points at least.
+/// Points on a circle, as far from each other as the size says. There is one farthest along each axis, and
+/// one between two such points at least.
 pub fn circle(centre: Point, radius: f64, size: &Grading<2>) -> Vec<Point> {
     let quarters: [Vec<f64>; 4] = if size.near.is_empty() {
         let count = ((TAU * radius / size.size / 4.0).round() * 4.0).clamp(8.0, MOST) as usize;
@@ -122,7 +127,7 @@ pub struct Inside {
 }
 
 impl Inside {
-    /// Rows in which an edge is in the mean, at most.
+    /// Mean number of rows that contain an edge, at most.
     const ROWS_OF_AN_EDGE: f64 = 64.0;
 
     /// Sorts the edges of loops.

@@ -209,7 +209,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.build_of(points, radii, All(points.len()), grid, axes, pool)
     }
 
-    /// Like [`Self::build`], for the `chosen` elements.
+    /// Like [`Self::build_along`], for the `chosen` elements.
     ///
     /// Works in two steps: elements are dropped into blocks of rows, then every block is sorted in cache.
     pub(crate) fn build_of(

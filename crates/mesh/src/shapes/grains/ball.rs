@@ -1,7 +1,8 @@
 //! Grains of spheres.
 //!
-//! Planes between grains cut a sphere in circles, so grains are met at the sphere by arcs. These are cut into chords as long as the size says, and each grain's part of the sphere is
-//! meshed between them. The faces between grains stay flat up to their chords, and nothing has to be moved to the sphere.
+//! Planes between grains cut a sphere in circles, so grains are met at the sphere by arcs. These are cut into
+//! chords as long as the size says, and each grain's part of the sphere is meshed between them. The faces
+//! between grains stay flat up to their chords, and nothing has to be moved to the sphere.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -19,8 +20,10 @@ use crate::tetrahedra::plane::{Plane, Point2};
 use crate::tetrahedra::vector::{cross, dot, length, minus, normal, plus, times, unit};
 use crate::tetrahedra::{MeshError, OUTSIDE, Size, Surface, Tetrahedra};
 
-/// Rounds in which seeds move to the centres of their grains, and length of edges over the cube root of the mean volume of a grain, below which they are contracted. Both are larger than in
-/// bodies with flat faces: with 12 rounds and 0.2, the least angle of six first meshes of 100 grains was between 3.8° and 5.7°. With these it is above 8° in 29 of 30, and 6.3° in one.
+/// Rounds in which seeds move to the centres of their grains, and length of edges over the cube root of the
+/// mean volume of a grain, below which they are contracted. Both are larger than in bodies with flat faces:
+/// with 12 rounds and 0.2, the least angle of six first meshes of 100 grains was between 3.8° and 5.7°. With
+/// these it is above 8° in 29 of 30, and 6.3° in one.
 const ROUNDS: usize = 60;
 const SHORT: f64 = 0.42;
 
@@ -39,15 +42,18 @@ const COARSE: f64 = 0.3;
 
 /// Cuts a sphere into grains: the regions `0..count` of one surface, whose meshes share nodes.
 ///
-/// The grains are made as by [`grains`](super::grains). All nodes of the outer surface are on the sphere. Face 0 is the `surface`, and each face between two grains has a number of its own.
+/// The grains are made as by [`grains`](super::grains). All nodes of the outer surface are on the sphere.
+/// Face 0 is the `surface`, and each face between two grains has another number.
 ///
-/// Angles of a mesh are good if it has two or more elements across a grain: 9° or more in 550 spheres of 2 to 70 grains with four elements across one.
+/// Angles of a mesh are good if it has two or more elements across a grain: 9° or more in 550 spheres of 2 to
+/// 70 grains with four elements across one.
 ///
 /// # Cost
 /// Time grows with the square of `count`: about 0.7 s for 100 grains, 1 s for 150.
 ///
 /// # Errors
-/// [`MeshError::NotFinite`], [`MeshError::Length`], [`MeshError::Size`], [`MeshError::TooMany`]; [`MeshError::Empty`] if `count` is 0; errors of [`Surface::check`].
+/// [`MeshError::NotFinite`], [`MeshError::Length`], [`MeshError::Size`], [`MeshError::TooMany`];
+/// [`MeshError::Empty`] if `count` is 0; errors of [`Surface::check`].
 pub fn grains_of_sphere(
     centre: [f64; 3],
     radius: f64,
@@ -96,9 +102,10 @@ pub fn onto_sphere(mesh: &mut Tetrahedra, centre: [f64; 3], radius: f64) {
     }
 }
 
-/// A face between two grains: what is in the sphere.
+/// The part of a face between two grains that is in the sphere.
 struct Face {
-    /// Corners counter-clockwise seen from before, each with whether the edge to the next is a chord of the sphere.
+    /// Corners counter-clockwise seen from before, each with whether the edge to the next is a chord of the
+    /// sphere.
     corners: Vec<(u32, bool)>,
     /// The grains behind and before.
     grains: [u32; 2],
@@ -113,7 +120,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// Cuts the faces of cells by the sphere. Arcs have pieces no longer than `most`, and so long that they are not contracted.
+    /// Cuts the faces of cells by the sphere. Arcs have pieces no longer than `most`, and so long that they
+    /// are not contracted.
     fn new(cells: &[Cell], most: f64, short: f64) -> Self {
         let all: Vec<Point> = cells.iter().flat_map(|cell| cell.points.iter().copied()).collect();
         let (points, numbers) = merge(&all, SAME);
@@ -237,7 +245,8 @@ impl Parts {
         let (points, to) =
             contract(&self.points, &self.on, outlines.iter().map(|outline| &outline[..]), short, &middle);
         let mut surface = Surface { nodes: points, names: vec!["surface".to_owned()], ..Surface::default() };
-        // Points on each chord, from the lower number to the higher, and the chords around the parts of the sphere.
+        // Points on each chord, from the lower number to the higher, and the chords around the parts of the
+        // sphere.
         let mut chords: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         let mut rims: BTreeMap<u32, BTreeMap<u32, u32>> = BTreeMap::new();
         for (number, face) in (1..).zip(&self.faces) {
@@ -252,7 +261,7 @@ impl Parts {
             let Some(&([first, _], _)) = edges.first() else { continue };
             let degenerate = MeshError::Degenerate { facet: 0, place: surface.nodes[first as usize] };
             if edges.len() < 3 {
-                // What is left of a chord would be between two parts of the sphere.
+                // The remaining part of a chord would be between two parts of the sphere.
                 if edges.iter().any(|edge| edge.1) {
                     return Err(degenerate);
                 }
@@ -286,7 +295,8 @@ impl Parts {
     }
 }
 
-/// Replaces the triangle at a chord by triangles up to points on the sphere in its plane. Returns these points, from the lower end to the higher.
+/// Replaces the triangle at a chord by triangles up to points on the sphere in its plane. Returns these
+/// points, from the lower end to the higher.
 fn divide(
     nodes: &mut Vec<Point>,
     triangles: &mut Vec<[u32; 3]>,
@@ -341,7 +351,8 @@ fn rings(mut rim: BTreeMap<u32, u32>, chords: &BTreeMap<[u32; 2], Vec<u32>>) -> 
     rings
 }
 
-/// Meshes the part of the sphere that belongs to a grain, between its rings, in a plane on which angles are those on the sphere.
+/// Meshes the part of the sphere that belongs to a grain, between its rings, in a plane on which angles are
+/// those on the sphere.
 fn add_part(
     surface: &mut Surface,
     grain: u32,
@@ -404,7 +415,7 @@ struct Circle {
 }
 
 impl Circle {
-    /// That of the plane of a polygon; `None` if it does not cut the sphere.
+    /// The circle in the plane of a polygon; `None` if the plane does not cut the sphere.
     fn of(polygon: impl Iterator<Item = Point>) -> Option<Self> {
         let corners: Vec<Point> = polygon.collect();
         let sum = corners.windows(2).skip(1).map(|pair| normal(corners[0], pair[0], pair[1]));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::tetrahedra::vector::{Point, cross, distance, dot, minus, plus, times};
 
-/// What is beyond a face of a cell.
+/// The neighbour behind a face of a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Behind {
     /// The outside, beyond a plane of the body.
@@ -17,12 +17,12 @@ pub(super) enum Behind {
 #[derive(Clone)]
 pub(super) struct Cell {
     pub(super) points: Vec<Point>,
-    /// What is behind each face, and its corners, counter-clockwise seen from outside.
+    /// The neighbour behind each face, and its corners, counter-clockwise seen from outside.
     pub(super) faces: Vec<(Behind, Vec<u32>)>,
 }
 
 impl Cell {
-    /// Takes away what is beyond the plane through a point, in the direction of a normal.
+    /// Removes the part beyond the plane through a point, in the direction of a normal.
     pub(super) fn cut(&mut self, normal: Point, through: Point, behind: Behind) {
         let heights: Vec<f64> = self.points.iter().map(|&point| dot(normal, minus(point, through))).collect();
         let is_gone = |node: u32| heights[node as usize] > 0.0;

@@ -21,7 +21,8 @@ pub(crate) struct Body {
     /// Directions of each patch.
     pub(crate) axes: Vec<[Point; 2]>,
     pub(crate) corners: Vec<[u32; 4]>,
-    /// Beyond the facet opposite each corner: four times the neighbour plus the place of its opposite corner, or [`BORDER`].
+    /// Beyond the facet opposite each corner: four times the neighbour plus the place of its opposite corner,
+    /// or [`BORDER`].
     pub(crate) across: Vec<[u32; 4]>,
     pub(crate) regions: Vec<u32>,
     /// Bit `k` is set if the facet opposite corner `k` is one of the skin inside of a region: it stays.
@@ -147,8 +148,9 @@ impl Body {
         }
     }
 
-    /// The tetrahedra around the edge between two corners of a tetrahedron, such that each of them has positive volume as (a, b, one node, the next node).
-    /// `None` if they are of several regions, or on both sides of a facet that stays.
+    /// The tetrahedra around the edge between two corners of a tetrahedron, such that each of them has
+    /// positive volume as (a, b, one node, the next node). `None` if they are of several regions, or on both
+    /// sides of a facet that stays.
     pub(crate) fn ring(&self, t: usize, a: u32, b: u32) -> Option<Ring> {
         let mut others = self.corners[t].iter().copied().filter(|&corner| corner != a && corner != b);
         let (mut c, mut d) = (others.next()?, others.next()?);
@@ -207,8 +209,8 @@ impl Body {
         None
     }
 
-    /// Puts tetrahedra in the place of others that fill the same space. Facets of the new ones that are neither facets of the old ones nor of two new ones
-    /// get `border`. Returns the places of the new ones.
+    /// Puts tetrahedra in the place of others that fill the same space. Facets of the new ones that are
+    /// neither facets of the old ones nor of two new ones get `border`. Returns the places of the new ones.
     pub(crate) fn replace(&mut self, old: &[u32], new: &[[u32; 4]], border: u32) -> Vec<u32> {
         let region = self.regions[old[0] as usize];
         let key = |corners: [u32; 4], place: usize| {
@@ -216,7 +218,7 @@ impl Body {
             key.sort_unstable();
             key
         };
-        // Facets with what is beyond them, and whether they are walls, then facets with their own code.
+        // Facets with the neighbour beyond them, and whether they are walls, then facets with their own code.
         let mut facets: Vec<([u32; 3], bool, u32, bool)> = Vec::new();
         for &t in old {
             for place in 0..4 {

@@ -1,8 +1,8 @@
 //! Flips: other tetrahedra of the same points.
 //!
 //! # Sources
-//! L. A. Freitag, C. Ollivier-Gooch (see [`super`]); G. T. Klincsek, "Minimal triangulations of polygonal domains", Ann. Discrete Math. 9 (1980), for the best
-//! triangles of a ring.
+//! L. A. Freitag, C. Ollivier-Gooch (see [`super`]); G. T. Klincsek, "Minimal triangulations of polygonal
+//! domains", Ann. Discrete Math. 9 (1980), for the best triangles of a ring.
 
 use super::body::{BORDER, Body, Ring};
 
@@ -34,7 +34,8 @@ fn remove_edge(body: &mut Body, t: usize, a: u32, b: u32) -> bool {
         None => BORDER,
     };
     let worst = around.iter().map(|&t| body.quality(t as usize)).fold(f64::INFINITY, f64::min);
-    // The best of the worst of the triangles between nodes i and j, and the third node of the triangle at their edge.
+    // The best of the worst of the triangles between nodes i and j, and the third node of the triangle at
+    // their edge.
     let mut best = [[f64::INFINITY; LONGEST]; LONGEST];
     let mut third = [[0; LONGEST]; LONGEST];
     for span in 2..count {

@@ -7,7 +7,8 @@ use super::moves;
 use crate::tetrahedra::delaunay::NONE;
 use crate::tetrahedra::vector::{plus, times};
 
-/// Splits an edge of a tetrahedron by a point that is then moved to the best place, if that makes the worst better.
+/// Splits an edge of a tetrahedron by a point that is then moved to the best place, if that makes the worst
+/// better.
 pub(super) fn split(body: &mut Body, t: usize, random: &mut Random) -> bool {
     let corners = body.corners[t];
     for [i, j] in [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]] {
@@ -48,7 +49,8 @@ pub(super) fn split(body: &mut Body, t: usize, random: &mut Random) -> bool {
     false
 }
 
-/// Removes a point inside: all its tetrahedra that stay get a neighbour in its place, if that makes the worst better.
+/// Removes a point inside: all its tetrahedra that stay get a neighbour in its place, if that makes the worst
+/// better.
 pub(super) fn contract(body: &mut Body, node: u32) -> bool {
     if body.bound[node as usize] != NONE {
         return false;

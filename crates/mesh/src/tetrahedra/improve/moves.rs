@@ -12,7 +12,8 @@ const STEPS: [f64; 6] = [0.3, 0.15, 0.08, 0.04, 0.02, 0.01];
 /// Directions tried at each step, and how often a step may help.
 const DIRECTIONS: usize = 8;
 
-/// Moves a point to where the worst of the tetrahedra around it is better. Points in a face stay in its plane.
+/// Moves a point to where the worst of the tetrahedra around it is better. Points in a face stay in its
+/// plane.
 pub(super) fn relocate(body: &mut Body, node: u32, random: &mut Random) -> bool {
     let bound = body.bound[node as usize];
     if bound == FIXED {

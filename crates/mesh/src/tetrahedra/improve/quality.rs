@@ -4,7 +4,8 @@ use crate::tetrahedra::vector::{Point, cross, dot, minus};
 
 /// The smallest sine of the six angles between facets; negative if the volume is not positive.
 ///
-/// With the double areas `N` of the facets and six times the volume `V`, the sine at an edge of length `l` between facets `i` and `j` is `V l / (N_i N_j)`.
+/// With the double areas `N` of the facets and six times the volume `V`, the sine at an edge of length `l`
+/// between facets `i` and `j` is `V l / (N_i N_j)`.
 #[inline]
 pub(crate) fn quality(a: Point, b: Point, c: Point, d: Point) -> f64 {
     let (ab, ac, ad) = (minus(b, a), minus(c, a), minus(d, a));

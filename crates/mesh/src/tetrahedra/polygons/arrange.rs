@@ -80,7 +80,7 @@ pub(super) struct Arrangement<'a> {
     vertices: Vertices,
     /// Ends in ascending order.
     segments: Vec<[u32; 2]>,
-    /// Whether each flat face has to be triangulated anew.
+    /// Whether each flat face has to be triangulated again.
     touched: Vec<bool>,
 }
 
@@ -215,7 +215,8 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// The surface with the polygons in it, whose faces are numbered from `first`; `None` if none is inside. Also returns what is too close or too sharp to be meshed.
+    /// The surface with the polygons in it, whose faces are numbered from `first`; `None` if none is inside.
+    /// Also returns the places that are too close or too sharp to be meshed.
     pub(super) fn surface(self, first: u32) -> (Option<Surface>, Vec<PolygonError>) {
         let mut faults = Vec::new();
         let surface = self.put_together(first, &mut faults);
@@ -228,7 +229,7 @@ impl<'a> Arrangement<'a> {
         open.retain(|&number| !self.polygons[number].triangles.is_empty());
         while let Some(&number) = open.first() {
             let one = &self.polygons[number];
-            // Those that were put into one plane have one normal and one origin.
+            // Polygons that were moved into one plane have one normal and one origin.
             let is_same = |other: &usize| {
                 let other = &self.polygons[*other];
                 other.normal == one.normal && other.origin == one.origin
@@ -332,7 +333,8 @@ impl<'a> Arrangement<'a> {
         Some(Layer { triangles: triangles.map(global).collect(), segments: segments.into_iter().collect() })
     }
 
-    /// Adds the triangles of the polygons of one plane that are inside of the body, with the numbers of their polygons.
+    /// Adds the triangles of the polygons of one plane that are inside of the body, with the numbers of their
+    /// polygons.
     fn add_plane(&self, group: &[usize], inner: &mut Vec<([u32; 3], u32)>, faults: &mut Vec<PolygonError>) {
         let sheets: Vec<&Sheet> = group.iter().map(|&number| &self.polygons[number]).collect();
         let Some(layer) = self.layer(&sheets, faults) else { return };
@@ -382,7 +384,7 @@ impl<'a> Arrangement<'a> {
     fn check(&self, triangles: &[[u32; 3]], segments: &BTreeSet<[u32; 2]>, faults: &mut Vec<PolygonError>) {
         let nodes = self.before.nodes.len() as u32;
         for triangle in triangles {
-            // What the body itself has is left to the mesher.
+            // Small features of the body itself are left to the mesher.
             if triangle.iter().all(|&vertex| vertex < nodes) {
                 continue;
             }

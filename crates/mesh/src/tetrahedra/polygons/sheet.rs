@@ -41,7 +41,8 @@ impl Sheet {
         }
     }
 
-    /// A polygon, in the mean plane of its corners; `None` if it has no area. Also returns how far corners are from the plane.
+    /// A polygon, in the mean plane of its corners; `None` if it has no area. Also returns how far corners
+    /// are from the plane.
     pub(super) fn of_polygon(corners: &[Point]) -> Option<(Self, f64)> {
         let first = *corners.first()?;
         let sum = corners.windows(2).fold([0.0; 3], |sum, pair| plus(sum, normal(first, pair[0], pair[1])));
@@ -69,7 +70,8 @@ impl Sheet {
         Some((sheet, far))
     }
 
-    /// Puts the corners into the plane, and makes the triangles of them. Returns whether the polygon has an area, and does not cross itself.
+    /// Puts the corners into the plane, and makes the triangles of them. Returns whether the polygon has an
+    /// area, and does not cross itself.
     pub(super) fn flatten(&mut self) -> bool {
         let (origin, unit_normal) = (self.origin, self.normal);
         for corner in &mut self.corners {
@@ -122,7 +124,8 @@ impl Sheet {
 
     /// The place of a point in the plane.
     pub(super) fn flat(&self, point: Point) -> Point2 {
-        // What is 0 but for rounding is 0: the triangulation takes no numbers that are all but 0.
+        // Coordinates that are 0 but for rounding are set to 0: the triangulation refuses numbers that are
+        // nearly 0.
         self.axes
             .map(|axis| dot(axis, minus(point, self.origin)))
             .map(|x| if x.abs() < 1e-30 { 0.0 } else { x })
@@ -209,7 +212,7 @@ impl Sheet {
         joined
     }
 
-    /// Leaves out what is beyond a box, if the polygon is convex.
+    /// Leaves out the part beyond a box, if the polygon is convex.
     pub(super) fn clip(&mut self, [low, high]: [Point; 2]) {
         if !self.is_convex() {
             return;
@@ -267,7 +270,8 @@ pub(super) fn contains(corners: &[Point2], [x, y]: Point2) -> bool {
     inside
 }
 
-/// Delaunay's triangles of points under the constraint of edges, counter-clockwise; `None` if edges cross each other, or points coincide.
+/// Delaunay's triangles of points under the constraint of edges, counter-clockwise; `None` if edges cross
+/// each other, or points coincide.
 pub(super) fn triangulate(points: &[Point2], edges: &[[usize; 2]]) -> Option<Vec<[u32; 3]>> {
     let vertices = points.iter().map(|&[x, y]| Vertex::new(x, y)).collect();
     let mut crossing = false;

@@ -18,7 +18,7 @@ pub(super) struct Snapping<'a> {
     round: Vec<bool>,
     /// Without triangles where there is nothing left of a polygon.
     pub(super) polygons: Vec<Sheet>,
-    /// The plane of each polygon: that of a face, or the number of faces plus that of a polygon.
+    /// The plane of each polygon: the number of a face, or the number of faces plus that of a polygon.
     planes: Vec<usize>,
     size: &'a Grading<3>,
     /// Distance of points that are the same.
@@ -78,7 +78,8 @@ impl<'a> Snapping<'a> {
         SNAP * self.size.at(point)
     }
 
-    /// Makes planes one that nearly coincide, and moves others to the corners and crossings that they nearly pass: large polygons first, and small ones to them.
+    /// Makes planes one that nearly coincide, and moves others to the corners and crossings that they nearly
+    /// pass: large polygons first, and small ones to them.
     pub(super) fn planes(&mut self) {
         let area =
             |sheet: &Sheet| -> f64 { sheet.triangles.iter().map(|&[a, b, c]| length(normal(a, b, c))).sum() };
@@ -181,7 +182,8 @@ impl<'a> Snapping<'a> {
         sheet.contains(point, self.reach(point)).then_some(point)
     }
 
-    /// Moves corners of polygons, within their planes, to the crossings and lines that they are near, and bends edges to the crossings that they pass.
+    /// Moves corners of polygons, within their planes, to the crossings and lines that they are near, and
+    /// bends edges to the crossings that they pass.
     pub(super) fn corners(&mut self) {
         for number in 0..self.polygons.len() {
             if self.polygons[number].triangles.is_empty() {

@@ -26,7 +26,8 @@ pub(super) struct RoundNodes(Vec<Way>);
 
 impl RoundNodes {
     pub(super) fn new(surface: &Surface, faces: &FlatFaces) -> Self {
-        // For each node: the sum of the normals of the round facets, their faces, and the other flat faces with their normals.
+        // For each node: the sum of the normals of the round facets, their faces, and the other flat faces
+        // with their normals.
         let mut sums = vec![[0.0; 3]; surface.nodes.len()];
         let mut round: Vec<Vec<u32>> = vec![Vec::new(); surface.nodes.len()];
         let mut flat: Vec<Vec<(u32, Point)>> = vec![Vec::new(); surface.nodes.len()];
