@@ -256,7 +256,7 @@ def report(results, rounds):
     lines = [
         "# Python packages side by side",
         "",
-        "Written by `python bench/python.py --write bench/PYTHON.md`, which says what is timed. Random points with about 12 neighbours at the cut-off, float64 arrays in, arrays",
+        "Written by `python bench/python.py --write bench/PYTHON.md`, which describes the timing. Random points with about 12 neighbours at the cut-off, float64 arrays in, arrays",
         "of pairs out; everything between is timed. *Pairs* are each pair once, or from both sides, in any order; *sorted lists* are what ASE calls \"ijdS\" in a cube that repeats:",
         "each pair from both sides with its distance and its shift, sorted by the first atom. Milliseconds, medians of rounds that go through all packages in turn.",
         "",

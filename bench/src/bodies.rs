@@ -15,7 +15,8 @@ pub use space::Space;
 /// Edge of a square that is split into two triangles, and of a cube that is split into six tetrahedra, m.
 const CELL: f64 = 1e-3;
 
-/// Rate at which fragments and the box around them shrink, 1/s. Fragments would fly apart in a box that stays as it is: their first impact throws them back.
+/// Rate at which fragments and the box around them shrink, 1/s. Fragments would fly apart in a box of
+/// constant size: their first impact throws them back.
 const RATE: f64 = 20.0;
 
 /// The body that is simulated.
@@ -49,7 +50,8 @@ impl Body {
         }
     }
 
-    /// Steps of one timing with this number of elements: about half a second on one core. The number is fixed, so that all runs and all versions take the same steps.
+    /// Steps of one timing with this number of elements: about half a second on one core. The number is
+    /// fixed, so that all runs and all versions take the same steps.
     pub fn steps(self, elements: usize) -> u64 {
         let millions = match self {
             Self::Plane(Plane::Bar | Plane::Disc) => 27.0,
@@ -99,10 +101,11 @@ fn of_rock<const D: usize, const N: usize>(
     }
 }
 
-/// Fragments in layers like bricks in a wall, so close that all touch their neighbours from the beginning. They shrink together with a box around them: nothing at
-/// the outside moves across its walls.
+/// Fragments in layers like bricks in a wall, so close that all touch their neighbours from the beginning.
+/// They shrink together with a box around them: nothing at the outside moves across its walls.
 ///
-/// `count`: fragments along each axis. `shift`: moves a fragment in this place, as a share of its width, so that nodes do not meet nodes.
+/// `count`: fragments along each axis. `shift`: moves a fragment in this place, as a share of its width, so
+/// that nodes do not meet nodes.
 fn pressed<const D: usize, const N: usize>(
     fragment: &Mesh<D, N>,
     count: usize,
@@ -146,7 +149,8 @@ fn pressed<const D: usize, const N: usize>(
     (mesh, velocities, walls.into_iter().enumerate().flat_map(pair).collect())
 }
 
-/// Damps fragments that press each other. The first contact sets their surfaces swinging. Damping ends that within some steps, and they press each other from then on.
+/// Damps fragments that press each other. The first contact sets their surfaces swinging. Damping ends that
+/// within some steps, and they press each other from then on.
 fn calm<const D: usize, const N: usize>(mut model: Model<D, N>) -> Model<D, N> {
     model.contact.damping = 1.0;
     for material in &mut model.materials {

@@ -1,4 +1,5 @@
-//! Common parts of the benchmarks: a timer, a table, the machine, the packings and bodies, the peers and the pictures.
+//! Common parts of the benchmarks: a timer, a table, the machine, the packings and bodies, the peers and the
+//! pictures.
 
 pub mod bars;
 pub mod bodies;
@@ -12,7 +13,8 @@ pub use packing::Packing;
 pub use table::{Table, grouped, significant};
 pub use timer::{Rounds, Task, Times, Turn, times, turns};
 
-/// Processor, cores, compiler and version of this package in one line, for runs with these numbers of threads. Unknown items are left out.
+/// Processor, cores, compiler and version of this package in one line, for runs with these numbers of
+/// threads. Unknown items are left out.
 pub fn machine(threads: &[usize]) -> String {
     let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
     if let Some(cores) = cores() {
@@ -36,7 +38,7 @@ fn processor() -> String {
     named.map_or(std::env::consts::ARCH, |(_, name)| name).to_owned()
 }
 
-/// The system's description of the processors; empty where there is none.
+/// The system's description of the processors; empty if there is none.
 fn cpuinfo() -> String {
     std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default()
 }

@@ -22,7 +22,7 @@ impl Packing {
     /// Centres of `n` elements; `spacing` (S/D in the book) is in diameters.
     ///
     /// # Errors
-    /// Those of [`fdem_scenes::book`].
+    /// The errors of [`fdem_scenes::book`].
     pub fn centres<const D: usize>(self, n: usize, spacing: f64) -> Result<Vec<[f64; D]>, Error> {
         let cloud = match self {
             Self::A => book::packing_a::<D>(n),
@@ -50,10 +50,11 @@ impl Packing {
     }
 }
 
-/// Number of elements of a grid that have a next one along `axis`. The grid is filled in order, the first axis fastest.
+/// Number of elements of a grid that have a next one along `axis`. The grid is filled in order, the first
+/// axis fastest.
 ///
-/// Along an axis with stride s the grid consists of blocks of `s * side` elements. In a full block all but the last s have a next one; in
-/// an incomplete block, those that are at least s before its end.
+/// Along an axis with stride s the grid consists of blocks of `s * side` elements. In a full block all but
+/// the last s have a next one; in an incomplete block, those that are at least s before its end.
 fn neighbours(n: usize, side: usize, axis: usize) -> usize {
     let stride = side.pow(axis as u32);
     let block = stride * side;

@@ -1,8 +1,9 @@
-//! Other search libraries behind one trait, each a Cargo feature of this package; libraries in other languages are programs ([`External`]).
+//! Other search libraries behind one trait, each a Cargo feature of this package; libraries in other
+//! languages are programs ([`External`]).
 //!
-//! The work is the same for all: raw `f64` coordinates in ([`Bodies`]), every touching couple out as numbers `i < j`, including everything
-//! that is built on the way. Each library is called in the fastest documented way that we could find. Its memory is kept from call to call
-//! if it offers that.
+//! The work is the same for all: raw `f64` coordinates in ([`Bodies`]), every touching couple out as numbers
+//! `i < j`, including everything that is built on the way. Each library is called in the fastest documented
+//! way that we could find. Its memory is kept from call to call if it offers that.
 
 mod bodies;
 #[cfg(feature = "broccoli")]

@@ -27,8 +27,8 @@ pub struct Times {
 
 /// Times all tasks in turns.
 ///
-/// Each round runs all tasks one after the other, so that a temporary slowdown of the machine affects all of them. Before each round every
-/// task runs once to fill the caches.
+/// Each round runs all tasks one after the other, so that a temporary slowdown of the machine affects all of
+/// them. Before each round every task runs once to fill the caches.
 ///
 /// # Errors
 /// The first error of a task.
@@ -64,13 +64,15 @@ pub type Turn<'a, E> = Box<dyn FnMut() -> Result<f64, E> + 'a>;
 /// If a run takes less than this, in seconds, the content of the caches affects it noticeably.
 const SHORT: f64 = 0.3;
 
-/// Pause before each turn: threads of the previous task may still spin while they wait for work. Those of OpenMP do so for some 10 ms.
+/// Pause before each turn: threads of the previous task may still spin while they wait for work. Threads of
+/// OpenMP do so for some 10 ms.
 const REST: Duration = Duration::from_millis(30);
 
-/// Times tasks that measure their own time, in turns: `count` rounds, or fewer for a task whose times add up to more than `budget` seconds.
+/// Times tasks that measure their own time, in turns: `count` rounds, or fewer for a task whose times add up
+/// to more than `budget` seconds.
 ///
-/// A task that took less than 0.3 s in the previous round, or has not run yet, runs once uncounted before it is timed. A task that fails is
-/// not run again.
+/// A task that took less than 0.3 s in the previous round, or has not run yet, runs once uncounted before it
+/// is timed. A task that fails is not run again.
 pub fn turns<E>(tasks: &mut [Turn<'_, E>], count: usize, budget: f64) -> Vec<Result<Times, E>> {
     let mut samples: Vec<Result<Vec<f64>, E>> = tasks.iter().map(|_| Ok(Vec::with_capacity(count))).collect();
     for _ in 0..count {
@@ -125,7 +127,8 @@ mod tests {
         let times = turns(&mut tasks, 7, 3.0);
         drop(tasks);
         assert_eq!(times, [Ok(Times { median: 2.0, best: 2.0 }), Err("no")]);
-        // Three runs: one to warm up and two until the budget of 3 is exceeded. Four runs: two pairs, the last of which failed.
+        // Three runs: one to warm up and two until the budget of 3 is exceeded. Four runs: two pairs, the
+        // last of which failed.
         assert_eq!(runs, [3, 4]);
     }
 

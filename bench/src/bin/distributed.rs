@@ -1,6 +1,7 @@
 //! A distributed search under MPI, against the search of one process: seconds, speed-up, and processor time.
 //!
-//! Started by itself, the program starts `mpirun` for each number of ranks and writes the table. Started by `mpirun`, it is one of the ranks.
+//! Started alone, the program starts `mpirun` for each number of ranks and writes the table. Started by
+//! `mpirun`, it is one of the ranks.
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
@@ -19,13 +20,13 @@ const ELEMENTS: usize = 4_000_000;
 /// Rounds of each number of ranks; the fastest counts.
 const ROUNDS: usize = 5;
 
-/// The variable that tells the ranks how many elements there are.
+/// Environment variable with the number of elements.
 const VARIABLE: &str = "FDEM_BENCH_ELEMENTS";
 
-/// The variable that tells the ranks that spheres are sorted along the first axis, if it is set.
+/// Environment variable that is set if spheres are sorted along the first axis.
 const SORTED: &str = "FDEM_BENCH_SORTED";
 
-/// The times of the fastest round, and what was found.
+/// The times of the fastest round, and the numbers of couples and ghosts.
 struct Times {
     is_sorted: bool,
     ranks: usize,
@@ -60,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Starts the ranks, and reads what rank 0 prints.
+/// Starts the ranks, and reads the output of rank 0.
 fn start(ranks: usize, elements: usize, is_sorted: bool) -> Result<Times, Box<dyn Error>> {
     let number = ranks.to_string();
     let mut command = Command::new("mpirun");
@@ -80,7 +81,8 @@ fn start(ranks: usize, elements: usize, is_sorted: bool) -> Result<Times, Box<dy
     Ok(Times { is_sorted, ranks, seconds, processor, couples: couples as i64, ghosts: ghosts as i64 })
 }
 
-/// Work of one rank: it has every `size`-th sphere, so that nearly all spheres are sent to another rank; or consecutive ones of those that are sorted.
+/// Work of one rank: it has every `size`-th sphere, so that nearly all spheres are sent to another rank; or
+/// consecutive ones of those that are sorted.
 fn rank() -> Result<(), Box<dyn Error>> {
     let world = World::start()?;
     let elements: usize = std::env::var(VARIABLE)?.parse()?;
@@ -124,7 +126,8 @@ fn processor_time() -> f64 {
     /// Ticks in a second: the unit of `/proc` on all architectures of today.
     const TICKS: f64 = 100.0;
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // The name of the program, which may contain blanks, ends at the last parenthesis. User and system time are fields 14 and 15.
+    // The name of the program, which may contain blanks, ends at the last parenthesis. User and system time
+    // are fields 14 and 15.
     let fields = text.rsplit_once(')').map_or("", |(_, rest)| rest).split_whitespace();
     fields.skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / TICKS
 }
@@ -141,7 +144,7 @@ fn report(elements: usize, times: &[Times]) -> Result<String, std::fmt::Error> {
          whose number leaves the remainder `r`, so nearly all are sent. *Sorted*: the spheres are numbered along the first axis, and each rank has consecutive ones, as when ranks read parts of a \
          sorted file. At the end the couples are sorted over all ranks. Fastest of {ROUNDS} rounds. One rank is the search of one process, with its couples sorted.\n\n\
          The processor time is the sum over all ranks; MPI waits by looking again and again, so the time that ranks wait for each other counts too. With more ranks than cores the ranks take turns: \
-         the column before the ghosts tells what the division itself costs.\n"
+         the column before the ghosts shows the cost of the division alone.\n"
     )?;
     writeln!(
         text,

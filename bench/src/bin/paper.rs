@@ -1,9 +1,10 @@
-//! The experiments of Munjiza & Andrews 1998 with [`Nbs`]: is the time of a detection linear in N, and independent of the packing density?
+//! The experiments of Munjiza & Andrews 1998 with [`Nbs`]: is the time of a detection linear in N, and
+//! independent of the packing density?
 //!
 //! # Source
-//! A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer. Meth.
-//! Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 112-117.
-//! The third dimension and N above 90,000 are our additions.
+//! A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer.
+//! Meth. Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp.
+//! 112-117. The third dimension and N above 90,000 are our additions.
 
 use std::error::Error;
 use std::hint::black_box;

@@ -6,10 +6,11 @@ use fdem_simulation::{Insertion, Mesh, Model};
 
 use super::of_rock;
 
-/// Volume of an element over the cube of the length of edges that the mesher is asked for, in the mean.
+/// Mean volume of an element over the cube of the requested length of edges.
 const SHAPE: f64 = 0.107;
 
-/// A cube of 1 m, meshed by the mesher of this project: its elements have many shapes, and its parts have ragged surfaces, as in practice.
+/// A cube of 1 m, meshed by the mesher of this project: its elements have many shapes, and its parts have
+/// ragged surfaces, as in practice.
 #[derive(Clone, Debug)]
 pub struct MeshedCube {
     mesh: Mesh<3, 4>,

@@ -17,7 +17,8 @@ pub enum Plane {
     Adaptive,
     /// Two colliding squares with joints on all edges from the beginning.
     Intrinsic,
-    /// Fragments of 18 elements with joints on all edges, which press each other on all sides in a box that shrinks.
+    /// Fragments of 18 elements with joints on all edges, which press each other on all sides in a box that
+    /// shrinks.
     Heap,
 }
 

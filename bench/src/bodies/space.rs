@@ -4,10 +4,12 @@ use fdem_simulation::{Insertion, Mesh, Model};
 
 use super::{CELL, calm, of_rock, pressed};
 
-/// Cells along each edge of a fragment of the debris, and of one among fewer elements than [`FEW`]: there is about one contact for each element, or more.
+/// Cells along each edge of a fragment of the debris, and of one among fewer elements than [`FEW`]: there is
+/// about one contact for each element, or more.
 const DEBRIS: [usize; 2] = [10, 4];
 
-/// With fewer elements the debris has smaller fragments: of the larger ones there would be so few that most of their surface would be at the walls.
+/// With fewer elements the debris has smaller fragments: of the larger ones there would be so few that most
+/// of their surface would be at the walls.
 const FEW: usize = 50_000;
 
 /// The body of tetrahedra that is simulated.
@@ -19,7 +21,8 @@ pub enum Space {
     CubeAdaptive,
     /// The same cube with joints on all faces from the beginning.
     CubeJoined,
-    /// Cubes of 6,000 elements, or of 384 if there are few elements, which press each other on all sides in a box that shrinks.
+    /// Cubes of 6,000 elements, or of 384 if there are few elements, which press each other on all sides in a
+    /// box that shrinks.
     Debris,
 }
 

@@ -44,7 +44,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The bodies as elements of our searches.
     ///
     /// # Errors
-    /// Those of the constructors of [`Elements`].
+    /// The errors of the constructors of [`Elements`].
     pub fn elements(self) -> Result<Elements<'a, f64, D>, Error> {
         match self {
             Self::Points { points, cutoff } => Elements::points(points, cutoff),
@@ -53,7 +53,8 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Whether two bodies touch, for libraries that return candidates: the closed comparisons of this workspace.
+    /// Whether two bodies touch, for libraries that return candidates: the closed comparisons of this
+    /// workspace.
     #[must_use]
     pub fn touch(self, i: u32, j: u32) -> bool {
         let (i, j) = (i as usize, j as usize);

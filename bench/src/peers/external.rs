@@ -1,4 +1,5 @@
-//! Peers in other languages: programs that search on request. For the protocol see `bench/external/README.md`.
+//! Peers in other languages: programs that search on request. For the protocol see
+//! `bench/external/README.md`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -43,8 +44,8 @@ pub struct External {
 }
 
 impl External {
-    /// Starts a peer with `file`, little-endian `f64` numbers of bodies of `dimension` axes. `kind` is the cut-off or the kind of bodies.
-    /// The peer must answer within `patience`.
+    /// Starts a peer with `file`, little-endian `f64` numbers of bodies of `dimension` axes. `kind` is the
+    /// cut-off or the kind of bodies. The peer must answer within `patience`.
     ///
     /// # Errors
     /// The program does not start, or cannot search these bodies; the text gives the reason.

@@ -1,5 +1,5 @@
-//! `molar`, molecular analysis: its distance search on a grid, in `f64`. Its `f32` mode took the same time; `f64` finds the same couples as
-//! the other peers.
+//! `molar`, molecular analysis: its distance search on a grid, in `f64`. Its `f32` mode took the same time;
+//! `f64` finds the same couples as the other peers.
 
 use fdem_contact::Couple;
 use molar::prelude::{DistanceSearchOutput, Float, Pos, distance_search_single};

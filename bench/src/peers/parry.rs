@@ -1,4 +1,5 @@
-//! `parry3d`: a hierarchy of the boxes, or of those around spheres, traversed against itself, followed by the exact test.
+//! `parry3d`: a hierarchy of the boxes, or of those around spheres, traversed against itself, followed by the
+//! exact test.
 
 use fdem_contact::Couple;
 use parry3d::bounding_volume::Aabb;

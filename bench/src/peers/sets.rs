@@ -179,7 +179,7 @@ pub const SETS: [Set; 15] = [
 /// `n` points in 3D with 12 neighbours each.
 ///
 /// # Errors
-/// Those of [`fdem_scenes::peers::gas`].
+/// The errors of [`fdem_scenes::peers::gas`].
 pub fn gas(n: usize) -> Result<Vec<[f64; 3]>, Error> {
     Ok(fdem_scenes::peers::gas(n, SEED)?.centres)
 }

@@ -16,7 +16,8 @@ use crate::plan::Plan;
 
 const QUICK: usize = 10_000;
 
-/// Largest difference of the number of pairs of a program, as a fraction: `f32` rounds distances near the cut-off.
+/// Largest difference of the number of pairs of a program, as a fraction: `f32` rounds distances near the
+/// cut-off.
 pub(crate) const ROUNDED: f64 = 1e-5;
 
 /// The bodies of a set, and two smaller sets of the same kind.
@@ -189,8 +190,8 @@ fn ask<const D: usize>(
     }
 }
 
-/// The predicted time in seconds of a search for ten times as many bodies as in the larger of two sets, extrapolated from these; 0 without
-/// sets.
+/// The predicted time in seconds of a search for ten times the number of bodies of the larger of two sets,
+/// extrapolated from these; 0 without sets.
 fn forecast<const D: usize>(
     search: &mut dyn Peer<D>,
     smaller: &[Made<D>],
@@ -207,7 +208,8 @@ fn forecast<const D: usize>(
 
 /// Number of couples that are in only one of two lists, in any order; lists that differ are sorted.
 fn differing(a: &mut [Couple], b: &mut [Couple]) -> usize {
-    // Compares sums over scrambled couples, because sorting tens of millions for each search would take most of the run.
+    // Compares sums over scrambled couples, because sorting tens of millions for each search would take most
+    // of the run.
     if a.len() == b.len() && scrambled(a) == scrambled(b) {
         return 0;
     }

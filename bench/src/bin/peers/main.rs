@@ -1,8 +1,8 @@
 //! Compares our searches with other libraries, on the same bodies in the same run.
 //!
-//! A peer is a Cargo feature of this package, or a program given with `--external`. Before anything is timed, the couples of each library,
-//! or the number of pairs of each program, are compared with ours. Then all are timed in turns, so that a temporary slowdown of the machine
-//! affects all of them.
+//! A peer is a Cargo feature of this package, or a program given with `--external`. Before anything is timed,
+//! the couples of each library, or the number of pairs of each program, are compared with ours. Then all are
+//! timed in turns, so that a temporary slowdown of the machine affects all of them.
 
 mod plan;
 mod compare;

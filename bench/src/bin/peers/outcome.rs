@@ -23,7 +23,7 @@ pub(crate) struct Outcome {
 pub(crate) struct Searched {
     pub(crate) name: String,
     pub(crate) ours: bool,
-    /// The times, or the reason why there are none.
+    /// The times, or the reason for their absence.
     pub(crate) times: Result<Option<Times>, String>,
     /// The number of pairs, if a program found a few more or fewer than ours.
     pub(crate) rounded: Option<u64>,
@@ -61,6 +61,6 @@ pub(crate) struct Counted {
     pub(crate) n: usize,
     pub(crate) couples: u64,
     pub(crate) bytes: usize,
-    /// For each number of threads.
+    /// One entry for each number of threads.
     pub(crate) times: Vec<Times>,
 }

@@ -12,7 +12,7 @@ use crate::compare::ROUNDED;
 use crate::outcome::{Called, Counted, Outcome};
 use crate::plan::Plan;
 
-/// Mark of a time whose search found a number of pairs that differs by no more than [`ROUNDED`].
+/// Mark of a time whose search found a number of pairs that differs by at most [`ROUNDED`].
 const MARK: &str = "\u{2020}";
 
 /// The whole report in Markdown.
@@ -31,7 +31,7 @@ numbers in memory, the structure included. The couples of every search were comp
 of the first of its table, by number and a sum over them; of a program by number."
     )?;
     let one = |threads: usize| outcomes.iter().filter(move |outcome| outcome.threads == threads);
-    let mut sets = Table::new(&["set", "what", "bodies", "couples"]);
+    let mut sets = Table::new(&["set", "contents", "bodies", "couples"]);
     for outcome in one(plan.threads[0]) {
         sets.row([
             outcome.set.name.to_owned(),
@@ -44,7 +44,7 @@ of the first of its table, by number and a sum over them; of a program by number
     if !plan.quick {
         writeln!(
             text,
-            "\nMedian of {} rounds in turns, of fewer where a search took more than {} s for them; what takes less than 0.3 s runs once
+            "\nMedian of {} rounds in turns, of fewer where a search took more than {} s for them; a search that takes less than 0.3 s runs once
 uncounted before each. In brackets: times that of the first search of the table.",
             plan.rounds, plan.budget
         )?;
@@ -264,7 +264,8 @@ fn threads(count: usize) -> String {
     format!("{count} thread{}", if count == 1 { "" } else { "s" })
 }
 
-/// The times on the sets with different size ratios, plotted against the ratio; `None` with fewer than two such sets.
+/// The times on the sets with different size ratios, plotted against the ratio; `None` with fewer than two
+/// such sets.
 pub(crate) fn by_ratio(outcomes: &[Outcome], threads: usize) -> Option<Panel> {
     let of = |outcome: &&Outcome| outcome.threads == threads && outcome.set.ratio.is_some();
     let outcomes: Vec<&Outcome> = outcomes.iter().filter(of).collect();

@@ -1,4 +1,4 @@
-//! Small sets, where what a search costs apart from its elements counts.
+//! Small sets, where the cost of a search apart from its elements counts.
 
 use std::error::Error;
 use std::fmt::Write as _;

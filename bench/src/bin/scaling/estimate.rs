@@ -1,7 +1,9 @@
 //! A model of the time of a step on many ranks, each on one core.
 //!
-//! A rank with `n` elements of its own computes `n + h n^⅔` elements: the halo is a layer on the surface of its part. It exchanges `k` messages with `b` bytes for each element of the halo, and
-//! takes part in one agreement of all ranks. `h`, `k` and `b` are those of the rank with most, from a mesh that has been divided.
+//! A rank with `n` own elements computes `n + h n^⅔` elements: the halo is a layer on the surface of its
+//! part. It exchanges `k` messages with `b` bytes for each element of the halo, and takes part in one
+//! agreement of all ranks. `h`, `k` and `b` are those of the rank with most, from a mesh that has been
+//! divided.
 
 use fdem_simulation::{Forecast, Network, RankForecast};
 
@@ -38,7 +40,8 @@ impl Step {
         self.own + self.halo + self.messages + self.agreement
     }
 
-    /// Share of the time that a rank works on elements of its own: speed over that of as many cores without other ranks.
+    /// Share of the time in which a rank works on its own elements: the speed over the speed of the same
+    /// number of cores without other ranks.
     pub(crate) fn efficiency(&self) -> f64 {
         self.own / self.all()
     }
@@ -63,12 +66,12 @@ impl Estimate {
         }
     }
 
-    /// Elements that the busiest rank computes of others, if ranks have so many of their own.
+    /// Number of elements of other ranks that the busiest rank computes, if each rank has `own` elements.
     pub(crate) fn halo(&self, own: f64) -> f64 {
         self.halo * own.powf(2.0 / 3.0)
     }
 
-    /// A step with so many elements for each rank.
+    /// A step with `own` elements on each rank.
     pub(crate) fn step(&self, own: f64, ranks: usize) -> Step {
         let alone = ranks == 1;
         let halo = if alone { 0.0 } else { self.halo(own) };
@@ -81,7 +84,7 @@ impl Estimate {
         }
     }
 
-    /// Elements for each rank at which the efficiency on so many ranks is this.
+    /// Elements on each rank at which the efficiency on `ranks` ranks has the given value.
     pub(crate) fn elements_at(&self, efficiency: f64, ranks: usize) -> f64 {
         let (mut low, mut high) = (1.0_f64, 1e12_f64);
         for _ in 0..100 {

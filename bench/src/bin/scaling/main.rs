@@ -1,6 +1,8 @@
-//! Foretells how runs on many ranks scale: counts what the ranks of a real mesh hold and send, measures what an element costs, and puts both into a model of weak and strong scaling.
+//! Predicts how runs on many ranks scale: counts the elements and messages of the ranks of a real mesh,
+//! measures the cost of an element, and puts both into a model of weak and strong scaling.
 //!
-//! Nothing runs on many ranks here. Counts are exact (`fdem_simulation::Forecast`), times of elements are measured on one core, and the network is assumed.
+//! Nothing runs on many ranks here. Counts are exact (`fdem_simulation::Forecast`), times of elements are
+//! measured on one core, and the network is assumed.
 
 mod estimate;
 mod pattern;
@@ -25,7 +27,7 @@ usage: scaling [--quick] [--elements N] [--ranks P,Q] [--timed N] [--rounds N] [
   --ranks P,Q    numbers of ranks; 10,100,1000 if not given
   --timed N      elements of the mesh whose steps are timed; about 100,000 if not given
   --rounds N     9 if not given
-  --write FILE   writes what is printed to a file, too
+  --write FILE   writes the output to a file, too
 ";
 
 struct Plan {

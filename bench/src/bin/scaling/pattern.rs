@@ -24,20 +24,22 @@ impl Pattern {
         Ok(Self { elements: first.elements, nodes: first.nodes, forecasts })
     }
 
-    /// The forecast for most ranks: its ranks have most neighbours on all sides, as those of a large run have.
+    /// The forecast for most ranks: its ranks have most neighbours on all sides, as those of a large run
+    /// have.
     pub(crate) fn last(&self) -> &Forecast {
         &self.forecasts[self.forecasts.len() - 1]
     }
 }
 
-/// Time that this thread has run, s: without the time in which other programs had its core. `None` where the system does not tell it.
+/// Time that this thread has run, s: without the time in which other programs had its core. `None` if the
+/// system does not provide it.
 fn busy() -> Option<f64> {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Time of an element in a step on one core, s: in the fastest of some rounds with so many element-steps each, which other programs have disturbed least. A slower one would make messages look
-/// cheaper.
+/// Time of an element in a step on one core, s: in the fastest of some rounds with `work` element-steps each,
+/// which other programs have disturbed least. A slower one would make messages look cheaper.
 pub(crate) fn seconds(model: Model<3, 4>, work: f64, rounds: usize) -> Result<f64, Box<dyn Error>> {
     let mut run = Simulation::new(model, 1)?;
     let elements = run.model().mesh.elements.len() as f64;

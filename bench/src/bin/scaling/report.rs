@@ -50,21 +50,21 @@ pub(crate) fn report(patterns: &[Pattern], estimates: &[Estimate], timed: usize,
          and tests compare them with such runs on 2, 3 and 8 ranks. The time of an element is measured on one core. The network is assumed: {latency} µs for a message, {bandwidth} GB/s for each rank. \
          All that follows from these three is a model, and is named so.\n\n\
          ## Communication pattern\n\n\
-         A cube of {elements} tetrahedra, cut by the mesher of this project. *Elastic*: neighbours share nodes. *Joined*: a joint on every face, so that each element has nodes of its own. \
+         A cube of {elements} tetrahedra, cut by the mesher of this project. *Elastic*: neighbours share nodes. *Joined*: a joint on every face, so that each element has separate nodes. \
          A node that goes to two ranks counts twice. *Halo share*: elements in all halos over the elements of the model. *Imbalance*: work of the busiest rank over the mean, as the division weighs it.\n\n{}\n{}",
         shares(patterns),
         messages(patterns)
     );
     let _ = writeln!(
         out,
-        "Halo elements for a rank with n elements of its own, over n^⅔: the constant of the model is that of the rank with most, in the last row of each kind. \
+        "Halo elements for a rank with n own elements, over n^⅔: the constant of the model comes from the rank with most, in the last row of each kind. \
          It is less for larger parts, so the model is cautious about them. *Near others only*: elements of all halos that act on no node of the rank, but lie so near to the outer surface of its part of the body that they might come to touch it.\n\n{}",
         layers(patterns)
     );
     let _ = writeln!(
         out,
         "## Inputs of the model\n\n\
-         A rank with n elements of its own computes n + h n^⅔ of them in a step, on one core. It exchanges messages with k neighbours, b bytes for each element of its halo, and takes part in one agreement of all P ranks: 2 ⌈log₂ P⌉ times the latency. \
+         A rank with n own elements computes n + h n^⅔ of them in a step, on one core. It exchanges messages with k neighbours, b bytes for each element of its halo, and takes part in one agreement of all P ranks: 2 ⌈log₂ P⌉ times the latency. \
          Messages and computing do not overlap. The time of an element is that in the fastest of {rounds} rounds on a mesh of {} tetrahedra, without the time in which other programs had the core.\n\n{}",
         grouped(timed as u64),
         inputs(estimates)
@@ -88,10 +88,10 @@ pub(crate) fn report(patterns: &[Pattern], estimates: &[Estimate], timed: usize,
     let _ = writeln!(
         out,
         "## Limits of the model\n\n\
-         - A model file may have {most} elements. Larger rows tell what the division and the messages would allow, and not what can be started.\n\
+         - A model file may have {most} elements. Larger rows show the limits by the division and the messages, not by a run that can be started.\n\
          - Rank 0 has the whole model at the beginning, and gives the others their elements. For 10⁹ elements it would need {elastic} TB (elastic) or {joined} TB (joined): this is the first limit that a large run meets.\n\
          - Contacts are left out. A couple that touches costs as much as several elements, and crowds where bodies meet; ranks then get other elements, which takes time that is not counted here.\n\
-         - Joints that are inserted or break are told to neighbours in messages of their own, in the steps in which that happens.\n\
+         - Joints that are inserted or break are sent to neighbours in separate messages, in the steps in which that happens.\n\
          - Cores of one machine share its memory bandwidth and its network card. The time of an element is that of one busy core, on a machine that others use too.\n\
          - Frames and checkpoints are gathered on rank 0.\n\
          - The step waits for the slowest rank. Noise of the machines adds to the agreement."

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Lines, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// A process that simulates the same body, a few steps whenever it is asked.
+/// A process that simulates the same body, a few steps at each request.
 pub(crate) struct Before {
     process: Child,
     asks: ChildStdin,

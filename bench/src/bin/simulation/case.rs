@@ -50,7 +50,7 @@ impl Case {
         })
     }
 
-    /// A case that takes a turn whenever it is asked.
+    /// A case that takes a turn at each request.
     pub(crate) fn of_turns(arguments: &[String]) -> Option<Self> {
         let [name, elements, level, steps] = arguments else { return None };
         Some(Self {
@@ -185,7 +185,7 @@ impl Case {
     }
 }
 
-/// Seconds for so many steps.
+/// Seconds for the given number of steps.
 fn timed<const D: usize, const N: usize>(
     run: &mut Simulation<D, N>,
     steps: u64,
@@ -198,7 +198,8 @@ where
     Ok(clock.elapsed().as_secs_f64())
 }
 
-/// The time of another program, in seconds. It is given the mesh and the number of steps, and prints the seconds for all of them.
+/// The time of another program, in seconds. It is given the mesh and the number of steps, and prints the
+/// seconds for all of them.
 fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
     let mut words = command.split_whitespace();
     let output = Command::new(words.next().ok_or("an empty command")?)

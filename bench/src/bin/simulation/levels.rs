@@ -1,6 +1,7 @@
 //! The vector instructions of a simulation.
 //!
-//! Early versions had no choice of them. In their trees this program is built without the feature `levels`, which their manifest does not have.
+//! Early versions had no choice of them. In their trees this program is built without the feature `levels`,
+//! which their manifest does not have.
 
 use fdem_contact::Simd;
 use fdem_simulation::{Element, Simulation};

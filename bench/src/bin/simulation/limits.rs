@@ -52,7 +52,8 @@ fn triad() -> f64 {
     best
 }
 
-/// Independent additions and multiplications, with the instructions that every processor of this architecture has, like our build.
+/// Independent additions and multiplications, with the instructions that every processor of this architecture
+/// has, like our build.
 fn arithmetic() -> f64 {
     const LANES: usize = 24;
     const TURNS: usize = 5_000_000;

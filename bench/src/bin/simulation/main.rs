@@ -1,4 +1,5 @@
-//! Measures the speed of a simulation step in element-steps per second, for bodies and numbers of elements, on one thread and on several.
+//! Measures the speed of a simulation step in element-steps per second, for bodies and numbers of elements,
+//! on one thread and on several.
 //!
 //! Each case runs in its own process, which reports its memory. The limits of the machine are measured too.
 
@@ -38,7 +39,7 @@ usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--r
                            one that simulates the disc with joints on every edge
   --external-space NAME=COMMAND, --external-space-joints NAME=COMMAND
                            likewise for the cube of tetrahedra
-  --write FILE             writes what is printed to a file, too
+  --write FILE             writes the output to a file, too
 ";
 
 /// Beyond this number of elements other programs are left out, because they take minutes to start.
@@ -64,9 +65,9 @@ struct Plan {
 /// `NAME=COMMAND` of programs.
 #[derive(Default)]
 struct External {
-    /// For bodies without joints.
+    /// Programs for bodies without joints.
     whole: Vec<String>,
-    /// For bodies with joints on every facet.
+    /// Programs for bodies with joints on every facet.
     joined: Vec<String>,
 }
 
@@ -143,7 +144,7 @@ fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Runs one case in this process, a few steps whenever the later version asks for them.
+/// Runs one case in this process, a few steps at each request of the later version.
 fn turns(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     Case::of_turns(arguments).ok_or("turns: a body, and numbers of elements and steps")?.answer()
 }

@@ -18,7 +18,7 @@ pub(crate) struct Outcome {
     pub(crate) contacts: [f64; 2],
     pub(crate) detections: u64,
     pub(crate) broken: usize,
-    /// Peak memory in bytes per element, without what the process held before.
+    /// Peak memory in bytes per element, minus the memory of the process before.
     pub(crate) memory: f64,
     /// Shares of bulk, joints, detection, contact and integration, on one thread.
     pub(crate) shares: [f64; 5],
@@ -107,7 +107,8 @@ impl Outcome {
         })
     }
 
-    /// Names and element-steps per second of the vector instructions that were compared with those chosen, on one thread.
+    /// Names and element-steps per second of the vector instructions that were compared with those chosen, on
+    /// one thread.
     pub(crate) fn levels(&self) -> impl Iterator<Item = (&str, f64)> {
         self.seconds.iter().filter_map(|(program, samples)| match program {
             Program::On(level) => Some((level.as_str(), self.elements as f64 / median(samples))),

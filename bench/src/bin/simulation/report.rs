@@ -10,14 +10,15 @@ use crate::levels;
 use crate::limits::Limits;
 use crate::outcome::{Outcome, Program};
 
-/// Lower bounds on the bytes that a step moves in any program: per node (position, velocity, read and written, and mass), per element
-/// (inverse of its edges, volume, nodes) and per joint (nodes, length, largest opening and sliding, and plastic sliding of both ends).
+/// Lower bounds on the bytes that a step moves in any program: per node (position, velocity, read and
+/// written, and mass), per element (inverse of its edges, volume, nodes) and per joint (nodes, length,
+/// largest opening and sliding, and plastic sliding of both ends).
 const NODE: f64 = 72.0;
 const ELEMENT: f64 = 52.0;
 const JOINT: f64 = 72.0;
 
-/// Additions and multiplications of a step, counted in the equations: stress, energy and forces of an element; traction, forces and work of
-/// a joint; motion of a node.
+/// Additions and multiplications of a step, counted in the equations: stress, energy and forces of an
+/// element; traction, forces and work of a joint; motion of a node.
 const ELEMENT_WORK: f64 = 120.0;
 const JOINT_WORK: f64 = 90.0;
 const NODE_WORK: f64 = 30.0;
@@ -50,7 +51,7 @@ pub(crate) fn report(setting: &Setting, limits: &Limits, outcomes: &Outcomes) ->
     let _ = writeln!(out, "{}\n{}", bodies(outcomes), speed(threads, outcomes));
     let _ = writeln!(
         out,
-        "Spread: the longest time on one thread without the shortest, over the median. Memory is the most that the process had on one thread, the model included, without what it had before. \
+        "Spread: the longest time on one thread without the shortest, over the median. Memory is the peak of the process on one thread, the model included, minus its memory before. \
          Contacts are the mean over the rounds."
     );
     if let Some(table) = before(outcomes) {
@@ -106,7 +107,7 @@ pub(crate) fn report(setting: &Setting, limits: &Limits, outcomes: &Outcomes) ->
 }
 
 fn bodies(outcomes: &Outcomes) -> Table {
-    let mut table = Table::new(&["body", "what"]);
+    let mut table = Table::new(&["body", "contents"]);
     for body in Body::all().filter(|body| outcomes.iter().any(|(other, _)| other == body)) {
         table.row([body.name().to_owned(), body.what().to_owned()]);
     }
