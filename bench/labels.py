@@ -96,7 +96,7 @@ def timed(runs, task):
 
 
 def fdem(path, program, runs=5):
-    """What the program finds, what it says of itself, and its least time."""
+    """The results of the program, its own report, and its least time."""
     children = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])  # noqa: E731
     with tempfile.TemporaryDirectory() as folder:
         out, summary = Path(folder, "out.npy"), Path(folder, "out.json")

@@ -3,7 +3,7 @@
     python bench/python.py [--quick] [--points N ...] [--rounds N] [--write bench/PYTHON.md]
 
 There are two tables for each number of points. Pairs: each package gets the same float64 points, in C order, and must hand over arrays of all pairs at most 1 apart, in
-any order. Sorted lists: the points are in a cube that repeats, and the package must hand over what ASE calls "ijdS", sorted by the first atom: every pair from both sides
+any order. Sorted lists: the points are in a cube that repeats, and the package must return what ASE calls "ijdS", sorted by the first atom: every pair from both sides
 with its distance and its shift. The numbers of pairs are compared, and the sums of distances. Packages that are not installed are left out. Rounds go through
 all packages in turn, so that other work of the machine disturbs all of them alike; the tables have medians.
 """

@@ -1,4 +1,5 @@
-//! Says what to install if the feature `mpi` is asked for and there is no MPI library. The message of the crate that looks for it does not name the packages.
+//! Reports the package to install if the feature `mpi` is on and there is no MPI library. The message of the
+//! crate that looks for it does not name the packages.
 
 use std::env;
 use std::process::{Command, Stdio, exit};

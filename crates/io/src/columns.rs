@@ -1,4 +1,4 @@
-//! The roles of columns: the names that stand for them, and the choice made with `--columns`.
+//! The roles of columns: the names that select them, and the choice made with `--columns`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -22,15 +22,16 @@ pub enum Role {
     Diameter,
     /// Id, a whole number.
     Id,
-    /// The body that the element belongs to, a whole number. No column name stands for it: see [`ReadOptions::bodies`](crate::ReadOptions).
+    /// The body that the element belongs to, a whole number. No column name selects it: see
+    /// [`ReadOptions::bodies`](crate::ReadOptions).
     Body,
 }
 
 impl Role {
-    /// The roles that column names stand for.
+    /// The roles that column names select.
     const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Radius, Self::Diameter, Self::Id];
 
-    /// Whether a name stands for this role. The name comes without unit, blanks and capitals.
+    /// Whether a name selects this role. The name comes without unit, blanks and capitals.
     fn goes_by(self, plain: &str) -> bool {
         /// Names of an axis: `@` is its letter, `#` its number.
         const AXIS: [&str; 26] = [
@@ -105,7 +106,7 @@ impl fmt::Display for Role {
 /// The name of a column, split into its parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Name {
-    /// As the file spells it.
+    /// The spelling of the file.
     pub(crate) written: String,
     /// Without quotes, unit, blanks, `_`, `-` and capitals.
     pub(crate) plain: String,
@@ -119,7 +120,8 @@ const SUFFIXES: [&str; 10] = ["m", "mm", "cm", "um", "\u{b5}m", "\u{3bc}m", "km"
 impl Name {
     /// All the names of one file.
     ///
-    /// `r_in` is more often an inner radius than a radius in inches, so it counts as inches only if a coordinate is in inches.
+    /// `r_in` is more often an inner radius than a radius in inches, so it counts as inches only if a
+    /// coordinate is in inches.
     pub(crate) fn all<'a>(written: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
         let mut names: Vec<Self> = written.into_iter().map(Self::new).collect();
         let inches = |name: &Self| name.unit.as_deref() == Some("in");
@@ -165,12 +167,14 @@ impl Name {
         Self { written: written.to_owned(), plain: rest.to_lowercase(), unit }
     }
 
-    /// The name for a message. Control characters are escaped, because a file may contain any and a terminal obeys them.
+    /// The name for a message. Control characters are escaped, because a file may contain any and a terminal
+    /// obeys them.
     pub(crate) fn shown(&self) -> String {
         if self.written.is_empty() { "(no name)".into() } else { excerpt::field(self.written.as_bytes()) }
     }
 
-    /// The role that the name stands for, if any: `X (mm)`, `PosX[m]`, `x_mm`, `Points:0` and `pos_x` all stand for x.
+    /// The role that the name selects, if any: `X (mm)`, `PosX[m]`, `x_mm`, `Points:0` and `pos_x` all select
+    /// x.
     pub(crate) fn role(&self) -> Option<Role> {
         Role::ALL.into_iter().find(|role| role.goes_by(&self.plain))
     }
@@ -178,9 +182,11 @@ impl Name {
 
 /// The columns of a file as chosen by the user, for files whose header is missing or misleading.
 ///
-/// There are two notations, both with the roles `x y z radius diameter id` and the names that a header may use for them:
+/// There are two notations, both with the roles `x y z radius diameter id` and the names that a header may
+/// use for them:
 /// - by place, `radius,x,y,z`: one entry for every column; `_` or `-` skips a column;
-/// - by name, `x=PosX[m],y=PosY[m],radius=3`: the name of a column in the header, or its number counted from 1.
+/// - by name, `x=PosX[m],y=PosY[m],radius=3`: the name of a column in the header, or its number counted
+///   from 1.
 ///
 /// # Errors
 /// [`ColumnsError`] if the text cannot be parsed.
@@ -221,7 +227,7 @@ pub enum ColumnsError {
     NoName {
         /// The entry.
         entry: String,
-        /// Its role.
+        /// The role of the entry.
         role: Role,
     },
     /// Some entries are by place and others by name.

@@ -9,10 +9,10 @@ use crate::mesh::error::Place;
 use crate::table::MOST_COLUMNS;
 use crate::unpack::Compression;
 
-/// The reason why a file could not be read: what is wrong, where, and what is expected.
+/// The reason why a file could not be read: the problem, its place, and the expected content.
 ///
-/// The text contains neither the name of the file nor the number of the line. The caller that opened the file prints `file:line: text`,
-/// with the line from [`ReadError::line`].
+/// The text contains neither the name of the file nor the number of the line. The caller that opened the file
+/// prints `file:line: text`, with the line from [`ReadError::line`].
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -116,11 +116,11 @@ pub enum ReadError {
         line: Option<u64>,
         /// Name of the first column.
         first: String,
-        /// Its role.
+        /// Role of the first column.
         first_role: Role,
         /// Name of the second column.
         second: String,
-        /// Its role.
+        /// Role of the second column.
         second_role: Role,
     },
     /// `--columns` gives one column two roles, under its name and its number or in two spellings.
@@ -145,7 +145,7 @@ pub enum ReadError {
         line: Option<u64>,
         /// Name of the column.
         column: String,
-        /// Its other role.
+        /// The other role of the column.
         role: Role,
     },
     /// Two columns have different units.
@@ -155,11 +155,11 @@ pub enum ReadError {
         line: Option<u64>,
         /// Name of the first column.
         first: String,
-        /// Its unit.
+        /// Unit of the first column.
         first_unit: String,
         /// Name of the second column.
         second: String,
-        /// Its unit.
+        /// Unit of the second column.
         second_unit: String,
     },
     /// There is no header, and the number of columns does not determine their roles.
@@ -318,10 +318,10 @@ pub enum ReadError {
         /// Number of frames.
         frames: usize,
     },
-    /// The name of the file stands for a format that the content does not have, and no other format fits.
+    /// The name of the file promises a format that the content does not have, and no other format fits.
     #[error("the name stands for a {promised} file, but {expected}; read as a table: {error}")]
     NotPromised {
-        /// The format that the name stands for.
+        /// The format that the name promises.
         promised: PackingFormat,
         /// Description of a file of that format.
         expected: &'static str,

@@ -1,4 +1,4 @@
-//! Recognises what a file is: first by its content, then by its name.
+//! Recognises the kind of a file: first by its content, then by its name.
 
 use std::fmt;
 use std::str::FromStr;
@@ -73,8 +73,8 @@ impl PackingFormat {
         matches!(self, Self::LammpsDump | Self::Xyz | Self::Mercury)
     }
 
-    /// The format for the extension of this name, and a description of such a file. Extensions that are used for tables of any kind give
-    /// `None`.
+    /// The format for the extension of this name, and a description of such a file. Extensions that are used
+    /// for tables of any kind give `None`.
     pub(crate) fn promised_by(name: &str) -> Option<(Self, &'static str)> {
         let (_, extension) = name.rsplit_once('.')?;
         Some(match extension.to_ascii_lowercase().as_str() {
@@ -131,7 +131,8 @@ pub enum FileKind {
 impl FileKind {
     /// The kind of a file, by its content or, if that is not conclusive, by its extension.
     ///
-    /// VTK files are meshes if they have cells other than vertices; otherwise they are packings. A file of no other format is text.
+    /// VTK files are meshes if they have cells other than vertices; otherwise they are packings. A file of no
+    /// other format is text.
     ///
     /// # Cost
     /// Reads the first lines only, and VTK files as far as the cells.
@@ -187,8 +188,8 @@ fn is_archive_of_arrays(bytes: &[u8]) -> bool {
     bytes.get(30..30 + length).is_some_and(|name| name.ends_with(b".npy"))
 }
 
-/// Names the encoding if the text has two or four bytes per character: by its byte order mark or, without one, if every second byte at the
-/// start is 0.
+/// Names the encoding if the text has two or four bytes per character: by its byte order mark or, without
+/// one, if every second byte at the start is 0.
 fn wide_text(bytes: &[u8]) -> Option<&'static str> {
     /// Number of characters needed to recognise it without a mark.
     const SURE: usize = 8;

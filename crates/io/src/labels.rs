@@ -70,19 +70,22 @@ const TIFF: [&[u8]; 4] = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"];
 
 /// Opens a labelled image and passes it to `visit`, which reads it.
 ///
-/// The format is recognised by the content, never by a name: a NumPy array (`.npy`) in C or Fortran order; an array in a NumPy archive
-/// (`.npz`, stored or deflated); or a greyscale TIFF file of 8, 16, 32 or 64 bits, one page (2D) or more (3D), also `BigTIFF`, uncompressed
-/// or compressed with `PackBits`, LZW or deflate. Labels are integers of at most 64 bits.
+/// The format is recognised by the content, never by a name: a NumPy array (`.npy`) in C or Fortran order; an
+/// array in a NumPy archive (`.npz`, stored or deflated); or a greyscale TIFF file of 8, 16, 32 or 64 bits,
+/// one page (2D) or more (3D), also `BigTIFF`, uncompressed or compressed with `PackBits`, LZW or deflate.
+/// Labels are integers of at most 64 bits.
 ///
 /// # Shapes
-/// Two or three axes. `member` is the name of an array in an archive, with or without `.npy`; `None` takes the only one.
+/// Two or three axes. `member` is the name of an array in an archive, with or without `.npy`; `None` takes
+/// the only one.
 ///
 /// # Cost
-/// Memory does not follow what a header claims: planes grow as their bytes arrive. A page of a TIFF file takes the memory of its labels; it
-/// is refused if the whole file could not contain as much.
+/// Memory does not depend on the size that a header claims: planes grow as their bytes arrive. A page of a
+/// TIFF file takes the memory of its labels; it is refused if the whole file could not contain as much.
 ///
 /// # Errors
-/// [`LabelError`] if the format is unknown, there is no labelled image, the file is damaged, or the member does not exist.
+/// [`LabelError`] if the format is unknown, there is no labelled image, the file is damaged, or the member
+/// does not exist.
 ///
 /// # Example
 /// ```
@@ -132,7 +135,8 @@ impl LabelImage<'_> {
         self.kind
     }
 
-    /// Number of grid squares along each axis, in the order of the bytes, the slowest first: two or three axes.
+    /// Number of grid squares along each axis, in the order of the bytes, the slowest first: two or three
+    /// axes.
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
@@ -147,16 +151,16 @@ impl LabelImage<'_> {
         &self.format
     }
 
-    /// Reads up to `most` planes of the slowest axis, fewer at the end of the image, and returns their number. The content of `into` is
-    /// replaced.
+    /// Reads up to `most` planes of the slowest axis, fewer at the end of the image, and returns their
+    /// number. The content of `into` is replaced.
     ///
     /// In 2D a plane is a row. A TIFF file in 2D has no separate rows, so all rows are read together.
     ///
     /// The end of the file is checked together with the last plane.
     ///
     /// # Errors
-    /// [`LabelError::Kind`] if the labels have another type; [`LabelError::CutOff`], [`LabelError::Longer`], [`LabelError::Read`] or
-    /// [`LabelError::Page`] if the file is damaged; [`LabelError::NoMemory`].
+    /// [`LabelError::Kind`] if the labels have another type; [`LabelError::CutOff`], [`LabelError::Longer`],
+    /// [`LabelError::Read`] or [`LabelError::Page`] if the file is damaged; [`LabelError::NoMemory`].
     pub fn read_planes<L: LabelValue>(
         &mut self,
         most: usize,

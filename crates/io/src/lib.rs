@@ -1,9 +1,11 @@
-//! Reads packings and meshes and writes tables of contact couples, in the formats used in discrete element modelling.
+//! Reads packings and meshes and writes tables of contact couples, in the formats used in discrete element
+//! modelling.
 //!
-//! The crate works with bytes, not paths. [`unpack`] decompresses. [`Series`] turns the content of a file of any format, frame by frame,
-//! into [`Packing`]s; [`read`] does so for a table; [`read_mesh`] reads nodes and elements. [`write_csv`], [`write_npz`],
-//! [`write_parquet`], [`write_vtp`], [`write_graphml`] and similar functions write a [`Table`] to any [`std::io::Write`]. The caller that
-//! opens a file adds its name to the errors.
+//! The crate works with bytes, not paths. [`unpack`] decompresses. [`Series`] turns the content of a file of
+//! any format, frame by frame, into [`Packing`]s; [`read`] does the same for a table; [`read_mesh`] reads
+//! nodes and elements. [`write_csv`], [`write_npz`], [`write_parquet`], [`write_vtp`], [`write_graphml`] and
+//! similar functions write a [`Table`] to any [`std::io::Write`]. The caller that opens a file adds its name
+//! to the errors.
 //!
 //! ```text
 //! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── Table ── write_csv, …
@@ -28,9 +30,10 @@
 //!
 //! # How it is built
 //!
-//! Everything that is written is a `Table` (`src/written.rs`): named, typed columns whose values are computed while they are written. Nothing is stored,
-//! and every format can write every table. Columnar formats ask column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the
-//! tables of couples and elements.
+//! Everything that is written is a `Table` (`src/written.rs`): named, typed columns whose values are computed
+//! while they are written. Nothing is stored, and every format can write every table. Columnar formats
+//! request column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the tables of
+//! couples and elements.
 //!
 //! # To change X, open Y
 //!

@@ -27,8 +27,8 @@ use error::{Fault, MeshError, MeshProblem, Place};
 /// The content of a mesh file: nodes and the elements between them; each element is part of a body.
 ///
 /// # Shapes
-/// `points` `[n]`; the nodes of elements are indices into it. `segments`, `triangles` and `tetrahedra` have any length and are in the order
-/// of the file.
+/// `points` `[n]`; the nodes of elements are indices into it. `segments`, `triangles` and `tetrahedra` have
+/// any length and are in the order of the file.
 ///
 /// # Units
 /// The units of the file.
@@ -60,7 +60,8 @@ pub struct Cells<const N: usize> {
     pub nodes: Vec<[u32; N]>,
     /// The body of each element, an index into [`MeshFile::bodies`].
     pub bodies: Vec<u32>,
-    /// The number of each element in the file, for messages. If the file has none, its place among all elements of the file, counted from
+    /// The number of each element in the file, for messages. If the file has none, its place among all
+    /// elements of the file, counted from
     /// 0. Both halves of a quadrilateral have the same number.
     pub numbers: Vec<u64>,
 }
@@ -77,11 +78,11 @@ impl<const N: usize> Cells<N> {
     }
 }
 
-/// A body of a mesh; [`MeshSource::bodies_from`] says what bodies are in the file.
+/// A body of a mesh; [`MeshSource::bodies_from`] says how the file defines its bodies.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MeshBody {
-    /// Its number in the file: the tag of a physical group, or the value of the cell data. Groups of curves, surfaces and volumes may share
-    /// a number.
+    /// Its number in the file: the tag of a physical group, or the value of the cell data. Groups of curves,
+    /// surfaces and volumes may share a number.
     pub number: Option<i64>,
     /// Its name in the file, cut to 80 characters, with control characters escaped.
     pub name: Option<String>,
@@ -96,7 +97,8 @@ pub struct MeshSource {
     pub bodies_from: BodiesFrom,
     /// Number of elements of one node, which are not in the mesh.
     pub point_elements: u64,
-    /// Number of facets of STL files and tables with two equal corners. They have no area and are not in the mesh.
+    /// Number of facets of STL files and tables with two equal corners. They have no area and are not in the
+    /// mesh.
     pub collapsed_facets: u64,
     /// Number of quadrilaterals; each is in the mesh as two triangles.
     pub quadrilaterals: u64,
@@ -169,7 +171,8 @@ pub enum MeshFormat {
     VtkXml,
     /// Abaqus input, `.inp`.
     Abaqus,
-    /// Text of nine columns named `vertex1_X`, `vertex1_Y`, … `vertex3_Z`, the format of the walls in the DEM round robin of 2024.
+    /// Text of nine columns named `vertex1_X`, `vertex1_Y`, … `vertex3_Z`, the format of the walls in the DEM
+    /// round robin of 2024.
     Triangles,
 }
 
@@ -265,23 +268,29 @@ fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
 
 /// Reads a mesh from the content of a file.
 ///
-/// The format is recognised by the content or, if that is not conclusive, by the extension of `name`. The formats are:
+/// The format is recognised by the content or, if that is not conclusive, by the extension of `name`. The
+/// formats are:
 ///
-/// - Gmsh `.msh` 2.2 and 4.1, ASCII and binary. Bodies are the physical groups, or the curves, surfaces and volumes if there are no groups.
-/// - STL, ASCII and binary. Corners of one solid with equal coordinates become one node. Bodies are the solids.
+/// - Gmsh `.msh` 2.2 and 4.1, ASCII and binary. Bodies are the physical groups, or the curves, surfaces and
+///   volumes if there are no groups.
+/// - STL, ASCII and binary. Corners of one solid with equal coordinates become one node. Bodies are the
+///   solids.
 /// - OBJ. Bodies are the objects, or the groups if there are no objects.
 /// - PLY, ASCII and binary: vertices, faces, edges. One body.
-/// - VTK, the legacy format (ASCII, binary), unstructured grids and poly data; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the
-///   values of the first of these cell data that exists, in any capitals: `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`,
-///   `ObjectId`, `PartId`, `RegionId`.
-/// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies are the instances, otherwise the
-///   parts, otherwise the sets named by `*ELEMENT`, otherwise those of `*ELSET`.
-/// - Tables of triangles, three corners per line, with columns `vertex1_X` … `vertex3_Z`. Equal corners become one node. One body.
+/// - VTK, the legacy format (ASCII, binary), unstructured grids and poly data; VTU and VTP (ASCII, base64,
+///   appended, zlib). Bodies are the values of the first of these cell data that exists, in any capitals:
+///   `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`, `ObjectId`, `PartId`, `RegionId`.
+/// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies
+///   are the instances, otherwise the parts, otherwise the sets named by `*ELEMENT`, otherwise those of
+///   `*ELSET`.
+/// - Tables of triangles, three corners per line, with columns `vertex1_X` … `vertex3_Z`. Equal corners
+///   become one node. One body.
 ///
-/// If the file does not distinguish bodies, there is one body. Nodes that two bodies share stay shared. A quadrilateral is split into two
-/// triangles along the diagonal from its first node, or along the other diagonal if only that lies inside; if the quadrilateral is not
-/// flat, this choice determines its shape. Elements of one node are counted but not kept. Elements with more corners, more faces or nodes
-/// on edges are refused.
+/// If the file does not distinguish bodies, there is one body. Nodes that two bodies share stay shared. A
+/// quadrilateral is split into two triangles along the diagonal from its first node, or along the other
+/// diagonal if only that lies inside; if the quadrilateral is not flat, this choice determines its shape.
+/// Elements of one node are counted but not kept. Elements with more corners, more faces or nodes on edges
+/// are refused.
 ///
 /// # Shapes
 /// `bytes`: a whole file. `name`: the name of the file, for messages and for its extension.
@@ -290,17 +299,19 @@ fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
 /// The units of the file.
 ///
 /// # Cost
-/// Time proportional to the bytes, times the logarithm of the number of nodes if node numbers have gaps or nodes are merged; one thread.
-/// Memory follows the bytes of the file, whatever its header says. Compressed data may take a thousand times its bytes, and every instance
-/// of an Abaqus part has its own nodes. Overlapping ranges of Abaqus sets are processed one after another.
+/// Time proportional to the bytes, times the logarithm of the number of nodes if node numbers have gaps or
+/// nodes are merged; one thread. Memory follows the bytes of the file, whatever its header says. Compressed
+/// data may take a thousand times its bytes, and every instance of an Abaqus part has its own nodes.
+/// Overlapping ranges of Abaqus sets are processed one after another.
 ///
 /// # Errors
-/// [`MeshError`], with file, line or byte, and the element or node: another format, a violation of the format, the elements listed above as
-/// refused, nodes that do not exist or that one element names twice, coordinates that are not finite, or no element at all.
+/// [`MeshError`], with file, line or byte, and the element or node: another format, a violation of the
+/// format, the elements listed above as refused, nodes that do not exist or that one element names twice,
+/// coordinates that are not finite, or no element at all.
 ///
 /// # Source
-/// Gmsh reference manual, "MSH file format"; VTK file formats, VTK user's guide; G. Turk, "The PLY Polygon File Format" (1994); Wavefront, "Object Files";
-/// Abaqus keywords reference guide.
+/// Gmsh reference manual, "MSH file format"; VTK file formats, VTK user's guide; G. Turk, "The PLY Polygon
+/// File Format" (1994); Wavefront, "Object Files"; Abaqus keywords reference guide.
 ///
 /// # Example
 /// ```

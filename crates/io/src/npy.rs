@@ -14,7 +14,8 @@ use crate::table::{MOST_COLUMNS, Table};
 
 /// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
-/// A field that is an array is read as columns `name:0`, `name:1`, … up to this many; a longer one is not a vector.
+/// A field that is an array is read as columns `name:0`, `name:1`, … up to this many; a longer one is not a
+/// vector.
 const LONGEST_VECTOR: u64 = 16;
 
 pub(crate) fn read_npy(
@@ -104,7 +105,8 @@ impl NpyRows {
     /// Bytes at the start of a file that hold any header that NumPy writes.
     pub const START: usize = 1 << 20;
 
-    /// The array of a file that begins with `start`, which is the whole file or at least its first [`NpyRows::START`] bytes.
+    /// The array of a file that begins with `start`, which is the whole file or at least its first
+    /// [`NpyRows::START`] bytes.
     ///
     /// `None` if the file is not a NumPy array, or has its rows scattered (Fortran order).
     ///
@@ -148,7 +150,8 @@ impl NpyRows {
         Err(ReadError::NpySize { expected, found, shape: self.header.shown_shape() })
     }
 
-    /// Reads rows as [`read`](crate::read) reads a file. `bytes` is the content of the file at the place of the [rows](Self::bytes).
+    /// Reads rows as [`read`](crate::read) reads a file. `bytes` is the content of the file at the place of
+    /// the [rows](Self::bytes).
     ///
     /// Errors name rows of the file. Ids are compared within these rows only.
     ///
@@ -335,7 +338,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// The fields of a structured dtype as columns, and the number of bytes per row; `None` if that exceeds any memory.
+/// The fields of a structured dtype as columns, and the number of bytes per row; `None` if that exceeds any
+/// memory.
 fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
     let Dtype::Record(fields) = &header.dtype else { return None };
     let mut columns = Vec::new();

@@ -1,11 +1,11 @@
 //! The header of a NumPy file: magic bytes, version, length, and a Python dictionary as text.
 //!
-//! The parser takes time proportional to the header, whatever its bytes: it never goes back and limits the nesting. The caller multiplies
-//! the shape with checked arithmetic.
+//! The parser takes time proportional to the header, whatever its bytes: it never goes back and limits the
+//! nesting. The caller multiplies the shape with checked arithmetic.
 //!
 //! # Source
-//! NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays", and `numpy.lib.format`, versions 1.0
-//! to 3.0.
+//! NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays", and `numpy.lib.format`,
+//! versions 1.0 to 3.0.
 
 use crate::excerpt;
 
@@ -13,7 +13,8 @@ use crate::excerpt;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Header {
     pub(crate) dtype: Dtype,
-    /// The dtype as written in the file, without quotes; a long list is cut, and control characters are escaped.
+    /// The dtype as written in the file, without quotes; a long list is cut, and control characters are
+    /// escaped.
     pub(crate) descr: String,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,

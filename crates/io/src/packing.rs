@@ -57,12 +57,14 @@ pub struct Packing {
     pub radii: Option<Vec<f64>>,
     /// Ids of the file, all different. `None` without an id column or if ids are ignored.
     pub ids: Option<Vec<i64>>,
-    /// The body that each element belongs to, any numbers; `None` unless [`ReadOptions::bodies`](crate::ReadOptions) requests them.
+    /// The body that each element belongs to, any numbers; `None` unless
+    /// [`ReadOptions::bodies`](crate::ReadOptions) requests them.
     pub bodies: Option<Vec<i64>>,
-    /// The row number of each element, increasing; `None` unless rows were skipped, because otherwise element `i` is row `i`.
+    /// The row number of each element, increasing; `None` unless rows were skipped, because otherwise element
+    /// `i` is row `i`.
     ///
-    /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. So an element without id keeps the number
-    /// that it has in the whole file.
+    /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. Therefore an
+    /// element without id keeps its number in the whole file.
     pub row_numbers: Option<Vec<u64>>,
     /// The box in the file, periodic or not; `None` if the file has none.
     pub cell: Option<SimulationBox>,
@@ -125,7 +127,8 @@ pub struct Source {
     pub columns: Vec<Column>,
     /// The length unit in the names of the columns, such as `mm` in `PosX[mm]`.
     pub unit: Option<String>,
-    /// Number of lines of a text file, including comments and blank lines (of this frame, if there are several), or of rows of an array.
+    /// Number of lines of a text file, including comments and blank lines (of this frame, if there are
+    /// several), or of rows of an array.
     pub lines: u64,
     /// The lines that were skipped; see [`ReadOptions::skip_bad_lines`](crate::ReadOptions).
     pub skipped: Skipped,
@@ -167,8 +170,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The word for places in such a file, for messages: `line` or `lines` of text, `row` or `rows` of an array. Lines are counted from 1,
-    /// rows from 0; see [`BadLine::line`].
+    /// The word for places in such a file, for messages: `line` or `lines` of text, `row` or `rows` of an
+    /// array. Lines are counted from 1, rows from 0; see [`BadLine::line`].
     pub fn noun(&self, count: u64) -> &'static str {
         match (self.has_lines(), count) {
             (true, 1) => "line",
@@ -207,7 +210,8 @@ impl fmt::Display for Format {
 pub enum Delimiter {
     /// A run of blanks, tabs, or both.
     Blank,
-    /// One tab; blanks around a field are ignored. Chosen only if it makes header and rows agree and nothing else does.
+    /// One tab; blanks around a field are ignored. Chosen only if it makes header and rows agree and nothing
+    /// else does.
     Tab,
     /// A comma; blanks around a field are ignored.
     Comma,
@@ -231,7 +235,8 @@ impl fmt::Display for Delimiter {
 pub struct Column {
     /// The role of the column; `None` if it was ignored.
     pub role: Option<Role>,
-    /// Its name in the header, cut to 40 characters, with control characters escaped; `column 1`, `column 2`, … without a header.
+    /// Its name in the header, cut to 40 characters, with control characters escaped; `column 1`, `column 2`,
+    /// … without a header.
     pub name: String,
 }
 
@@ -267,9 +272,10 @@ impl Skipped {
 /// A line that could not be read, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadLine {
-    /// Line counted from 1; in an array, row counted from 0 as in NumPy. [`Format::noun`] tells which.
+    /// Line counted from 1; in an array, row counted from 0 as in NumPy. [`Format::noun`] returns the word.
     pub line: u64,
-    /// The line, cut to about 80 characters, with control characters escaped; in an array, the values of the row.
+    /// The line, cut to about 80 characters, with control characters escaped; in an array, the values of the
+    /// row.
     pub text: String,
     /// The problem, with the name of the column; in an array, also with the number of the row.
     pub problem: String,

@@ -13,44 +13,48 @@ use crate::text::read_text;
 pub struct ReadOptions {
     /// The roles of the columns; `None` derives them from the header, or from the number of columns.
     pub columns: Option<Columns>,
-    /// Skips lines that cannot be read and lists them in [`Source::skipped`](crate::Source), instead of stopping at the first one. The
-    /// elements keep the numbers of their rows in [`Packing::row_numbers`].
+    /// Skips lines that cannot be read and lists them in [`Source::skipped`](crate::Source), instead of
+    /// stopping at the first one. The elements keep the numbers of their rows in [`Packing::row_numbers`].
     pub skip_bad_lines: bool,
     /// Ignores the id column, so that elements are numbered by row.
     pub ignore_ids: bool,
-    /// The column that holds the body of each element, for [`Packing::bodies`]: its name in the header, or its number counted from 1. It
-    /// has no other role. In a file without names, the other columns keep the roles that they would have without it.
+    /// The column that holds the body of each element, for [`Packing::bodies`]: its name in the header, or
+    /// its number counted from 1. It has no other role. In a file without names, the other columns keep the
+    /// roles that they would have without it.
     pub bodies: Option<String>,
 }
 
-/// Reads a packing from a table: delimited text or a NumPy array. [`read_packing`](crate::read_packing) and [`Series`](crate::Series) read these and all other formats.
+/// Reads a packing from a table: delimited text or a NumPy array. [`read_packing`](crate::read_packing) and
+/// [`Series`](crate::Series) read these and all other formats.
 ///
-/// The format is recognised by the content, never by a name. A file that starts with `\x93NUMPY` is a NumPy array (floats of 32 or 64 bits,
-/// integers, either byte order, C or Fortran order, or a structured array with named fields). Any other file must be text with one element
-/// per row:
+/// The format is recognised by the content, never by a name. A file that starts with `\x93NUMPY` is a NumPy
+/// array (floats of 32 or 64 bits, integers, either byte order, C or Fortran order, or a structured array
+/// with named fields). Any other file must be text with one element per row:
 ///
-/// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as in the first line that is not a comment, or as stated by a
-///   first line `sep=;`. `#` starts a comment, and so does `%` at the start of a line. Blank lines, CRLF line ends and a byte order mark
-///   are accepted.
-/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`, `diameter`, `d`, `id` and similar names,
-///   in any capitals. Other columns are ignored. A comment line just above the first row also serves as header if it fits, and so does
-///   `#format x_y_z_r_matId` of YADE. Without a header, 2 columns are x y, 3 are x y z, and 4 are x y z radius.
+/// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as in the first line that is not
+///   a comment, or as stated by a first line `sep=;`. `#` starts a comment, and so does `%` at the start of a
+///   line. Blank lines, CRLF line ends and a byte order mark are accepted.
+/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`,
+///   `diameter`, `d`, `id` and similar names, in any capitals. Other columns are ignored. A comment line just
+///   above the first row also serves as header if it fits, and so does `#format x_y_z_r_matId` of YADE.
+///   Without a header, 2 columns are x y, 3 are x y z, and 4 are x y z radius.
 /// - Without z the packing is 2D. Diameters are halved.
 ///
 /// # Shapes
-/// `bytes`: a whole file. `progress`: updated from time to time with the number of bytes parsed so far, so that another thread can display
-/// it; `bytes.len()` on success.
+/// `bytes`: a whole file. `progress`: updated from time to time with the number of bytes parsed so far, so
+/// that another thread can display it; `bytes.len()` on success.
 ///
 /// # Units
 /// The units of the file; columns with different units are an error.
 ///
 /// # Cost
-/// Time proportional to the bytes, one thread. Memory: the packing, 8 bytes more per row while ids are read, and 16 bytes per row if the
-/// ids are not increasing. Files of more than 10 000 columns are refused.
+/// Time proportional to the bytes, one thread. Memory: the packing, 8 bytes more per row while ids are read,
+/// and 16 bytes per row if the ids are not increasing. Files of more than 10 000 columns are refused.
 ///
 /// # Errors
-/// [`ReadError`]: the file is not a table of elements, a column is missing or occurs twice, a line cannot be read (unless
-/// [`ReadOptions::skip_bad_lines`]; if all lines are bad, it is an error even then), or ids repeat.
+/// [`ReadError`]: the file is not a table of elements, a column is missing or occurs twice, a line cannot be
+/// read (unless [`ReadOptions::skip_bad_lines`]; if all lines are bad, it is an error even then), or ids
+/// repeat.
 ///
 /// # Example
 /// ```

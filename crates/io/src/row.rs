@@ -61,8 +61,8 @@ impl RowReader {
         Self { delimiter, slots: roles.iter().map(slot).collect(), labels, size }
     }
 
-    /// Parses the fields in one pass. `None` for anything other than plain numbers and delimiters: quotes, comments, ids such as `7.0`,
-    /// mistakes. [`Self::read`] handles those.
+    /// Parses the fields in one pass. `None` for anything other than plain numbers and delimiters: quotes,
+    /// comments, ids such as `7.0`, mistakes. [`Self::read`] handles those.
     #[inline]
     pub(crate) fn read_clean(&self, line: &[u8]) -> Option<Row> {
         let mut row = Row::default();
@@ -162,7 +162,8 @@ impl RowReader {
         format!("expected {}, found {found}{hint}", excerpt::count(expected as u64, "field"))
     }
 
-    /// A message if a row is bad only because its fields are separated differently from those of the rows before.
+    /// A message if a row is bad only because its fields are separated differently from those of the rows
+    /// before.
     fn other_delimiter(&self, line: &[u8]) -> Option<String> {
         // Next to commas, a number that contains a comma is two fields.
         let number = |field: &[u8], delimiter: Delimiter| {
@@ -185,7 +186,8 @@ impl RowReader {
         Some(format!("separated by {shown}, the lines before by {}", plural(self.delimiter)))
     }
 
-    /// Whether a row has the right columns with another delimiter; `number` decides what else counts as a number.
+    /// Whether a row has the right columns with another delimiter; `number` decides which other texts count
+    /// as numbers.
     fn fits(&self, line: &[u8], other: Delimiter, number: impl Fn(&[u8], Delimiter) -> bool) -> bool {
         let fields = split(line, other);
         fields.len() == self.slots.len()
@@ -361,8 +363,8 @@ fn separator(delimiter: Delimiter) -> Option<u8> {
     }
 }
 
-/// The line without its comment: from `#` on, or all of it if it starts with `%`. Blanks and the line end are removed too. Tabs are not,
-/// because they may separate empty fields.
+/// The line without its comment: from `#` on, or all of it if it starts with `%`. Blanks and the line end are
+/// removed too. Tabs are not, because they may separate empty fields.
 pub(crate) fn content(line: &[u8]) -> &[u8] {
     if line.trim_ascii_start().starts_with(b"%") {
         return b"";
@@ -380,12 +382,14 @@ pub(crate) fn content(line: &[u8]) -> &[u8] {
     if line.trim_ascii().is_empty() { b"" } else { line.strip_suffix(b"\r").unwrap_or(line) }
 }
 
-/// The fields of a line, at most one more than any table has, so that a line of millions of fields takes little memory.
+/// The fields of a line, at most one more than any table has, so that a line of millions of fields takes
+/// little memory.
 pub(crate) fn split(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     fields(line, delimiter).take(MOST_COLUMNS + 1).collect()
 }
 
-/// The fields of a line, trimmed and without quotes. Empty fields count, except in a line separated by blanks.
+/// The fields of a line, trimmed and without quotes. Empty fields count, except in a line separated by
+/// blanks.
 fn fields(line: &[u8], delimiter: Delimiter) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     let separator = separator(delimiter);

@@ -23,8 +23,8 @@ pub(crate) mod xyz;
 
 /// The frames of a file; each is read when it is requested.
 ///
-/// The formats are those of [`PackingFormat`]; see also [`Self::read`]. Dumps, XYZ and MercuryDPM files may have many frames; all others
-/// have one.
+/// The formats are those of [`PackingFormat`]; see also [`Self::read`]. Dumps, XYZ and MercuryDPM files may
+/// have many frames; all others have one.
 ///
 /// # Example
 /// ```
@@ -45,7 +45,7 @@ pub(crate) mod xyz;
 pub struct Series<'a> {
     bytes: &'a [u8],
     format: PackingFormat,
-    /// The format that the name stands for, if the content does not have it.
+    /// The format that the name promises, if the content does not have it.
     promised: Option<(PackingFormat, &'static str)>,
     /// The start of each frame; one for formats without frames.
     starts: Vec<Start>,
@@ -62,14 +62,16 @@ pub(crate) struct Start {
 impl<'a> Series<'a> {
     /// Recognises the format of a file and finds the starts of its frames.
     ///
-    /// `name`: the name of the file without the extension of its compression. `format`: the format to use instead of the recognised one.
+    /// `name`: the name of the file without the extension of its compression. `format`: the format to use
+    /// instead of the recognised one.
     ///
     /// # Cost
     /// For formats with several frames, a pass over the lines, and 16 bytes of memory per frame.
     ///
     /// # Errors
-    /// [`ReadError::Empty`]; [`ReadError::Foreign`] and [`ReadError::NotText`] for bytes of no supported format. This function does not
-    /// distinguish a mesh from a text table: see [`FileKind::of`]. Errors inside a frame are returned by [`Self::read`].
+    /// [`ReadError::Empty`]; [`ReadError::Foreign`] and [`ReadError::NotText`] for bytes of no supported
+    /// format. This function does not distinguish a mesh from a text table: see [`FileKind::of`]. Errors
+    /// inside a frame are returned by [`Self::read`].
     pub fn open(bytes: &'a [u8], name: &str, format: Option<PackingFormat>) -> Result<Self, ReadError> {
         let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         if bytes.is_empty() {
@@ -110,17 +112,18 @@ impl<'a> Series<'a> {
     /// Reads a frame, counted from 0.
     ///
     /// - Text and NumPy arrays: see [`read`](crate::read). YADE's `#format x_y_z_r` names columns.
-    /// - NumPy archives: a single array is read like a NumPy file. Otherwise `positions` (n, 2) or (n, 3), or `x`, `y`, `z`, and `radii` or
-    ///   `diameters` and `ids`, under these and similar names, n each.
-    /// - LAMMPS and LIGGGHTS dumps: `x y z`, or the scaled `xs ys zs`, the unwrapped `xu yu zu`, or `xsu ysu zsu`; `radius` or `diameter`;
-    ///   `id`. The box in its three forms, periodic along edges marked `pp`.
-    /// - LAMMPS and LIGGGHTS data: columns by the atom style after `Atoms #`, or by [`ReadOptions::columns`]. These files do not say
-    ///   whether the box is periodic.
-    /// - XYZ: the columns after `Properties=`, or a name and x y z; further columns are ignored. `Lattice=` with `Origin=` is the box,
-    ///   periodic along the edges given by `pbc=`, or along all edges without it.
+    /// - NumPy archives: a single array is read like a NumPy file. Otherwise `positions` (n, 2) or (n, 3), or
+    ///   `x`, `y`, `z`, and `radii` or `diameters` and `ids`, under these and similar names, n each.
+    /// - LAMMPS and LIGGGHTS dumps: `x y z`, or the scaled `xs ys zs`, the unwrapped `xu yu zu`, or
+    ///   `xsu ysu zsu`; `radius` or `diameter`; `id`. The box in its three forms, periodic along edges marked
+    ///   `pp`.
+    /// - LAMMPS and LIGGGHTS data: columns by the atom style after `Atoms #`, or by [`ReadOptions::columns`].
+    ///   These files do not say whether the box is periodic.
+    /// - XYZ: the columns after `Properties=`, or a name and x y z; further columns are ignored. `Lattice=`
+    ///   with `Origin=` is the box, periodic along the edges given by `pbc=`, or along all edges without it.
     /// - MercuryDPM: 14 columns in 3D, 8 in 2D; the limits are not periodic.
-    /// - VTK: points, with the first of their data named radius, diameter and the like. `Scale` is a diameter, as for the spheres of
-    ///   `ParaView`.
+    /// - VTK: points, with the first of their data named radius, diameter and the like. `Scale` is a
+    ///   diameter, as for the spheres of `ParaView`.
     ///
     /// # Shapes
     /// `progress`: the number of bytes of the file parsed so far; the end of the frame on success.
@@ -129,14 +132,15 @@ impl<'a> Series<'a> {
     /// The units of the file.
     ///
     /// # Cost
-    /// Time proportional to the bytes of the frame; for compressed VTK arrays and archives, to their decompressed content. Memory: the
-    /// packing and, for VTK files and archives, the arrays.
+    /// Time proportional to the bytes of the frame; for compressed VTK arrays and archives, to their
+    /// decompressed content. Memory: the packing and, for VTK files and archives, the arrays.
     ///
     /// # Errors
     /// [`ReadError`], inside [`ReadError::InFrame`] if there are several frames.
     ///
     /// # Source
-    /// LAMMPS documentation of `dump` and `read_data`; ASE, "Extended XYZ"; `MercuryDPM` documentation, "The data file"; VTK file formats.
+    /// LAMMPS documentation of `dump` and `read_data`; ASE, "Extended XYZ"; `MercuryDPM` documentation, "The
+    /// data file"; VTK file formats.
     pub fn read(
         &self,
         frame: usize,

@@ -5,7 +5,8 @@ use crate::error::ReadError;
 use crate::excerpt;
 use crate::read::ReadOptions;
 
-/// Largest number of columns. A table of elements does not have more, and their names might not fit in memory.
+/// Largest number of columns. A table of elements does not have more, and their names might not fit in
+/// memory.
 pub(crate) const MOST_COLUMNS: usize = 10_000;
 
 /// The columns of one file before roles are assigned.
@@ -78,7 +79,8 @@ impl Table<'_> {
         Ok(roles)
     }
 
-    /// Finds a column by its exact name in the header, otherwise by its number, otherwise by its name without unit and capitals.
+    /// Finds a column by its exact name in the header, otherwise by its number, otherwise by its name without
+    /// unit and capitals.
     fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
         let plain = [Name::new(wanted).plain, Name::unsuffixed(wanted).plain];
         let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {

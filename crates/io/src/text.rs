@@ -15,12 +15,14 @@ use crate::table::{MOST_COLUMNS, Table};
 /// Number of lines between two reports of progress: some microseconds of work.
 const LINES_PER_REPORT: u64 = 1024;
 
-/// Most bytes of a line before the first row: names of columns take less, and a file without line ends would be copied several times.
+/// Most bytes of a line before the first row: names of columns take less, and a file without line ends would
+/// be copied several times.
 const LONGEST: usize = 1 << 20;
 
-/// Number of bytes at the start that show what kind of file it is.
+/// Number of bytes at the start that show the kind of the file.
 const HEAD: usize = 4096;
-/// Up to this number, control characters are accidental. If there are more, and more than a tenth of the start, the file is not text.
+/// Up to this number, control characters are accidental. If there are more, and more than a tenth of the
+/// start, the file is not text.
 const STRAY: usize = 8;
 
 pub(crate) fn read_text(
@@ -186,7 +188,8 @@ impl Opening {
             let (names, chosen) = header_names(first, delimiter, row.map(|(_, row)| row));
             delimiter = chosen;
             match row.map(|row| (row, split(row.1, delimiter).len())) {
-                // A header with blanks in its names does not give the number of columns; a choice by place needs no names.
+                // A header with blanks in its names does not give the number of columns; a choice by place
+                // needs no names.
                 Some((row, columns)) if columns != names.len() && choice.is_some_and(Columns::by_number) => {
                     shown = row.1;
                     (numbered(columns), false, row.0)
@@ -229,8 +232,8 @@ fn numbered(columns: usize) -> Vec<Name> {
     (1..=columns).map(|place| Name::new(&place.to_string())).collect()
 }
 
-/// The delimiter stated by a first line such as `sep=;`, which Excel accepts and some programs write. `None` for any other line; no
-/// delimiter if nothing follows.
+/// The delimiter stated by a first line such as `sep=;`, which Excel accepts and some programs write. `None`
+/// for any other line; no delimiter if nothing follows.
 fn separator_line(line: &[u8]) -> Option<Result<Option<Delimiter>, String>> {
     let line = line.strip_prefix(b"\"").map_or(line, |inside| inside.strip_suffix(b"\"").unwrap_or(inside));
     let (key, separator) = line.split_at_checked(4)?;
@@ -297,8 +300,9 @@ fn looks_numeric(field: &[u8]) -> bool {
 
 /// The names in a header line, and the delimiter with which their number agrees with the row below.
 ///
-/// Names that contain blanks may be separated by tabs, and some programs write the header with other delimiters than the rows. If single
-/// tabs separate both, only tabs are delimiters, so that an empty cell between two tabs is kept.
+/// Names that contain blanks may be separated by tabs, and some programs write the header with other
+/// delimiters than the rows. If single tabs separate both, only tabs are delimiters, so that an empty cell
+/// between two tabs is kept.
 fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<Name>, Delimiter) {
     let names = names_of(&split(line, delimiter), delimiter);
     let columns = |delimiter| row.map_or(names.len(), |row| split(row, delimiter).len());
@@ -350,7 +354,8 @@ fn yade_names(
     (names.len() == columns && fits(&names, choice)).then_some((names, number))
 }
 
-/// In a line separated by blanks, a field that starts with a bracket belongs to the name before it, up to the closing bracket.
+/// In a line separated by blanks, a field that starts with a bracket belongs to the name before it, up to the
+/// closing bracket.
 fn names_of(fields: &[&[u8]], delimiter: Delimiter) -> Vec<Name> {
     let mut names: Vec<String> = Vec::new();
     let mut open = false;

@@ -35,7 +35,8 @@ const SKIPPABLE: &[u8] = b"\x2a\x4d\x18";
 const MOST_WINDOW: u64 = 1 << 27;
 /// Number of bytes decompressed between two checks of the memory.
 const PIECE: usize = 1 << 18;
-/// Number of bytes that are decompressed before content that cannot be read is given up: a small file may expand to terabytes of zeros.
+/// Number of bytes that are decompressed before content that cannot be read is given up: a small file may
+/// expand to terabytes of zeros.
 const TRIAL: usize = 1 << 20;
 
 impl Compression {
@@ -48,17 +49,19 @@ impl Compression {
     }
 }
 
-/// Decompresses gzip and zstd, including several members or frames in one file; other bytes are returned as they are.
+/// Decompresses gzip and zstd, including several members or frames in one file; other bytes are returned as
+/// they are.
 ///
-/// `wanted` is called with the first 2^20 decompressed bytes, or all if there are fewer, and decides whether to continue. If not, only
-/// these bytes are returned.
+/// `wanted` is called with the first 2^20 decompressed bytes, or all if there are fewer, and decides whether
+/// to continue. If not, only these bytes are returned.
 ///
 /// # Cost
-/// Time and memory proportional to the output. Memory is allocated piece by piece as content arrives, whatever a header claims. Windows of
-/// zstd may have up to 128 MiB.
+/// Time and memory proportional to the output. Memory is allocated piece by piece as content arrives,
+/// whatever a header claims. Windows of zstd may have up to 128 MiB.
 ///
 /// # Errors
-/// [`ReadError::Packed`] if the data are damaged or cut off, or a checksum does not match; [`ReadError::NoMemory`].
+/// [`ReadError::Packed`] if the data are damaged or cut off, or a checksum does not match;
+/// [`ReadError::NoMemory`].
 ///
 /// # Example
 /// ```
@@ -90,7 +93,7 @@ struct Unpacked<W> {
 }
 
 impl<W: Fn(&[u8]) -> bool> Unpacked<W> {
-    /// Reads the whole input; returns false if the content is not wanted.
+    /// Reads the whole input; returns false if the content is not needed.
     fn take(&mut self, input: &mut dyn Read) -> Result<bool, ReadError> {
         loop {
             let from = self.bytes.len();

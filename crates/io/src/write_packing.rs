@@ -50,8 +50,8 @@ pub fn write_packing_csv<W: Write>(out: &mut W, centres: &Centres, radii: Option
 
 /// Writes a packing as a NumPy array of `<f8` in C order, with the columns x, y, z, radius that exist.
 ///
-/// A 2D packing with radii gets the named fields `x`, `y`, `radius` instead, because a plain array of three columns would be read as x, y,
-/// z. [`read`](crate::read) returns the same numbers, bit for bit.
+/// A 2D packing with radii gets the named fields `x`, `y`, `radius` instead, because a plain array of three
+/// columns would be read as x, y, z. [`read`](crate::read) returns the same numbers, bit for bit.
 ///
 /// # Shapes
 /// `centres`: `n`. `radii`: `n` if given. The array is `(n, 2)`, `(n, 3)` or `(n, 4)`; with fields, `(n,)`.

@@ -185,8 +185,8 @@ impl<'a> Table<'a> {
         self
     }
 
-    /// Adds a column of several components: component `c` of row `k` has the index `k * components.len() + c`. Formats without components
-    /// write them as separate columns.
+    /// Adds a column of several components: component `c` of row `k` has the index
+    /// `k * components.len() + c`. Formats without components write them as separate columns.
     #[must_use]
     pub fn with_components(
         mut self,
@@ -198,8 +198,8 @@ impl<'a> Table<'a> {
         self
     }
 
-    /// With the unit of the column that was added last: [`write_vtu`](crate::write_vtu) and [`write_poly_vtp`](crate::write_poly_vtp) write it, other
-    /// formats leave it out.
+    /// With the unit of the column that was added last: [`write_vtu`](crate::write_vtu) and
+    /// [`write_poly_vtp`](crate::write_poly_vtp) write it, other formats leave it out.
     #[must_use]
     pub fn in_unit(mut self, unit: &'static str) -> Self {
         if let Some(last) = self.columns.last_mut() {

@@ -1,4 +1,5 @@
-//! Labelled images: files of other programs give the same labels here, and damaged files are refused with the reason.
+//! Labelled images: files of other programs give the same labels here, and damaged files are refused with the
+//! reason.
 //!
 //! `labels/make.py` documents the content of the files.
 
@@ -185,7 +186,8 @@ fn damaged_archives_are_refused() {
     }
 }
 
-/// Every byte changed, and the file cut off at every length: an error or an image, no panic, and no memory for data that do not exist.
+/// Every byte changed, and the file cut off at every length: an error or an image, no panic, and no memory
+/// for data that do not exist.
 #[test]
 fn damage_anywhere_is_an_error_or_an_image() {
     let mut errors = 0;

@@ -1,5 +1,5 @@
-//! Meshes: one mesh gives the same result in every format and encoding; errors are reported; no bytes make a reader panic or allocate much
-//! memory.
+//! Meshes: one mesh gives the same result in every format and encoding; errors are reported; no bytes make a
+//! reader panic or allocate much memory.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
@@ -311,7 +311,8 @@ const VTU: &str = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n<Piece
                    <DataArray type=\"UInt8\" Name=\"types\">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>\n";
 const TABLE: &str = "vertex1_X[m] vertex1_Y[m] vertex1_Z[m] vertex2_X[m] vertex2_Y[m] vertex2_Z[m] vertex3_X[m] vertex3_Y[m] vertex3_Z[m]\n0 0 0 1 0 0 0 1 0\n";
 
-/// The name and content of a good file, a replacement in it, the line of the error, and the required part of the message.
+/// The name and content of a good file, a replacement in it, the line of the error, and the required part of
+/// the message.
 type Wrong = (&'static str, &'static str, &'static str, &'static str, u64, &'static str);
 
 const WRONG: &[Wrong] = &[

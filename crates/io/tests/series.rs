@@ -1,4 +1,5 @@
-//! Packings with frames and boxes: one packing gives the same result in every format; errors name frame and line.
+//! Packings with frames and boxes: one packing gives the same result in every format; errors name frame and
+//! line.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 

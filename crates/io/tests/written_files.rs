@@ -195,7 +195,8 @@ fn chain(n: usize) -> (Table<'static>, Table<'static>) {
     (points, lines)
 }
 
-/// Reads the file with our own reader of VTP files; `python/test_written.py` reads it with VTK. Several blocks, some of them full.
+/// Reads the file with our own reader of VTP files; `python/test_written.py` reads it with VTK. Several
+/// blocks, some of them full.
 #[test]
 fn lines_for_paraview() {
     for n in [0, 1, 2, 1000, 131_073, 200_000] {

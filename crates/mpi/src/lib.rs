@@ -1,11 +1,12 @@
-//! Ranks that are processes under MPI: a [`World`] is the [`Communicator`] of all processes that a launcher such as
-//! `mpirun` has started.
+//! Ranks that are processes under MPI: a [`World`] is the [`Communicator`] of all processes that a launcher
+//! such as `mpirun` has started.
 //!
-//! This is a crate of its own, so that only the command is compiled anew for MPI. It is empty without its feature
-//! `mpi`, which needs an MPI library and libclang.
+//! This is a separate crate, so that only the command is compiled again for MPI. It is empty without its
+//! feature `mpi`, which needs an MPI library and libclang.
 //!
 //! # Unsafe code
-//! The MPI library is written in C. Each call says why its pointers are valid, and one thread calls at a time.
+//! The MPI library is written in C. Each call says why its pointers are valid, and one thread calls at a
+//! time.
 
 #![cfg(feature = "mpi")]
 #![allow(unsafe_code, reason = "MPI is a C library; each call says why its pointers are valid")]
@@ -40,7 +41,8 @@ const LARGEST_TAG: c_int = 32767;
 /// Exit code of all processes after an error of MPI or a panic.
 const FAILED: c_int = 101;
 
-/// One thread calls MPI at a time, as is promised at the start ([`Threading::Serialized`]). A thread that waits in MPI keeps the others waiting.
+/// One thread calls MPI at a time, as is promised at the start ([`Threading::Serialized`]). A thread that
+/// waits in MPI keeps the others waiting.
 static CALLS: Mutex<()> = Mutex::new(());
 
 fn one_at_a_time() -> MutexGuard<'static, ()> {
@@ -74,8 +76,8 @@ pub struct World {
 #[derive(Clone, Copy)]
 struct Comm(ffi::MPI_Comm);
 
-// SAFETY: a handle is a number or a pointer that only the MPI library follows. The library is started with `Threading::Serialized` or more, so any
-// thread may call it, and `CALLS` lets one thread call at a time.
+// SAFETY: a handle is a number or a pointer that only the MPI library follows. The library is started with
+// `Threading::Serialized` or more, so any thread may call it, and `CALLS` lets one thread call at a time.
 unsafe impl Send for Comm {}
 // SAFETY: as above.
 unsafe impl Sync for Comm {}
@@ -108,7 +110,8 @@ pub fn library_version() -> String {
 }
 
 impl World {
-    /// Starts MPI, with all processes of the program. MPI ends when the world is dropped, and cannot be started again.
+    /// Starts MPI, with all processes of the program. MPI ends when the world is dropped, and cannot be
+    /// started again.
     ///
     /// # Errors
     /// [`StartError`].
@@ -124,13 +127,14 @@ impl World {
         Ok(world)
     }
 
-    /// The processes of a communicator that the program has made. Collective. The world uses a copy of it, so messages of the program and of the
-    /// world are kept apart.
+    /// The processes of a communicator that the program has made. Collective. The world uses a copy of it, so
+    /// messages of the program and of the world are kept apart.
     ///
     /// # Safety
-    /// `communicator` is an intracommunicator of the MPI library that this crate is linked with. MPI has been started with at least
-    /// `MPI_THREAD_SERIALIZED`, and is not finalised before the world is dropped. While the program makes other calls of MPI, no other thread uses the
-    /// world, unless MPI was started with `MPI_THREAD_MULTIPLE`.
+    /// `communicator` is an intracommunicator of the MPI library that this crate is linked with. MPI has been
+    /// started with at least `MPI_THREAD_SERIALIZED`, and is not finalised before the world is dropped. While
+    /// the program makes other calls of MPI, no other thread uses the world, unless MPI was started with
+    /// `MPI_THREAD_MULTIPLE`.
     pub unsafe fn over(communicator: ffi::MPI_Comm) -> Self {
         let _calls = one_at_a_time();
         let mut copy = communicator;
@@ -164,7 +168,8 @@ impl World {
     /// The bytes stay where they are, and do not change, until the requests are complete.
     unsafe fn start_send(&self, to: usize, tag: c_int, bytes: &[u8], requests: &mut Vec<ffi::MPI_Request>) {
         for piece in bytes.chunks(PIECE) {
-            // SAFETY: the buffer is that of a slice, of a length that fits `int`; the caller keeps it. The request is written by the call.
+            // SAFETY: the buffer is that of a slice, of a length that fits `int`; the caller keeps it. The
+            // request is written by the call.
             unsafe {
                 let mut request = ffi::RSMPI_REQUEST_NULL;
                 let (data, count) = (piece.as_ptr().cast::<c_void>(), piece.len() as c_int);
@@ -195,7 +200,8 @@ impl World {
         requests: &mut Vec<ffi::MPI_Request>,
     ) {
         for piece in bytes.chunks_mut(PIECE) {
-            // SAFETY: the buffer is that of a slice, of a length that fits `int`; the caller keeps it. The request is written by the call.
+            // SAFETY: the buffer is that of a slice, of a length that fits `int`; the caller keeps it. The
+            // request is written by the call.
             unsafe {
                 let mut request = ffi::RSMPI_REQUEST_NULL;
                 let (data, count) = (piece.as_mut_ptr().cast::<c_void>(), piece.len() as c_int);
@@ -216,8 +222,8 @@ impl World {
 
     /// Waits for requests.
     fn wait(&self, requests: &mut [ffi::MPI_Request]) {
-        // More than `int` can count would take terabytes of messages.
-        // SAFETY: the requests were made by this communicator, and their buffers live, because who started them waits here.
+        // More than `int` can count would take terabytes of messages. SAFETY: the requests were made by this
+        // communicator, and their buffers live, because who started them waits here.
         let code = unsafe {
             ffi::MPI_Waitall(requests.len() as c_int, requests.as_mut_ptr(), ffi::RSMPI_STATUSES_IGNORE)
         };
@@ -237,7 +243,8 @@ impl World {
     /// Receives a number, and says from which rank; from any one if none is given.
     fn receive_number(&self, from: Option<usize>, tag: c_int) -> (usize, u64) {
         let mut bytes = [0; 8];
-        // SAFETY: the buffer and the status are local, and the call returns when they are written. A status is plain numbers, for which zeros are valid.
+        // SAFETY: the buffer and the status are local, and the call returns when they are written. A status
+        // is plain numbers, for which zeros are valid.
         let source = unsafe {
             let source = from.map_or(ffi::RSMPI_ANY_SOURCE, |rank| rank as c_int);
             let mut status: ffi::MPI_Status = std::mem::zeroed();
@@ -269,14 +276,14 @@ impl World {
         incoming as usize
     }
 
-    /// Replaces values by what `operation` makes of those of all ranks.
+    /// Replaces values by the result of `operation` over the values of all ranks.
     ///
     /// # Safety
-    /// `V` is what `datatype` describes.
+    /// `V` is the type that `datatype` describes.
     unsafe fn reduce<V: Copy>(&self, values: &mut [V], datatype: ffi::MPI_Datatype, operation: ffi::MPI_Op) {
         for piece in values.chunks_mut(PIECE / 8) {
             let own = piece.to_vec();
-            // SAFETY: both buffers have as many values of the datatype as are told.
+            // SAFETY: both buffers have the given number of values of the datatype.
             let code = unsafe {
                 ffi::MPI_Allreduce(
                     own.as_ptr().cast(),
@@ -336,15 +343,16 @@ impl Communicator for World {
                 self.start_send(message.rank, EXCHANGE, &message.bytes, &mut requests);
             }
         }
-        // No rank is ahead by a whole exchange: nobody gets past the count of the next one before all ranks have come there. So each length that
-        // arrives belongs to this exchange.
+        // No rank is ahead by a whole exchange: nobody gets past the count of the next one before all ranks
+        // have come there. Therefore each length that arrives belongs to this exchange.
         let mut received = own;
         for _ in 0..incoming {
             let (rank, length) = self.receive_number(None, LENGTH_OF_EXCHANGE);
             received.push(Message { rank, bytes: vec![0; length as usize] });
         }
         for message in received.iter_mut().filter(|message| message.rank != self.rank) {
-            // SAFETY: the bytes are on the heap, and nobody touches them until the requests are waited for below.
+            // SAFETY: the bytes are on the heap, and nobody touches them until the requests are waited for
+            // below.
             unsafe { self.start_receive(message.rank, EXCHANGE, &mut message.bytes, &mut requests) };
         }
         self.wait(&mut requests);
@@ -386,7 +394,8 @@ impl Communicator for World {
         let starts: Vec<c_int> =
             counts.iter().scan(0, |end, count| Some(std::mem::replace(end, *end + count))).collect();
         let mut all = vec![0_u8; lengths.iter().sum()];
-        // SAFETY: the lengths and starts are those of parts of `all`, one for each rank, and this rank's part has the length of `bytes`.
+        // SAFETY: the lengths and starts are those of parts of `all`, one for each rank, and this rank's part
+        // has the length of `bytes`.
         let code = unsafe {
             ffi::MPI_Allgatherv(
                 bytes.as_ptr().cast(),
@@ -459,10 +468,11 @@ impl Communicator for World {
             requests: Vec::new(),
             started: false,
         };
-        // Receives come first, so that what arrives has its place.
+        // Receives come first, so that arriving data has its place.
         for (port, bytes) in receive.iter().zip(&mut halo.incoming) {
             for piece in bytes.chunks_mut(PIECE) {
-                // SAFETY: the buffer is on the heap; the halo owns it, never resizes it, and frees the request first.
+                // SAFETY: the buffer is on the heap; the halo owns it, never resizes it, and frees the
+                // request first.
                 let code = unsafe {
                     halo.requests.push(ffi::RSMPI_REQUEST_NULL);
                     let request = halo.requests.last_mut().map_or(ptr::null_mut(), ptr::from_mut);
@@ -501,7 +511,8 @@ impl Drop for World {
             abort(self.comm(), FAILED);
         }
         let _calls = one_at_a_time();
-        // SAFETY: the copy was made by this world, whose halos have ended or are forgotten, because they borrow it.
+        // SAFETY: the copy was made by this world, whose halos have ended or are forgotten, because they
+        // borrow it.
         let code = unsafe { ffi::MPI_Comm_free(&raw mut self.communicator.0) };
         // SAFETY: MPI has not ended yet.
         check("MPI_Comm_free", code, unsafe { ffi::RSMPI_COMM_WORLD });
@@ -529,9 +540,11 @@ impl Halo for Persistent<'_> {
         assert!(!self.started, "the messages are under way");
         self.started = true;
         let _calls = one_at_a_time();
-        // `MPI_Startall` may start them in any order, and messages between two ranks would be mixed up if there are several.
+        // `MPI_Startall` may start them in any order, and messages between two ranks would be mixed up if
+        // there are several.
         for request in &mut self.requests {
-            // SAFETY: the request is persistent and not active; its buffer is owned by this halo, and is not touched before `finish`.
+            // SAFETY: the request is persistent and not active; its buffer is owned by this halo, and is not
+            // touched before `finish`.
             let code = unsafe { ffi::MPI_Start(request) };
             self.of.check("MPI_Start", code);
         }
@@ -576,7 +589,7 @@ fn check(call: &str, code: c_int, comm: ffi::MPI_Comm) {
     if code == 0 {
         return;
     }
-    // SAFETY: the buffer is as long as the library asks for, and the length is written by the call.
+    // SAFETY: the buffer has the length that the library requires, and the length is written by the call.
     let text = unsafe {
         let mut text = vec![0_u8; ffi::MPI_MAX_ERROR_STRING as usize];
         let mut length = 0;

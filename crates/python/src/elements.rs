@@ -10,8 +10,8 @@ use crate::problem::Problem;
 
 /// Elements to be searched, in arrays of the caller.
 ///
-/// The numbers are checked by each search. `kind` says what `size` and `others` are: "radii" (array `[n]`), "radius" and "cutoff" (a number), "upper" (corners `[n, D]`,
-/// where `points` are the lower ones).
+/// The numbers are checked by each search. `kind` determines `size` and `others`: "radii" (array `[n]`),
+/// "radius" and "cutoff" (a number), "upper" (corners `[n, D]`, where `points` are the lower ones).
 #[pyclass(frozen, module = "fdem._fdem")]
 #[derive(Debug)]
 pub(crate) struct Elements {
@@ -149,7 +149,7 @@ impl Elements {
         Ok(Some(PeriodicBox::triclinic(row(origin)?, edges, periodic)?))
     }
 
-    /// Refuses to go on with coordinates other than those that were searched.
+    /// Refuses to continue with coordinates other than those that were searched.
     pub(crate) fn check_unchanged<T: Number>(&self, held: &Held<'_, T>) -> PyResult<()> {
         if held.fingerprint() == self.fingerprint {
             return Ok(());
@@ -196,7 +196,8 @@ impl Elements {
         Ok(elements)
     }
 
-    /// The hash of the coordinates when they were searched. A copy with this hash notices later changes as the original does.
+    /// The hash of the coordinates when they were searched. A copy with this hash notices later changes as
+    /// the original does.
     #[getter]
     fn fingerprint(&self) -> u64 {
         self.fingerprint

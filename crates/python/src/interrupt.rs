@@ -19,8 +19,9 @@ pub(crate) type Stop = Arc<AtomicBool>;
 
 /// Runs `work` without the interpreter's lock.
 ///
-/// Long work runs on a thread of its own while this one runs the handlers of signals. When one of them raises, as that of Ctrl-C does, `stop` is set, the work is
-/// waited for, since it reads the caller's arrays, and the exception is raised.
+/// Long work runs on another thread while this one runs the handlers of signals. When one of them raises, as
+/// that of Ctrl-C does, `stop` is set, the work is waited for, since it reads the caller's arrays, and the
+/// exception is raised.
 ///
 /// # Errors
 /// The error of `work`, or the exception that a handler raised.

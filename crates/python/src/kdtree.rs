@@ -12,7 +12,7 @@ use crate::problem::{Problem, zeros};
 use crate::tasks;
 use crate::tree::{Hit, Norm, Tree};
 
-/// Points that one task asks about.
+/// Number of query points in one task.
 const CHUNK: usize = 256;
 
 /// A sorted copy of points of any dimension.
@@ -23,7 +23,7 @@ pub(crate) struct PyTree {
     dimensions: usize,
 }
 
-/// Distances and numbers, a row for each point that asked.
+/// Distances and numbers, a row for each query point.
 type Nearest<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
 /// The starts of the rows, the numbers of the points, and their distances.
@@ -34,7 +34,7 @@ fn norm_of(p: f64) -> Result<Norm, Problem> {
 }
 
 impl PyTree {
-    /// The coordinates of the points that ask.
+    /// The coordinates of the query points.
     fn rows_of<'a>(&self, at: &'a PyReadonlyArray2<'_, f64>) -> Result<&'a [f64], Problem> {
         match at.as_slice() {
             Ok(values) if at.shape()[1] == self.dimensions && self.dimensions > 0 => Ok(values),
@@ -59,7 +59,8 @@ impl PyTree {
         Ok(Self { tree, dimensions })
     }
 
-    /// The `k` nearest points to each of `at` that are nearer than `bound`; where there are fewer, the distance is infinite and the number that of the points.
+    /// The `k` nearest points to each of `at` that are nearer than `bound`; where there are fewer, the
+    /// distance is infinite and the number that of the points.
     fn nearest<'py>(
         &self,
         py: Python<'py>,
@@ -155,7 +156,8 @@ impl PyTree {
         Ok(counts.into_pyarray(py))
     }
 
-    /// The weight of the pairs of this tree and another one between each of the ascending distances `r` and the one before it.
+    /// The weight of the pairs of this tree and another one between each of the ascending distances `r` and
+    /// the one before it.
     #[pyo3(signature = (other, r, p, weights, other_weights))]
     fn count_pairs<'py>(
         &self,

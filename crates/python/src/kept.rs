@@ -1,7 +1,7 @@
 //! The memory of the last search, for the next one.
 //!
-//! Memory that comes from the system is filled with zeros, page by page, which takes half as long as a whole search. No threads are kept: a process with idle
-//! ones cannot be forked without a warning.
+//! Memory that comes from the system is filled with zeros, page by page, which takes half as long as a whole
+//! search. No threads are kept: a process with idle ones cannot be forked without a warning.
 
 use std::any::Any;
 use std::sync::{Mutex, PoisonError};

@@ -1,7 +1,8 @@
 //! The extension module `fdem._fdem`: the functions of the Rust crates on arrays of NumPy.
 //!
-//! It is private. The modules of the package, in `python/fdem`, check and convert the arguments of users, and hand over arrays in C order. This module
-//! borrows the arrays, searches without the interpreter's lock, and moves the results into arrays of NumPy without a copy.
+//! It is private. The modules of the package, in `python/fdem`, check and convert the arguments of users, and
+//! hand over arrays in C order. This module borrows the arrays, searches without the interpreter's lock, and
+//! moves the results into arrays of NumPy without a copy.
 //!
 //! ```text
 //! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network, neighbors
@@ -12,14 +13,16 @@
 //!
 //! # How it is built
 //!
-//! `python/fdem` checks and converts arguments and holds the documented interface. The extension module in `src` borrows arrays in C order,
-//! searches without the interpreter's lock, and moves its results into NumPy arrays. Couples are one array of two columns, with `i` and `j` as views,
-//! because splitting them would take a fifth of a search. Long searches run on a thread of their own while the caller's thread watches for signals.
-//! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A search reuses the memory of the last one
-//! (`src/kept.rs`), which saves a third of the time.
+//! `python/fdem` checks and converts arguments and holds the documented interface. The extension module in
+//! `src` borrows arrays in C order, searches without the interpreter's lock, and moves its results into NumPy
+//! arrays. Couples are one array of two columns, with `i` and `j` as views, because splitting them would take
+//! a fifth of a search. Long searches run on another thread while the caller's thread watches for signals.
+//! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A
+//! search reuses the memory of the last one (`src/kept.rs`), which saves a third of the time.
 //!
-//! A model that is built in Python becomes the text of a model file (`src/model.rs`), so that it passes the checks of files, with the same messages. A run is a
-//! `fdem::session::Session`. Its snapshot moves into NumPy arrays without a copy; `python/fdem/_simulation.py` keeps them until the run changes. Ctrl-C ends
+//! A model that is built in Python becomes the text of a model file (`src/model.rs`), so that it passes the
+//! checks of files, with the same messages. A run is a `fdem::session::Session`. Its snapshot moves into
+//! NumPy arrays without a copy; `python/fdem/_simulation.py` keeps them until the run changes. Ctrl-C ends
 //! `advance` between two steps.
 //!
 //! # To change X, open Y
@@ -27,7 +30,7 @@
 //! | to change | open |
 //! |---|---|
 //! | the Python package: arguments, results | `python/fdem/_input.py`, `python/fdem/_contacts.py` |
-//! | what Python calls in Rust | `src/lib.rs`, and its types in `python/fdem/_fdem.pyi` |
+//! | the functions of Rust that Python calls | `src/lib.rs`, and its types in `python/fdem/_fdem.pyi` |
 //! | neighbour lists and the k-d tree of Python | `src/neighbors.rs`, `src/tree.rs`, `src/kdtree.rs` |
 //! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
 //! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |

@@ -42,7 +42,8 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
         }
     }
 
-    /// Both elements as the search has compared them: in a box that repeats they are wrapped, and the second one is displaced.
+    /// Both elements as the search has compared them: in a box that repeats they are wrapped, and the second
+    /// one is displaced.
     fn compared(&self, couple: usize) -> [Ends<T, D>; 2] {
         let [i, j] = self.pairs[couple];
         let (a, b) = (self.ends(i), self.ends(j));

@@ -1,4 +1,5 @@
-//! Model files, and models that are built in Python: both become the text of a model file, which the command's checks read.
+//! Model files, and models that are built in Python: both become the text of a model file, which the
+//! command's checks read.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 #[pyclass(frozen, module = "fdem._fdem", name = "Ready")]
 pub(crate) struct PyReady(pub(crate) Arc<Ready>);
 
-/// What a model in any dimensions has, besides its numbers.
+/// The properties of a model in any dimension, apart from its arrays.
 pub(crate) struct About {
     title: String,
     end_time: f64,
@@ -59,7 +60,8 @@ pub(crate) fn described(py: Python<'_>, about: About) -> PyResult<Bound<'_, PyDi
 
 #[pymethods]
 impl PyReady {
-    /// Checks and meshes the text of a model. `place`: the model file, or where it would be; `None` for the text of `place`.
+    /// Checks and meshes the text of a model. `place`: the model file, or where it would be; `None` for the
+    /// text of `place`.
     #[new]
     #[pyo3(signature = (text, name, place))]
     fn new(py: Python<'_>, text: Option<String>, name: String, place: PathBuf) -> PyResult<Self> {

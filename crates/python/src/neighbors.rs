@@ -1,7 +1,9 @@
-//! Neighbour lists as ASE has them: each pair from both sides, sorted by the first atom, the second atom and the shift.
+//! Neighbour lists as ASE has them: each pair from both sides, sorted by the first atom, the second atom and
+//! the shift.
 //!
-//! The search finds each couple once. Couples are dealt out into buckets of consecutive first atoms, from both sides; a bucket fits into the cache, where its
-//! rows are sorted and written to their final place. The list is the same for any number of threads, because it is sorted.
+//! The search finds each couple once. Couples are dealt out into buckets of consecutive first atoms, from
+//! both sides; a bucket fits into the cache, where its rows are sorted and written to their final place. The
+//! list is the same for any number of threads, because it is sorted.
 
 use std::sync::Mutex;
 
@@ -28,11 +30,12 @@ const MIN_ROWS: usize = 1 << 10;
 /// Neighbours of an atom up to which they are sorted by counting smaller ones.
 const RANKED: usize = 64;
 
-/// The distance or, if it is asked for, the vector of a neighbour. It travels with the neighbour, so that positions are read only once.
+/// The distance or, if requested, the vector of a neighbour. It travels with the neighbour, so that positions
+/// are read only once.
 trait Measure: Copy + Default + Send + Sync {
     fn new(vector: [f64; 3], distance: f64) -> Self;
 
-    /// The same, seen from the other atom.
+    /// The measure as seen from the other atom.
     fn reversed(self) -> Self;
 
     fn write(self, columns: &mut Columns<'_>, place: usize);
@@ -152,7 +155,7 @@ impl<M: Measure> TwoSided<M> for ShiftedCouple {
     }
 }
 
-/// The atoms, the cell, and what makes two of them neighbours.
+/// The atoms, the cell, and the condition for two of them to be neighbours.
 struct Atoms<'a> {
     edges: [[f64; 3]; 3],
     limits: Limits<'a>,
@@ -226,7 +229,7 @@ impl<E> Dealt<E> {
     }
 }
 
-/// Which rows a bucket has: those with the same number after a shift by so many bits.
+/// The rows of a bucket: those with the same number after a shift by `bits`.
 #[derive(Clone, Copy)]
 struct Buckets {
     bits: u32,
@@ -288,7 +291,7 @@ fn deal_chunk<M: Measure, C: TwoSided<M>>(
     Ok(Dealt { neighbours, starts })
 }
 
-/// The columns of the list, or a stretch of them; those that nobody asked for are missing.
+/// The columns of the list, or a stretch of them; columns that were not requested are missing.
 #[derive(Default)]
 struct Columns<'a> {
     first: Option<&'a mut [i64]>,
@@ -387,7 +390,8 @@ impl<M: Measure> Found<M> {
             let (of_row, rest) = images.split_at(images.iter().take_while(|image| image.row == row).count());
             images = rest;
             if of_row.is_empty() && partners.len() <= RANKED {
-                // Each partner is there once, so its place is the number of smaller ones: no branch depends on the data.
+                // Each partner is there once, so its place is the number of smaller ones: no branch depends
+                // on the data.
                 for (&partner, &measure) in partners.iter().zip(measures) {
                     let rank: u32 = partners.iter().map(|&other| u32::from(other < partner)).sum();
                     columns.write(place + rank as usize, row, partner, measure);
@@ -414,7 +418,7 @@ impl<M: Measure> Found<M> {
     }
 }
 
-/// Searches, and deals out what is found.
+/// Searches, and distributes the results.
 fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Found<M>, Problem> {
     let buckets = Buckets::new(atoms.set.points.len());
     let (mut couples, shifts) = match &atoms.periodic {
@@ -435,7 +439,7 @@ fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Fo
     })
 }
 
-/// First atom, second atom, distance, vector and shift, as far as they were asked for.
+/// First atom, second atom, distance, vector and shift, if they were requested.
 type Listed<'py> = (
     Option<Bound<'py, PyArray1<i64>>>,
     Option<Bound<'py, PyArray1<i64>>>,
@@ -446,9 +450,9 @@ type Listed<'py> = (
 
 /// All pairs of atoms that are closer than their limit, from both sides, sorted.
 ///
-/// `elements` are spheres in 3D and `f64` of which every such pair touches. The limit is the sum of the radii or the `cutoff`, or that which `table` has for
-/// the `kinds` of both. `edges` are those of the cell; along edge `a` the box of the elements has `signs[a]` times this edge. `quantities` are letters as ASE
-/// has them.
+/// `elements` are spheres in 3D and `f64` of which every such pair touches. The limit is the sum of the radii
+/// or the `cutoff`, or the value of `table` for the `kinds` of both. `edges` are those of the cell; along
+/// edge `a` the box of the elements has `signs[a]` times this edge. `quantities` are letters as ASE has them.
 #[pyfunction]
 #[pyo3(signature = (elements, quantities, cutoff, kinds, table, edges, signs, self_interaction, threads))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that a list depends on")]

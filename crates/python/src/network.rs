@@ -127,7 +127,7 @@ pub(crate) fn analyse<'py>(
     Ok((json, contacts.into_pyarray(py), clusters.into_pyarray(py), rattlers.into_pyarray(py)))
 }
 
-/// The bytes of a file of couples and elements, in the format that the end of `name` tells.
+/// The bytes of a file of couples and elements, in the format given by the end of `name`.
 #[pyfunction]
 pub(crate) fn file<'py>(
     py: Python<'py>,
@@ -144,7 +144,8 @@ pub(crate) fn file<'py>(
     Ok(PyBytes::new(py, &bytes))
 }
 
-/// The bytes of a drawing: "picture" or "plots" in the form "svg" or "png", or the "report", whose form is "html".
+/// The bytes of a drawing: "picture" or "plots" in the form "svg" or "png", or the "report", whose form is
+/// "html".
 #[pyfunction]
 #[pyo3(signature = (elements, pairs, shifts, what, form, title, width))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]

@@ -15,7 +15,8 @@ fn check(elements: usize, pairs: &[[u32; 2]]) -> Result<(), Problem> {
     }
 }
 
-/// Counts the contacts of each element. A contact with an image of itself counts twice, because it has two ends.
+/// Counts the contacts of each element. A contact with an image of itself counts twice, because it has two
+/// ends.
 #[pyfunction]
 pub(crate) fn coordination<'py>(
     py: Python<'py>,
@@ -32,7 +33,8 @@ pub(crate) fn coordination<'py>(
     Ok(counts.into_pyarray(py))
 }
 
-/// The starts of the rows, the partners, and the couples: `c` in the row of its first element, `-1 - c` in the row of its second.
+/// The starts of the rows, the partners, and the couples: `c` in the row of its first element, `-1 - c` in
+/// the row of its second.
 type Csr<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
 /// Rows of partners, ascending; equal ones in the order of the couples.
@@ -97,8 +99,8 @@ fn next(places: &mut [i64], key: u32) -> usize {
     (*place - 1) as usize
 }
 
-/// Couples in ascending order: by the first element, the second, the shift. `shifts` are those of the last couples; so are those of the result, of which all
-/// but the first without shift have a row if any has one.
+/// Couples in ascending order: by the first element, the second, the shift. `shifts` are those of the last
+/// couples; so are those of the result, of which all but the first without shift have a row if any has one.
 #[pyfunction]
 pub(crate) fn ascending<'py>(
     py: Python<'py>,

@@ -32,7 +32,8 @@ pub(crate) fn engine_of(name: &str) -> Result<Option<Engine>, Problem> {
     })
 }
 
-/// The number of threads for a search: 0 is one for each processor, but one thread searches few elements. The result is the same.
+/// The number of threads for a search: 0 is one for each processor, but one thread searches few elements. The
+/// result is the same.
 pub(crate) fn threads_for(threads: usize, elements: usize) -> usize {
     if threads == 0 && elements <= FEW_FOR_THREADS { 1 } else { threads }
 }
@@ -55,8 +56,9 @@ fn flattened(mut couples: Vec<Couple>) -> Vec<u32> {
     couples.shrink_to_fit();
     let mut couples = std::mem::ManuallyDrop::new(couples);
     let (start, len, capacity) = (couples.as_mut_ptr(), couples.len(), couples.capacity());
-    // SAFETY: the memory comes from a vector that is not used again. A couple is `repr(C)` and two `u32`, of which any is valid; so the layout of
-    // `2 * capacity` of these is that with which the memory was allocated, and the first `2 * len` are initialised.
+    // SAFETY: the memory comes from a vector that is not used again. A couple is `repr(C)` and two `u32`, of
+    // which any is valid; so the layout of `2 * capacity` of these is that with which the memory was
+    // allocated, and the first `2 * len` are initialised.
     unsafe { Vec::from_raw_parts(start.cast(), 2 * len, 2 * capacity) }
 }
 
@@ -149,7 +151,8 @@ pub(crate) fn contacts<'py>(
     })
 }
 
-/// Compares the couples of `sample` elements with brute force: how many were checked, and what is wrong with the first that is.
+/// Compares the couples of `sample` elements with brute force; returns the number of elements checked, and
+/// the first difference.
 #[pyfunction]
 pub(crate) fn verify(
     py: Python<'_>,
@@ -175,7 +178,7 @@ pub(crate) fn verify(
     })
 }
 
-/// Describes in words what a search would do.
+/// Describes in words how a search would run.
 #[pyfunction]
 pub(crate) fn explain(py: Python<'_>, elements: &Elements, engine: &str, threads: usize) -> PyResult<String> {
     let engine = engine_of(engine)?;

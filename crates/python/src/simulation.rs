@@ -1,4 +1,4 @@
-//! Runs: the arrays of their state, steps without the interpreter's lock, and what is set between steps.
+//! Runs: the arrays of their state, steps without the interpreter's lock, and changes between steps.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -110,7 +110,8 @@ impl PyRun {
         py.detach(|| AnySession::resume(&path, threads)).map(Self).map_err(PyValueError::new_err)
     }
 
-    /// Takes so many steps, or fewer if the run is over before, without the interpreter's lock. Between two of them it runs the handlers of signals; where one raises, the run stays at that step.
+    /// Takes the given number of steps, or fewer if the run is over before, without the interpreter's lock.
+    /// Between two of them it runs the handlers of signals; where one raises, the run stays at that step.
     fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<()> {
         let (mut left, mut slice) = (steps, 1);
         while left > 0 && !self.is_over() {

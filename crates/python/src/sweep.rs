@@ -1,4 +1,4 @@
-//! Sweeps: many runs of one model, each in a process of its own, while other threads of Python run.
+//! Sweeps: many runs of one model, each in a separate process, while other threads of Python run.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -13,8 +13,9 @@ use crate::problem::Problem;
 /// The number of the signal of Ctrl-C.
 const INTERRUPT: i32 = 2;
 
-/// Runs a sweep, and returns its folder. When a handler of a signal raises, the runs write their checkpoints and end, and the exception is raised. `text`: the sweep file;
-/// `place`: where it is, or would be; `program`: the command `fdem`, a program and its first arguments.
+/// Runs a sweep, and returns its folder. When a handler of a signal raises, the runs write their checkpoints
+/// and end, and the exception is raised. `text`: the sweep file; `place`: where it is, or would be;
+/// `program`: the command `fdem`, a program and its first arguments.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "they are options of the command")]
 pub(crate) fn sweep(

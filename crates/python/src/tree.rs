@@ -1,7 +1,9 @@
-//! A k-d tree for any number of dimensions, any Minkowski norm and boxes that repeat: the questions to `SciPy`'s tree that sorted rows do not answer.
+//! A k-d tree for any number of dimensions, any Minkowski norm and boxes that repeat: the questions to
+//! `SciPy`'s tree that sorted rows do not answer.
 //!
-//! Nodes have the smallest box around their points. The bound for a node is computed by the operations that compute the distance of a point, in the same order;
-//! each of them is monotone as it rounds, so no rounding makes a node seem farther (or less far) than its points.
+//! Nodes have the smallest box around their points. The bound for a node is computed by the operations that
+//! compute the distance of a point, in the same order; each of them is monotone as it rounds, so no rounding
+//! makes a node seem farther (or less far) than its points.
 
 mod count;
 mod norm;
@@ -36,7 +38,7 @@ pub(crate) struct Tree {
 struct Node {
     start: u32,
     end: u32,
-    /// The node of the right half; 0 for a leaf. That of the left half is the next one.
+    /// The node of the right half; 0 for a leaf. The next node is that of the left half.
     right: u32,
 }
 
@@ -63,7 +65,8 @@ impl Ord for Hit {
 }
 
 impl Tree {
-    /// Sorts `points`, rows of `dimensions` finite numbers; where `sides` are positive the numbers are at least 0 and below them.
+    /// Sorts `points`, rows of `dimensions` finite numbers; where `sides` are positive the numbers are at
+    /// least 0 and below them.
     pub(crate) fn new(points: &[f64], dimensions: usize, sides: &[f64]) -> Result<Self, Problem> {
         let n = points.len().checked_div(dimensions).unwrap_or(0);
         let too_many = || Problem::Arguments(format!("{n} points are too many"));
@@ -91,7 +94,8 @@ impl Tree {
         Ok(tree)
     }
 
-    /// Adds the node of these points, which start at `start`, and all nodes below it. Every split halves the points, so the depth is that of a logarithm.
+    /// Adds the node of these points, which start at `start`, and all nodes below it. Every split halves the
+    /// points, so the depth is that of a logarithm.
     fn split(&mut self, points: &[f64], numbers: &mut [u32], start: usize) {
         let dimensions = self.dimensions;
         let at = |number: u32, axis: usize| points[number as usize * dimensions + axis];
@@ -113,7 +117,8 @@ impl Tree {
         self.nodes.push(Node { start: start as u32, end: (start + numbers.len()) as u32, right: 0 });
         if let Some(axis) = widest {
             let half = numbers.len() / 2;
-            // By the number where coordinates are equal: the tree is a function of the points alone.
+            // Equal coordinates are ordered by the number of the point: the tree is a function of the points
+            // alone.
             numbers
                 .select_nth_unstable_by(half, |&a, &b| at(a, axis).total_cmp(&at(b, axis)).then(a.cmp(&b)));
             let (left, right) = numbers.split_at_mut(half);
@@ -191,7 +196,7 @@ impl Tree {
             halves.swap(0, 1);
         }
         for (least, half) in halves {
-            // As far as the worst: there may be a point of smaller number.
+            // Up to and including the distance of the worst hit: there may be a point of smaller number.
             let worst = if hits.len() < k { None } else { hits.peek() };
             if least < bound && worst.is_none_or(|worst| least <= worst.distance) {
                 self.look(norm, at, k, bound, half, hits);

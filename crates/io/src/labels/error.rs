@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::excerpt;
 use crate::labels::LabelKind;
 
-/// The reason why a labelled image could not be read: what is wrong, where, and what is expected.
+/// The reason why a labelled image could not be read: the problem, its place, and the expected content.
 ///
 /// The text does not contain the name of the file. The caller that opened the file prints `file: text`.
 #[derive(Debug, Error)]

@@ -59,7 +59,8 @@ fn header(input: &mut dyn Read) -> Result<Header, LabelError> {
         let more = up_to.saturating_sub(bytes.len()) as u64;
         (&mut *input).take(more).read_to_end(bytes).map_err(LabelError::Read)
     };
-    // In version 1 the length has two bytes, so the text starts two bytes earlier; it is never shorter than that.
+    // In version 1 the length has two bytes, so the text starts two bytes earlier; it is never shorter than
+    // that.
     read(&mut bytes, PREFIX)?;
     if !bytes.starts_with(NPY) {
         return Err(problem("it does not start with \\x93NUMPY".to_owned()));

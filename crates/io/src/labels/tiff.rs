@@ -110,7 +110,7 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
         None | Some(CompressionMethod::None) => 1,
         Some(CompressionMethod::PackBits) => 64,
         Some(CompressionMethod::Deflate | CompressionMethod::OldDeflate) => 1032,
-        // A code of 12 bits stands for a string of at most 4096 bytes.
+        // A code of 12 bits represents a string of at most 4096 bytes.
         Some(CompressionMethod::LZW) => 2731,
         Some(other) => return Err(bad(format!("it is compressed by {other:?}, which is not read"))),
     };
@@ -122,8 +122,8 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     Ok(Page { width, height, color, sample })
 }
 
-/// The number of pages stated by `ImageJ`: for large stacks it writes only the header of the first page, and the others follow without
-/// headers.
+/// The number of pages stated by `ImageJ`: for large stacks it writes only the header of the first page, and
+/// the others follow without headers.
 fn declared_pages<R: Read + Seek>(decoder: &mut Decoder<R>) -> Option<usize> {
     let text = decoder.get_tag_ascii_string(Tag::ImageDescription).ok()?;
     text.starts_with("ImageJ=").then_some(())?;

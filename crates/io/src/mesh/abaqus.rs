@@ -140,7 +140,7 @@ struct Instance {
 
 #[derive(Default)]
 struct Reader {
-    /// The first entry holds what is outside of parts.
+    /// The first entry holds everything outside of parts.
     parts: Vec<Part>,
     /// Index of the open part.
     open: usize,
@@ -367,7 +367,7 @@ impl Reader {
             place_part(&parts[0], [0.0; 3], bodies, &mut draft)?;
             return Ok(draft);
         }
-        // Elements outside of parts form a body of their own, without name.
+        // Elements outside of parts form a separate body without name.
         draft.bodies = vec![MeshBody { number: None, name: None }];
         place_part(&parts[0], [0.0; 3], std::iter::repeat(0), &mut draft)?;
         draft.bodies_from = if instanced { BodiesFrom::Instances } else { BodiesFrom::Parts };

@@ -1,4 +1,5 @@
-//! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and bodies are counted.
+//! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and
+//! bodies are counted.
 
 use crate::mesh::error::{Fault, MeshProblem, Place, unsupported};
 use crate::mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource};
@@ -51,7 +52,7 @@ pub(crate) fn refused(element: u64, what: &str) -> MeshProblem {
     )
 }
 
-/// An element as it is in the file.
+/// An element in the numbering of the file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Raw {
     pub(crate) shape: Shape,
@@ -59,7 +60,7 @@ pub(crate) struct Raw {
     pub(crate) number: u64,
     /// Index into [`Draft::bodies`].
     pub(crate) body: u32,
-    /// The nodes, as many as the shape has, with the numbers of the file.
+    /// The nodes that the shape has, with the numbers of the file.
     pub(crate) nodes: [i64; 4],
 }
 
@@ -181,11 +182,13 @@ impl MeshFile {
     }
 }
 
-/// The corners of two triangles that form a quadrilateral and have the same orientation; `None` if neither diagonal gives such triangles.
+/// The corners of two triangles that form a quadrilateral and have the same orientation; `None` if neither
+/// diagonal gives such triangles.
 ///
 /// In a plane, both have the same orientation exactly if the diagonal is inside.
 fn split(corners: [[f64; 3]; 4]) -> Option<[[usize; 3]; 2]> {
-    // Scaled, so that products neither overflow nor underflow: the orientation of a triangle does not depend on its size.
+    // Scaled, so that products neither overflow nor underflow: the orientation of a triangle does not depend
+    // on its size.
     let mut low = corners[0];
     let mut high = corners[0];
     for corner in corners {

@@ -171,7 +171,8 @@ impl<'a> Cursor<'a> {
         float(word).map_err(|problem| (self.place(), problem_in(what, &problem)))
     }
 
-    /// A number of items of at least one byte each. It cannot exceed the number of bytes that are left, so it limits the memory.
+    /// A number of items of at least one byte each. It cannot exceed the number of bytes that are left, so it
+    /// limits the memory.
     pub(crate) fn word_count(&mut self, what: &str) -> Result<usize, Fault> {
         let count = self.word_integer(what)?;
         self.checked_count(count, 1, what)
@@ -236,7 +237,8 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// Text for a name: invalid UTF-8 is replaced, control characters are escaped, surrounding blanks are removed, and the length is limited.
+/// Text for a name: invalid UTF-8 is replaced, control characters are escaped, surrounding blanks are
+/// removed, and the length is limited.
 pub(crate) fn name(bytes: &[u8]) -> String {
     excerpt::line(bytes)
 }

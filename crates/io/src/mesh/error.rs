@@ -18,7 +18,7 @@ pub enum Place {
     File,
 }
 
-/// The reason why a mesh could not be read: what is wrong, in which file, and where.
+/// The reason why a mesh could not be read: the problem, the file, and the place.
 ///
 /// Printed as `file:line: text`, or as `file: at byte 84: text` if there are no lines.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -54,8 +54,8 @@ impl MeshError {
 
 /// The problem of a mesh file.
 ///
-/// Elements and nodes have the numbers of the file. If it has none, they are counted from 0; vertices of OBJ files are counted from 1, as
-/// in their faces.
+/// Elements and nodes have the numbers of the file. If it has none, they are counted from 0; vertices of OBJ
+/// files are counted from 1, as in their faces.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MeshProblem {
@@ -90,7 +90,7 @@ pub enum MeshProblem {
     UnknownNode {
         /// Number of the element.
         element: u64,
-        /// Its kind, such as `triangle`.
+        /// Kind of the element, such as `triangle`.
         kind: &'static str,
         /// Number of the node.
         node: i64,
@@ -100,7 +100,7 @@ pub enum MeshProblem {
     RepeatedNode {
         /// Number of the element.
         element: u64,
-        /// Its kind, such as `triangle`.
+        /// Kind of the element, such as `triangle`.
         kind: &'static str,
         /// Number of the node.
         node: i64,

@@ -60,7 +60,7 @@ fn statement<'a>(cursor: &mut Cursor<'a>) -> Option<(Place, std::borrow::Cow<'a,
     Some((place, joined.into()))
 }
 
-/// Names in the order of their first appearance; index 0 stands for everything before the first name.
+/// Names in the order of their first appearance; index 0 means everything before the first name.
 #[derive(Debug, Default)]
 struct Names {
     numbers: BTreeMap<String, u32>,

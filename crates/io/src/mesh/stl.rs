@@ -134,7 +134,8 @@ fn corner<'a>(mut fields: impl Iterator<Item = &'a [u8]>) -> Result<Corner, Stri
     }
 }
 
-/// Merges corners of one solid with equal coordinates into one node; nodes are numbered in the order of appearance.
+/// Merges corners of one solid with equal coordinates into one node; nodes are numbered in the order of
+/// appearance.
 pub(crate) fn weld(facets: &[Facet], solids: Vec<MeshBody>, bodies_from: BodiesFrom) -> Result<Draft, Fault> {
     let mut draft = Draft::new(Numbering::From(0));
     (draft.bodies, draft.bodies_from) = (solids, bodies_from);

@@ -242,7 +242,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The arrays of cells and points. Those that give bodies are read; others are skipped.
+    /// The arrays of cells and points. Arrays that define bodies are read; others are skipped.
     fn data(&mut self, keyword: &[u8]) -> Result<(), Fault> {
         match keyword {
             b"SCALARS" => {

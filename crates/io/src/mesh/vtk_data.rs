@@ -1,4 +1,5 @@
-//! Common parts of the legacy and the XML format of VTK: types of cells, and the data that distinguish bodies.
+//! Common parts of the legacy and the XML format of VTK: types of cells, and the data that distinguish
+//! bodies.
 
 use std::collections::BTreeMap;
 
@@ -38,7 +39,8 @@ impl CellList {
         self.types.iter().any(|kind| ![EMPTY, VERTEX, POLY_VERTEX].contains(kind))
     }
 
-    /// Adds the cells to the draft. They are numbered from `first` on; the points of their piece start at `base`.
+    /// Adds the cells to the draft. They are numbered from `first` on; the points of their piece start at
+    /// `base`.
     pub(crate) fn add(&self, draft: &mut Draft, first: u64, base: usize, place: Place) -> Result<(), Fault> {
         if self.types.len() != self.ends.len() {
             let problem = format!("{} types for {} cells", self.types.len(), self.ends.len());

@@ -51,7 +51,8 @@ pub(crate) fn is_time(name: &str) -> bool {
     matches!(name, "TimeValue" | "TIME" | "CYCLE")
 }
 
-/// Whether a legacy file has cells other than vertices. False for a damaged file; the reader of points will report the error.
+/// Whether a legacy file has cells other than vertices. False for a damaged file; the reader of points will
+/// report the error.
 pub(crate) fn is_mesh(bytes: &[u8]) -> bool {
     vtk::has_cells(bytes).unwrap_or(false)
 }

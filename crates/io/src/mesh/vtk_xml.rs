@@ -397,7 +397,7 @@ impl<'a, 'input> File<'a, 'input> {
         for (at, size) in packed.into_iter().enumerate() {
             let expected = if at + 1 == first && last != 0 { last } else { block };
             let part = &bytes[from..from + size];
-            // Decompresses no more than the header allows, and allocates no more than the data contain.
+            // Decompresses at most the size in the header, and allocates at most the size of the data.
             match miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(part, expected) {
                 Ok(part) if part.len() == expected => unpacked.extend_from_slice(&part),
                 Ok(part) => {

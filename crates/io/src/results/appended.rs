@@ -17,8 +17,8 @@ pub(super) struct Appended {
     block: Vec<u8>,
     /// Where meshio puts the second array and those after it as it decodes the file.
     ///
-    /// It looks for the next array by its offset in the file, after it has replaced the offsets of the arrays before by these. If one of them is the same number, it
-    /// reads one array in the place of another.
+    /// It looks for the next array by its offset in the file, after it has replaced the offsets of the arrays
+    /// before by these. If one of them is the same number, it reads one array in the place of another.
     decoded: Vec<usize>,
 }
 
@@ -43,7 +43,8 @@ impl Appended {
         Ok(head)
     }
 
-    /// Adds the arrays that say something of the whole file: the time, and named numbers. The result is the element that announces them.
+    /// Adds the arrays that say something of the whole file: the time, and named numbers. The result is the
+    /// element that announces them.
     pub(super) fn field_data(&mut self, time: f64, named: &[(String, Vec<i64>)]) -> io::Result<String> {
         let mut head = String::from("<FieldData>\n");
         let mut add = |name: &str, values: Values<'_>, count: usize| -> io::Result<()> {
@@ -134,7 +135,8 @@ mod tests {
     /// No array begins in the file where meshio has put one of those before it.
     #[test]
     fn no_offset_is_taken_for_that_of_another_array() {
-        // Bytes that no level makes shorter: the second array then ends where the decoded first one does, for some sizes.
+        // Bytes that no level makes shorter: the second array then ends where the decoded first one does, for
+        // some sizes.
         let random = |k: usize| ((k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as u8;
         let mut mended = 0;
         for first in 220..420 {
@@ -148,7 +150,7 @@ mod tests {
                 for (k, begin) in begins.iter().enumerate() {
                     assert!(!body.decoded[..k.saturating_sub(1)].contains(begin), "{first} {second} {k}");
                 }
-                // The second byte of what is compressed tells the level: 1 for levels 0 and 1.
+                // The second byte of compressed data encodes the level: 1 for levels 0 and 1.
                 mended += begins.iter().filter(|&&begin| body.bytes[begin + 33] != 1).count();
             }
         }

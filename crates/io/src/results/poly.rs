@@ -5,23 +5,27 @@ use std::io::{self, Write};
 use super::appended::Appended;
 use crate::written::{Column, Table, Values};
 
-/// Writes points, and lines or triangles between them if there are `cells`, as a VTK file of `PolyData`: binary, compressed. Without cells every point is a vertex.
+/// Writes points, and lines or triangles between them if there are `cells`, as a VTK file of `PolyData`:
+/// binary, compressed. Without cells every point is a vertex.
 ///
 /// [`write_vtp`](crate::write_vtp) writes larger files of lines, and keeps less in memory.
 ///
 /// # Shapes
-/// The first column of `points` is where they are: three components, floats. The first column of `cells` is their corners, points by their number
-/// from 0: two components of 64 bits for lines, three for triangles. All others become arrays of the points and of the cells, with the names of their components.
+/// The first column of `points` is where they are: three components, floats. The first column of `cells` is
+/// their corners, points by their number from 0: two components of 64 bits for lines, three for triangles.
+/// All others become arrays of the points and of the cells, with the names of their components.
 ///
 /// # Units
-/// `time` is the `TimeValue` of the file. Units of the columns are information keys of their arrays (`UNITS_LABEL`).
+/// `time` is the `TimeValue` of the file. Units of the columns are information keys of their arrays
+/// (`UNITS_LABEL`).
 ///
 /// # Cost
-/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed. The bytes depend on the
-/// arguments alone.
+/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed.
+/// The bytes depend on the arguments alone.
 ///
 /// # Errors
-/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not the required ones, or a
+/// column is of text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
@@ -56,7 +60,7 @@ pub fn write_poly_vtp<W: Write>(
     let none = Table::new(0);
     let table = cells.unwrap_or(&none);
     let (kind, cells, width, connectivity, of_cells) = match table.columns().split_first() {
-        // Every point by itself.
+        // Every point is a cell.
         None => (0, n, 1, Values::i64(whole), &[][..]),
         Some((corners, of_cells)) => {
             let (width @ 2..=3, Values::I64(at)) = (corners.width(), &corners.values) else {

@@ -4,9 +4,11 @@ use std::fmt::Write;
 
 use super::appended::escaped;
 
-/// Makes a ParaView collection from times, in s, and the names of the files of these times relative to the collection.
+/// Makes a ParaView collection from times, in s, and the names of the files of these times relative to the
+/// collection.
 ///
-/// It is written anew whenever a file is added: it is short, so the moment in which it does not exist is short too.
+/// It is written again whenever a file is added: it is short, so the moment in which it does not exist is
+/// short too.
 ///
 /// # Example
 /// ```

@@ -8,23 +8,27 @@ use crate::written::{Column, Table, Values};
 /// The number of corners and the type, `VTK_TRIANGLE` and `VTK_TETRA`, of each kind of cell.
 const KINDS: [(usize, u8); 2] = [(3, 5), (4, 10)];
 
-/// Writes triangles, or tetrahedra, and the data of their corners and cells as a VTK file of an `UnstructuredGrid`: binary, compressed.
+/// Writes triangles, or tetrahedra, and the data of their corners and cells as a VTK file of an
+/// `UnstructuredGrid`: binary, compressed.
 ///
 /// # Shapes
-/// The first column of `points` holds their positions: three components, floats. The first column of `cells` holds the numbers of their
-/// corners, counted from 0: three components of 64 bits for triangles, four for tetrahedra. All other columns become data arrays of the points and of the
-/// cells, with the names of their components.
+/// The first column of `points` holds their positions: three components, floats. The first column of `cells`
+/// holds the numbers of their corners, counted from 0: three components of 64 bits for triangles, four for
+/// tetrahedra. All other columns become data arrays of the points and of the cells, with the names of their
+/// components.
 ///
 /// # Units
-/// `time` is the `TimeValue` of the file, which ParaView shows. `named` are numbers that hold for the whole file: each becomes an array of the field
-/// data, with its name. Units of the columns are information keys of their arrays (`UNITS_LABEL`).
+/// `time` is the `TimeValue` of the file, which ParaView shows. `named` are numbers that hold for the whole
+/// file: each becomes an array of the field data, with its name. Units of the columns are information keys of
+/// their arrays (`UNITS_LABEL`).
 ///
 /// # Cost
-/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed. The bytes are a function of
-/// the arguments alone.
+/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed.
+/// The bytes are a function of the arguments alone.
 ///
 /// # Errors
-/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column
+/// contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
@@ -63,7 +67,7 @@ pub fn write_vtu<W: Write>(
     let (Some(&(count, kind)), Values::I64(at)) = (kind, &corners.values) else {
         return Err(invalid("the corners of a cell are three or four whole numbers"));
     };
-    // So many numbers per cell, computed without an array of them.
+    // `at` numbers per cell, computed without an array of them.
     let connectivity = plain("connectivity", Values::i64(at));
     // The end of each cell in the list of corners.
     let end = |k: usize| (count * (k + 1)).cast_signed() as i64;

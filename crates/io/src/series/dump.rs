@@ -186,7 +186,8 @@ enum Form {
     Edges,
 }
 
-/// A box whose second edge has the component `xy` along x, and whose third edge has `xz` along x and `yz` along y.
+/// A box whose second edge has the component `xy` along x, and whose third edge has `xz` along x and `yz`
+/// along y.
 pub(super) fn tilted(
     low: [f64; 3],
     high: [f64; 3],

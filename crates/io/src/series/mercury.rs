@@ -16,8 +16,8 @@ const HEAD: usize = 1 << 12;
 const COLUMNS_2D: &str = "x y vx vy radius angle omega info";
 const COLUMNS_3D: &str = "x y z vx vy vz radius alpha beta gamma omegax omegay omegaz info";
 
-/// Whether the content is such a file: a line of 8 numbers, or 6 in 2D, the first of which is the number of following lines of 14, or 8,
-/// numbers.
+/// Whether the content is such a file: a line of 8 numbers, or 6 in 2D, the first of which is the number of
+/// following lines of 14, or 8, numbers.
 pub(crate) fn is(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     let mut lines = Lines::new(head);

@@ -90,8 +90,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
     Ok(packing)
 }
 
-/// The box in the arrays `edges` (D, D), one edge per row, `origin` (D) and `periodic` (D), as `fdem` writes them. Without `origin` it
-/// starts at 0; without `periodic` it is not periodic.
+/// The box in the arrays `edges` (D, D), one edge per row, `origin` (D) and `periodic` (D), as `fdem` writes
+/// them. Without `origin` it starts at 0; without `periodic` it is not periodic.
 fn simulation_box(archive: &mut Archive<'_>, dimensions: usize) -> Result<Option<SimulationBox>, ReadError> {
     let mut numbers = |wanted: &str, shape: &[u64]| -> Result<Option<Vec<f64>>, ReadError> {
         let Some(at) = (0..archive.len()).find(|&at| label(archive, at) == wanted) else { return Ok(None) };
@@ -179,7 +179,8 @@ fn member(archive: &mut Archive<'_>, at: usize, whole: bool) -> Result<(Header, 
     }
     let header = Header::parse(&bytes).map_err(failed)?;
     if whole {
-        // Decompresses no more than the size that the array states, plus one byte that shows whether the data continue.
+        // Decompresses at most the size that the array states, plus one byte that shows whether the data
+        // continue.
         let claimed = claimed(&header).and_then(|claimed| u64::try_from(claimed).ok()).unwrap_or(u64::MAX);
         let rest = claimed.saturating_add(1).saturating_sub(bytes.len() as u64);
         let read = fill(&mut file, rest, &mut bytes)?;

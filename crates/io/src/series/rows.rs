@@ -130,7 +130,7 @@ pub(super) fn broken<T>(line: u64, problem: impl Into<String>) -> Result<T, Read
     Err(ReadError::Broken { place: Place::Line(line.max(1)), problem: problem.into() })
 }
 
-/// The next line that is not blank, or an error that says what is expected.
+/// The next line that is not blank, or an error with the expected content.
 pub(super) fn expect<'a>(lines: &mut Lines<'a>, what: &str) -> Result<(u64, &'a [u8]), ReadError> {
     match lines.next_filled() {
         Some(line) => Ok(line),

@@ -8,7 +8,7 @@ use crate::packing::{Format, Frame, Packing};
 use crate::read::ReadOptions;
 use crate::series::values::{self, Values};
 
-/// Names that stand for diameters here only: `ParaView` draws spheres of this diameter.
+/// Names that mean diameters here only: `ParaView` draws spheres of this diameter.
 const DIAMETERS: [&str; 3] = ["scale", "glyphscale", "diameters"];
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadError> {

@@ -64,8 +64,8 @@ pub(crate) fn read(
     Ok(table.packing(elements, format, lines.number - before, comment.cell()?, frame))
 }
 
-/// A name, then x y z, then any other columns. If there are fewer columns, they are named in the same way, so that the message says which
-/// one is missing.
+/// A name, then x y z, then any other columns. If there are fewer columns, they are named in the same way, so
+/// that the message says which one is missing.
 fn plain_names(found: usize) -> Vec<Name> {
     let usual = ["element", "x", "y", "z"];
     // Columns of a plain file have no names; those after z are unknown.
@@ -131,7 +131,8 @@ struct Comment {
 }
 
 impl Comment {
-    /// Parses `key=value` pairs separated by blanks; values with blanks are in quotes or brackets. Other words are comments.
+    /// Parses `key=value` pairs separated by blanks; values with blanks are in quotes or brackets. Other
+    /// words are comments.
     fn parse(line: u64, text: &[u8]) -> Self {
         let text = String::from_utf8_lossy(text);
         let mut rest = text.trim();

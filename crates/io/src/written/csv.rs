@@ -6,7 +6,8 @@ use crate::written::{CHUNK, Plain, Table, Values};
 
 /// Writes a table as text under a header with the names of its columns; components become separate columns.
 ///
-/// A float is written as the shortest text that reads back as the same `f64`. The bytes are a function of the table alone.
+/// A float is written as the shortest text that reads back as the same `f64`. The bytes are a function of the
+/// table alone.
 ///
 /// # Cost
 /// Time proportional to the values. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.

@@ -8,8 +8,8 @@ use crate::written::{CHUNK, Plain, Table, Values};
 /// Writes elements and couples as an undirected GraphML graph.
 ///
 /// # Shapes
-/// The first column of `elements` holds their names, all different. The first two columns of `couples` hold the names of two elements. All
-/// other columns become attributes of the nodes and of the edges.
+/// The first column of `elements` holds their names, all different. The first two columns of `couples` hold
+/// the names of two elements. All other columns become attributes of the nodes and of the edges.
 ///
 /// # Cost
 /// Time proportional to the values. Uses a buffer of 256 KiB. `out` is not flushed.
@@ -93,8 +93,8 @@ fn write_data(columns: &[Plain<'_>], letter: u8, row: usize, end: &[u8], chunk: 
     chunk.extend_from_slice(b">\n");
 }
 
-/// Writes elements and couples as an undirected graph in JSON, in the node-link form of networkx and d3: `nodes` with `id`, `edges` with
-/// `source` and `target`.
+/// Writes elements and couples as an undirected graph in JSON, in the node-link form of networkx and d3:
+/// `nodes` with `id`, `edges` with `source` and `target`.
 ///
 /// networkx from 3.4 on reads it with `node_link_graph(data, edges="edges")`.
 ///

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use crate::npy_header::header;
 use crate::written::{CHUNK, Plain, Table};
 
-/// Writes a table as a NumPy array with the columns of [`write_csv`](crate::write_csv) as fields: integers as `<i4`, `<i8` or `<u8`, floats
-/// as `<f8`, texts as `|S` with their width.
+/// Writes a table as a NumPy array with the columns of [`write_csv`](crate::write_csv) as fields: integers as
+/// `<i4`, `<i8` or `<u8`, floats as `<f8`, texts as `|S` with their width.
 ///
 /// `numpy.load` gives an array of shape `(rows,)`; `a["overlap"]` is a column of it.
 ///
@@ -33,7 +33,7 @@ pub fn write_npy<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
     write_npy_rows(out, table)
 }
 
-/// Writes only what comes before the rows, for a file of `rows` rows with the columns of a table.
+/// Writes only the bytes before the rows, for a file of `rows` rows with the columns of a table.
 ///
 /// # Errors
 /// The errors of `out`.

@@ -13,10 +13,12 @@ use crate::written::Table;
 /// A column of several components is one array.
 ///
 /// # Shapes
-/// `(rows,)` for a plain column, `(rows, components)` for one with components; a column of one component is plain. Names must be different.
+/// `(rows,)` for a plain column, `(rows, components)` for one with components; a column of one component is
+/// plain. Names must be different.
 ///
 /// # Cost
-/// Time proportional to the values, which are written column by column. Uses a buffer of 256 KiB. `out` is not flushed.
+/// Time proportional to the values, which are written column by column. Uses a buffer of 256 KiB. `out` is
+/// not flushed.
 ///
 /// # Errors
 /// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a name occurs twice.

@@ -14,12 +14,14 @@ use parquet::schema::types::{ColumnPath, Type};
 
 use crate::written::{Plain, Table, Values};
 
-/// Number of rows per group. Readers load a group at a time, and a column of a group is kept in memory until it is complete.
+/// Number of rows per group. Readers load a group at a time, and a column of a group is kept in memory until
+/// it is complete.
 const GROUP: usize = 1 << 20;
 /// Number of values passed on at a time.
 const BATCH: usize = 1 << 14;
 
-/// Writes a table as Parquet, compressed with Snappy; components become separate columns, as in [`write_csv`](crate::write_csv).
+/// Writes a table as Parquet, compressed with Snappy; components become separate columns, as in
+/// [`write_csv`](crate::write_csv).
 ///
 /// All columns are required: no value is absent. Texts are UTF-8.
 ///

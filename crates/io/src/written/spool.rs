@@ -6,9 +6,10 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 
 use crate::written::{CHUNK, Table, Values};
 
-/// Rows of several tables with the same columns, each column in a file of its own.
+/// Rows of several tables with the same columns, each column in a separate file.
 ///
-/// Formats that tell the number of rows first, or that have whole columns, get all rows as one [`Spool::table`].
+/// Formats that begin with the number of rows, or that have whole columns, get all rows as one
+/// [`Spool::table`].
 ///
 /// # Cost
 /// Memory: a block of 256 KiB for each column; the rows are in the files.
@@ -77,7 +78,8 @@ impl<F: Read + Write + Seek> Spool<F> {
     /// Adds the rows of a table. `file` opens an empty file for each column of the first one.
     ///
     /// # Errors
-    /// The errors of the files; [`io::ErrorKind::InvalidInput`] if the columns are not those of the first table, or one is of text.
+    /// The errors of the files; [`io::ErrorKind::InvalidInput`] if the columns are not those of the first
+    /// table, or one is of text.
     pub fn add(&mut self, table: &Table<'_>, mut file: impl FnMut() -> io::Result<F>) -> io::Result<()> {
         if self.columns.is_empty() {
             for column in table.columns() {
@@ -108,7 +110,7 @@ impl<F: Read + Write + Seek> Spool<F> {
         Ok(())
     }
 
-    /// All rows. After it has been written [`Self::check`] tells whether they could be read.
+    /// All rows. After it has been written, [`Self::check`] reports whether they could be read.
     pub fn table(&self) -> Table<'_> {
         self.columns.iter().fold(Table::new(self.rows), |table, column| {
             let values = column.values();
@@ -164,7 +166,8 @@ impl<F: Read + Seek> Blocks<F> {
         })
     }
 
-    /// Reads the block that holds the byte `at`. Blocks start at multiples of their size, which is one of that of every value.
+    /// Reads the block that holds the byte `at`. Blocks start at multiples of their size, which is one of
+    /// that of every value.
     fn read(&mut self, at: u64) {
         self.start = at - at % CHUNK as u64;
         self.block.clear();

@@ -13,14 +13,17 @@ const BLOCK: usize = 1 << 20;
 /// Writes points, lines between them, and the data of both as a VTK file of `PolyData`: binary, compressed.
 ///
 /// # Shapes
-/// The first column of `points` holds their positions: three components, floats. The first column of `lines` holds the numbers of two
-/// points, counted from 0: two components of 64 bits. All other columns become data arrays of the points and of the lines (cells).
+/// The first column of `points` holds their positions: three components, floats. The first column of `lines`
+/// holds the numbers of two points, counted from 0: two components of 64 bits. All other columns become data
+/// arrays of the points and of the lines (cells).
 ///
 /// # Cost
-/// Each array is compressed twice, because its size precedes it: some 10 ns per byte. Memory: two blocks of 1 MiB. `out` is not flushed.
+/// Each array is compressed twice, because its size precedes it: some 10 ns per byte. Memory: two blocks of 1
+/// MiB. `out` is not flushed.
 ///
 /// # Errors
-/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column
+/// contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
@@ -87,7 +90,7 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
     out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
 }
 
-/// The name of an array: that of its component if there is only one, otherwise that of the column.
+/// The name of an array: the name of its component if there is only one, otherwise the name of the column.
 fn plain_name(column: &Column<'_>) -> &'static str {
     match column.components {
         [name] => name,

@@ -527,7 +527,8 @@ fn vtp() -> String {
     )
 }
 
-/// Corners of facets: two facets of one solid, one without area, and one of another solid that shares two corners with the first.
+/// Corners of facets: two facets of one solid, one without area, and one of another solid that shares two
+/// corners with the first.
 const FACETS: [([usize; 3], usize); 4] = [([0, 1, 2], 0), ([0, 2, 3], 0), ([4, 4, 5], 0), ([1, 4, 5], 1)];
 
 /// STL, and the same facets as a table.

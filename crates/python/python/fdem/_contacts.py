@@ -384,7 +384,7 @@ class Contacts:
         Parameters
         ----------
         path : str or path
-            The end of its name tells the format: ``.csv``, ``.npy`` and ``.parquet`` have the couples; ``.npz``, ``.vtp`` (for ParaView), ``.graphml`` and ``.json`` have the
+            The end of its name determines the format: ``.csv``, ``.npy`` and ``.parquet`` have the couples; ``.npz``, ``.vtp`` (for ParaView), ``.graphml`` and ``.json`` have the
             elements too. Written whole or not at all.
 
         Raises

@@ -34,7 +34,7 @@ def floats(value: Any, name: str) -> Floats:
     """`value` as float32 or float64: other types become the smaller of the two that holds their values exactly."""
     array = array_of(value, name)
     if array.ndim == 0:
-        # NumPy makes scalars, which cannot be changed, of what is computed with an array without axes.
+        # NumPy turns the result of a computation with an array without axes into a scalar, which cannot be changed.
         return floats(array.reshape(1), name).reshape(())
     dtype = array.dtype
     if dtype == np.float32 or dtype == np.float16:

@@ -15,7 +15,7 @@ from ._search import contacts
 _Reals = npt.NDArray[np.float64]
 
 _FEW = 8
-"""With fewer than one question for so many points, a tree answers; sorting the points for one search would cost more than the search."""
+"""With fewer queries than the number of points divided by this, a tree answers: sorting the points for one search would cost more than the search."""
 
 
 class KDTree:

@@ -114,7 +114,7 @@ class Model:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of what is possible, but probably not meant."""
+        """Warnings of settings that are possible, but probably not meant."""
         return list(self._about["warnings"])
 
     @property

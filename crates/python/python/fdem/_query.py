@@ -50,7 +50,7 @@ def query(
     k : int
         How many elements are sought, in place of `r`; fewer are found only where there are no more.
     box, periodic
-        As for :func:`contacts`. Every image of an element counts, also for `k`, and `shifts` tells which one it is.
+        As for :func:`contacts`. Every image of an element counts, also for `k`, and `shifts` identifies the image.
     threads : int, optional
         Number of threads; one for each processor by default. The result does not depend on it.
 
@@ -121,7 +121,7 @@ def _within_images(elements: Floats, asking: Floats, r: float, cell: Cell, threa
 
 
 def _nearest_images(elements: Floats, asking: Floats, k: int, box: Box, cell: Cell, threads: int) -> Neighbours:
-    """The nearest ones among those within a distance that grows until all points have found `k`: what is farther is not nearer."""
+    """The nearest ones among those within a distance that grows until all points have found `k`."""
     q, dimensions = asking.shape
     if len(elements) == 0 or k == 0:
         zeros = np.zeros(q + 1, np.int64)

@@ -149,9 +149,9 @@ def read(
     frame : int, optional
         The frame of a dump, an XYZ or a MercuryDPM file, from 0, or from the end if it is negative. Required if the file has several frames.
     kind : {"packing", "mesh"}, optional
-        What the file must hold. With it, or with a `frame`, type checkers know what is returned.
+        The kind of content that the file must have. With it, or with a `frame`, type checkers know the type of the result.
     format : str, optional
-        The format of a packing, if neither content nor name tell it: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
+        The format of a packing, if neither content nor name determine it: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
     columns : str, optional
         The columns of a packing, if the file does not name them: ``"id,x,y,z,radius"``; ``-`` is a column that is left out.
     bodies : str, optional
@@ -169,7 +169,7 @@ def read(
     OSError
         If the file cannot be opened.
     ValueError
-        If it cannot be understood, with file, line and text; if it does not hold what `kind` names.
+        If it cannot be understood, with file, line and text; if its content is not of the `kind`.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def read(
 
 
 def _box_of(name: str, cell: Any, dimensions: int) -> dict[str, Any]:
-    """The box of a file, in so many dimensions, and where it repeats."""
+    """The box of a file in the given number of dimensions, and the axes along which it repeats."""
     if cell is None:
         return {"box": None, "periodic": (False,) * dimensions}
     origin, edges, repeats = (np.array(part)[:dimensions] for part in cell)

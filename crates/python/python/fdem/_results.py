@@ -112,7 +112,7 @@ class Frames(Sequence[Frame]):
 
 
 class Results:
-    """A folder of results of ``fdem run``. It can be read while the run goes on. Jupyter shows its summary and its picture."""
+    """A folder of results of ``fdem run``. It can be read during the run. Jupyter shows its summary and its picture."""
 
     def __init__(self, folder: pathlib.Path) -> None:
         self._folder = folder

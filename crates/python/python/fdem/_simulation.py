@@ -1,4 +1,4 @@
-"""Runs of models: steps, the arrays of their state, and what a caller sets between steps."""
+"""Runs of models: steps, the arrays of their state, and changes by the caller between steps."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Simulation:
     """A run of a model.
 
     The state is read as NumPy arrays in SI units: nodes are the rows of :attr:`positions`, elements those of :attr:`elements`. They are made once for each state of the
-    run, all of them when the first is asked for, and moved into NumPy without another copy. They are read-only and stay as they are when the run goes on: a later state has
-    arrays of its own. Where the mesh breaks, a node becomes several: the first keeps its number, and the others follow after all nodes of the mesh.
+    run, all of them at the first access, and moved into NumPy without another copy. They are read-only and do not change when the run continues: a later state has
+    other arrays. Where the mesh breaks, a node becomes several: the first keeps its number, and the others follow after all nodes of the mesh.
 
-    A run goes through the stages, conditions and servos of its model as ``fdem run`` does, and comes to the same state. A stage in which elements vanish or appear has
-    nodes and elements of its own, numbered anew.
+    A run goes through the stages, conditions and servos of its model as ``fdem run`` does, and reaches the same state. A stage in which elements vanish or appear renumbers
+    nodes and elements.
 
     Results do not depend on the number of threads, nor on how steps are divided into calls. Other threads of Python run while steps are taken. Ctrl-C ends
-    :meth:`advance` after a step, and the run can be used and goes on.
+    :meth:`advance` after a step, and the run can be used and continued.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class Simulation:
         callback: Optional[Callable[[Simulation], object]] = None,
         every: int = 1,
     ) -> None:
-        """Takes steps: so many, for so much simulated time, until a simulated time, or to the end of the model. A run that is over (:attr:`is_over`) takes none.
+        """Takes a number of steps, or steps for a duration, until a simulated time, or to the end of the model. A run that is over (:attr:`is_over`) takes none.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ class Simulation:
         ValueError
             More than one of `steps`, `time` and `until`, or one that is no number of steps.
         RuntimeError
-            The reason why the run cannot go on, such as an element that is inverted, or an error of the energy balance; steps that are asked of a run that is over.
+            The reason why the run cannot continue, such as an inverted element or an error of the energy balance; steps of a run that is over.
         """
         if sum(given is not None for given in (steps, time, until)) > 1:
             raise ValueError("give one of steps, time and until")

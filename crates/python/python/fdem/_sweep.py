@@ -106,8 +106,8 @@ def sweep(
 ) -> Sweep:
     """Runs a model many times with other values of its parameters.
 
-    All models are checked before the first run. Each run is a process of its own with a folder of its own; a run that fails is noted in the table. The same call goes on with a
-    sweep that was interrupted, and skips what is done.
+    All models are checked before the first run. Each run is a separate process with a separate folder; a run that fails is noted in the table. The same call continues an
+    interrupted sweep, and skips the finished runs.
 
     Parameters
     ----------

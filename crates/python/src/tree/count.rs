@@ -19,8 +19,9 @@ struct Pairs<'a> {
 }
 
 impl Tree {
-    /// For each of the ascending distances `r` the weight of the pairs that are farther than the distance before it and not farther than it; the last entry
-    /// is the weight of pairs that are farther than all. The weight of a pair is the product of those of its points, 1 where there are none.
+    /// For each of the ascending distances `r` the weight of the pairs that are farther than the distance
+    /// before it and not farther than it; the last entry is the weight of pairs that are farther than all.
+    /// The weight of a pair is the product of the weights of its points, 1 where there are none.
     pub(crate) fn count_pairs(
         &self,
         other: &Self,

@@ -1,6 +1,7 @@
 //! Minkowski norms, and distances along one axis.
 
-/// A Minkowski norm. Distances are compared in a form that takes no root: the sum of the powers, or the largest.
+/// A Minkowski norm. Distances are compared in a form that takes no root: the sum of the powers, or the
+/// largest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Norm {
     /// The sum of the distances along the axes.
@@ -55,7 +56,8 @@ impl Norm {
     }
 }
 
-/// The distance of two coordinates that differ by `difference`, on an axis that repeats after `side`; 0 is an axis that does not.
+/// The distance of two coordinates that differ by `difference`, on an axis that repeats after `side`; 0 is an
+/// axis that does not.
 #[inline]
 pub(crate) fn along(difference: f64, side: f64) -> f64 {
     let distance = difference.abs();
