@@ -1,8 +1,8 @@
 //! The command line: the only place that knows paths, the terminal and exit codes.
 //!
-//! Exit code 0: done; 1: a check that was asked for failed; 2: bad input, bad usage, or an output that cannot be
-//! written; 128 plus the number of the signal: interrupted. Unless the code is 0, no output file is left behind, not even a partial one; only simulations keep their
-//! results.
+//! Exit code 0: done; 1: a requested check failed; 2: bad input, bad usage, or an output that cannot be
+//! written; 128 plus the number of the signal: interrupted. Unless the code is 0, no output file is left
+//! behind, not even a partial one; only simulations keep their results.
 
 mod analyse;
 mod args;
@@ -64,7 +64,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(run(arguments))
 }
 
-/// As [`main`], with the exit code as a number, for programs that do not end with it.
+/// Like [`main`], with the exit code as a number, for programs that do not end with it.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
@@ -140,8 +140,8 @@ fn refusal(failure: &Failure) -> u8 {
     failure.exit_code()
 }
 
-/// Prints the message of the parser and returns the exit code. Help and version are also "errors" of the parser: they go to standard output, and it is an error
-/// if it cannot be written.
+/// Prints the message of the parser and returns the exit code. Help and version are also "errors" of the
+/// parser: they go to standard output, and it is an error if it cannot be written.
 fn help_or_refusal(error: &clap::Error) -> u8 {
     if error.use_stderr() {
         // Nothing can be done if even the error cannot be printed.
@@ -158,8 +158,8 @@ fn help_or_refusal(error: &clap::Error) -> u8 {
     }
 }
 
-/// Tells the command that the program was started without standard output (`>&-`). The standard library opens `/dev/null` in its place before
-/// `main`, so only code that runs earlier can find out.
+/// Tells the command that the program was started without standard output (`>&-`). The standard library opens
+/// `/dev/null` in its place before `main`, so only code that runs earlier can find out.
 pub fn stdout_is_closed() {
     output::stdout_is_closed();
 }

@@ -1,36 +1,43 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
-//! This crate is the library of the `fdem` command. It analyses contact networks ([`network`], [`analysis`]) and draws them ([`picture`], [`report`]). It reads
-//! model files ([`model`]) and writes the results of simulations ([`results`]). It uses these crates:
+//! This crate is the library of the `fdem` command. It analyses contact networks ([`network`], [`analysis`])
+//! and draws them ([`picture`], [`report`]). It reads model files ([`model`]) and writes the results of
+//! simulations ([`results`]). It uses these crates:
 //! - [`contact`] finds the couples of elements that touch (package `fdem-contact`);
 //! - [`distributed`] finds them over many processes (package `fdem-distributed`);
 //! - [`io`] reads packings and meshes and writes couples in the formats of the field (package `fdem-io`);
 //! - [`scenes`] generates packings from seeds (package `fdem-scenes`);
 //! - [`simulation`] simulates bodies that deform, collide and break (package `fdem-simulation`).
 //!
-//! A program that only needs couples can depend on `fdem-contact` alone, whose only dependency, rayon, is optional.
+//! A program that only needs couples can depend on `fdem-contact` alone, whose only dependency, rayon, is
+//! optional.
 //!
 //! # How it is built
 //!
-//! `src/model` reads a model file. `Document` finds the place of every key for messages. The types of `src/model/file.rs` define the keys; their comments
-//! become the descriptions of the schema and the page of the book that lists every key. `prepare` checks, meshes and numbers, and returns a
-//! `fdem_simulation::Model`. `src/command/run.rs` is the loop around `Simulation::advance`: frames, history, checkpoints, signals. What it takes from the run it hands to
-//! `src/command/run/writer.rs`, a thread that writes it in the order of the steps. A model and a run are
-//! generic in the dimensions as well: `src/model/dimensions/differences.rs` and `src/command/run/results.rs` hold what differs. `crates/results/src/run`, and
-//! for three dimensions `crates/results/src/space`, turn snapshots into bytes and text and know no paths; only `src/command/run/folder.rs` writes into a
-//! folder of results.
+//! `src/model` reads a model file. `Document` finds the place of every key for messages. The types of
+//! `src/model/file.rs` define the keys; their comments become the descriptions of the schema and the page of
+//! the book that lists every key. `prepare` checks, meshes and numbers, and returns a
+//! `fdem_simulation::Model`. `src/command/run.rs` is the loop around `Simulation::advance`: frames, history,
+//! checkpoints, signals. It hands results to `src/command/run/writer.rs`, a thread that writes them in the
+//! order of the steps. A model and a run are generic in the dimensions as well:
+//! `src/model/dimensions/differences.rs` and `src/command/run/results.rs` hold the differences.
+//! `crates/results/src/run`, and for three dimensions `crates/results/src/space`, turn snapshots into bytes
+//! and text and know no paths; only `src/command/run/folder.rs` writes into a folder of results.
 //!
 //! # Layers
 //!
-//! Files import only from the layers below: the command, at the top, uses `validate` and `model`, and `validate` uses `model`. In `model`, from the bottom: the document, its
-//! faults and its keys (`fault`, `document`, `file`); shapes and their sizes (`outline`, `limits`, `extent`); meshes of bodies (`mesh_file`, `plane`, `space`); bodies put together
-//! (`bodies`, `boundaries`, `sizes`); warnings; `prepare`. In `command`, from the bottom: options; input and output; searches (`detect`, `verify`); tasks. A test in `tests/docs/layers.rs` finds circles.
+//! Files import only from the layers below: the command, at the top, uses `validate` and `model`, and
+//! `validate` uses `model`. In `model`, from the bottom: the document, its faults and its keys (`fault`,
+//! `document`, `file`); shapes and their sizes (`outline`, `limits`, `extent`); meshes of bodies
+//! (`mesh_file`, `plane`, `space`); bodies put together (`bodies`, `boundaries`, `sizes`); warnings;
+//! `prepare`. In `command`, from the bottom: options; input and output; searches (`detect`, `verify`); tasks.
+//! A test in `tests/docs/layers.rs` finds circles.
 //!
 //! # To change X, open Y
 //!
 //! | to change | open |
 //! |---|---|
-//! | how `contacts` searches a packing, and writes what it finds | `src/command/packing.rs`, `src/command/detect.rs`, `src/command/verify.rs`, `src/command/outputs.rs` |
+//! | how `contacts` searches a packing, and writes the results | `src/command/packing.rs`, `src/command/detect.rs`, `src/command/verify.rs`, `src/command/outputs.rs` |
 //! | searches on many ranks under `mpirun` | `src/command/ranks.rs`, `src/command/ranks_contacts.rs` |
 //! | several files on the command line, bodies over several files | `src/command/meshes.rs`, `src/command/mesh_summary.rs` |
 //! | reading and writing several frames | `src/command/series.rs`, `src/command/series_table.rs`, `src/command/frames.rs`, `src/command/tables.rs` |
@@ -65,7 +72,7 @@
 //! | histories of probes, curves, acoustic emission | `src/model/probes.rs`, `src/model/curves.rs`, `src/command/run/emission.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
 //!
-//! There is no log by tracing: `run.log` has the few lines that a run tells.
+//! There is no log by tracing: `run.log` has the few lines that a run prints.
 
 #![allow(private_bounds, reason = "bodies are of triangles or of tetrahedra; nobody else can make others")]
 

@@ -35,7 +35,7 @@ impl Frame {
         paper.line(self.point(from), self.point(to), style);
     }
 
-    /// Lines between cells with this edge, along the axes that are asked for.
+    /// Lines between cells with this edge, along the selected axes.
     pub(crate) fn grid(&self, paper: &mut Paper, edge: f64, along: [bool; 2]) {
         let style = format!("stroke=\"{FAINT}\" stroke-width=\"1\"");
         let [width, height] = self.size;

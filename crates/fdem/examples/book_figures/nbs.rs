@@ -1,4 +1,4 @@
-//! Munjiza-NBS on the ten bodies of Figs 3.40 to 3.44: what an observer of the search sees, step by step.
+//! Munjiza-NBS on the ten bodies of Figs 3.40 to 3.44: the view of an observer of the search, step by step.
 
 use fdem_contact::{Couple, Elements, Error, Lists, NONE, Nbs, Observer, Set};
 use fdem_scenes::book::ten_bodies;
@@ -19,7 +19,8 @@ const HEIGHT: f64 = TOP + SCALE * CELLS as f64 + BELOW;
 /// Seconds that a step of the animation stays.
 const SECONDS: usize = 2;
 
-/// What there is to see after a step; rows, columns and bodies are counted from 0, as the library counts them.
+/// The state that a figure shows after a step; rows, columns and bodies are counted from 0, as the library
+/// counts them.
 #[derive(Clone, Debug, Default)]
 struct Step {
     caption: String,
@@ -79,7 +80,7 @@ impl Steps {
             paper.raw("</g>");
         }
         let share = 100.0 / count as f64;
-        // The last step is what one sees who asked for less motion, or whose viewer has none.
+        // The last step is shown to readers who prefer reduced motion, and by viewers without animation.
         let style = format!(
             "<style>\n@media (prefers-reduced-motion: no-preference) {{\n.step {{ opacity: 0; animation: show {}s step-end infinite; }}\n\
              @keyframes show {{ 0% {{ opacity: 1; }} {share:.4}% {{ opacity: 0; }} }}\n}}\n\
@@ -143,7 +144,7 @@ impl Steps {
                 frame.line(&mut paper, a, b, &style);
             }
         }
-        // What links the bodies of a list, under their numbers.
+        // Links between the bodies of a list, under their numbers.
         match (x_lists, y_lists) {
             (Some([_, _, next]), _) if candidates[1].is_empty() => links(&mut paper, &frame, &places, next),
             (None, Some([_, next])) => links(&mut paper, &frame, &places, next),

@@ -6,9 +6,9 @@ pub(crate) const INK: &str = "#1f2937";
 pub(crate) const FAINT: &str = "#c3ccd6";
 pub(crate) const PAPER: &str = "#ffffff";
 pub(crate) const BODY: &str = "#e5eaf0";
-/// What is looked from.
+/// The element or cell that searches.
 pub(crate) const CENTRAL: &str = "#f59e0b";
-/// What is looked at.
+/// The elements or cells that are searched.
 pub(crate) const NEIGHBOUR: &str = "#60a5fa";
 pub(crate) const COUPLE: &str = "#c81e3a";
 
@@ -55,7 +55,7 @@ impl Paper {
         self.raw(format_args!("<g transform=\"translate({x:.1} {y:.1})\">\n{}</g>", other.marks));
     }
 
-    /// The whole file. `title` is what a screen reader says.
+    /// The whole file. `title` is the text for screen readers.
     pub(crate) fn svg(&self, [width, height]: [f64; 2], title: &str, style: &str) -> String {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" \

@@ -110,7 +110,7 @@ pub(crate) fn rows() -> Figure {
     Ok(paper.svg(size(&frame), "Sorted rows: a body is compared with those in two short windows", ""))
 }
 
-/// Levels of unlike sizes, each on cells of its own.
+/// Levels of unlike sizes, each with its own cells.
 pub(crate) fn multilevel() -> Figure {
     let sizes = Sizes::PowerLaw { min: 0.25, max: 3.2, exponent: -2.2 };
     let cloud = gas::<2>(150, 8, 1.4, sizes)?;

@@ -43,37 +43,45 @@ pub(crate) enum Task {
 
 /// Find which elements of a packing, or of meshes, touch.
 ///
-/// Reads circles or spheres from FILE and writes every couple in contact once, as `i,j,distance,overlap`. Elements that just
-/// touch are in contact. Elements are named by their ids in the file, or by the number of their data row from 0. Couples are
-/// sorted by the rows of their elements.
+/// Reads circles or spheres from FILE and writes every couple in contact once, as `i,j,distance,overlap`.
+/// Elements that just touch are in contact. Elements are named by their ids in the file, or by the number of
+/// their data row from 0. Couples are sorted by the rows of their elements.
 ///
-/// Text files: columns are separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a header names the columns
-/// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
-/// NumPy .npy arrays of numbers have the same columns. Without z, the packing is 2D.
+/// Text files: columns are separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a
+/// header names the columns (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header, 2
+/// columns are x y, 3 are x y z, 4 are x y z radius. NumPy .npy arrays of numbers have the same columns.
+/// Without z, the packing is 2D.
 ///
-/// Other formats are recognised by their content, or given by --format: dumps and data files of LAMMPS and LIGGGHTS, XYZ and extended XYZ, text of YADE, .data of
-/// MercuryDPM, VTK, VTU and VTP with only points and a radius among their data, NumPy .npz with arrays `positions` and `radii`. All files, also meshes, may be
-/// compressed by gzip or zstd. If the file says that its box is periodic, the box is periodic, unless --periodic says otherwise.
+/// Other formats are recognised by their content, or given by --format: dumps and data files of LAMMPS and
+/// LIGGGHTS, XYZ and extended XYZ, text of YADE, .data of MercuryDPM, VTK, VTU and VTP with only points and a
+/// radius among their data, NumPy .npz with arrays `positions` and `radii`. All files, also meshes, may be
+/// compressed by gzip or zstd. If the file says that its box is periodic, the box is periodic,
+/// unless --periodic says otherwise.
 ///
-/// A file of several frames is a series: all couples are written to one table (.csv, .npy, .npz or .parquet) that starts with the columns `frame,step` (the step is
-/// -1 if the file has none), --json writes an array, and --count prints a line per frame. With `{frame}` in the name of an output, each frame has its own file.
+/// A file of several frames is a series: all couples are written to one table (.csv, .npy, .npz or .parquet)
+/// that starts with the columns `frame,step` (the step is -1 if the file has none), --json writes an array,
+/// and --count prints a line per frame. With `{frame}` in the name of an output, each frame has its own file.
 /// See --frames.
 ///
-/// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are recognised by their content. Couples are elements of different bodies,
-/// written as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz` with the numbers of the elements in the files. Bodies are numbered from 0 over all files; the JSON
-/// summary lists them. If a file has tetrahedra, only these are compared, otherwise its triangles. Triangles compared with tetrahedra of another file
-/// are bodies without volume: contacts are found, but their measure is 0, and shared boundary is only found between tetrahedra. Meshes with z = 0 everywhere are 2D.
-/// A table of triangles has the columns `vertex1_X` to `vertex3_Z`, separated by blanks or tabs.
+/// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are recognised by their content.
+/// Couples are elements of different bodies, written as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz` with
+/// the numbers of the elements in the files. Bodies are numbered from 0 over all files; the JSON summary
+/// lists them. If a file has tetrahedra, only these are compared, otherwise its triangles. Triangles compared
+/// with tetrahedra of another file are bodies without volume: contacts are found, but their measure is 0, and
+/// shared boundary is only found between tetrahedra. Meshes with z = 0 everywhere are 2D. A table of
+/// triangles has the columns `vertex1_X` to `vertex3_Z`, separated by blanks or tabs.
 ///
-/// In a periodic box (`--periodic`), elements outside are wrapped into the box, every image in contact counts, and couples also have the columns
-/// `sx,sy,sz`: element j, displaced from its position in the file by this number of edges of the box, touches element i at its position in the file.
+/// In a periodic box (`--periodic`), elements outside are wrapped into the box, every image in contact
+/// counts, and couples also have the columns `sx,sy,sz`: element j, displaced from its position in the file
+/// by this number of edges of the box, touches element i at its position in the file.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
 pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// More files: meshes and packings of spheres. Each mesh is a body, unless it contains several; each sphere is a body.
+    /// More files: meshes and packings of spheres. Each mesh is a body, unless it contains several; each
+    /// sphere is a body.
     #[arg(value_name = "FILE")]
     pub(crate) more: Vec<PathBuf>,
 
@@ -81,12 +89,14 @@ pub(crate) struct ContactsArguments {
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
 
-    /// Number of threads of the engines rows and multilevel, and of --labels; 0 is one per processor. Couples and their order do not depend on it.
+    /// Number of threads of the engines rows and multilevel, and of --labels; 0 is one per processor. Couples
+    /// and their order do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: usize,
 
-    /// Elements with the same integer in this column belong to the same body and form no couple. The column is given by its name, or by its number
-    /// from 1; without a header, the other columns are counted without it.
+    /// Elements with the same integer in this column belong to the same body and form no couple. The column
+    /// is given by its name, or by its number from 1; without a header, the other columns are counted without
+    /// it.
     #[arg(long, value_name = "COLUMN")]
     pub(crate) bodies: Option<String>,
 
@@ -102,17 +112,20 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) analysis: AnalyseArguments,
 
-    /// Print an estimate of the search and no couples: engine, cells, rows, images, approximate number of couples, memory. For levels, also print the counted and the
-    /// predicted work: windows on rows of cells, candidates in these windows, couples.
+    /// Print an estimate of the search and no couples: engine, cells, rows, images, approximate number of
+    /// couples, memory. For levels, also print the counted and the predicted work: windows on rows of cells,
+    /// candidates in these windows, couples.
     #[arg(long, conflicts_with_all = ["output", "count", "picture", "plots", "report", "verify", "analyse"])]
     pub(crate) explain: bool,
 
-    /// Write the couples to FILE, in the format of its extension. Without it, couples go to standard output, or nowhere if --picture, --plots or --report
-    /// is given; `-` is always standard output. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz` with one array per column; for a packing, `i` and `j` in
-    /// .npz are rows of `positions`, and `ids` has the ids of the file. ParaView: `.vtp` with centres as points and couples as lines; lines across a
-    /// face of the box end at images, which are points with `image` 1; lines of meshes, and of spheres and walls, lead through the contact point, which has
-    /// `contact` 1. Networks of a packing: `.graphml`, and `.json`
-    /// (networkx from 3.4: `node_link_graph(data, edges="edges")`).
+    /// Write the couples to FILE, in the format of its extension. Without it, couples go to standard output,
+    /// or nowhere if --picture, --plots or --report is given; `-` is always standard output. Tables: `.csv`,
+    /// `.npy` (records), `.parquet`, and `.npz` with one array per column; for a packing, `i` and `j` in .npz
+    /// are rows of `positions`, and `ids` has the ids of the file. ParaView: `.vtp` with centres as points
+    /// and couples as lines; lines across a face of the box end at images, which are points with `image` 1;
+    /// lines of meshes, and of spheres and walls, lead through the contact point, which has `contact` 1.
+    /// Networks of a packing: `.graphml`, and `.json` (networkx from 3.4:
+    /// `node_link_graph(data, edges="edges")`).
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
@@ -137,7 +150,7 @@ pub(crate) struct ContactsArguments {
 }
 
 impl ContactsArguments {
-    /// Whether couples are written: not if only drawings are asked for.
+    /// Whether couples are written: not if only drawings are requested.
     pub(crate) fn writes_couples(&self) -> bool {
         !self.count && (self.output.is_some() || !self.drawings.any())
     }
@@ -146,12 +159,14 @@ impl ContactsArguments {
 /// Options for a periodic box.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PeriodicArguments {
-    /// Edges along which the box is periodic, the first edge being x: `x`, `xy`, `xyz`, `z`, … The box is that of the file, unless --box or --edges gives one.
-    /// With `none`, the box of the file is not periodic, whatever the file says.
+    /// Edges along which the box is periodic, the first edge being x: `x`, `xy`, `xyz`, `z`, … The box is
+    /// that of the file, unless --box or --edges gives one. With `none`, the box of the file is not periodic,
+    /// whatever the file says.
     #[arg(long, value_name = "AXES", value_parser = axes)]
     pub(crate) periodic: Option<Axes>,
 
-    /// Periodic box with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Axes that are not periodic also need ascending limits, which are not used.
+    /// Periodic box with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Axes that are not periodic
+    /// also need ascending limits, which are not used.
     #[arg(long = "box", value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic", conflicts_with = "edges")]
     pub(crate) limits: Option<Numbers>,
 
@@ -167,22 +182,25 @@ pub(crate) struct PeriodicArguments {
 /// Options for the analysis of the network.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct AnalyseArguments {
-    /// Also analyse the network, briefly in the summary and in full in its JSON: coordination with and without rattlers, fabric and directions, clusters and
-    /// percolation, overlaps and gaps, packing fraction, radial distribution.
+    /// Also analyse the network, briefly in the summary and in full in its JSON: coordination with and
+    /// without rattlers, fabric and directions, clusters and percolation, overlaps and gaps, packing
+    /// fraction, radial distribution.
     #[arg(long)]
     pub(crate) analyse: bool,
 
-    /// Region in which `--analyse` measures the packing fraction: `X0,X1,Y0,Y1` and in 3D `Z0,Z1` [default: the domain, shrunk by the largest diameter on both sides
-    /// along axes that are not periodic].
+    /// Region in which `--analyse` measures the packing fraction: `X0,X1,Y0,Y1` and in 3D `Z0,Z1` [default:
+    /// the domain, shrunk by the largest diameter on both sides along axes that are not periodic].
     #[arg(long, value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) inner: Option<Numbers>,
 
-    /// Largest distance of the radial distribution of `--analyse`, and its number of bins [default: 3 mean diameters, or less in small domains; 150].
+    /// Largest distance of the radial distribution of `--analyse`, and its number of bins [default: 3 mean
+    /// diameters, or less in small domains; 150].
     #[arg(long, value_name = "R[,BINS]", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) rdf: Option<Numbers>,
 
-    /// For `--analyse`, elements with fewer contacts are rattlers, which are removed repeatedly [default: 3 in 2D and 4 in 3D, as without friction; 2, as with
-    /// friction, if that removes more than half of the elements that 2 leaves].
+    /// For `--analyse`, elements with fewer contacts are rattlers, which are removed repeatedly [default: 3
+    /// in 2D and 4 in 3D, as without friction; 2, as with friction, if that removes more than half of the
+    /// elements that 2 leaves].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>, requires = "analyse")]
     pub(crate) rattlers: Option<u32>,
 }
@@ -190,8 +208,9 @@ pub(crate) struct AnalyseArguments {
 /// Options for meshes.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MeshArguments {
-    /// For meshes, also write the bodies that touch to FILE.csv, .npy, .npz or .parquet, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: number of couples of elements,
-    /// overlap, shared boundary, mean place and direction of the contact.
+    /// For meshes, also write the bodies that touch to FILE.csv, .npy, .npz or .parquet, as
+    /// `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: number of couples of elements, overlap, shared boundary,
+    /// mean place and direction of the contact.
     #[arg(long, value_name = "FILE")]
     pub(crate) body_table: Option<PathBuf>,
 
@@ -203,17 +222,18 @@ pub(crate) struct MeshArguments {
 /// Options for labelled images.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct LabelArguments {
-    /// FILE is a 2D or 3D image (NumPy .npy or .npz, or the pages of a TIFF file) in which each number is a body: find the bodies that touch,
-    /// with the number and area of the faces that they share, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the
-    /// centre of the first pixel or voxel.
+    /// FILE is a 2D or 3D image (NumPy .npy or .npz, or the pages of a TIFF file) in which each number is a
+    /// body: find the bodies that touch, with the number and area of the faces that they share, and the mean
+    /// place and direction of the contact. x is along the last axis of the array; the origin is the centre of
+    /// the first pixel or voxel.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
         "origin", "explain", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
 
-    /// Pixels or voxels that are neighbours: `face`: those that share a face (in 2D a side); `edge`: also those that share an edge (3D only); `vertex`: also those that
-    /// share a vertex (a corner).
+    /// Pixels or voxels that are neighbours: `face`: those that share a face (in 2D a side); `edge`: also
+    /// those that share an edge (3D only); `vertex`: also those that share a vertex (a corner).
     #[arg(long, value_enum, default_value_t = NeighbourhoodName::Face, requires = "labels")]
     pub(crate) neighbourhood: NeighbourhoodName,
 
@@ -266,7 +286,8 @@ pub(crate) struct InputArguments {
     /// Packing or mesh to read; `-` reads standard input.
     pub(crate) file: PathBuf,
 
-    /// Meaning of the columns: in order (`radius,x,y,z`; `_` skips a column) or by name (`x=PosX[m],y=PosY[m],radius=R`).
+    /// Meaning of the columns: in order (`radius,x,y,z`; `_` skips a column) or by name
+    /// (`x=PosX[m],y=PosY[m],radius=R`).
     #[arg(long, value_name = "LIST")]
     pub(crate) columns: Option<Columns>,
 
@@ -282,13 +303,14 @@ pub(crate) struct InputArguments {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
     pub(crate) tolerance: f64,
 
-    /// Format of FILE, in place of the recognised one: `text`, `npy`, `npz`, `lammps-dump`, `lammps-data`, `xyz`, `mercury`, `vtk` (the points of a legacy file) or
-    /// `vtk-xml` (the points of VTU and VTP).
+    /// Format of FILE, in place of the recognised one: `text`, `npy`, `npz`, `lammps-dump`, `lammps-data`,
+    /// `xyz`, `mercury`, `vtk` (the points of a legacy file) or `vtk-xml` (the points of VTU and VTP).
     #[arg(long, value_name = "NAME", value_parser = PackingFormat::from_str)]
     pub(crate) format: Option<PackingFormat>,
 
-    /// Frames of FILE, counted from 0, as Python indices or slices: `7`, `-1` for the last, `0:100:10` for every tenth of the first 100 [default: all].
-    /// With one number, outputs are those of a single packing; with a slice, those of a series.
+    /// Frames of FILE, counted from 0, as Python indices or slices: `7`, `-1` for the last, `0:100:10` for
+    /// every tenth of the first 100 [default: all]. With one number, outputs are those of a single packing;
+    /// with a slice, those of a series.
     #[arg(long, value_name = "START:STOP:STEP", allow_hyphen_values = true, value_parser = Frames::from_str)]
     pub(crate) frames: Option<Frames>,
 
@@ -296,7 +318,8 @@ pub(crate) struct InputArguments {
     #[arg(long)]
     pub(crate) skip_bad_lines: bool,
 
-    /// Number the elements by data row even if the file has a column of ids. (`--columns` without `id` has the same effect.)
+    /// Number the elements by data row even if the file has a column of ids. (`--columns` without `id` has
+    /// the same effect.)
     #[arg(long)]
     pub(crate) ignore_ids: bool,
 }
@@ -335,15 +358,17 @@ impl EngineName {
 
 /// Time the engines on your packing.
 ///
-/// The time is that of a detection from coordinates in memory to couples in memory. It includes the checks of the elements, but
-/// not reading the file. Each engine runs once to warm up, then they take turns. Engines keep their memory between runs.
+/// The time is that of a detection from coordinates in memory to couples in memory. It includes the checks of
+/// the elements, but not reading the file. Each engine runs once to warm up, then they take turns. Engines
+/// keep their memory between runs.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem bench packing.csv --engines rows,direct --json timings.json")]
 pub(crate) struct BenchArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// Engines to time [default: rows, multilevel for unlike sizes, nbs, and direct for up to 50,000 elements].
+    /// Engines to time [default: rows, multilevel for unlike sizes, nbs, and direct for up to 50,000
+    /// elements].
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(crate) engines: Option<Vec<Contestant>>,
 
@@ -351,7 +376,8 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_enum, default_value_t = SimdName::Auto)]
     pub(crate) simd: SimdName,
 
-    /// Numbers of threads to time for the engines rows and multilevel; 0 is one per processor. The other engines have one thread.
+    /// Numbers of threads to time for the engines rows and multilevel; 0 is one per processor. The other
+    /// engines have one thread.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1", allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: Vec<usize>,
 
@@ -496,7 +522,8 @@ pub(crate) enum Kind {
         #[arg(long, value_name = "C", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = length)]
         compression: f64,
     },
-    /// A packing of the examples in the book, with the diameter 1: A dense; B spaced along x; C spaced along all axes; D pairs spaced along x.
+    /// A packing of the examples in the book, with the diameter 1: A dense; B spaced along x; C spaced along
+    /// all axes; D pairs spaced along x.
     Book {
         #[command(flatten)]
         common: Common,

@@ -1,9 +1,10 @@
-//! Partial files. Every file that is complete or absent is written here: under a temporary name beside its place, synced, and renamed. Partial files are removed at the end or on a signal; those of a command
-//! that was killed are removed by the next command that writes into the folder.
+//! Partial files. Every file that is complete or absent is written here: under a temporary name beside its
+//! place, synced, and renamed. Partial files are removed at the end or on a signal; those of a command that
+//! was killed are removed by the next command that writes into the folder.
 //!
-//! A process that writes into a folder keeps a lock file there, `.fdem-NAME.lock`, open and locked; its partial files are called `.fdem-NAME-….part`.
-//! The system releases the lock when the process ends, however it ends. The next command that writes into the folder removes the partial files
-//! that no process holds.
+//! A process that writes into a folder keeps a lock file there, `.fdem-NAME.lock`, open and locked; its
+//! partial files are called `.fdem-NAME-….part`. The system releases the lock when the process ends, however
+//! it ends. The next command that writes into the folder removes the partial files that no process holds.
 
 use std::fs::{self, File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, BufWriter, Write};
@@ -16,7 +17,8 @@ const PREFIX: &str = ".fdem-";
 const LOCK: &str = ".lock";
 const PART: &str = ".part";
 
-/// Marks the partial files of this process in a folder as in use, by a lock file. The lock file is removed on drop.
+/// Marks the partial files of this process in a folder as in use, by a lock file. The lock file is removed on
+/// drop.
 #[derive(Debug)]
 struct Claim {
     folder: PathBuf,
@@ -25,7 +27,8 @@ struct Claim {
     lock: NamedTempFile,
 }
 
-/// The partial files and the claims of this process, for the interrupt handler. The mutex also orders "create" and "rename" against it.
+/// The partial files and the claims of this process, for the interrupt handler. The mutex also orders
+/// "create" and "rename" against it.
 static ASIDE: Mutex<Aside> = Mutex::new(Aside { parts: Vec::new(), claims: Vec::new() });
 
 struct Aside {
@@ -46,7 +49,8 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Creates a partial file beside `target`, which it will replace. Permissions: `None` for those of a new file.
+    /// Creates a partial file beside `target`, which it will replace. Permissions: `None` for those of a new
+    /// file.
     ///
     /// # Errors
     /// Only their kind, because the error of the system names the temporary file.
@@ -94,7 +98,8 @@ impl Write for Part {
     }
 }
 
-/// A file that is complete and closed, because there may be more of them than a process can have open files. It is removed on drop unless it is put in place.
+/// A file that is complete and closed, because there may be more of them than a process can have open files.
+/// It is removed on drop unless it is put in place.
 pub(crate) struct Complete {
     // Dropped, and so removed, before the claim.
     file: TempPath,
@@ -121,8 +126,9 @@ pub(crate) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
     sync_folder(folder(target))
 }
 
-/// Replaces the file `target`, or makes it, without a wait for the disk. Other processes see the old contents or the new ones. After a power cut the file may be cut
-/// off or missing, unless [`sync`] and [`sync_folder`] were called.
+/// Replaces the file `target`, or makes it, without a wait for the disk. Other processes see the old contents
+/// or the new ones. After a power cut the file may be cut off or missing, unless [`sync`] and [`sync_folder`]
+/// were called.
 pub(crate) fn replace_unsynced(target: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut part = Part::beside(target.to_owned(), None)?;
     part.write_all(bytes)?;
@@ -149,7 +155,8 @@ pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Keeps the lock file of this process in a folder. Without it, each file that is written makes the lock file, looks for abandoned files, and removes the lock file.
+/// Keeps the lock file of this process in a folder. Without it, each file that is written makes the lock
+/// file, looks for abandoned files, and removes the lock file.
 #[derive(Debug)]
 pub(crate) struct Hold {
     _claim: Arc<Claim>,
@@ -255,7 +262,8 @@ fn remove_abandoned(folder: &Path) {
             let _ = fs::remove_file(path);
         }
     }
-    // A lock file exists before its first partial file is created and until the last one is removed: partial files without a lock file are abandoned.
+    // A lock file exists before its first partial file is created and until the last one is removed: partial
+    // files without a lock file are abandoned.
     for name in names.iter().filter(|name| name.ends_with(PART)) {
         let stem = name.strip_suffix(PART).and_then(|name| name.rsplit_once('-')).map(|(stem, _)| stem);
         let path = folder.join(name);
@@ -284,7 +292,8 @@ mod tests {
         names
     }
 
-    /// Files of a process that has ended are removed; those of one that runs, and files of other names, are not.
+    /// Files of a process that has ended are removed; those of one that runs, and files of other names, are
+    /// not.
     #[test]
     fn abandoned_files_are_removed() {
         let folder = tempfile::tempdir().unwrap();

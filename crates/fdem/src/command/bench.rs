@@ -60,7 +60,8 @@ fn measure<const D: usize>(
     let elements = request.elements(centres).map_err(|error| refused(name, packing, &error))?;
     let mut contenders = contenders(arguments, &elements)?;
 
-    // There is no progress bar, because its thread would be measured too. All engines write into the same list, so that they find the same memory allocated.
+    // There is no progress bar, because its thread would be measured too. All engines write into the same
+    // list, so that they find the same memory allocated.
     let mut couples = Vec::new();
     for run in 0..=arguments.repeat {
         for contender in &mut contenders {
@@ -139,7 +140,7 @@ fn contenders<const D: usize>(
     Ok(contenders)
 }
 
-/// Returns the number of threads; 0 stands for one per processor.
+/// Returns the number of threads; 0 means one per processor.
 fn threads_of(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, NonZero::get) }
 }
@@ -154,7 +155,7 @@ struct Contender<const D: usize> {
     simd: Option<Simd>,
     threads: usize,
     elements: usize,
-    /// Couples of the latest run, or why there is none.
+    /// Couples of the latest run, or the reason why there is none.
     result: Result<usize, Error>,
     times: Vec<Duration>,
 }
@@ -168,7 +169,8 @@ enum AnySearch<const D: usize> {
 }
 
 impl<const D: usize> Contender<D> {
-    /// Runs one detection, unless the engine has refused an earlier one. Its time is recorded if `counts`, which is false for warm-ups.
+    /// Runs one detection, unless the engine has refused an earlier one. Its time is recorded if `counts`,
+    /// which is false for warm-ups.
     fn run(&mut self, centres: &[[f64; D]], request: &Request<'_>, couples: &mut Vec<Couple>, counts: bool) {
         if self.result.is_err() {
             return;

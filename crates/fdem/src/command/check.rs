@@ -58,7 +58,8 @@ impl Problem {
         }
     }
 
-    /// An object with a list `errors`. Each error has a `message`; errors in the file also have `file`, `line`, `label` and `help`.
+    /// An object with a list `errors`. Each error has a `message`; errors in the file also have `file`,
+    /// `line`, `label` and `help`.
     fn json(&self) -> Value {
         let errors: Vec<Value> = match self {
             Self::Model(errors) => errors
@@ -80,7 +81,8 @@ impl Problem {
     }
 }
 
-/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. `ranks`: number of ranks to divide the run among, if that is asked for.
+/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. `ranks`: number of
+/// ranks to divide the run among, if given.
 fn preflight(path: &Path, ranks: Option<usize>, set: &[(String, Setting)]) -> Result<Preflight, Problem> {
     let name = display_name(path);
     let text = read_text(path).and_then(|text| with_settings(text, path, set)).map_err(Problem::Other)?;
@@ -122,8 +124,9 @@ pub(crate) fn with_settings(text: String, path: &Path, set: &[(String, Setting)]
     changed.map_err(|why| Failure::Unusable(format!("{}: {why}", display_name(path))))
 }
 
-/// Returns a function that reads the files that a model names. Paths are relative to the folder of the model. In a folder of results, a file that is missing
-/// there is read from `inputs/`, which numbers the files in the order in which the model names them.
+/// Returns a function that reads the files that a model names. Paths are relative to the folder of the model.
+/// In a folder of results, a file that is missing there is read from `inputs/`, which numbers the files in
+/// the order in which the model names them.
 ///
 /// The function refuses devices and pipes, which may have no end.
 pub(crate) fn inputs_of(model: &Path) -> impl FnMut(&str) -> Result<Vec<u8>, String> {

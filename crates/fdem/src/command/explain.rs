@@ -1,4 +1,5 @@
-//! `fdem contacts --explain` estimates the cost of a search and writes no couples. For levels, the work is also counted.
+//! `fdem contacts --explain` estimates the cost of a search and writes no couples. For levels, the work is
+//! also counted.
 
 use std::fmt::Write;
 

@@ -8,9 +8,9 @@ use std::path::Path;
 pub(crate) enum Failure {
     /// The input, the options or the output cannot be used: exit code 2.
     Unusable(String),
-    /// A requested check failed, or a simulation stopped by itself: exit code 1.
+    /// A requested check failed, or a simulation stopped early: exit code 1.
     Wrong(String),
-    /// A signal asked the program to end: exit code 128 plus its number.
+    /// A signal interrupted the program: exit code 128 plus its number.
     Interrupted { message: String, signal: i32 },
 }
 
@@ -44,7 +44,8 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Returns a path as messages show it. Control characters are escaped, so that a file name cannot control the terminal.
+/// Returns a path as messages show it. Control characters are escaped, so that a file name cannot control the
+/// terminal.
 pub(crate) fn display_name(path: &Path) -> String {
     let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
     path.to_string_lossy().chars().map(escape).collect()

@@ -48,7 +48,8 @@ impl FromStr for Frames {
 }
 
 impl Frames {
-    /// Selects among `count` frames. Without `--frames`, a file of one frame is a single packing, and any other file a series of all its frames.
+    /// Selects among `count` frames. Without `--frames`, a file of one frame is a single packing, and any
+    /// other file a series of all its frames.
     pub(crate) fn select(frames: Option<Self>, count: usize) -> Result<Selection, String> {
         let n = count as i128;
         match frames {
@@ -103,7 +104,7 @@ mod tests {
         }
     }
 
-    /// The expected lists are what Python gives for `list(range(5))[…]`.
+    /// The expected lists are the output of Python for `list(range(5))[…]`.
     #[test]
     fn slices_are_those_of_python() {
         for (text, expected) in [

@@ -1,4 +1,5 @@
-//! Input of the commands that search a packing: opens and reads files, and words the library's errors for the command line.
+//! Input of the commands that search a packing: opens and reads files, and words the library's errors for the
+//! command line.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -30,14 +31,16 @@ pub(crate) struct Input {
 
 /// The bodies that elements are parts of.
 pub(crate) struct Bodies {
-    /// Number of the body of each element. Bodies are numbered from 0 in ascending order of their ids in the file.
+    /// Number of the body of each element. Bodies are numbered from 0 in ascending order of their ids in the
+    /// file.
     pub(crate) numbers: Vec<u32>,
     /// Number of bodies.
     pub(crate) count: usize,
 }
 
 impl Bodies {
-    /// Numbers the bodies. 32 bits are enough: there are no more bodies than elements, and the library accepts no more elements than that.
+    /// Numbers the bodies. 32 bits are enough: there are no more bodies than elements, and the library
+    /// accepts no more elements than that.
     fn new(names: &[i64]) -> Self {
         let mut distinct = names.to_vec();
         distinct.sort_unstable();
@@ -140,7 +143,7 @@ pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<In
     understand(open(&arguments.file, arguments.format, progress)?, arguments, progress)
 }
 
-/// As [`read`], for a file that is open.
+/// Like [`read`], for a file that is open.
 pub(crate) fn understand(
     opened: Opened,
     arguments: &InputArguments,
@@ -176,7 +179,8 @@ fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, F
     read_all(input, size, name, position).map_err(failed)
 }
 
-/// Reads to the end. Stops after the first block if it can be neither a packing nor a mesh: `/dev/zero` has no end.
+/// Reads to the end. Stops after the first block if it can be neither a packing nor a mesh: `/dev/zero` has
+/// no end.
 fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
@@ -199,14 +203,16 @@ fn is_rubbish(start: &[u8], size: u64, name: &str) -> bool {
     !is_array && start.contains(&0) && Compression::of(start).is_none() && !may_be_mesh(start, size, name)
 }
 
-/// Whether a file of this size that starts with these bytes may be a mesh. A binary STL file is recognised by its size, which follows from its number of facets.
+/// Whether a file of this size that starts with these bytes may be a mesh. A binary STL file is recognised by
+/// its size, which follows from its number of facets.
 fn may_be_mesh(start: &[u8], size: u64, name: &str) -> bool {
     let facets = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let is_stl = facets.is_some_and(|facets| size == 84 + 50 * u64::from(facets));
     is_stl || MeshFormat::of(start, bare_name(name)).is_some()
 }
 
-/// The failure for an input that cannot be parsed: `file:line: error`, so that an editor can jump to the line.
+/// The failure for an input that cannot be parsed: `file:line: error`, so that an editor can jump to the
+/// line.
 pub(crate) fn unreadable(name: &str, error: &ReadError) -> Failure {
     Failure::Unusable(match error.line() {
         Some(line) => format!("{name}:{line}: {error}"),
@@ -272,7 +278,7 @@ pub(crate) fn refused(name: &str, packing: &Packing, error: &Error) -> Failure {
     Failure::Unusable(format!("{name}: {}", refusal(packing, error)))
 }
 
-/// As [`refused`], without the file's name.
+/// Like [`refused`], without the file's name.
 pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
     let element = |index: usize| match &packing.ids {
         Some(ids) => format!("the element with id {}", ids[index]),

@@ -12,7 +12,8 @@ pub(crate) struct AxisOrder {
 }
 
 impl AxisOrder {
-    /// Sorts values of the stored axes into the order x, y, z. x is the last axis of the array, which is the fastest in C order.
+    /// Sorts values of the stored axes into the order x, y, z. x is the last axis of the array, which is the
+    /// fastest in C order.
     pub(crate) fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
         if !self.reversed {
             axes.reverse();

@@ -21,7 +21,8 @@ pub(crate) struct Middles<L, const D: usize> {
 #[derive(Clone, Copy)]
 pub(crate) struct Sum<const D: usize> {
     count: u64,
-    /// Sum of twice the positions along the axes of the array, because twice the middle of a run is an integer.
+    /// Sum of twice the positions along the axes of the array, because twice the middle of a run is an
+    /// integer.
     twice: [u128; D],
 }
 

@@ -77,7 +77,7 @@ impl fmt::Display for LabelSummary {
 }
 
 impl LabelSummary {
-    /// Names what neighbours may share.
+    /// Names the parts that neighbours may share.
     fn neighbours(&self) -> &'static str {
         match (self.neighbourhood, self.shape.len()) {
             ("face", _) => "face",

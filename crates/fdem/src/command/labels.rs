@@ -124,7 +124,8 @@ impl Task<'_> {
         }
     }
 
-    /// Compares the image and writes what was found. It is compiled for each type of label; [`Self::finish`] is not.
+    /// Compares the image and writes the contacts. It is compiled for each type of label; [`Self::finish`] is
+    /// not.
     fn compare<L: Label + LabelValue, const D: usize>(
         &self,
         image: &mut LabelImage<'_>,
@@ -285,7 +286,8 @@ fn stream<L: Label + LabelValue, const D: usize>(
     Ok((wide, bodies))
 }
 
-/// Table with a row per contact, and with the numbers of edges and vertices if they were counted. `position` counts the rows.
+/// Table with a row per contact, and with the numbers of edges and vertices if they were counted. `position`
+/// counts the rows.
 fn table<'a, const D: usize>(
     contacts: &'a [ImageContact<i128, D>],
     kind: LabelKind,

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-/// Bytes that this process can still allocate: the free memory of the machine, or less if a limit of the process allows less. `None` without `/proc/meminfo`.
+/// Bytes that this process can still allocate: the free memory of the machine, or less if a limit of the
+/// process allows less. `None` without `/proc/meminfo`.
 pub(crate) fn free() -> Option<f64> {
     let machine = kilobytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:");
     let limits = fs::read_to_string("/proc/self/limits").ok();

@@ -87,11 +87,11 @@ impl fmt::Display for LeftOut {
 /// A body of a mesh.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct BodyOf {
-    /// Its number in the tables.
+    /// Number of the body in the tables.
     pub(crate) body: u32,
     /// Index of its file in `files`.
     pub(crate) file: usize,
-    /// Its number in the file.
+    /// Number of the body in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) number: Option<i64>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -132,7 +132,8 @@ fn read(
     }
 }
 
-/// Elements of all files with one numbering, in the order of the files. Meshes and spheres are stored separately.
+/// Elements of all files with one numbering, in the order of the files. Meshes and spheres are stored
+/// separately.
 struct Model<const D: usize, const N: usize> {
     points: Vec<[f64; D]>,
     elements: Vec<[u32; N]>,
@@ -400,7 +401,8 @@ impl Task<'_> {
             found.contacts.push((Couple::new(sphere, triangle), contact));
         }
         found.contacts.sort_unstable_by_key(|(couple, _)| *couple);
-        // The contacts of bodies are gathered from those of elements alone, because surfaces share no further boundary.
+        // The contacts of bodies are gathered from those of elements alone, because surfaces share no further
+        // boundary.
         let with_bodies: Vec<_> =
             found.contacts.iter().map(|(couple, contact)| (model.bodies_of(*couple), *contact)).collect();
         found.bodies = gather(&with_bodies)?;
@@ -617,7 +619,8 @@ impl<const D: usize, const N: usize> Model<D, N> {
         [couple.i, couple.j].map(|k| self.bodies[k as usize])
     }
 
-    /// Table with a row per contact of elements, which have their numbers in the files. `position` counts the rows.
+    /// Table with a row per contact of elements, which have their numbers in the files. `position` counts the
+    /// rows.
     fn table<'a>(&'a self, contacts: &'a [(Couple, Contact<D>)], position: &'a Position) -> Table<'a> {
         let bodies = move |k: usize| self.bodies_of(contacts[k].0).map(i64::from);
         let first = move |k: usize| {

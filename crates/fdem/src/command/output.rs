@@ -43,7 +43,7 @@ impl TableFormat {
         if let Some(format) = formats.iter().find(is_named) {
             return Ok(*format);
         }
-        // A device has no extension and no format of its own. A folder is refused later, with a better message.
+        // A device has neither an extension nor a format. A folder is refused later, with a better message.
         if is_device(path) || path.is_dir() {
             return Ok(Self::Csv);
         }
@@ -79,7 +79,7 @@ impl TableFormat {
     }
 }
 
-/// An output. It is opened before the work starts, so that a wrong name is reported at once.
+/// An output. It is opened before the work starts, so that a wrong name is reported immediately.
 pub(crate) struct Output {
     name: PathBuf,
     to: To,
@@ -92,7 +92,8 @@ enum To {
     Aside(Part),
 }
 
-/// Whether the program was started without standard output, as by `>&-`: the standard library has opened `/dev/null` in its place.
+/// Whether the program was started without standard output, as by `>&-`: the standard library has opened
+/// `/dev/null` in its place.
 static NO_STDOUT: AtomicBool = AtomicBool::new(false);
 
 /// Records that the program was started without standard output. Writing to it is an error from then on.
@@ -125,7 +126,8 @@ impl Output {
             return Ok(Self { name, to: To::Device(BufWriter::new(file)) });
         }
         let target = target(path)?;
-        // A rename does not need the permission to write the file that it replaces. A protected file is respected all the same.
+        // A rename does not need the permission to write the file that it replaces. A protected file is
+        // respected all the same.
         let permissions = if target.exists() {
             let file =
                 File::options().write(true).open(&target).map_err(|error| Failure::writing(path, error))?;
@@ -201,7 +203,8 @@ impl Written {
     }
 }
 
-/// Watches for Ctrl-C and the other signals that ask a program to end, removes partial files and exits with 128 plus the number of the signal.
+/// Watches for Ctrl-C and other interrupting signals, removes partial files and exits with 128 plus the
+/// number of the signal.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
     watch_for_interrupts(end).map_err(|error| {
         Failure::Unusable(format!(

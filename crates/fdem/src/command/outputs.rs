@@ -16,7 +16,7 @@ pub(crate) struct Outputs {
     /// The table of all frames of a series, in place of `couples`.
     pub(crate) series: Option<SeriesTable>,
     pub(crate) table: TableFormat,
-    /// `None` if only drawings are asked for.
+    /// `None` if only drawings are requested.
     pub(crate) couples: Option<Output>,
     pub(crate) json: Option<Output>,
     pub(crate) drawings: Drawings,

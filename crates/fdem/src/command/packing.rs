@@ -78,7 +78,7 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Reques
     })
 }
 
-/// Finds the couples, verifies and analyses them as asked for, and writes all outputs except the summary.
+/// Finds the couples, verifies and analyses them as requested, and writes all outputs except the summary.
 fn find<const D: usize>(
     arguments: &ContactsArguments,
     progress: &Progress,

@@ -6,7 +6,8 @@ use fdem_io::SimulationBox;
 use crate::command::args::{Axes, PeriodicArguments};
 use crate::command::failure::Failure;
 
-/// Returns the periodic box, if there is one: the box of the options, or else `cell`, that of the file `name`. The options, or else the file, say along which edges it repeats.
+/// Returns the periodic box, if there is one: the box of the options, or else `cell`, that of the file
+/// `name`. The options, or else the file, say along which edges it repeats.
 pub(crate) fn periodic_box<const D: usize>(
     arguments: &PeriodicArguments,
     name: &str,

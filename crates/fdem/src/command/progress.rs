@@ -40,7 +40,8 @@ impl Progress {
 
     /// Runs `work` and returns its result with the seconds it took.
     ///
-    /// The bar runs up to `total`. Without a total it shows the position and the time. Without a terminal a long step is named in a line.
+    /// The bar runs up to `total`. Without a total it shows the position and the time. Without a terminal a
+    /// long step is named in a line.
     pub(crate) fn step<R>(
         &self,
         label: &'static str,
@@ -71,7 +72,8 @@ struct Watched {
 }
 
 impl Watched {
-    /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar. `show` waits for the end.
+    /// Starts the thread; `None` if the system has no thread left. The work then continues without a bar.
+    /// `show` waits for the end.
     fn start(show: impl FnOnce(&Receiver<()>) + Send + 'static) -> Option<Self> {
         let (done, wait) = mpsc::channel();
         let thread = threads::start("progress", move || show(&wait)).ok()?;
@@ -99,7 +101,7 @@ fn draw(label: &'static str, total: Option<u64>, position: &Position, wait: &Rec
     bar.finish();
 }
 
-/// Says what goes on if the step is a long one.
+/// Reports the current step if it is a long one.
 fn tell(label: &str, wait: &Receiver<()>) {
     if wait.recv_timeout(SILENCE) == Err(RecvTimeoutError::Timeout) {
         eprintln!("{label} ...");
@@ -115,7 +117,8 @@ pub(crate) struct Bar {
 }
 
 impl Bar {
-    /// A bar up to `total`, or a spinner, for work that began `elapsed` ago. `template` returns its template for a terminal of so many columns, at least one.
+    /// A bar up to `total`, or a spinner, for work that began `elapsed` ago. `template` returns its template
+    /// for a terminal with the given number of columns, at least one.
     fn new(
         total: Option<u64>,
         elapsed: Duration,
@@ -125,7 +128,8 @@ impl Bar {
         Self { inner, template: Box::new(template), width: 0 }
     }
 
-    /// The bar of a run of `total` steps that is at step `position`. It has a line for messages below it, and keeps moving while no step updates it.
+    /// The bar of a run of `total` steps that is at step `position`. It has a line for messages below it, and
+    /// keeps moving while no step updates it.
     pub(crate) fn of_run(total: u64, position: u64) -> Self {
         let mut bar =
             Self::new(Some(total), Duration::ZERO, |width| format!("{}\n{{msg}}", bar_of_run(width)));
@@ -171,7 +175,8 @@ fn columns() -> usize {
     usize::from(console::Term::stderr().size().1)
 }
 
-/// Template of the progress of a step that fits into a line of this width, beside a label of `label` characters.
+/// Template of the progress of a step that fits into a line of this width, beside a label of `label`
+/// characters.
 fn template(total: bool, label: usize, width: usize) -> &'static str {
     // The widths hold for the longest percentages, times and counts, and for a bar of ten columns.
     match (total, width.saturating_sub(label)) {
@@ -192,7 +197,8 @@ fn bar_of_run(width: usize) -> &'static str {
     }
 }
 
-/// Joins the parts that fit into a line, in their order. If none fits, returns the beginning of the first part.
+/// Joins the parts that fit into a line, in their order. If none fits, returns the beginning of the first
+/// part.
 fn fitted(parts: &[String], width: usize) -> String {
     let mut line = String::new();
     let mut used = 0;

@@ -23,12 +23,13 @@ impl Ranks {
         self.several.as_deref()
     }
 
-    /// Whether this process prints what is the same on all ranks.
+    /// Whether this process prints the lines that are the same on all ranks.
     pub(crate) fn prints(&self) -> bool {
         self.communicator().is_none_or(|communicator| communicator.rank() == 0)
     }
 
-    /// Returns the value if all ranks have one, and otherwise the failure of the first rank that has one. Collective.
+    /// Returns the value if all ranks have one, and otherwise the failure of the first rank that has one.
+    /// Collective.
     pub(crate) fn agree<V>(&self, result: Result<V, Failure>) -> Result<V, Failure> {
         match self.communicator() {
             Some(communicator) => agree(communicator, result),
@@ -45,7 +46,8 @@ impl Ranks {
     }
 }
 
-/// Whether a launcher has started this process as another rank than the first: also known before MPI is started, and without it.
+/// Whether a launcher has started this process as another rank than the first: also known before MPI is
+/// started, and without it.
 pub(crate) fn is_another_rank() -> bool {
     launched_rank().is_some_and(|rank| rank > 0)
 }
@@ -82,7 +84,8 @@ pub(crate) fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
 }
 
-/// Returns the value if all ranks have one. Otherwise every rank returns the failure of the first rank that has one, with its number. Collective.
+/// Returns the value if all ranks have one. Otherwise every rank returns the failure of the first rank that
+/// has one, with its number. Collective.
 pub(crate) fn agree<V>(communicator: &dyn Communicator, result: Result<V, Failure>) -> Result<V, Failure> {
     let told = match &result {
         Ok(_) => Vec::new(),

@@ -1,4 +1,5 @@
-//! `fdem contacts` on several ranks: each reads its rows of the packing, all search together, and each writes its rows of the couples.
+//! `fdem contacts` on several ranks: each reads its rows of the packing, all search together, and each writes
+//! its rows of the couples.
 
 use std::fmt;
 use std::fs::{self, File};
@@ -108,7 +109,8 @@ fn refuse(arguments: &ContactsArguments, ranks: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads this rank's rows. Each rank reads them from a NumPy array; rank 0 reads files of other formats, and sends the rows.
+/// Reads this rank's rows. Each rank reads them from a NumPy array; rank 0 reads files of other formats, and
+/// sends the rows.
 fn read(
     arguments: &ContactsArguments,
     communicator: &dyn Communicator,
@@ -335,7 +337,7 @@ impl<const D: usize> Part<D> {
         });
         let answers = answers.collect();
         let (mut centres, mut radii, mut ids) = (Vec::new(), Vec::new(), Vec::new());
-        // Answers come by rank, and each rank's elements in the order in which they were asked for.
+        // Answers come by rank, and each rank's elements in the order of the requests.
         for answer in communicator.exchange(answers) {
             let mut numbers = answer.bytes.as_chunks::<8>().0.iter().copied();
             while let Some(x) = numbers.next() {
@@ -456,7 +458,8 @@ fn find<const D: usize>(
 
 /// Returns the place of an element in an ascending list, which contains it.
 fn numbering(elements: &[u32]) -> Box<dyn Fn(u32) -> u32 + '_> {
-    /// A table takes this many numbers at most for each element. A longer one would not be proportional to the share of the rank.
+    /// A table takes this many numbers at most for each element. A longer one would not be proportional to
+    /// the share of the rank.
     const MOST: usize = 8;
     let (Some(&first), Some(&last)) = (elements.first(), elements.last()) else { return Box::new(|_| 0) };
     let span = (last - first) as usize + 1;
@@ -484,7 +487,7 @@ fn write<const D: usize>(
     wanted.sort_unstable();
     wanted.dedup();
     let (centres, radii, ids) = part.fetch(communicator, &wanted);
-    // The elements are numbered anew, in the same order.
+    // The elements are renumbered, in the same order.
     let number = numbering(&wanted);
     let renumbered =
         found.iter().map(|couple| PeriodicCouple { i: number(couple.i), j: number(couple.j), ..couple });

@@ -22,7 +22,8 @@ pub(super) struct SharedFile {
 }
 
 impl SharedFile {
-    /// Rank 0 creates the partial file, and the others open it. So a folder that the machines do not share is noticed before anything is read.
+    /// Rank 0 creates the partial file, and the others open it. Therefore a folder that the machines do not
+    /// share is noticed before anything is read.
     pub(super) fn open(
         arguments: &ContactsArguments,
         communicator: &dyn Communicator,
@@ -108,7 +109,8 @@ impl SharedFile {
         agree(communicator, written)
     }
 
-    /// Closes the file on all ranks, which must be before it is renamed. Returns the output, on rank 0. Collective.
+    /// Closes the file on all ranks, which must be before it is renamed. Returns the output, on rank 0.
+    /// Collective.
     pub(super) fn close(self, communicator: &dyn Communicator) -> Option<Output> {
         drop(self.file);
         communicator.barrier();

@@ -59,7 +59,7 @@ const SOME: usize = 64;
 /// Rows for which the run waits for the writer.
 const MANY: usize = 10_000;
 
-/// Runs a model. On several ranks, rank 0 does so, and the others follow it.
+/// Runs a model. On several ranks, rank 0 does this, and the others follow it.
 pub(crate) fn run(arguments: &RunArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
     let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
@@ -103,7 +103,7 @@ where
     let start = Start::new(prepared, arguments.from.as_deref());
     let mut start = start.map_err(|error| error.of(&display_name(path)))?;
     lead.check(start.prepared.model.mesh.elements.len()).map_err(unusable)?;
-    // The estimates have a simulation of their own, which is dropped before that of the run is made.
+    // The estimates use a separate simulation, which is dropped before the simulation of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&start.prepared)?;
         let (simulation, told) = start.simulation(lead.threads)?;
@@ -129,7 +129,7 @@ where
     running.go()
 }
 
-/// Continues a run, likewise.
+/// Continues a run and drives it in the same way.
 pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
     let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
@@ -246,23 +246,23 @@ where
     before: Before,
     /// Steps of the whole run.
     total: u64,
-    /// What results have taken in this part of the run.
+    /// Time that results have taken in this part of the run.
     spent: Spent,
     saved: Instant,
     warned: bool,
     quiet: bool,
     /// Peaks and moduli of the curves, once the run has ended.
     curves: Vec<CurveFigures>,
-    /// Its acoustic emission, likewise.
+    /// Acoustic emission of the run, once it has ended.
     emission: Option<Emission>,
-    /// Whether it was quasi-static, likewise.
+    /// Whether the run was quasi-static, once it has ended.
     quasi_static: Option<QuasiStatic>,
 }
 
 /// How the steps of a run ended.
 enum End {
     Finished,
-    /// This signal asked the run to end.
+    /// The run was interrupted by this signal.
     Interrupted(i32),
     Stopped(Stop),
 }
@@ -320,7 +320,7 @@ where
             End::Stopped(stop) => format!("stopped: {stop}"),
         };
         if let End::Interrupted(_) = end {
-            // A launcher may give little time: this is said before the drawings.
+            // A launcher may give little time: the message comes before the drawings.
             self.told.say(&format!(
                 "interrupted after step {}; the checkpoint is written",
                 self.course.run.steps()
@@ -342,7 +342,8 @@ where
         if let Some(emission) = &self.emission {
             self.folder.write(EVENTS, emission.csv.as_bytes())?;
         }
-        // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
+        // The summary is written before the drawings, so that it shows how the run ended even if drawing
+        // fails.
         self.summarise(&status)?;
         let fragments = self.course.observer.fragments(&*self.course.run)?;
         let facts = self.facts(&status, &fragments);
@@ -374,7 +375,8 @@ where
         }
     }
 
-    /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and checkpoint are on the disk.
+    /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and
+    /// checkpoint are on the disk.
     fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
         let end = self.steps()?;
         match &end {
@@ -427,7 +429,8 @@ where
             }
             let due = match self.course.prepared.output.checkpoint {
                 When::Steps(_) => now == checkpoint,
-                // It may come later, so that the steps need not wait for a writer that is behind, but not by more than another interval.
+                // It may come later, so that the steps need not wait for a writer that is behind, but not by
+                // more than another interval.
                 When::Seconds(seconds) => {
                     let since = self.saved.elapsed().as_secs_f64();
                     since >= seconds && (self.writer.has_room() || since >= 2.0 * seconds)
@@ -570,6 +573,6 @@ where
 /// Number of steps that fill a slice of time, where `steps` steps took the time `took`.
 fn steps_for(slice: Duration, took: Duration, steps: u64, before: u64) -> u64 {
     let fit = slice.as_secs_f64() / (took.as_secs_f64() / steps.max(1) as f64).max(1e-9);
-    // At most ten times as many as before: the first steps may be quicker than later ones.
+    // At most ten times the number before: the first steps may be quicker than later ones.
     (fit as u64).clamp(1, before.saturating_mul(10))
 }

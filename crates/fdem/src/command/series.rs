@@ -65,7 +65,8 @@ pub(crate) fn run(
     Ok(())
 }
 
-/// Returns a line for each output: the name of a file of all frames, or the name and the frames of files per frame.
+/// Returns a line for each output: the name of a file of all frames, or the name and the frames of files per
+/// frame.
 fn files(arguments: &ContactsArguments, chosen: &[usize]) -> Vec<String> {
     let frames = match chosen {
         [frame] => format!("frame {frame}"),

@@ -22,7 +22,7 @@ pub(crate) struct SeriesTable {
     /// Number of columns for shifts; `None` before the first frame.
     shifts: Option<usize>,
     format: TableFormat,
-    /// Rows of all frames, for formats that are written at once at the end.
+    /// Rows of all frames, for formats that are written in one piece at the end.
     rows: Option<Spool<File>>,
 }
 

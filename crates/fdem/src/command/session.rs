@@ -1,8 +1,10 @@
-//! Runs that a program holds in memory: what the Python package calls.
+//! Runs that a program holds in memory: the interface for the Python package.
 //!
-//! A [`Ready`] is a model that has passed the checks of the command, with its messages. A [`Session`] is a run of it: a [`Simulation`] that is advanced, read and set
-//! by the program, and that goes through the stages, conditions and servos of its model as `fdem run` does. It has the text of its model, so that one file holds all that a run
-//! needs to go on. Such a file has the parts of a checkpoint and no frames.
+//! A [`Ready`] is a model that has passed the checks of the command, with its messages. A [`Session`] is a
+//! run of it: a [`Simulation`] that is advanced, read and set by the program, and that goes through the
+//! stages, conditions and servos of its model as `fdem run` does. It has the text of its model, so that one
+//! file holds everything that a run needs to continue. Such a file has the parts of a checkpoint and no
+//! frames.
 
 use std::path::Path;
 
@@ -56,7 +58,8 @@ impl Ready {
         Self::new(text, &display_name(path), path)
     }
 
-    /// Checks and meshes the text of a model. `name`: its name in messages; `place`: the model file, or where it would be: the files that it names are beside it.
+    /// Checks and meshes the text of a model. `name`: its name in messages; `place`: the model file, or where
+    /// it would be: the files that it names are beside it.
     ///
     /// # Errors
     /// The message of the command.
@@ -72,7 +75,8 @@ impl Ready {
         Ok(Self { source: Source { name: name.to_owned(), text, inputs }, prepared })
     }
 
-    /// Starts a run on so many threads; 0 for one per processor. `from`: a folder of `fdem run`, with whose end the run begins.
+    /// Starts a run on `threads` threads; 0 for one per processor. `from`: a folder of `fdem run`, with whose
+    /// end the run begins.
     ///
     /// # Errors
     /// Why the model cannot run.
@@ -111,7 +115,7 @@ struct Saved {
     parts: Vec<u8>,
 }
 
-/// The parts of a run with which it goes on.
+/// The parts that a run needs to continue.
 #[derive(Serialize, Deserialize)]
 #[serde(bound(
     serialize = "State<D, N>: Serialize, Boundary<D>: Serialize, [f64; D]: Serialize",
@@ -136,7 +140,8 @@ impl<const D: usize, const N: usize> From<Checkpoint<D, N>> for Parts<D, N> {
 }
 
 impl AnySession {
-    /// Continues a run: of a file that [`Session::save`] wrote, or of the last checkpoint in a folder of `fdem run`. The folder is only read.
+    /// Continues a run: of a file that [`Session::save`] wrote, or of the last checkpoint in a folder of
+    /// `fdem run`. The folder is only read.
     ///
     /// # Errors
     /// A file or a folder that cannot be read, is damaged, or was made by another version.
@@ -301,10 +306,11 @@ where
         &mut self.course.run
     }
 
-    /// Takes so many steps, or fewer if the run is over before. Stages, conditions and servos of the model act as in `fdem run`.
+    /// Takes the given number of steps, or fewer if the run is over before. Stages, conditions and servos of
+    /// the model act as in `fdem run`.
     ///
     /// # Errors
-    /// Why the run cannot go on.
+    /// The reason why the run cannot continue.
     pub fn advance(&mut self, steps: u64) -> Result<(), String> {
         let end = self.run().steps().saturating_add(steps);
         while self.run().steps() < end && !self.is_over() {
@@ -325,12 +331,14 @@ where
         self.course.stages.as_ref().map(|stages| stages.now().name.as_str())
     }
 
-    /// Lines that `fdem run` writes to its log: an earlier run that this one begins with, ends of stages, the end of the run. A resumed run begins with none.
+    /// Lines that `fdem run` writes to its log: an earlier run that this one begins with, ends of stages, the
+    /// end of the run. A resumed run begins with none.
     pub fn told(&self) -> &[String] {
         &self.told
     }
 
-    /// Writes a file from which [`AnySession::resume`] continues the run with the same bits. The file is whole or absent.
+    /// Writes a file from which [`AnySession::resume`] continues the run with the same bits. The file is
+    /// whole or absent.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -355,7 +363,8 @@ where
         self.course.total()
     }
 
-    /// The hash of the state: `state_hash` of `run.json`, if the last step was the last of a call of [`Simulation::advance`].
+    /// The hash of the state: `state_hash` of `run.json`, if the last step was the last of a call of
+    /// [`Simulation::advance`].
     pub fn state_hash(&self) -> String {
         state_hash(&self.run().snapshot(), &self.run().energies())
     }
@@ -381,7 +390,7 @@ mod tests {
     use super::*;
     use crate::model::STARTER;
 
-    /// A run that is saved goes on with the same bits, in a file of its own.
+    /// A run that is saved continues with the same bits, in a separate file.
     #[test]
     fn a_session_is_saved_and_resumed() {
         let place = tempfile::tempdir().expect("a folder");

@@ -30,7 +30,8 @@ pub(crate) struct Shapes {
     facets: Vec<[u32; 3]>,
     owners: Vec<u32>,
     joints: Vec<BodyJoint>,
-    /// Overlap of each contact; `shared` and `couples` have its shared boundary and its number of couples of elements.
+    /// Overlap of each contact; `shared` and `couples` have its shared boundary and its number of couples of
+    /// elements.
     overlap: Vec<f64>,
     shared: Vec<f64>,
     couples: Vec<f64>,
@@ -78,7 +79,8 @@ impl Shapes {
         shapes
     }
 
-    /// Columns of the contacts: a name and a value per contact. The first column colours the contacts. It is the overlap, or the shared boundary if nothing overlaps.
+    /// Columns of the contacts: a name and a value per contact. The first column colours the contacts. It is
+    /// the overlap, or the shared boundary if nothing overlaps.
     pub(crate) fn columns(&self) -> [(&'static str, &[f64]); 3] {
         let spheres = self.radii.iter().any(|&radius| radius > 0.0);
         let overlap = (if spheres { "depth" } else { "overlap" }, &self.overlap[..]);
@@ -107,7 +109,8 @@ impl Shapes {
     }
 }
 
-/// Centre of each meshed body: the mean of the centres of its elements, weighted by their areas or volumes. Without any area or volume, the weights are equal.
+/// Centre of each meshed body: the mean of the centres of its elements, weighted by their areas or volumes.
+/// Without any area or volume, the weights are equal.
 fn middles<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> Vec<[f64; 3]> {
     let mut weighted = vec![[0.0; 4]; parts.body_count];
     let mut plain = weighted.clone();
@@ -145,7 +148,8 @@ fn measure<const N: usize>(corners: &[[f64; 3]; N]) -> f64 {
     cross.iter().zip(edge(3)).map(|(n, x)| n * x).sum::<f64>().abs()
 }
 
-/// Triangles of the surface and their bodies: all triangles, and the faces that only one tetrahedron of a body has.
+/// Triangles of the surface and their bodies: all triangles, and the faces that only one tetrahedron of a
+/// body has.
 fn surface<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut facets: Vec<(u32, [u32; 3])> = Vec::new();
     let mut faces: Vec<(u32, [u32; 3])> = Vec::new();
@@ -177,7 +181,8 @@ pub(crate) struct Branches {
 }
 
 impl Branches {
-    /// Makes a line from the centre of each element of a couple to the contact point, but none from the centre of a wall that a sphere touches.
+    /// Makes a line from the centre of each element of a couple to the contact point, but none from the
+    /// centre of a wall that a sphere touches.
     pub(crate) fn new<const D: usize, const N: usize>(
         parts: &Parts<'_, D, N>,
         contacts: &[(Couple, Contact<D>)],

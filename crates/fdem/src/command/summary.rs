@@ -286,7 +286,8 @@ fn told_frame(frame: Option<usize>, step: Option<i64>, time: Option<f64>) -> Opt
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// Writes the last lines of every summary: the number of verified elements, if there is one, times and peak memory.
+/// Writes the last lines of every summary: the number of verified elements, if there is one, times and peak
+/// memory.
 pub(crate) fn write_end(
     out: &mut fmt::Formatter<'_>,
     verified: Option<usize>,
@@ -309,7 +310,8 @@ pub(crate) fn write_end(
 
 /// Peak resident memory of this process, bytes, on systems that report it.
 ///
-/// `getrusage` is not used here, because its value survives the start of a program: under `cargo run` it would include cargo.
+/// `getrusage` is not used here, because its value survives the start of a program: under `cargo run` it
+/// would include cargo.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

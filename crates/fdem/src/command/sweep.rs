@@ -1,7 +1,8 @@
 //! `fdem sweep` runs one model many times, with other values of its parameters.
 //!
-//! Every run is a process of its own, `fdem run` or `fdem resume`: one that crashes or takes too much memory ends alone. The table is made from the `run.json` of the
-//! runs, so that it does not depend on the order in which they end.
+//! Every run is a separate process, `fdem run` or `fdem resume`: one that crashes or takes too much memory
+//! ends alone. The table is made from the `run.json` of the runs, so that it does not depend on the order in
+//! which they end.
 
 mod check;
 mod children;
@@ -34,21 +35,21 @@ use table::{Row, results};
 
 pub use table::Table;
 
-/// Largest number of runs, unless another is asked for.
+/// Largest number of runs, unless another is given.
 pub const MOST_RUNS: usize = MOST_RUNS_OF_A_SWEEP;
 
-/// A sweep that is asked for.
+/// The request for a sweep.
 #[derive(Debug, Clone)]
 pub struct Request {
     /// The sweep file.
     pub text: String,
-    /// Its name, for messages.
+    /// Name of the file, for messages.
     pub name: String,
     /// Where it is, or would be: the model and the table that it names are beside it.
     pub place: PathBuf,
     /// Folder for the results; `None` for that of the file.
     pub output: Option<PathBuf>,
-    /// Runs at once; `None` for those of the file.
+    /// Number of simultaneous runs; `None` for the number in the file.
     pub processes: Option<usize>,
     /// Threads of each run; `None` for those of the file.
     pub threads: Option<usize>,
@@ -67,9 +68,9 @@ pub struct Request {
 /// A sweep that has ended.
 #[derive(Debug, Clone)]
 pub struct Swept {
-    /// Its folder.
+    /// Folder of the sweep.
     pub folder: PathBuf,
-    /// Its results.
+    /// Results of the sweep.
     pub table: Table,
     /// Number of runs that have finished.
     pub finished: usize,
@@ -109,7 +110,8 @@ pub(crate) fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     }
 }
 
-/// Runs a sweep. `stop` is asked again and again whether a signal is to end it: the runs then write their checkpoints and end.
+/// Runs a sweep. `stop` is called repeatedly and returns a signal that is to end it: the runs then write
+/// their checkpoints and end.
 ///
 /// # Errors
 /// The message of the command.
@@ -174,7 +176,7 @@ fn swept(
     Ok(Swept { folder, table, finished, signal })
 }
 
-/// Runs at once, and threads of each.
+/// Number of simultaneous runs, and threads of each.
 fn shares(request: &Request, plan: &Plan) -> (usize, usize) {
     let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
     let threads = request.threads.or(plan.threads).unwrap_or(1);
@@ -190,7 +192,7 @@ fn default_folder(sweep: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Says what a sweep is. `source`: the hash of the model and of the files that it names.
+/// Identifies a sweep. `source`: the hash of the model and of the files that it names.
 fn identity(plan: &Plan, source: &str) -> Value {
     let row = |row: &Vec<crate::model::Setting>| row.iter().map(ToString::to_string).collect::<Vec<_>>();
     json!({
@@ -218,7 +220,8 @@ impl Earlier {
 struct Sweep<'s> {
     models: &'s Models<'s>,
     store: &'s Store,
-    /// The models that were checked, by the numbers of their runs. Those that have ended before are not.
+    /// The models that were checked, by the numbers of their runs. Runs that have ended before are not among
+    /// them.
     checked: Vec<Numbered>,
     threads: usize,
 }
@@ -228,7 +231,7 @@ impl Sweep<'_> {
         self.checked.iter().find(|(known, _)| *known == number).map(|(_, checked)| checked)
     }
 
-    /// The runs that have to begin or to go on.
+    /// The runs that have to begin or to continue.
     fn jobs(&self) -> Vec<Job> {
         let job = |number: usize| {
             if let Some(Err(_)) = self.checked(number) {

@@ -55,7 +55,8 @@ pub(crate) fn write_network<const D: usize>(
 
 /// Returns the bytes of a file with the couples of a network, and with its elements if the format holds them.
 ///
-/// Ids of elements are their numbers from 0. The extension of `name` gives the format, as for the option `--output` of the command.
+/// Ids of elements are their numbers from 0. The extension of `name` gives the format, as for the option
+/// `--output` of the command.
 ///
 /// # Errors
 /// A message if the extension is not that of a format.
@@ -99,7 +100,8 @@ impl<const D: usize> Drawn<'_, D> {
 /// The number written where a frame has no time step.
 const NO_STEP: i64 = -1;
 
-/// Table of the couples of a frame, with its number, its step and `shifts` columns of shifts, which are zero without a periodic box.
+/// Table of the couples of a frame, with its number, its step and `shifts` columns of shifts, which are zero
+/// without a periodic box.
 pub(crate) fn frame_table<'a, const D: usize>(
     packing: &'a Packing,
     network: &'a Network<'a, D>,

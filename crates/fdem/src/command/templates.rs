@@ -2,7 +2,7 @@
 
 use crate::model::{STARTER, STARTER_3D};
 
-/// A model to start from. Its first line says what it is.
+/// A model to start from. Its first line is its title.
 pub(crate) struct Template {
     pub(crate) name: &'static str,
     pub(crate) text: &'static str,
@@ -22,7 +22,7 @@ macro_rules! example {
     };
 }
 
-/// All templates: those of two dimensions, then those of three.
+/// All templates: two dimensions first, then three.
 pub(crate) const TEMPLATES: [Template; 22] = [
     Template { name: "starter", text: STARTER },
     example!("bar_impact", "bar_impact"),

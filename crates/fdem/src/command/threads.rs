@@ -14,8 +14,9 @@ const BEGINNING: usize = 1 << 18;
 
 /// Starts a thread with a name, and returns when it has begun.
 ///
-/// The standard library and the C library end a program that has no memory for the beginning of a thread. So it is seen here that there is some, and the work that may take all memory
-/// comes after it.
+/// The standard library and the C library end a program that has no memory for the beginning of a thread.
+/// This function therefore checks first that there is some, and the work that may take all memory comes after
+/// it.
 ///
 /// # Errors
 /// No memory, or no thread left.
@@ -23,7 +24,7 @@ pub(crate) fn start<R: Send + 'static>(
     name: &str,
     work: impl FnOnce() -> R + Send + 'static,
 ) -> io::Result<JoinHandle<R>> {
-    // Of the system, as the memory of a new thread: the heap may have some that the thread cannot use.
+    // Memory of the system, which a new thread uses: the heap may have some that the thread cannot use.
     drop(MmapMut::map_anon(STACK + BEGINNING)?);
     let (begin, begun) = mpsc::channel();
     let begun_work = move || {

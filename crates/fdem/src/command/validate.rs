@@ -36,7 +36,8 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case. Without any it returns all cases.
+/// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case.
+/// Without any it returns all cases.
 fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
     if asked.iter().any(|asked| asked.trim().is_empty()) {
         return Err(Failure::Unusable(

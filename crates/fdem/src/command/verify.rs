@@ -6,7 +6,8 @@ use fdem_results::network::{Couples, Sizes, Space};
 use crate::command::detect::Request;
 use crate::command::failure::Failure;
 
-/// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements, or a description of the mismatch.
+/// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements,
+/// or a description of the mismatch.
 ///
 /// The sample is the same in every run, so that an error can be reproduced.
 pub(crate) fn check<const D: usize>(
@@ -25,9 +26,11 @@ pub(crate) fn check<const D: usize>(
     }
 }
 
-/// Compares the couples of `sample` elements with all images of all elements. Returns the number of checked elements, or a description of the mismatch.
+/// Compares the couples of `sample` elements with all images of all elements. Returns the number of checked
+/// elements, or a description of the mismatch.
 ///
-/// `couples` must be in ascending order. The elements are divided into `sample` ranges, and one element of each is picked, the same in every run.
+/// `couples` must be in ascending order. The elements are divided into `sample` ranges, and one element of
+/// each is picked, the same in every run.
 fn check_periodic<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
@@ -130,14 +133,16 @@ fn for_each_shift<const D: usize>(
     }
 }
 
-/// Returns `sample` numbers below `n` in ascending order, a random one from each of `sample` equal ranges; all numbers if `n` is not above `sample`.
+/// Returns `sample` numbers below `n` in ascending order, a random one from each of `sample` equal ranges;
+/// all numbers if `n` is not above `sample`.
 fn pick(n: usize, sample: usize) -> Vec<u32> {
     let sample = sample.min(n);
     let mut state = 0_u64;
     let one_of = |k: usize| {
         let (from, to) =
             (k as u128 * n as u128 / sample as u128, (k as u128 + 1) * n as u128 / sample as u128);
-        // Knuth's linear congruential generator is random enough to avoid patterns in the order of the elements.
+        // Knuth's linear congruential generator is random enough to avoid patterns in the order of the
+        // elements.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (from + u128::from(state >> 33) % (to - from)) as u32
     };
@@ -178,7 +183,8 @@ mod tests {
         assert!(picked.iter().zip(0..).all(|(&element, k)| element / 100 == k), "{picked:?}");
     }
 
-    /// Every kind of mistake is found among four points in a periodic square, each at a distance of 1 from its neighbours.
+    /// Every kind of mistake is found among four points in a periodic square, each at a distance of 1 from
+    /// its neighbours.
     #[test]
     fn mistakes_are_found() {
         let centres = [[0.5, 0.5], [1.5, 0.5], [0.5, 3.5], [1.5, -0.5]];

@@ -11,8 +11,8 @@ fn main() -> ExitCode {
     fdem::command::main(std::env::args_os())
 }
 
-/// Records whether the program was started without standard output (`>&-`). The standard library opens `/dev/null` in its place before `main`, and everything
-/// printed would be lost without an error.
+/// Records whether the program was started without standard output (`>&-`). The standard library opens
+/// `/dev/null` in its place before `main`, and everything printed would be lost without an error.
 #[cfg(unix)]
 #[ctor::ctor(unsafe)]
 fn look_at_stdout() {

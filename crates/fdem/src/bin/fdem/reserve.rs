@@ -1,7 +1,8 @@
-//! A reserve of memory, so that the program can report that there is none left.
+//! A reserve of memory, so that the program can report that memory has run out.
 //!
-//! Large arrays are asked for in ways that may fail, and the failure is an error that names the file. The message itself takes memory, and so do threads and lists that end after it: without a
-//! reserve the program would abort instead if the large arrays had left none.
+//! Large arrays are allocated in ways that may fail, and the failure is an error that names the file. The
+//! message itself takes memory, and so do threads and lists that end after it: without a reserve the program
+//! would abort instead if the large arrays had left none.
 
 #![allow(unsafe_code, reason = "an allocator is unsafe by its trait; each call says why it is sound")]
 
@@ -16,7 +17,8 @@ const ROOM: usize = 1 << 20;
 /// Largest block that the reserve gives, bytes. A larger one fails, and its failure is reported.
 const LARGEST: usize = 1 << 16;
 
-/// The allocator of the system. Where that fails, a small block comes from the reserve, to which it does not return.
+/// The allocator of the system. Where that fails, a small block comes from the reserve, to which it does not
+/// return.
 pub(crate) struct Reserve {
     room: UnsafeCell<[u8; ROOM]>,
     taken: AtomicUsize,
@@ -50,7 +52,8 @@ impl Reserve {
     }
 }
 
-// SAFETY: blocks are those of the system, or parts of the room that nobody else has, of the size and alignment asked for.
+// SAFETY: blocks come from the system, or are parts of the room that nobody else has, of the requested size
+// and alignment.
 unsafe impl GlobalAlloc for Reserve {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promise.
@@ -82,7 +85,8 @@ unsafe impl GlobalAlloc for Reserve {
         // SAFETY: the caller promises that the size is not zero and not too large for the alignment.
         let new = unsafe { self.alloc(Layout::from_size_align_unchecked(size, layout.align())) };
         if !new.is_null() {
-            // SAFETY: both blocks are at least this long, and they are different; the old one is the caller's, who does not use it any more.
+            // SAFETY: both blocks are at least this long, and they are different; the old one is the
+            // caller's, who does not use it any more.
             unsafe {
                 new.copy_from_nonoverlapping(block, layout.size().min(size));
                 self.dealloc(block, layout);

@@ -7,9 +7,11 @@ use clap::Args;
 /// Options for pictures and reports.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DrawingArguments {
-    /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
-    /// the box is drawn as two halves. For meshes in a plane, draw the triangles coloured by body, and the contacts of bodies. For meshes in 3D, for spheres and walls,
-    /// and for images, draw the bodies, and lines between their centres through the contact points; bodies of images are discs or spheres of the same area or volume.
+    /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of
+    /// the contacts in 3D. A contact across a face of the box is drawn as two halves. For meshes in a plane,
+    /// draw the triangles coloured by body, and the contacts of bodies. For meshes in 3D, for spheres and
+    /// walls, and for images, draw the bodies, and lines between their centres through the contact points;
+    /// bodies of images are discs or spheres of the same area or volume.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) picture: Option<PathBuf>,
 
@@ -21,7 +23,8 @@ pub(crate) struct DrawingArguments {
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(200..=10_000))]
     pub(crate) picture_width: Option<u32>,
 
-    /// Write an HTML page in one file: the summary, the distributions, a 3D view in which elements can be selected, and a table of all elements.
+    /// Write an HTML page in one file: the summary, the distributions, a 3D view in which elements can be
+    /// selected, and a table of all elements.
     #[arg(long, value_name = "FILE.html", value_parser = page)]
     pub(crate) report: Option<PathBuf>,
 }
@@ -36,7 +39,7 @@ impl DrawingArguments {
         ]
     }
 
-    /// Whether any drawing is asked for.
+    /// Whether any drawing is requested.
     pub(crate) fn any(&self) -> bool {
         self.files().iter().any(|(_, file)| file.is_some())
     }

@@ -10,7 +10,7 @@ use fdem_results::Field;
 use crate::command::templates::TEMPLATES;
 use crate::model::{Setting, library};
 
-/// Largest number of runs of a sweep, unless another is asked for.
+/// Largest number of runs of a sweep, unless another is given.
 pub(crate) const MOST_RUNS: usize = 1000;
 
 /// Write a model file to start from, with a comment on every part.
@@ -27,7 +27,7 @@ pub(crate) struct NewArguments {
     #[arg(long = "3d", conflicts_with = "template")]
     pub(crate) space: bool,
 
-    /// Name of the model to write; --list tells them all.
+    /// Name of the model to write; --list lists all names.
     #[arg(short, long, value_name = "TEMPLATE", value_parser = templates(), hide_possible_values = true)]
     pub(crate) template: Option<String>,
 
@@ -40,7 +40,8 @@ pub(crate) struct NewArguments {
     pub(crate) force: bool,
 }
 
-/// List the materials that `library = "…"` in a `[[material]]` of a model gives, with their figures and sources.
+/// List the materials that `library = "…"` in a `[[material]]` of a model gives, with their figures and
+/// sources.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  fdem materials\n  fdem materials granite >> model.toml")]
 pub(crate) struct MaterialsArguments {
@@ -49,7 +50,8 @@ pub(crate) struct MaterialsArguments {
     pub(crate) name: Option<String>,
 }
 
-/// Check a model without running it: print all errors of the file, or else its mesh, time step, run time, memory, and warnings.
+/// Check a model without running it: print all errors of the file, or else its mesh, time step, run time,
+/// memory, and warnings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem check model.toml --ranks 64")]
 pub(crate) struct CheckArguments {
@@ -61,11 +63,13 @@ pub(crate) struct CheckArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`, `--set material.rock.friction=0.4`. May come several times.
+    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`,
+    /// `--set material.rock.friction=0.4`. May come several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     pub(crate) set: Vec<(String, Setting)>,
 
-    /// Also tell how a run would be divided among RANKS processes: elements, halos, messages, memory, and the time of a step on a network that is assumed.
+    /// Also predict how a run would be divided among RANKS processes: elements, halos, messages, memory, and
+    /// the time of a step on an assumed network.
     #[arg(long, value_name = "RANKS", allow_negative_numbers = true, value_parser = ranks)]
     pub(crate) ranks: Option<usize>,
 
@@ -88,7 +92,8 @@ pub(crate) struct RunArguments {
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Begin with the state at the end of another run, by its folder. Bodies of the same name have the same mesh; materials, loads and stages may differ, and bodies may be missing or new. Time goes on.
+    /// Begin with the state at the end of another run, by its folder. Bodies of the same name have the same
+    /// mesh; materials, loads and stages may differ, and bodies may be missing or new. Time continues.
     #[arg(long, value_name = "DIR")]
     pub(crate) from: Option<PathBuf>,
 
@@ -96,8 +101,8 @@ pub(crate) struct RunArguments {
     #[arg(long)]
     pub(crate) force: bool,
 
-    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`, `--set material.rock.friction=0.4`. May come several times. The folder keeps the
-    /// changed model.
+    /// Set a parameter of the model, or a key by its path: `--set strength="8 MPa"`,
+    /// `--set material.rock.friction=0.4`. May come several times. The folder keeps the changed model.
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     pub(crate) set: Vec<(String, Setting)>,
 
@@ -113,7 +118,8 @@ pub(crate) struct ResumeArguments {
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
-    /// New end time of the run, s. It replaces `end_time` in the model.toml of the folder; frames and rows of the history keep their spacing.
+    /// New end time of the run, s. It replaces `end_time` in the model.toml of the folder; frames and rows of
+    /// the history keep their spacing.
     #[arg(long, visible_alias = "until", value_name = "SECONDS", value_parser = positive)]
     pub(crate) end_time: Option<f64>,
 
@@ -125,11 +131,13 @@ pub(crate) struct ResumeArguments {
 #[derive(Debug, Args)]
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
-    /// Number of threads; 0 is one per processor, and on ranks under `mpirun` one thread for each rank. Results do not depend on it.
+    /// Number of threads; 0 is one per processor, and on ranks under `mpirun` one thread for each rank.
+    /// Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: usize,
 
-    /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
+    /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first
+    /// field of the model.
     #[arg(long, value_name = "FIELD", num_args = 0..=1, require_equals = true, value_parser = fields())]
     pub(crate) animate: Option<Option<Field>>,
 
@@ -138,11 +146,12 @@ pub(crate) struct RunOptions {
     pub(crate) quiet: bool,
 }
 
-/// Run a model many times with other values of its parameters: all combinations, rows of a table, or a Latin hypercube. All models are checked before the first
-/// run. The same command goes on with an interrupted sweep.
+/// Run a model many times with other values of its parameters: all combinations, rows of a table, or a Latin
+/// hypercube. All models are checked before the first run. The same command continues an interrupted sweep.
 ///
-/// The sweep file, in TOML, has `model = "disc.toml"`, and one of `[grid]`, `[[run]]`, `table = "values.csv"` and `[latin_hypercube]`, whose names are parameters of
-/// the model, or paths of keys such as `material.rock.cohesion`. It may have `folder`, `processes` and `threads`.
+/// The sweep file, in TOML, has `model = "disc.toml"`, and one of `[grid]`, `[[run]]`, `table = "values.csv"`
+/// and `[latin_hypercube]`, whose names are parameters of the model, or paths of keys such as
+/// `material.rock.cohesion`. It may have `folder`, `processes` and `threads`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem sweep sweep.toml --processes 4")]
 pub(crate) struct SweepArguments {
@@ -150,15 +159,18 @@ pub(crate) struct SweepArguments {
     #[arg(value_name = "SWEEP")]
     pub(crate) sweep: PathBuf,
 
-    /// Folder for the results [default: `folder` of the sweep file, or its name with `_results`, in the working directory].
+    /// Folder for the results [default: `folder` of the sweep file, or its name with `_results`, in the
+    /// working directory].
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Number of runs at once [default: `processes` of the sweep file, or as many as there are processors]. Results do not depend on it.
+    /// Number of simultaneous runs [default: `processes` of the sweep file, or the number of processors].
+    /// Results do not depend on it.
     #[arg(short, long, value_name = "N", allow_negative_numbers = true, value_parser = at_once)]
     pub(crate) processes: Option<usize>,
 
-    /// Number of threads of each run [default: `threads` of the sweep file, or 1]. Results do not depend on it.
+    /// Number of threads of each run [default: `threads` of the sweep file, or 1]. Results do not depend on
+    /// it.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: Option<usize>,
 

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) const PARTS: [&str; 6] =
     ["bulk", "joints", "detection", "contact force", "integration", "messages"];
 
-/// Times and numbers summed over all parts of a run. A checkpoint stores them, because a simulation counts only from its own creation.
+/// Times and numbers summed over all parts of a run. A checkpoint stores them, because a simulation counts
+/// only from its own creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Account {
     /// Wall-clock time, s.
@@ -26,7 +27,7 @@ pub(crate) struct Account {
     pub(crate) detections: u64,
 }
 
-/// What results have taken in one part of a run.
+/// Time that results have taken in one part of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spent {
     /// Time in which steps waited for frames, history and checkpoints.
@@ -38,7 +39,8 @@ pub(crate) struct Spent {
 }
 
 impl Account {
-    /// Adds the times and the detections of a simulation since its creation, with the wall-clock time and what results took since then.
+    /// Adds the times and the detections of a simulation since its creation, with the wall-clock time and the
+    /// time of the results since then.
     pub(crate) fn and(&self, timings: Timings, detections: u64, clock: Duration, spent: &Spent) -> Self {
         let Timings { bulk, joints, detection, contact, integration, messages } = timings;
         let mut parts = self.parts;

@@ -3,7 +3,7 @@
 use fdem_simulation::{Model, Schedule};
 use serde::{Deserialize, Serialize};
 
-/// When a run has begun from another one. With it, its model is made again when it goes on.
+/// When a run has begun from another one. With it, the model is made again when the run continues.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Begun {
     /// Step at which it has begun.

@@ -20,7 +20,8 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     pub(crate) frames: Vec<(u64, f64)>,
     /// Length of the history, bytes.
     pub(crate) history: u64,
-    /// Time between frames and time between rows of the history, s: they stay as they are if the end time changes.
+    /// Time between frames and time between rows of the history, s: they stay as they are if the end time
+    /// changes.
     pub(crate) intervals: [f64; 2],
     /// The stages so far; none if the run is one.
     pub(crate) entered: Entered<D>,

@@ -1,6 +1,7 @@
-//! The course of a run: its steps, and what its model changes between them: stages, conditions and servos.
+//! The course of a run: its steps, and the changes that its model makes between them: stages, conditions and
+//! servos.
 //!
-//! `fdem run` and a program that holds a run take the same course, so that both come to the same bits.
+//! `fdem run` and a program that holds a run take the same course, so that both reach the same bits.
 
 use std::path::Path;
 
@@ -17,7 +18,7 @@ use crate::command::run::results::Results;
 use crate::command::run::stages::{Known, Stages};
 use crate::model::{Entered, Prepared, Reached};
 
-/// A run before its first step, or where it goes on.
+/// A run before its first step, or at the point where it continues.
 pub(crate) struct Start<const D: usize, const N: usize>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -48,7 +49,7 @@ where
         Ok(Self { prepared, stages, begun, earlier })
     }
 
-    /// The start of a run that goes on.
+    /// The start of a run that continues.
     pub(crate) fn again(
         mut prepared: Prepared<D, N>,
         begun: Option<Begun>,
@@ -61,7 +62,7 @@ where
         Ok(Self { prepared, stages, begun, earlier: None })
     }
 
-    /// The simulation of a new run, and what it takes over from the earlier one, in words.
+    /// The simulation of a new run, and the parts that it takes over from the earlier one, in words.
     pub(crate) fn simulation(&mut self, threads: usize) -> Result<(Simulation<D, N>, Vec<String>), String> {
         let wrong = |error: ModelError| error.to_string();
         let Some(earlier) = self.earlier.take() else {
@@ -76,7 +77,7 @@ where
         Ok((run, told))
     }
 
-    /// The simulation of a run that goes on with a state.
+    /// The simulation of a run that continues with a state.
     pub(crate) fn resumed(&self, state: State<D, N>, threads: usize) -> Result<Simulation<D, N>, ModelError> {
         let model: Model<D, N> = self.prepared.model.clone();
         Simulation::resume(model, state, threads)
@@ -85,7 +86,7 @@ where
 
 /// Why a run cannot start.
 pub(crate) enum StartError {
-    /// Its model cannot run, for this reason.
+    /// The model cannot run, for this reason.
     Model(String),
     /// The run with which it would begin cannot be opened.
     From(Failure),
@@ -205,7 +206,8 @@ where
         };
         let opening =
             (self.is_recorded && step == 0).then(|| self.observer.values(&*self.run, &self.prepared));
-        // A part that is recorded has one step at first, because the initial forces and energies are known after it.
+        // A part that is recorded has one step at first, because the initial forces and energies are known
+        // after it.
         let first = if opening.is_some() { 1 } else { u64::MAX };
         let stage = self.stages.as_ref().map_or(u64::MAX, Stages::end);
         let stop = limit.min(row).min(stage).min(self.next_control(step)).min(first);
@@ -223,7 +225,8 @@ where
         Ok(Passed { rows, due })
     }
 
-    /// Does what the model asks for after a part: ends the stage and begins the next, ends the run, and moves servos.
+    /// Applies the changes of the model after a part: ends the stage and begins the next, ends the run, and
+    /// moves servos.
     pub(crate) fn turn(&mut self, passed: &Passed) -> Result<Turned, Failure> {
         let mut turned = Turned::default();
         self.go_through_stages(passed.due.as_deref(), &mut turned)?;
@@ -241,7 +244,8 @@ where
         }
     }
 
-    /// Ends the stage if it is over, and begins the next. `row`: a row of the history of this step, if there is one.
+    /// Ends the stage if it is over, and begins the next. `row`: a row of the history of this step, if there
+    /// is one.
     fn go_through_stages(&mut self, row: Option<&[f64]>, turned: &mut Turned) -> Result<(), Failure> {
         let Some(stages) = &mut self.stages else { return Ok(()) };
         let peak = &mut self.reached.peaks[1];
@@ -300,7 +304,8 @@ where
         Ok(())
     }
 
-    /// Conditions that were not met, stages that were not reached, and servos that are far from their targets, in words.
+    /// Conditions that were not met, stages that were not reached, and servos that are far from their
+    /// targets, in words.
     pub(crate) fn unmet(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
@@ -325,7 +330,8 @@ where
     }
 }
 
-/// Returns the first multiple of an interval after a step. The interval is in steps and need not be a whole number.
+/// Returns the first multiple of an interval after a step. The interval is in steps and need not be a whole
+/// number.
 pub(crate) fn next(step: u64, every: f64) -> u64 {
     let every = every.max(1.0);
     let mut count = (step as f64 / every).floor();

@@ -1,7 +1,8 @@
 //! A run that begins with the state at the end of an earlier run.
 //!
-//! Its model is another one: materials, loads, contacts and stages may differ, and bodies may be missing or new. Bodies of the same name have the same mesh. Time goes on: a boundary that the earlier model has too
-//! goes on with its schedule, and one that is new or different begins now.
+//! Its model is another one: materials, loads, contacts and stages may differ, and bodies may be missing or
+//! new. Bodies of the same name have the same mesh. Time continues: a boundary that the earlier model has too
+//! continues its schedule, and one that is new or different begins now.
 
 use std::ops::Range;
 use std::path::Path;
@@ -108,7 +109,8 @@ where
         })
     }
 
-    /// The model and the state with which a run begins, and what it takes over, in words. `prepared`: what is there at its beginning.
+    /// The model and the state with which a run begins, and the parts that it takes over, in words.
+    /// `prepared`: the parts that are present at its beginning.
     pub(crate) fn taken_over(
         self,
         prepared: &Prepared<D, N>,

@@ -21,7 +21,8 @@ pub(crate) struct Emission {
 }
 
 impl Emission {
-    /// The events, if the model asks for them. They follow from the joints that have broken, so that they are the same after a resume.
+    /// The events, if the model has acoustic emission. They follow from the joints that have broken, so that
+    /// they are the same after a resume.
     pub(crate) fn of<const D: usize, const N: usize>(
         run: &dyn Engine<D, N>,
         prepared: &Prepared<D, N>,
@@ -75,7 +76,8 @@ impl Emission {
     }
 }
 
-/// The speed of shear waves, m/s, √(G/ρ), in the slowest material that can break; in the slowest of all, if none has a strength of its own.
+/// The speed of shear waves, m/s, √(G/ρ), in the slowest material that can break; in the slowest of all, if
+/// no material has a strength.
 fn shear_wave(materials: &[Material]) -> f64 {
     let speed = |material: &Material| {
         let Material { youngs_modulus, poissons_ratio, density, .. } = material;

@@ -8,7 +8,8 @@ use crate::command::run::engine::Engine;
 use crate::command::run::lead::in_ranks;
 use crate::command::run::results::Results;
 
-/// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those of cracks and fragments.
+/// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those
+/// of cracks and fragments.
 pub(crate) fn facts<const D: usize, const N: usize>(
     run: &dyn Engine<D, N>,
     status: &str,

@@ -10,11 +10,14 @@
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
-//! Lines are appended to the history and the log. Every other file is written to a temporary file and renamed, so that the folder holds complete files at
-//! any time. A checkpoint records the number of frames and the length of the history; later frames and rows are removed when the run goes on.
+//! Lines are appended to the history and the log. Every other file is written to a temporary file and
+//! renamed, so that the folder holds complete files at any time. A checkpoint records the number of frames
+//! and the length of the history; later frames and rows are removed when the run continues.
 //!
-//! Files are synced before they are renamed, except those of frames: they are synced later, but before the collections and the checkpoint that name them. What the
-//! collections and the checkpoint name is complete also after a power cut. A frame that they do not name may then be cut off; it is removed when the run goes on.
+//! Files are synced before they are renamed, except those of frames: they are synced later, but before the
+//! collections and the checkpoint that name them. Frames that the collections and the checkpoint name are
+//! complete also after a power cut. A frame that they do not name may then be cut off; it is removed when the
+//! run continues.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
@@ -32,7 +35,8 @@ use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
 use crate::model::{AnyPrepared, ModelErrors, prepare_any};
 
-/// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return before it has ended the other ranks.
+/// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return
+/// before it has ended the other ranks.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 pub(crate) const MODEL: &str = "model.toml";
@@ -88,7 +92,8 @@ impl Folder {
     /// A folder that must not be replaced, or cannot be read.
     pub(crate) fn check(path: &Path, force: bool) -> Result<bool, Failure> {
         let there = match fs::read_dir(path) {
-            // A run that was killed while writing its first file leaves partial files, which the next one removes.
+            // A run that was killed while writing its first file leaves partial files, which the next one
+            // removes.
             Ok(mut entries) => entries.any(|entry| {
                 entry.is_ok_and(|entry| !entry.file_name().to_str().is_some_and(aside::is_aside))
             }),
@@ -142,7 +147,8 @@ impl Folder {
         Ok((folder, checkpoint))
     }
 
-    /// Locks the folder for this process. A folder without a model has no run; a file system without locks is used unlocked.
+    /// Locks the folder for this process. A folder without a model has no run; a file system without locks is
+    /// used unlocked.
     fn lock(&mut self) -> Result<(), Failure> {
         let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
         let start = Instant::now();
@@ -210,7 +216,8 @@ impl Folder {
         aside::replace(&path, bytes).map_err(|error| Failure::writing(&path, error))
     }
 
-    /// Writes a file, which is complete or absent for other processes, and which the disk has only after it and its folder are synced.
+    /// Writes a file, which is complete or absent for other processes, and which the disk has only after it
+    /// and its folder are synced.
     pub(crate) fn write_unsynced(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.path(name);
         aside::replace_unsynced(&path, bytes).map_err(|error| Failure::writing(&path, error))
@@ -228,7 +235,8 @@ impl Folder {
         aside::sync_folder(&path).map_err(|error| Failure::writing(&path, error))
     }
 
-    /// Removes the files of frames from a number on. After a power cut some numbers between them may be missing.
+    /// Removes the files of frames from a number on. After a power cut some numbers between them may be
+    /// missing.
     pub(crate) fn remove_frames(&self, first: usize) -> Result<(), Failure> {
         let path = self.path(FRAMES);
         let failed = |error| Failure::writing(&path, error);
@@ -260,7 +268,8 @@ impl Folder {
         fs::read(&path).map_err(|error| Failure::reading(&display_name(&path), &error))
     }
 
-    /// Checks and meshes the model of the folder, whose text this is. Returns the model, and the files that it names in their order, of which the folder has copies.
+    /// Checks and meshes the model of the folder, whose text this is. Returns the model, and the files that
+    /// it names in their order, of which the folder has copies.
     pub(crate) fn prepared(&self, text: &str) -> Result<(AnyPrepared, Vec<Vec<u8>>), ModelErrors> {
         let mut inputs = Vec::new();
         let mut load = |_: &str| {
@@ -325,7 +334,7 @@ pub(crate) struct SavedState {
 }
 
 impl SavedState {
-    /// Opens the checkpoint of a run in so many dimensions.
+    /// Opens the checkpoint of a run in `D` dimensions.
     pub(crate) fn open<const D: usize, const N: usize>(&self) -> Result<Checkpoint<D, N>, Failure>
     where
         [[f64; D]; N]: Results<D, N>,

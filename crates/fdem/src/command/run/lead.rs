@@ -15,18 +15,19 @@ use crate::command::run::watch::Watch;
 pub(super) struct Lead<'c> {
     ranks: Option<&'c dyn Communicator>,
     pub(super) threads: usize,
-    /// Whether the others follow a run, and need not be told that there is none.
+    /// Whether the others follow a run, and need no message that there is none.
     followed: bool,
 }
 
 impl<'c> Lead<'c> {
-    /// The ranks on rank 0, or in the only process. Any other rank follows the run of rank 0 to its end; then there is nothing left to do.
+    /// The ranks on rank 0, or in the only process. Any other rank follows the run of rank 0 to its end; then
+    /// there is nothing left to do.
     pub(super) fn of(
         ranks: Option<&'c dyn Communicator>,
         watch: &Watch,
         options: &RunOptions,
     ) -> Result<Option<Self>, Failure> {
-        // A rank has one thread if nothing else is said: there are as many ranks as processors.
+        // A rank has one thread by default: there are as many ranks as processors.
         let threads = if ranks.is_some() { options.threads.max(1) } else { options.threads };
         if let Some(ranks) = ranks.filter(|ranks| ranks.rank() > 0) {
             // Rank 0 gets the same signals, and ends the run.
@@ -68,7 +69,7 @@ impl Drop for Lead<'_> {
     }
 }
 
-/// Draws the ranks of a run: what they have, and what they send in a step. None in one process.
+/// Draws the ranks of a run: their elements, and the bytes that they send in a step. None in one process.
 pub(super) fn plots(traffic: &[Traffic]) -> Vec<Plot> {
     if traffic.is_empty() {
         return Vec::new();
@@ -81,7 +82,8 @@ pub(super) fn plots(traffic: &[Traffic]) -> Vec<Plot> {
     rank_loads(&traffic.iter().map(load).collect::<Vec<_>>()).into()
 }
 
-/// Describes the ranks of a run: what they have, and what they have sent in each step. `None` in one process.
+/// Describes the ranks of a run: their elements, and the bytes that they have sent in each step. `None` in
+/// one process.
 pub(super) fn in_ranks(traffic: &[Traffic]) -> Option<String> {
     let first = traffic.first()?;
     let sum = |of: fn(&Traffic) -> u64| traffic.iter().map(of).sum::<u64>() as f64;

@@ -64,7 +64,8 @@ impl<const D: usize> Observer<D> {
         prepared.histories.iter().zip(&self.targets).map(values).collect()
     }
 
-    /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
+    /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies
+    /// are those at its beginning, known only after it.
     pub(crate) fn first_row<const N: usize>(
         &self,
         run: &(impl Engine<D, N> + ?Sized),

@@ -1,4 +1,5 @@
-//! Whether a run with mass scaling was quasi-static: its kinetic over its strain energy, in the summary and in `run.json`.
+//! Whether a run with mass scaling was quasi-static: its kinetic over its strain energy, in the summary and
+//! in `run.json`.
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::History;

@@ -1,4 +1,5 @@
-//! Writes the results of a run: frames, history and checkpoints during the run, plots, animation and report at its end.
+//! Writes the results of a run: frames, history and checkpoints during the run, plots, animation and report
+//! at its end.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -40,7 +41,8 @@ where
     collected: usize,
     /// `None` once nothing more is to be recorded.
     holds: Option<[Hold; 2]>,
-    /// Most elements of a frame that the report shows completely, and number of triangles in the samples of larger frames.
+    /// Most elements of a frame that the report shows completely, and number of triangles in the samples of
+    /// larger frames.
     shown: [usize; 2],
     /// Number of frames of the whole run, about.
     expected: usize,
@@ -83,7 +85,8 @@ where
         })
     }
 
-    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must exist.
+    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must
+    /// exist.
     pub(crate) fn going_on(
         folder: &Folder,
         prepared: &Prepared<D, N>,
@@ -93,7 +96,8 @@ where
     ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let text = folder.read(HISTORY)?;
-        // The row of t = 0 is written after the first step. A run that goes on from step 0 writes it again, so an existing one is removed.
+        // The row of t = 0 is written after the first step. A run that continues from step 0 writes it again,
+        // so an existing one is removed.
         let end = if step == 0 {
             usize::try_from(length).map_or(text.len(), |length| length.min(text.len()))
         } else {
@@ -153,7 +157,8 @@ where
         written.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces. They are synced and put into the collections by [`Self::tidy`].
+    /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces. They are synced and
+    /// put into the collections by [`Self::tidy`].
     pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
         // Writing to memory does not fail. An inconsistent snapshot would be a bug.
@@ -176,11 +181,12 @@ where
         Ok(())
     }
 
-    /// Does a part of what is left to do for the frames that have been written: syncs a file, or puts all frames into the collections once their files are synced.
-    /// Returns whether there was anything to do.
+    /// Does a part of the remaining work for the frames that have been written: syncs a file, or puts all
+    /// frames into the collections once their files are synced. Returns whether there was anything to do.
     ///
-    /// The parts are short, so that a frame or a checkpoint that comes meanwhile does not wait long. Where frames come faster than they are synced, all of this is done
-    /// before the next checkpoint, and the collections are written once for many frames.
+    /// The parts are short, so that a frame or a checkpoint that comes meanwhile does not wait long. Where
+    /// frames come faster than they are synced, all of this is done before the next checkpoint, and the
+    /// collections are written once for many frames.
     pub(crate) fn tidy(&mut self) -> Result<bool, Failure> {
         if let Some(name) = self.unsynced.pop_front() {
             return self.folder.sync(&name).map(|()| true);
@@ -260,7 +266,9 @@ where
         self.frames.len()
     }
 
-    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `emitted`, `more`: plots beside those of the history, of acoustic emission and of ranks; `done`: number of frames read so far.
+    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table
+    /// of fragments. `facts`: rows of the summary; `emitted`, `more`: plots beside those of the history, of
+    /// acoustic emission and of ranks; `done`: number of frames read so far.
     ///
     /// # Errors
     /// The first error. If the history and the frames can be read, everything else is drawn all the same.

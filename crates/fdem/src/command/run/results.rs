@@ -1,4 +1,4 @@
-//! What the results of two and of three dimensions differ in.
+//! Differences between the results of two and of three dimensions.
 
 use fdem_results::{
     Animation, AnimationError, Field, Fragments, Frame, FrameError, FrameView, MOST_INSIDE, Names, Outlines,
@@ -18,25 +18,25 @@ const INSIDE: usize = 1_500_000;
 
 /// Results of a run in `D` dimensions.
 pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
-    /// What is drawn as lines, found once for a mesh.
+    /// Outlines that are drawn as lines, found once for a mesh.
     type Outlines: Send + 'static;
 
     /// A compressed snapshot.
     type Frame;
 
-    /// What a crack has, and its unit.
+    /// Measure of a crack, and its unit.
     const CRACKED: (&'static str, &'static str);
 
     fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<D, N>, postcard::Error>;
 
     fn checkpoint_bytes(checkpoint: &Checkpoint<D, N>) -> Result<Vec<u8>, postcard::Error>;
 
-    /// The model, if it has as many dimensions.
+    /// The model, if it has `D` dimensions.
     fn of_any(prepared: AnyPrepared) -> Option<Prepared<D, N>>;
 
     fn outlines(prepared: &Prepared<D, N>) -> Self::Outlines;
 
-    /// The bytes of a frame, one of so many.
+    /// The bytes of a frame; `frames` is the number of all frames.
     fn frame(
         snapshot: &Snapshot<D, N>,
         outlines: &Self::Outlines,
@@ -58,7 +58,7 @@ pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
     ) -> Result<Vec<u8>, String>;
 }
 
-/// What is drawn of a run beside its frames.
+/// The data of the drawings of a run, apart from its frames.
 pub(crate) struct Drawn<'a, const D: usize> {
     pub(crate) title: &'a str,
     pub(crate) facts: &'a [(&'a str, &'a str)],
@@ -70,7 +70,7 @@ pub(crate) struct Drawn<'a, const D: usize> {
     pub(crate) names: &'a Names,
 }
 
-/// The drawings of a run, or why there are none.
+/// The drawings of a run, or the reasons why they are missing.
 pub(crate) struct Drawings {
     pub(crate) picture: Option<Result<Vec<u8>, String>>,
     pub(crate) animation: Option<Result<Vec<u8>, String>>,

@@ -16,7 +16,8 @@ pub(crate) struct Stages<const D: usize, const N: usize> {
     present: Present<D, N>,
     /// Time step, s.
     step: f64,
-    /// Time from which an equilibrium counts, s: releases and ramps are over. Before it, what begins slowly would pass for rest.
+    /// Time from which an equilibrium counts, s: releases and ramps are over. Before it, a slow beginning
+    /// would pass for rest.
     calm: f64,
 }
 
@@ -35,7 +36,7 @@ pub(crate) struct Known<'a> {
 pub(crate) enum Over {
     /// Its time has passed. `false`: without the equilibrium or the condition that it was to reach.
     Time(bool),
-    /// Its condition is met, for this reason.
+    /// The condition is met, for this reason.
     Until(String),
     /// Kinetic over strain energy, and imbalance of forces.
     Equilibrium([f64; 2]),
@@ -45,7 +46,8 @@ impl<const D: usize, const N: usize> Stages<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    /// The stages of a model, and what is there in the one that has been `entered`; `None`, and the model as it is, if it has none. The time step is the one that is stable in all of them.
+    /// The stages of a model, and the parts present in the one that has been `entered`; `None`, and the
+    /// unchanged model, if it has none. The time step is the one that is stable in all of them.
     pub(crate) fn new(
         whole: Prepared<D, N>,
         entered: Entered<D>,
@@ -121,7 +123,8 @@ where
         Some(format!("the run ended before the stage \"{}\"", next.name))
     }
 
-    /// Enters the next stage with a run that is in a state after a step. Returns what is there, and the run that goes on.
+    /// Enters the next stage with a run that is in a state after a step. Returns the parts that are present,
+    /// and the continued run.
     pub(crate) fn next(
         &mut self,
         before: &Prepared<D, N>,
@@ -131,7 +134,7 @@ where
         let mut entered = self.entered.clone();
         entered.begun.push(state.step());
         if let Some(release) = &self.whole.stages[entered.stage()].release {
-            // What earlier stages have left is released too, from where it is.
+            // The remaining forces of earlier stages are released too, from their present value.
             let now = state.step() as f64 * self.step;
             for boundary in &mut entered.held {
                 let factor = boundary.schedule.factor(now);
@@ -201,7 +204,8 @@ where
     }
 }
 
-/// Time at which all releases and ramps of a model are over, s. A table of a load may be the whole history of it, and is not waited for.
+/// Time at which all releases and ramps of a model are over, s. A table of a load may be the whole history of
+/// it, and is not waited for.
 fn calm<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
     fn end(schedule: &Schedule, is_release: bool) -> f64 {
         match schedule {

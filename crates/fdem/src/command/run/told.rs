@@ -66,7 +66,7 @@ impl Told {
 
     /// Writes a line to the log and to standard error.
     pub(crate) fn say(&mut self, text: &str) {
-        // The run goes on without its log.
+        // The run continues without its log.
         let _ = writeln!(self.log, "{:10.3} s  {text}", self.start.elapsed().as_secs_f64());
         match &self.bar {
             Some(bar) => bar.print(text),
@@ -77,7 +77,7 @@ impl Told {
         }
     }
 
-    /// Shows on a terminal what happens between steps.
+    /// Shows events between steps on a terminal.
     pub(crate) fn does(&self, text: &str) {
         if let Some(bar) = &self.bar {
             bar.say(text);
@@ -127,7 +127,8 @@ impl Told {
     }
 }
 
-/// Returns the contents of `run.json`. `account`: the times of the whole run; `frames`: their number; `fragments`: those of now.
+/// Returns the contents of `run.json`. `account`: the times of the whole run; `frames`: their number;
+/// `fragments`: those of now.
 pub(crate) fn json<const D: usize, const N: usize>(
     run: &dyn Engine<D, N>,
     prepared: &Prepared<D, N>,

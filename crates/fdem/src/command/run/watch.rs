@@ -1,4 +1,4 @@
-//! Ctrl-C and the other signals that ask a program to end. A run writes a checkpoint before it ends.
+//! Ctrl-C and the other signals that interrupt a program. A run writes a checkpoint before it ends.
 
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use crate::command::failure::Failure;
 use crate::command::output::end;
 
-/// Signals within this time are one request: `timeout` and batch systems send one to the program and one to its group.
+/// Signals within this time are one request: `timeout` and batch systems send one to the program and one to
+/// its group.
 const ONE_REQUEST: Duration = Duration::from_secs(1);
 
 /// The signal that has arrived, if any, and whether the run waits for one.
@@ -18,8 +19,8 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Starts to watch for signals. They end the program at once, until [`Self::begin`]; so does a second request afterwards, because the files in the folder are
-    /// complete at any time.
+    /// Starts to watch for signals. They end the program immediately, until [`Self::begin`]; so does a second
+    /// request afterwards, because the files in the folder are complete at any time.
     pub(crate) fn new() -> Result<Self, Failure> {
         let (came, runs) = (Arc::new(AtomicI32::new(0)), Arc::new(AtomicBool::new(false)));
         let note = {
@@ -42,14 +43,14 @@ impl Watch {
         self.runs.store(true, Ordering::SeqCst);
     }
 
-    /// Number of the signal that asks the run to end.
+    /// Number of the signal that interrupts the run.
     pub(crate) fn signal(&self) -> Option<i32> {
         Some(self.came.load(Ordering::SeqCst)).filter(|&signal| signal != 0)
     }
 }
 
 impl Drop for Watch {
-    /// A program that goes on after its run is not ended by the signals of that time.
+    /// A program that continues after its run is not ended by the signals of that time.
     fn drop(&mut self) {
         self.begin();
     }

@@ -1,7 +1,9 @@
-//! A thread that writes frames, history and checkpoints while the run goes on.
+//! A thread that writes frames, history and checkpoints during the run.
 //!
-//! The run hands it copies through a queue, and it writes them in their order: what a checkpoint refers to is on the disk before the checkpoint is. The queue is short, so that the copies do
-//! not fill the memory; a run that is faster than the writer waits. The writer waits for the disk only when nothing waits for the writer, and before a checkpoint.
+//! The run hands it copies through a queue, and it writes them in their order: the files to which a
+//! checkpoint refers are on the disk before the checkpoint is. The queue is short, so that the copies do not
+//! fill the memory; a run that is faster than the writer waits. The writer waits for the disk only when
+//! nothing waits for the writer, and before a checkpoint.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,10 +19,12 @@ use crate::command::run::recorder::Recorder;
 use crate::command::run::results::Results;
 use crate::command::threads;
 
-/// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
+/// Tasks that wait besides the one that is being written. With one place the run need not wait where a frame
+/// and a checkpoint are due at the same step; each place costs the memory of a frame.
 const PLACES: usize = 1;
 
-/// A task of the writer: it writes rows of the history, and after them a frame, a checkpoint or nothing. Rows share a place in the queue with what follows them.
+/// A task of the writer: it writes rows of the history, and after them a frame, a checkpoint or nothing. Rows
+/// share a place in the queue with the frame or checkpoint that follows them.
 pub(crate) struct Task<const D: usize, const N: usize>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -46,7 +50,7 @@ pub(crate) struct Writer<const D: usize, const N: usize>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    /// `None` once the thread has been asked to end.
+    /// `None` once the thread is to end.
     queue: Option<SyncSender<Task<D, N>>>,
     /// Number of tasks that have been handed over and are not done.
     undone: Arc<AtomicUsize>,
@@ -70,7 +74,7 @@ where
         Ok(Self { queue: Some(queue), undone, thread: Some(thread) })
     }
 
-    /// Hands over what is to be written, and waits for a place in the queue.
+    /// Hands over a task, and waits for a place in the queue.
     ///
     /// # Errors
     /// The error for which the thread has ended.
@@ -88,7 +92,7 @@ where
         self.undone.load(Ordering::Relaxed) <= PLACES
     }
 
-    /// Hands over what is to be written if there is a place in the queue, and gives it back if there is none.
+    /// Hands over a task if there is a place in the queue, and gives it back if there is none.
     ///
     /// # Errors
     /// The error for which the thread has ended.
@@ -109,7 +113,7 @@ where
     /// # Errors
     /// The error for which the thread has ended.
     pub(crate) fn check(&mut self) -> Result<(), Failure> {
-        // The thread ends by itself only on an error.
+        // The thread ends early only on an error.
         match &self.thread {
             Some(thread) if thread.is_finished() => self.finish().map(drop),
             _ => Ok(()),
@@ -119,7 +123,7 @@ where
     /// Waits until all is written, and ends the thread.
     ///
     /// # Errors
-    /// The first error of the thread. What came after it has not been written.
+    /// The first error of the thread. Later tasks have not been written.
     pub(crate) fn finish(&mut self) -> Result<Recorder<D, N>, Failure> {
         drop(self.queue.take());
         let ended = self.thread.take().map(JoinHandle::join);
@@ -135,17 +139,17 @@ impl<const D: usize, const N: usize> Drop for Writer<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    /// A run that ends with an error of its own has what it handed over written all the same.
+    /// The tasks of a run that ends with an error are written, too.
     fn drop(&mut self) {
         drop(self.queue.take());
         if let Some(thread) = self.thread.take() {
-            // The error of the run is told already.
+            // The error of the run has been reported already.
             let _ = thread.join();
         }
     }
 }
 
-/// Writes what comes until nothing comes any more, and tidies up between.
+/// Writes tasks until the queue closes, and tidies up between them.
 fn write<const D: usize, const N: usize>(
     mut recorder: Recorder<D, N>,
     tasks: &Receiver<Task<D, N>>,

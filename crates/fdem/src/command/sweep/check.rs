@@ -53,7 +53,8 @@ impl Models<'_> {
         format!("run {number} ({})", values.join(", "))
     }
 
-    /// Checks the model of a run as `fdem check` does. Also returns the hash of the text and of the files that it names.
+    /// Checks the model of a run as `fdem check` does. Also returns the hash of the text and of the files
+    /// that it names.
     pub(crate) fn check(&self, number: usize) -> (Result<Checked, String>, String) {
         let mut digest = Sha256::new();
         digest.update(self.text);
@@ -78,7 +79,7 @@ impl Models<'_> {
         (found, format!("{:x}", digest.finalize()))
     }
 
-    /// Checks the models of several runs, so many at once.
+    /// Checks the models of several runs, several at a time.
     ///
     /// # Errors
     /// Threads that cannot be had.

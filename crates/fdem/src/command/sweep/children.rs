@@ -1,4 +1,4 @@
-//! The runs of a sweep as processes of their own, so many at a time.
+//! The runs of a sweep as separate processes, several at a time.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -33,11 +33,12 @@ struct Shared {
     signal: Option<i32>,
 }
 
-/// Does all jobs, `processes` at a time, in their order. `program`: the command and its first arguments. `stop` returns a signal when the sweep is to end: then running jobs get it, are waited for, and
-/// no more are begun. `ended` is called for each job that has ended, with what it has said.
+/// Does all jobs, `processes` at a time, in their order. `program`: the command and its first arguments.
+/// `stop` returns a signal when the sweep is to end: then running jobs get it, are waited for, and no others
+/// are begun. `ended` is called for each job that has ended, with its messages.
 ///
 /// # Errors
-/// The first failure of `ended`, after which the sweep ends likewise.
+/// The first failure of `ended`, after which the sweep ends in the same way.
 pub(crate) fn work(
     program: &[OsString],
     mut jobs: Vec<Job>,
@@ -82,13 +83,14 @@ fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Begins no more jobs, and sends the signal to those that work, once.
+/// Begins no further jobs, and sends the signal to the running ones, once.
 fn end(shared: &Mutex<Shared>, signal: i32) {
     let mut shared = lock(shared);
     if shared.signal.is_none() {
         shared.signal = Some(signal);
         shared.waiting.clear();
-        // Processes are waited for only after they are taken off this list, so none of these numbers is that of another process.
+        // Processes are waited for only after they are taken off this list, so none of these numbers is that
+        // of another process.
         shared.working.values().for_each(|process| send(*process, signal));
     }
 }
@@ -107,11 +109,11 @@ fn send(process: u32, signal: i32) {
     }
 }
 
-/// Where there are no signals, the terminal tells all its processes of Ctrl-C.
+/// Where there are no signals, the terminal sends Ctrl-C to all its processes.
 #[cfg(not(unix))]
 fn send(_: u32, _: i32) {}
 
-/// Does the next job. `false` if there is none.
+/// Does the next job. Returns `false` if there is none.
 fn one(program: &[OsString], shared: &Mutex<Shared>, ended: &Sender<(usize, String)>) -> bool {
     let mut guard = lock(shared);
     let Some(Job { number, arguments }) = guard.waiting.pop() else { return false };
@@ -132,7 +134,7 @@ fn one(program: &[OsString], shared: &Mutex<Shared>, ended: &Sender<(usize, Stri
             drop(guard);
             let mut said = Vec::new();
             if let Some(messages) = &mut child.stderr {
-                // What cannot be read is not told.
+                // Messages that cannot be read are left out.
                 let _ = messages.take(MESSAGES).read_to_end(&mut said);
                 let _ = std::io::copy(messages, &mut std::io::sink());
             }

@@ -1,4 +1,4 @@
-//! Sweep files: which model, which values, how many runs at once.
+//! Sweep files: the model, the values, and the number of simultaneous runs.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ const MOST: f64 = 1024.0;
 pub(crate) struct Plan {
     /// The model file, relative to the folder of the sweep file.
     pub(crate) model: String,
-    /// The folder of results, likewise; `None` for the default.
+    /// The folder of results, relative to the same folder; `None` for the default.
     pub(crate) folder: Option<String>,
     pub(crate) processes: Option<usize>,
     pub(crate) threads: Option<usize>,
@@ -64,7 +64,7 @@ impl Plan {
 /// A key of a table, its place and its value.
 type Entry<'t, 'a> = (&'t str, Range<usize>, &'t Spanned<DeValue<'a>>);
 
-/// As [`Entry`], with the whole path of a key.
+/// Like [`Entry`], with the whole path of a key.
 type Named<'t, 'a> = (String, Range<usize>, &'t Spanned<DeValue<'a>>);
 
 /// Entries of a table in the order of the file.
@@ -207,7 +207,8 @@ impl Reader {
         Some(ordered(table))
     }
 
-    /// Names of parameters and paths of keys with their values. A path may be written with quotes or without them.
+    /// Names of parameters and paths of keys with their values. A path may be written with quotes or without
+    /// them.
     fn named<'t, 'a>(&mut self, key: &str, value: &'t Spanned<DeValue<'a>>) -> Option<Vec<Named<'t, 'a>>> {
         let mut found = Vec::new();
         for (name, span, value) in self.entries(key, value)? {
@@ -371,7 +372,7 @@ impl Reader {
 
     fn setting(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Setting> {
         let found = match value.get_ref() {
-            // As on a command line, where the process of the run reads it.
+            // The same as on a command line, where the process of the run reads it.
             DeValue::String(text) => Some(Setting::parse(text)),
             DeValue::Boolean(flag) => Some(Setting::Flag(*flag)),
             other => number(other).map(Setting::Number),

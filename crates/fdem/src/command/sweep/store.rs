@@ -22,7 +22,8 @@ const SWEEP: &str = "sweep.json";
 const RUNS: &str = "runs";
 pub(crate) const TABLE: &str = "runs.csv";
 
-/// The start of the status of a run that stopped because a file could not be read or written, and not by itself.
+/// The start of the status of a run that stopped because a file could not be read or written, and not by a
+/// check of the simulation.
 const OUTSIDE: &str = "stopped: cannot ";
 
 /// Contents of the folder of a run.
@@ -32,9 +33,9 @@ pub(crate) enum Found {
     Nothing,
     /// A run that has no checkpoint yet.
     Begun,
-    /// A run that can go on.
+    /// A run that can continue.
     Interrupted,
-    /// A run that has finished, or stopped by itself, with its `run.json`.
+    /// A run that has finished or stopped early, with its `run.json`.
     Ended(Value),
 }
 
@@ -48,12 +49,13 @@ pub(crate) struct Store {
 }
 
 impl Store {
-    /// The folder of a sweep of so many runs, to be looked at only.
+    /// The folder of a sweep with the given number of runs, to be looked at only.
     pub(crate) fn unopened(path: &Path, runs: usize) -> Self {
         Self { path: path.to_owned(), digits: runs.to_string().len().max(3), lock: None }
     }
 
-    /// Opens the folder of a sweep of so many runs, or makes it. `identity`: what the sweep is; `force`: removes the runs of an earlier sweep.
+    /// Opens the folder of a sweep with the given number of runs, or makes it. `identity`: identifies the
+    /// sweep; `force`: removes the runs of an earlier sweep.
     ///
     /// # Errors
     /// A folder that has something else, or another sweep.
@@ -102,7 +104,7 @@ impl Store {
         Ok(())
     }
 
-    /// Removes what an earlier sweep has made, and nothing else.
+    /// Removes the results of an earlier sweep, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
         let remove = |name: &str, how: fn(PathBuf) -> io::Result<()>| {
             let path = self.path.join(name);
@@ -159,7 +161,7 @@ impl Store {
     }
 }
 
-/// Describes what differs between two sweeps.
+/// Describes the difference between two sweeps.
 fn difference(earlier: &Value, now: &Value) -> String {
     let differs = |key: &str| earlier.get(key) != now.get(key);
     let [version, other] =

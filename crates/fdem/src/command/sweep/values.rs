@@ -55,12 +55,13 @@ pub(crate) fn product(lists: &[Vec<Setting>]) -> Vec<Vec<Setting>> {
     })
 }
 
-/// Points of which each range, divided into as many equal parts as there are points, has one in every part. The parts and the places in them are random; those of a
-/// parameter depend on the seed, the number of points and its name alone.
+/// Latin hypercube: each range is divided into as many equal parts as there are points, and has one point in
+/// every part. The parts and the places in them are random; those of a parameter depend on the seed, the
+/// number of points and its name alone.
 ///
 /// # Source
-/// M. D. `McKay`, R. J. Beckman, W. J. Conover, "A comparison of three methods for selecting values of input variables in the analysis of output from a computer code",
-/// Technometrics 21 (1979) 239.
+/// M. D. `McKay`, R. J. Beckman, W. J. Conover, "A comparison of three methods for selecting values of input
+/// variables in the analysis of output from a computer code", Technometrics 21 (1979) 239.
 pub(crate) fn latin_hypercube(axes: &[(String, Axis)], count: u64, seed: u64) -> Vec<Vec<Setting>> {
     let column = |(name, axis): &(String, Axis)| -> Vec<f64> {
         let digest = Sha256::digest(name);
