@@ -1,4 +1,4 @@
-//! What the documents promise: paths exist, commands run, the version is one.
+//! The promises of the documents: paths exist, commands run, the version is the same everywhere.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -66,7 +66,8 @@ fn every_path_that_a_document_names_exists() {
     assert!(checked > 60, "only {checked} paths were found: has the format of the documents changed?");
 }
 
-/// Every `src/like/this.rs` on the front page of a crate, in the documentation at the head of its `lib.rs`, and every path from the root.
+/// Every `src/like/this.rs` on the front page of a crate, in the documentation at the head of its `lib.rs`,
+/// and every path from the root.
 #[test]
 fn every_path_that_a_front_page_names_exists() {
     let mut checked = 0;
@@ -86,7 +87,8 @@ fn every_path_that_a_front_page_names_exists() {
     assert!(checked > 100, "only {checked} paths were found: has the format of the front pages changed?");
 }
 
-/// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and digits.
+/// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and
+/// digits.
 fn anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
     text.chars().filter(|c| c.is_alphanumeric() || "-_".contains(*c)).collect()
@@ -114,7 +116,8 @@ fn the_picture_of_the_book_is_what_its_command_draws() {
     assert_drawn(folder.path(), "spheres.png", "book/src/figures/spheres.png");
 }
 
-/// Asserts that a command of a document drew in `folder` the picture that the document shows, and that the picture is small.
+/// Asserts that a command of a document drew in `folder` the picture that the document shows, and that the
+/// picture is small.
 fn assert_drawn(folder: &Path, drawn: &str, shown: &str) {
     let bytes = fs::read(root().join(shown)).unwrap();
     assert!(
@@ -124,7 +127,7 @@ fn assert_drawn(folder: &Path, drawn: &str, shown: &str) {
     assert!(bytes.len() < 300_000, "{shown} is too large for a page that should open quickly");
 }
 
-/// So do those of the book, page by page.
+/// The commands of the book run and print the lines below them, page by page.
 #[test]
 fn the_commands_of_the_book_run() {
     let ran: usize = pages().iter().map(|page| run_commands(page, folder_with_examples().path())).sum();
@@ -152,7 +155,7 @@ fn run_commands(document: &str, folder: &Path) -> usize {
             let (line, printed) = command.split_once('\n').unwrap();
             let line = line.replace("cargo run --release --", "fdem");
             if line.starts_with("sed ") {
-                // What a reader does in an editor.
+                // A change that a reader makes in an editor.
                 let done = Command::new("sh").args(["-c", &line]).current_dir(folder).status().unwrap();
                 assert!(done.success(), "{document}: {line}");
                 continue;
@@ -188,13 +191,13 @@ fn the_figures_of_the_book_are_up_to_date() {
     }
 }
 
-/// The book's list of keys is that of the schema; `BLESS=1` writes it anew.
+/// The book's list of keys is the one of the schema; `BLESS=1` writes it.
 #[test]
 fn every_key_of_a_model_file_is_in_the_book() {
     assert_written("book/src/simulation/keys.md", &model_keys::page(&fdem::model::schema()));
 }
 
-/// The book's table of materials is that of the library; `BLESS=1` writes it anew.
+/// The book's table of materials is the one of the library; `BLESS=1` writes it.
 #[test]
 fn every_material_of_the_library_is_in_the_book() {
     assert_written("book/src/simulation/materials.md", &materials::page());
@@ -208,7 +211,7 @@ fn assert_written(name: &str, page: &str) {
     assert!(page == read(name), "BLESS=1 cargo test -p fdem --test docs writes {name} anew");
 }
 
-/// What the book shows as a whole model passes `fdem check`.
+/// Every whole model in the book passes `fdem check`.
 #[test]
 fn every_model_in_the_book_is_right() {
     let mut checked = 0;

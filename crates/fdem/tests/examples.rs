@@ -1,4 +1,5 @@
-//! The models of `examples/`: checked without a warning, and run at reduced time, with all that a run leaves behind.
+//! The models of `examples/`: checked without a warning, and run at reduced time, with all that a run leaves
+//! behind.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -11,7 +12,7 @@ use serde_json::Value;
 /// Elements times steps of a reduced run: about a second.
 const WORK: f64 = 1e6;
 
-/// The models in two and in three dimensions, with names of their own.
+/// The models in two and in three dimensions, with different names.
 fn examples() -> Vec<(String, PathBuf)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let stem = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
@@ -28,7 +29,7 @@ fn models(folder: &Path) -> Vec<PathBuf> {
     models
 }
 
-/// What the command says on standard output.
+/// The standard output of the command.
 fn fdem(folder: &Path, arguments: &[&str]) -> String {
     let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
         .args(arguments)
@@ -40,7 +41,7 @@ fn fdem(folder: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The model with another value of a key that stands on a line of its own.
+/// The model with another value of a key that has a separate line.
 fn with(model: &str, key: &str, value: &str) -> String {
     let mut found = false;
     let lines = model.lines().map(|line| {

@@ -1,23 +1,23 @@
-//! Model files: what is read, what is refused and how it is told, and the meshes.
+//! Model files: reading, refusals and their messages, and the meshes.
 //!
-//! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
 //! - `library`: materials of the library.
-//! - `limits`: what would take more memory or time than there is.
+//! - `limits`: models that would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
 //! - `packings`: packings in three dimensions, and copies of a shape.
 //! - `refine`: places near which elements are smaller.
-//! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
+//! - `prepared`: the result of a model file: boundaries, materials, histories, warnings.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
 //! - `scaling`: mass scaling, and advice for quasi-static runs.
 //! - `set`: values that are set from outside.
 //! - `space`, `space_warned`: the same in three dimensions.
 //! - `values`: parameters, arithmetic and units.
-//! - `warned`: what is allowed, and probably not meant.
+//! - `warned`: settings that are allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs a model with MPI on 1, 2, 3, 4 and 8 processes, kills processes, and goes on with other numbers of them. Needs libopenmpi-dev, openmpi-bin and libclang-dev, or their like.
+# Runs a model with MPI on 1, 2, 3, 4 and 8 processes, kills processes, and continues with other numbers of them. Needs libopenmpi-dev, openmpi-bin and libclang-dev, or their like.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
@@ -71,7 +71,7 @@ for ranks in 1 2 3 4 8; do
     done
 done
 
-# A rank is killed; the run goes on with another number of ranks, or in one process. No two kills are at the same time of a run. KILLS=20 is a longer test.
+# A rank is killed; the run continues with another number of ranks, or in one process. No two kills are at the same time of a run. KILLS=20 is a longer test.
 sizes=(3 2 8 1 4)
 hits=0
 for round in $(seq 1 "${KILLS:-5}"); do

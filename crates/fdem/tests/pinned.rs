@@ -1,6 +1,8 @@
-//! Results of runs, pinned to the last bit: what is meant to change no result must change no hash here.
+//! Results of runs, pinned to the last bit: a change that is meant to change no result must change no hash
+//! here.
 //!
-//! A hash covers positions, velocities, stresses, cracks and energies after some steps. Where a change is meant to change results, its commit says which hashes change, and why.
+//! A hash covers positions, velocities, stresses, cracks and energies after some steps. Where a change is
+//! meant to change results, its commit says which hashes change, and why.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -56,7 +58,7 @@ fn model(text: &str, folder: &Path) -> Model {
     prepare(text, "pinned.toml", load).unwrap().model
 }
 
-/// The run after so many steps on `threads` threads.
+/// The run after `steps` steps on `threads` threads.
 fn advanced(model: Model, steps: u64, threads: usize) -> Simulation {
     let mut run = Simulation::new(model, threads).unwrap();
     run.advance(steps).unwrap();
@@ -115,6 +117,6 @@ const PINNED: [(&str, &str); 9] = [
     ("three_point_bending", "e295b867c3372069"),
 ];
 
-/// The torn plate after so many steps.
+/// Hashes of the torn plate after the given numbers of steps.
 const TORN_PINNED: [(Insertion, u64, &str); 2] =
     [(Insertion::Adaptive, 4000, "1a420aa6a9ee0b98"), (Insertion::Intrinsic, 4000, "5ed9106b13fe043b")];

@@ -1,4 +1,5 @@
-//! Examples on many ranks, which are threads here: the results of one. `tests/mpirun.sh` runs the command on processes.
+//! Examples on many ranks, which are threads here: the results of one. `tests/mpirun.sh` runs the command on
+//! processes.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -12,7 +13,8 @@ use fdem_simulation::{Leader, Simulation, follow};
 /// Numbers of ranks, and threads of each.
 const RANKS: [[usize; 2]; 2] = [[3, 2], [8, 1]];
 
-/// Runs a model in one process and on ranks that one leads, and compares the states, the frames and what a history records.
+/// Runs a model in one process and on ranks that one leads, and compares the states, the frames and the
+/// records of a history.
 macro_rules! same_on_ranks {
     ($name:expr, $model:expr, $steps:expr) => {{
         let nodes = [0, $model.mesh.nodes.len() as u32 / 2, u32::MAX];

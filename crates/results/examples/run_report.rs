@@ -1,4 +1,5 @@
-//! Everything that a run leaves behind, of a disc that splits, without a run: for looking at, and for the tests in browsers and in ParaView's library.
+//! Everything that a run leaves behind, of a disc that splits, without a run: for looking at, and for the
+//! tests in browsers and in ParaView's library.
 //!
 //! `cargo run --release -p fdem-results --example run_report -- FOLDER [RINGS [FRAMES]]`
 

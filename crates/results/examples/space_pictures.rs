@@ -1,8 +1,10 @@
-//! Pictures of bodies of tetrahedra, without a display: a cube, a ball, a cut, and a prism that a simulation crushes, with its cracks and an animation.
+//! Pictures of bodies of tetrahedra, without a display: a cube, a ball, a cut, and a prism that a simulation
+//! crushes, with its cracks and an animation.
 //!
 //! `cargo run --release -p fdem-results --example space_pictures -- FOLDER [CELLS [WIDTH]]`
 //!
-//! The prism has `CELLS` cells of 6 tetrahedra along its shorter sides. `WIDTH` of the pictures, pixels: 900 by default.
+//! The prism has `CELLS` cells of 6 tetrahedra along its shorter sides. `WIDTH` of the pictures, pixels: 900
+//! by default.
 
 use std::error::Error;
 use std::fs;
@@ -176,7 +178,7 @@ fn crushed_prism(cells: usize) -> Model<3, 4> {
     }
 }
 
-/// A box of so many cells along each axis, each of six tetrahedra around its diagonal.
+/// A box of `cells` cells along each axis, each of six tetrahedra around its diagonal.
 fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Mesh<3, 4> {
     let number = |at: [usize; 3]| ((at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0]) as u32;
     let mut mesh = Mesh::default();

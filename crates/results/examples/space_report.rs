@@ -1,8 +1,10 @@
-//! The page of a run in three dimensions: a plate of rock on its rim, which a block strikes and breaks. For looking at, and for the tests in browsers.
+//! The page of a run in three dimensions: a plate of rock on its rim, which a block strikes and breaks. For a
+//! look at the page, and for the tests in browsers.
 //!
 //! `cargo run --release -p fdem-results --example space_report -- FOLDER [CELLS [FRAMES [MOST_INSIDE]]]`
 //!
-//! The plate has `CELLS` by `CELLS` cells of 12 tetrahedra. With `FRAMES` 0 there is no run: the page has one frame of a bent cube of `CELLS`³ cells.
+//! The plate has `CELLS` by `CELLS` cells of 12 tetrahedra. With `FRAMES` 0 there is no run: the page has one
+//! frame of a bent cube of `CELLS`³ cells.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -201,7 +203,7 @@ fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
     [u * x - t * y, t * x + u * y, z]
 }
 
-/// Two bodies in one mesh, each of its own material.
+/// Two bodies in one mesh, with different materials.
 fn together(mut one: Mesh<3, 4>, other: &Mesh<3, 4>) -> Mesh<3, 4> {
     let first = one.nodes.len() as u32;
     one.nodes.extend(&other.nodes);
@@ -211,7 +213,8 @@ fn together(mut one: Mesh<3, 4>, other: &Mesh<3, 4>) -> Mesh<3, 4> {
     one
 }
 
-/// A box of so many cells along each axis, each of six tetrahedra around its diagonal. Nodes inside are moved a little, so that cracks are not straight.
+/// A box of `cells` cells along each axis, each of six tetrahedra around its diagonal. Nodes inside are moved
+/// a little, so that cracks are not straight.
 fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Mesh<3, 4> {
     const ORDERS: [([usize; 3], bool); 6] = [
         ([0, 1, 2], false),

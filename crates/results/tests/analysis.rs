@@ -1,4 +1,4 @@
-//! The analysis of contact networks against lattices, chains, brute force, and what must not change it.
+//! The analysis of contact networks against lattices, chains, brute force, and changes that must not matter.
 //!
 //! `python/test_analysis.py` compares the command with numpy, scipy, networkx and freud.
 
@@ -178,7 +178,8 @@ impl Random {
     }
 }
 
-/// The radial distribution of an ideal gas is 1 within its statistical error, in a box that repeats, in one that does not, and in one that does half.
+/// The radial distribution of an ideal gas is 1 within its statistical error, in a box that repeats, in one
+/// that does not, and in one that does half.
 #[test]
 fn an_ideal_gas() {
     let centres = Random(1).points::<3>(20_000, 10.0);
@@ -189,7 +190,7 @@ fn an_ideal_gas() {
         let radial = analysed(&centres, Sizes::Cutoff(0.1), cell, 0.0, &options).unwrap().radial.unwrap();
         assert!(close(radial.density, 20.0, 0.02), "{}", radial.density);
         for (k, (g, count)) in radial.g.iter().zip(&radial.counts).enumerate() {
-            // Pairs are counted twice, and what is counted is random.
+            // Pairs are counted twice, and the counts are random.
             let error = 5.0 / (*count as f64 / 2.0).sqrt();
             assert!((g - 1.0).abs() < error, "{periodic:?}, bin {k}: {g} ± {error}");
         }
@@ -229,7 +230,7 @@ fn chains_around_the_box() {
 
 #[test]
 fn chains_from_face_to_face() {
-    // A column that stands beside a shorter one.
+    // A column beside a shorter one.
     let mut centres: Vec<_> = (0..6).map(|k| [0.5, f64::from(k) + 0.5]).collect();
     centres.extend((0..3).map(|k| [3.5, f64::from(k) + 0.5]));
     let found = analysed(&centres, Sizes::All(0.5), None, 1e-12, &Options::default()).unwrap();
@@ -295,7 +296,8 @@ fn overlaps_and_gaps() {
     assert!(close(packing.fraction_without_overlap, (4.0 * PI - lens) / 324.0, 1e-13));
 }
 
-/// The packing fraction of a region is the part of random points in it that are in a sphere; also where the region is beyond a face of the box.
+/// The packing fraction of a region is the part of random points in it that are in a sphere; also where the
+/// region is beyond a face of the box.
 #[test]
 fn packing_of_a_region_by_random_points() {
     const POINTS: usize = 400_000;
@@ -437,7 +439,8 @@ fn what_cannot_be_is_refused() {
     assert_eq!(analyse(&network, &Options::default()), Err(AnalysisError::Dimensions { dimensions: 1 }));
 }
 
-/// Four discs nearly in one place: what three have in common is taken off too often, and so much that nothing would be left.
+/// Four discs nearly in one place: the overlaps of three are subtracted too often, so that nothing would be
+/// left.
 #[test]
 fn overlaps_of_many_leave_a_lower_bound() {
     let centres = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [0.1, 0.1]];

@@ -37,8 +37,9 @@ fn weak() -> Strength {
     }
 }
 
-/// Adds a body: a row of squares or cubes along x with nodes in common, each divided into simplices along the paths from its lowest to its highest corner. Cells left of
-/// `middle` have material 0, the others material 1.
+/// Adds a body: a row of squares or cubes along x with nodes in common, each divided into simplices along the
+/// paths from its lowest to its highest corner. Cells left of `middle` have material 0, the others
+/// material 1.
 fn add_row<const D: usize, const N: usize>(
     mesh: &mut Mesh<D, N>,
     origin: f64,

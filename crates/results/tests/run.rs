@@ -211,7 +211,8 @@ fn bodies_and_grains_have_outlines() {
         let path = svg.split(&format!("class=\"{class}\" d=\"")).nth(1).unwrap().split('"').next().unwrap();
         path.matches('M').count()
     };
-    // Each row has two long sides of six edges and two short ones; five walls between its grains, from both sides.
+    // Each row has two long sides of six edges and two short ones; five walls between its grains, from both
+    // sides.
     assert_eq!((lines("bodies"), lines("grains")), (5 * 14, 5 * 10));
     assert!(!picture.svg(&frames[1]).unwrap().contains("class=\"bodies\""));
     // Pixels: without outlines the wall is of one colour.
@@ -293,7 +294,8 @@ fn pixels_have_the_colours_of_their_elements() {
     assert_ne!(left, [255; 3]);
     assert_eq!(at(width / 2 - 100, middle + 60), left);
     assert_eq!(at(5, middle), [255; 3]);
-    // Every pixel of a body has its colour, one of white paper, one between them at the rim, or that of a text.
+    // Every pixel of a body has its colour, one of white paper, one between them at the rim, or that of a
+    // text.
     let of_bodies = all.chunks_exact(3).filter(|pixel| **pixel == left || **pixel == right).count();
     let area = std::f64::consts::PI * 346.0 * 346.0;
     assert!((0.9..1.05).contains(&(of_bodies as f64 / area)), "{of_bodies}");

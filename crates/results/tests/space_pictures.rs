@@ -1,4 +1,5 @@
-//! Pictures and animations of frames in three dimensions: what is drawn where, the texts around it, the same bytes.
+//! Pictures and animations of frames in three dimensions: the drawn parts and their places, the texts around
+//! them, the same bytes.
 
 use std::io::Cursor;
 
@@ -8,7 +9,7 @@ use fdem_results::{
 };
 use fdem_simulation::{Crack, Mesh, Mode, Snapshot};
 
-/// A bar of so many unit cubes along x, each of six tetrahedra around its diagonal.
+/// A bar of `cells` unit cubes along x, each of six tetrahedra around its diagonal.
 fn bar(cells: usize) -> Mesh<3, 4> {
     let number = |[i, j, k]: [usize; 3]| ((k * 2 + j) * (cells + 1) + i) as u32;
     let mut mesh = Mesh::default();
@@ -42,8 +43,8 @@ fn bar(cells: usize) -> Mesh<3, 4> {
     mesh
 }
 
-/// A bar of four cubes whose right half is moved by `gap`: cracks are between the second and the third cube, if `broken`. The stress along x is 1e6 in the first cube, 2e6 in
-/// the second and so on.
+/// A bar of four cubes whose right half is moved by `gap`: cracks are between the second and the third cube,
+/// if `broken`. The stress along x is 1e6 in the first cube, 2e6 in the second and so on.
 fn snapshot(mesh: &Mesh<3, 4>, gap: f64, broken: bool) -> Snapshot<3, 4> {
     let count = mesh.elements.len();
     // Each element has its own nodes.
@@ -124,7 +125,8 @@ fn pixels(png: &[u8]) -> (usize, usize, Vec<u8>) {
 fn colours<const N: usize>(png: &[u8], places: [[f64; 2]; N]) -> [[u8; 3]; N] {
     let (width, _, pixels) = pixels(png);
     assert_eq!(width, 900);
-    // The drawing is 852 wide, with 8 on each side; the bar is in its middle, 836 wide and 209 high, below a head of 66.
+    // The drawing is 852 wide, with 8 on each side; the bar is in its middle, 836 wide and 209 high, below a
+    // head of 66.
     places.map(|[x, z]| {
         let (column, row) = (24.0 + 8.0 + 209.0 * x, 66.0 + 8.0 + 209.0 * (1.0 - z));
         let place = 3 * (row as usize * width + column as usize);

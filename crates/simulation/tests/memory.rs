@@ -1,7 +1,9 @@
-//! No rank but the first holds anything of the length of the whole: the memory of a rank grows with its share.
+//! No rank but the first holds anything of the length of the whole: the memory of a rank grows with its
+//! share.
 //!
-//! A program of its own, because it replaces the allocator by one that counts. The ranks are threads, so the peak is that of all of them together; an array with four bytes for each element
-//! on each rank would multiply with the number of ranks.
+//! A separate program, because it replaces the allocator by one that counts. The ranks are threads, so the
+//! peak is that of all of them together; an array with four bytes for each element on each rank would
+//! multiply with the number of ranks.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed unwrap is a failed test")]
 
@@ -18,7 +20,8 @@ use common::{granite, rectangle, rock};
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// A strip, so long that the borders between ranks are as long on any number of them. It is drawn apart, and breaks in many places in one step.
+/// A strip, so long that the borders between ranks are as long on any number of them. It is drawn apart, and
+/// breaks in many places in one step.
 fn strip(length: usize) -> Model {
     let mesh = rectangle([0.0; 2], [4e-3, 1e-3 * length as f64], 4, length);
     let strength =
@@ -38,7 +41,8 @@ fn strip(length: usize) -> Model {
     }
 }
 
-/// Memory of all ranks together, in bytes per element: what they hold after they have advanced the run and divided it anew, and the most that they held meanwhile.
+/// Memory of all ranks together, in bytes per element: after they have advanced the run and divided it again,
+/// and the peak meanwhile.
 fn held(size: usize, length: usize) -> [f64; 2] {
     let model = strip(length);
     let elements = model.mesh.elements.len();
@@ -70,7 +74,8 @@ fn held(size: usize, length: usize) -> [f64; 2] {
 }
 
 fn main() {
-    // The same number of elements on each rank. A rank with four bytes for each element of the whole would add 96 bytes for each element on 32 ranks, more than on 8.
+    // The same number of elements on each rank. A rank with four bytes for each element of the whole would
+    // add 96 bytes for each element on 32 ranks, more than on 8.
     let [few, many] = [8, 32].map(|size| held(size, 150 * size));
     println!("{few:.0?} bytes for an element on 8 ranks, {many:.0?} on 32, and the most meanwhile");
     for (few, many) in few.into_iter().zip(many) {

@@ -391,7 +391,7 @@ def test_a_sample_of_a_large_mesh_is_shown_and_picked(browser, tmp_path):
         assert picked in numbers and watched.fact("element") == f"{picked:,}"
         assert number(watched.fact("velocity")) == pytest.approx(3, rel=1e-3)
         page.wait_for_selector("#overlay polygon", state="attached")
-        # An element that is not shown is told as such; the view goes on.
+        # An element that is not shown is reported; the view continues.
         missing = next(k for k in range(elements) if k not in numbers)
         page.fill("#find-id", str(missing))
         page.keyboard.press("Enter")

@@ -1,4 +1,5 @@
-//! `--analyse`: what is told, and what is refused. The numbers are compared in `tests/analysis.rs` and `tests/python/test_analysis.py`.
+//! `--analyse`: the summary, and refused options. The numbers are compared in `tests/analysis.rs` and
+//! `tests/python/test_analysis.py`.
 
 use crate::{Bench, foreign_data};
 

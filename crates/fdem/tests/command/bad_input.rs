@@ -1,4 +1,5 @@
-//! Files, options and outputs that are refused: exit code 2, a message that says what and where, nothing left behind.
+//! Files, options and outputs that are refused: exit code 2, a message with the problem and its place, no
+//! files left behind.
 
 use crate::Bench;
 
@@ -146,14 +147,14 @@ fn links_are_followed_or_refused() {
     assert_eq!(bench.read("real.csv").lines().count(), 2);
 }
 
-/// What has no end is not read to it.
+/// An endless input is not read to its end.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_endless_input_is_no_packing() {
     Bench::new().run(&["contacts", "/dev/zero"]).refused_with(&["/dev/zero:1:", "not a text file"]);
 }
 
-/// More couples than memory: an error that says what to do, not an abort.
+/// More couples than memory: an error with a remedy, not an abort.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_many_couples_for_the_memory() {
@@ -199,7 +200,8 @@ fn any_limit_of_memory_ends_in_an_answer_or_an_error() {
     assert!(ends[0] > 0 && ends[1] > 0, "answers and errors: {ends:?}");
 }
 
-/// More couples than 32 bits count, in less memory than they need. One radius for all, and little memory: no scene with so many is quicker.
+/// More couples than 32 bits count, in less memory than they need. One radius for all, and little memory: no
+/// other scene of this size is quicker.
 #[cfg(target_os = "linux")]
 #[test]
 fn more_than_2_to_the_32_couples_for_the_memory() {
@@ -250,7 +252,7 @@ fn a_full_disk_is_an_error() {
     assert_eq!(bench.files(), ["in.csv"]);
 }
 
-/// Standard output that was closed (`>&-`): the couples went nowhere, and nobody said so.
+/// Standard output that was closed (`>&-`): the couples were lost without a message.
 #[cfg(unix)]
 #[test]
 fn a_closed_standard_output_is_an_error() {
@@ -305,7 +307,7 @@ fn help_on_a_full_disk_is_an_error() {
     assert_eq!(bench.run(&["--nothing"]).code, Some(2));
 }
 
-/// What a command that was killed has left behind is removed by the next one; files of a command that still runs are not.
+/// Partial files of a killed command are removed by the next one; files of a command that still runs are not.
 #[cfg(unix)]
 #[test]
 fn the_next_command_removes_what_a_killed_one_left() {
@@ -341,7 +343,7 @@ fn the_next_command_removes_what_a_killed_one_left() {
     assert_eq!(bench.files(), ["a.csv", "b.csv", "c.csv", "in.csv"]);
 }
 
-/// An interrupt while the couples are written removes what was written aside.
+/// An interrupt while the couples are written removes the partial files.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_behind() {

@@ -1,4 +1,5 @@
-//! Packings that this project did not make. Skipped, with a word on standard error, where the data is not there.
+//! Packings that this project did not make. Skipped, with a message on standard error, where the data is not
+//! there.
 
 use crate::{Bench, foreign_data};
 

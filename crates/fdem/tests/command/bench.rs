@@ -1,4 +1,4 @@
-//! `fdem bench`: what it reports. No test looks at a time beyond that it is one.
+//! `fdem bench`: its report. No test looks at a time beyond that it is one.
 
 use serde_json::Value;
 

@@ -36,7 +36,7 @@ fn parts_of_one_body_form_no_couple() {
     assert_eq!(bench.json("e.json")["bodies"], 3);
 }
 
-/// The column of bodies is none of those that are counted where there is no header.
+/// Without a header, the column of bodies is not among the counted columns.
 #[test]
 fn without_a_header_the_other_columns_are_counted() {
     let bench = Bench::new();
@@ -81,7 +81,7 @@ fn images_are_of_the_body_of_their_element() {
     assert!(!kept.is_empty());
 }
 
-/// What is left is what filtering the file afterwards leaves, at any number of threads.
+/// The result equals filtering the file afterwards, at any number of threads.
 #[test]
 fn bodies_of_a_gas() {
     let bench = Bench::new();
@@ -134,7 +134,7 @@ fn columns_that_hold_no_bodies_are_refused() {
         assert!(run.stderr.contains(part), "{part:?} is not in\n{}", run.stderr);
     }
     assert_eq!(bench.json("s.json")["bodies"], 1);
-    // What is no id may be a body.
+    // A column that cannot be ids may be bodies.
     bench.write("named.csv", "id,x,y,r\n4,0,0,1\n4,1,0,1\n5,2,0,1\n");
     let run = bench.run(&["contacts", "named.csv", "--bodies", "id", "--ignore-ids"]).succeeds();
     assert_eq!(run.rows(), ["0,2,2.0,0.0", "1,2,1.0,1.0"]);

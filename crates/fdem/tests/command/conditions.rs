@@ -5,7 +5,8 @@ use serde_json::Value;
 use crate::Bench;
 use crate::stages::column;
 
-/// A block on which a platen gets to a force of 200 kN, and then to half of it. It ends once it has moved back.
+/// A block on which a platen gets to a force of 200 kN, and then to half of it. It ends once it has moved
+/// back.
 const SERVO: &str = r#"
 [model]
 plane = "stress"
@@ -139,7 +140,7 @@ fn a_run_ends_at_a_share_of_the_peak() {
     assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
 }
 
-/// What was asked for and did not happen is told at the end.
+/// A condition that was not met is reported at the end.
 #[test]
 fn what_was_not_reached_is_told() {
     let bench = Bench::new();

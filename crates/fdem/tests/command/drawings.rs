@@ -1,4 +1,5 @@
-//! Pictures, plots and reports: that they are there, whole, and the same at every run. What they look like is looked at.
+//! Pictures, plots and reports: that they are there, whole, and the same at every run. Their appearance is
+//! checked by eye.
 
 use crate::Bench;
 
@@ -25,7 +26,7 @@ fn a_picture_shows_every_element_and_couple() {
     }
 }
 
-/// The terminal was flooded with the couples; the summary did not say what had been written.
+/// The terminal was flooded with the couples; the summary did not list the written files.
 #[test]
 fn drawings_alone_print_the_summary_only() {
     let bench = Bench::new();
@@ -46,7 +47,8 @@ fn drawings_alone_print_the_summary_only() {
     assert!(run.rows().len() == 2 && !run.stderr.contains("written"), "{}", run.stderr);
 }
 
-/// One sphere that 20,000 others touch: each contact was drawn in the time of its box, which no picture of such a packing was ready in.
+/// One sphere that 20,000 others touch: each contact was drawn in the time of its box, which no picture of
+/// such a packing was ready in.
 #[test]
 fn an_element_with_many_contacts_is_drawn() {
     let bench = Bench::new();
@@ -63,7 +65,8 @@ fn an_element_with_many_contacts_is_drawn() {
     png_size(&std::fs::read(bench.path("p.png")).unwrap());
 }
 
-/// Wherever memory ends, while the couples are found or while they are drawn: a drawing or an error. It was an abort with exit code 134.
+/// Wherever memory ends, while the couples are found or while they are drawn: a drawing or an error. It was
+/// an abort with exit code 134.
 #[cfg(target_os = "linux")]
 #[test]
 fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
@@ -141,7 +144,8 @@ fn drawings_are_the_same_at_every_run_and_for_any_number_of_threads() {
     narrow.refused_with(&["--picture-width", "200..=10000"]);
 }
 
-/// None, one, points, all in one place, a box, unlike sizes, far away: nothing that is no number gets into a drawing.
+/// None, one, points, all in one place, a box, unlike sizes, far away: nothing that is no number gets into a
+/// drawing.
 #[test]
 fn extremes_are_drawn() {
     let bench = Bench::new();

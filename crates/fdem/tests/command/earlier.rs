@@ -50,7 +50,8 @@ fn history(bench: &Bench, folder: &str) -> String {
     String::from_utf8(std::fs::read(bench.path(&format!("{folder}/history.csv"))).unwrap()).unwrap()
 }
 
-/// A run that takes over all of another, and changes nothing, is that run resumed: the same bits. So is one that was interrupted itself.
+/// A run that takes over all of another, and changes nothing, is that run resumed: the same bits. The same
+/// holds for one that was interrupted itself.
 #[test]
 fn a_run_that_changes_nothing_is_the_other_run_resumed() {
     let bench = Bench::new();
@@ -72,7 +73,7 @@ fn a_run_that_changes_nothing_is_the_other_run_resumed() {
     assert_eq!(hash("middle"), hash("long"));
 }
 
-/// What is softer, gone, new or loaded from then on: the balance of energy goes on.
+/// Softer, removed, new or newly loaded bodies: the balance of energy continues.
 #[test]
 fn a_run_begins_with_another_and_changes_it() {
     let bench = Bench::new();
@@ -111,7 +112,7 @@ force = "push"
     assert!(run.stderr.contains("the body \"block\" is gone"), "{}", run.stderr);
 }
 
-/// Bonded bodies have common nodes, and go on all the same.
+/// Bonded bodies have common nodes, and continue nevertheless.
 #[test]
 fn bonded_bodies_go_on() {
     let bench = Bench::new();

@@ -1,4 +1,5 @@
-//! The formats of `--output`: what each is taken for, and where it is refused. What other readers make of them: `crates/io/tests/python/test_written.py`.
+//! The formats of `--output`: how each name is understood, and where it is refused. Other readers of these
+//! files: `crates/io/tests/python/test_written.py`.
 
 use std::fs;
 

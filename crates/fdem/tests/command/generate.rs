@@ -30,7 +30,7 @@ fn every_kind_makes_a_packing_that_can_be_read() {
             run.stdout
         };
         let planar = kind.contains(&"deposit") || kind.windows(2).any(|option| option == ["--dims", "2"]);
-        // Three columns of an array without names are x, y and z unless told otherwise.
+        // Three columns of an array without names are x, y and z by default.
         let columns: &[&str] = if planar { &["--columns", "x,y,radius"] } else { &[] };
         assert_eq!(count(&csv, &[]), count(&npy, columns), "{kind:?}: both formats hold the same numbers");
     }
@@ -79,7 +79,7 @@ fn parameters_that_make_no_packing_are_refused() {
     bench.run(&["generate", "gas", "-o", "out.txt"]).refused_with(&[".csv or .npy"]);
 }
 
-/// The packing in `examples/` is what its command makes, on this platform too.
+/// The packing in `examples/` is the output of its command, on this platform too.
 #[test]
 fn the_example_is_reproduced_to_the_byte() {
     let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/packing.csv");

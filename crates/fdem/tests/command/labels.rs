@@ -81,7 +81,8 @@ fn contacts_in_2d() {
     assert_eq!(run.stdout.lines().skip(1).map(|row| &row[..3]).collect::<Vec<_>>(), ["0,1", "0,3", "0,4"]);
 }
 
-/// The library over a whole image gives what the command gives over slabs, for every neighbourhood, in C and in Fortran order.
+/// The library over a whole image gives the contacts of the command over slabs, for every neighbourhood, in C
+/// and in Fortran order.
 #[test]
 fn contacts_in_3d() {
     let bench = Bench::new();
@@ -186,7 +187,7 @@ fn images_come_through_pipes() {
     bench.run(&["contacts", "/dev/zero", "--labels"]).refused_with(&["/dev/zero: not a labelled image"]);
 }
 
-/// Options that do not go together, or not with the image: said so, and nothing left behind.
+/// Options that do not go together, or not with the image: a message, and no files left behind.
 #[test]
 fn options_that_do_not_fit_are_refused() {
     let bench = Bench::new();

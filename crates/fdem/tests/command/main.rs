@@ -1,12 +1,12 @@
 //! The `fdem` program, run as a user runs it: exit codes, messages, and that nothing partial is left behind.
 //!
-//! - `contacts`: good packings of every form and what is written for them.
+//! - `contacts`: good packings of every form and the files written for them.
 //! - `bad_input`: files, options and outputs that must be refused.
 //! - `bench`: the timings of the engines.
-//! - `formats`: the formats of what is written.
-//! - `analyse`: what the network says.
+//! - `formats`: the formats of the written files.
+//! - `analyse`: the analysis of the network.
 //! - `generate`: packings from seeds.
-//! - `periodic`: boxes that repeat, threads, and what is told before a search.
+//! - `periodic`: boxes that repeat, threads, and predictions before a search.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
@@ -16,7 +16,7 @@
 //! - `scaling`: runs with mass scaling.
 //! - `earlier`: runs that begin with the end of another one.
 //! - `runs`: simulations, interrupted and killed.
-//! - `series`: files of several frames, with boxes of their own, of any format.
+//! - `series`: files of several frames, each with its box, of any format.
 //! - `sweeps`: many runs of one model.
 //! - `drawings`: pictures, plots and reports.
 //! - `beds`: a real bed that this project did not make.
@@ -50,7 +50,8 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A limit of the address space, kB, with which the program and the thread that waits for signals start, whatever its size: with less the system cannot load it, or the standard library ends it.
+/// A limit of the address space, kB, with which the program and the thread that waits for signals start,
+/// whatever its size: with less the system cannot load it, or the standard library ends it.
 #[cfg(target_os = "linux")]
 fn least_memory() -> u32 {
     let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
@@ -107,14 +108,14 @@ impl Bench {
         Run::of(self.command(arguments).output().unwrap(), arguments)
     }
 
-    /// As [`Bench::run`], with `input` on standard input.
+    /// Like [`Bench::run`], with `input` on standard input.
     fn run_with(&self, arguments: &[&str], input: &[u8]) -> Run {
         let mut command = assert_cmd::Command::from_std(self.command(arguments));
         Run::of(command.write_stdin(input).output().unwrap(), arguments)
     }
 }
 
-/// What the program said.
+/// The output of the program.
 struct Run {
     code: Option<i32>,
     stdout: String,

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use crate::{Bench, foreign_data};
 
-/// Two squares of two triangles each, side by side, and a segment; physical groups 5 and 9 are the squares, 1 is the segment.
+/// Two squares of two triangles each, side by side, and a segment; physical groups 5 and 9 are the squares, 1
+/// is the segment.
 const SQUARES: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
     $PhysicalNames\n2\n2 5 \"left\"\n2 9 \"right\"\n$EndPhysicalNames\n\
     $Nodes\n6\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n$EndNodes\n\
@@ -85,7 +86,7 @@ fn several_meshes_are_several_bodies() {
     let volume: f64 = rows[0][5].parse().unwrap();
     assert!((volume - 1.0 / 6.0).abs() < 1e-14, "{volume}");
     assert_eq!(rows[0][..5], ["7", "7", "0", "1", "volume"]);
-    // Both stand on the two triangles of the floor.
+    // Both rest on the two triangles of the floor.
     let of_floor: Vec<_> = rows[1..].iter().map(|row| (row[1], row[2], row[3], row[5])).collect();
     assert_eq!(
         of_floor,
@@ -125,7 +126,8 @@ fn spheres_meet_walls_once() {
     assert!(run.stdout.contains("\n0,70,0,1,depth,0.25,2.0,2.0,0.0,0.0,0.0,1.0\n"), "{}", run.stdout);
 }
 
-/// A binary STL file has zeros among its bytes, which packings never have, and may be longer than what is looked at first.
+/// A binary STL file has zeros among its bytes, which packings never have, and may be longer than the part
+/// that is looked at first.
 #[test]
 fn large_binary_meshes_are_read_whole() {
     let bench = Bench::new();
@@ -203,7 +205,8 @@ fn what_does_not_fit_is_refused() {
         .refused_with(&["--body-table x.csv is the same file as --output"]);
 }
 
-/// Meshes in a plane and in space, and spheres with walls, have all drawings and a network for ParaView, which were refused.
+/// Meshes in a plane and in space, and spheres with walls, have all drawings and a network for ParaView,
+/// which were refused.
 #[test]
 fn bodies_of_every_kind_are_drawn() {
     let bench = Bench::new();
@@ -234,7 +237,8 @@ fn bodies_of_every_kind_are_drawn() {
     assert!(run.stderr.contains("written          p.svg"), "{}", run.stderr);
 }
 
-/// 38,000 spheres of two sizes at rest in a drum with walls of triangles (Dosta et al., Comput. Phys. Commun. 296 (2024) 109066).
+/// 38,000 spheres of two sizes at rest in a drum with walls of triangles (Dosta et al., Comput. Phys. Commun.
+/// 296 (2024) 109066).
 #[test]
 fn drum_with_walls() {
     let Some(spheres) = foreign_data("roundrobin/drum/PartCoordinates.txt") else { return };
@@ -258,7 +262,7 @@ fn drum_with_walls() {
         // The same spheres as a packing on their own.
         let alone = bench.run(&["contacts", spheres, "--count", "-q"]).succeeds().stdout;
         assert_eq!(alone, format!("{of_spheres}\n"));
-        // Spheres that are at rest in a drum stand on it.
+        // Spheres that are at rest in a drum lie on it.
         assert!(of_walls > 500, "{of_walls}");
         couples.push(text);
     }

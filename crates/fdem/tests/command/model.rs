@@ -148,7 +148,7 @@ fn a_geometry_is_meshed_by_gmsh() {
     assert!(check(&real, None).1.contains("lacks the key \\\"mesh_size\\\""));
 }
 
-/// Gmsh and its folder go when the command that waits for them is asked to end.
+/// Gmsh ends and its folder is removed when the command that waits for them is interrupted.
 #[cfg(unix)]
 #[test]
 fn gmsh_ends_with_the_command_that_runs_it() {
@@ -318,7 +318,7 @@ fn every_template_checks() {
     bench.run(&["new", "n.toml", "--template", "starter", "--3d"]).refused_with(&["--3d"]);
 }
 
-/// A run keeps the files that its model includes, and goes on without those beside the model.
+/// A run keeps the files that its model includes, and continues without those beside the model.
 #[test]
 fn a_run_with_included_files_is_resumed_from_its_folder_alone() {
     let bench = Bench::new();
@@ -359,7 +359,8 @@ fn a_run_with_included_files_is_resumed_from_its_folder_alone() {
     assert_eq!(json["errors"][0]["file"], "case/../lib/rock.toml");
 }
 
-/// The library is listed with its sources, a material of it is a table of a model file, and `check` tells what comes from it.
+/// The library is listed with its sources, a material of it is a table of a model file, and `check` reports
+/// the keys from it.
 #[test]
 fn the_library_of_materials_is_listed() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! Boxes that repeat, threads, and what is told before a search.
+//! Boxes that repeat, threads, and predictions before a search.
 
 use crate::Bench;
 
@@ -46,7 +46,8 @@ fn contacts_across_a_face_have_a_shift() {
     );
 }
 
-/// One edge of 1.5 and discs of diameter 1 to 2: an element touches its own image, and another one from both sides.
+/// One edge of 1.5 and discs of diameter 1 to 2: an element touches its own image, and another one from both
+/// sides.
 #[test]
 fn small_and_sheared_boxes() {
     let bench = Bench::new();

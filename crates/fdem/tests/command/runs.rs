@@ -223,7 +223,8 @@ impl Bench {
     }
 }
 
-/// Joints that had turned far about one of their ends once pushed their elements apart, and returned a fifth of the dissipated energy.
+/// Joints that had turned far about one of their ends once pushed their elements apart, and returned a fifth
+/// of the dissipated energy.
 #[test]
 fn joints_do_not_give_back_what_they_have_dissipated() {
     let bench = Bench::of(GRAINS);
@@ -396,7 +397,7 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"], "threads change nothing");
 }
 
-/// Asserts that the probes of a crash say what is known of it.
+/// Asserts that the probes of a crash give known values.
 fn probes_agree(bench: &Bench) {
     let history = bench.columns("crash_results/history.csv");
     let most = |name: &str| history[name].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -430,7 +431,8 @@ fn probes_agree(bench: &Bench) {
     }
 }
 
-/// Asserts that the table of fragments, the last row of the history and the summary say the same, and that the mass is complete.
+/// Asserts that the table of fragments, the last row of the history and the summary say the same, and that
+/// the mass is complete.
 fn fragments_agree(bench: &Bench, folder: &str, mass: f64) {
     let table = bench.columns(&format!("{folder}/fragments.csv"));
     let masses = &table["mass"];
@@ -458,7 +460,7 @@ fn a_bar_in_space_that_is_torn_apart_leaves_fragments() {
     bench.run(&["run", "crash.toml", "-q"]).succeeds();
     fragments_agree(&bench, "crash_results", 2500.0 * 0.08 * 0.02 * 0.02);
     let table = bench.columns("crash_results/fragments.csv");
-    // The two ends, which are pulled apart, and perhaps what broke off between them.
+    // The two ends, which are pulled apart, and possibly fragments that broke off between them.
     let [one, other] = [0, 1].map(|k| [table["mass"][k], table["x"][k], table["vx"][k]]);
     assert!(one[0] + other[0] > 0.5 * 2500.0 * 0.08 * 0.02 * 0.02, "{one:?} {other:?}");
     assert!((one[2] - other[2]) * (one[1] - other[1]) > 0.0, "{one:?} {other:?}");
@@ -499,7 +501,7 @@ fn a_mesh_that_is_too_large_for_a_page_is_shown_by_a_sample() {
     for file in ["picture.png", "animation.gif", "plots/energies.svg"] {
         assert!(bench.path("run").join(file).exists(), "{file}");
     }
-    // What ParaView reads is whole.
+    // The files for ParaView are whole.
     let mesh = fs::read(bench.path("run/frames/00003.vtu")).unwrap();
     let head = String::from_utf8_lossy(&mesh[..1000]).into_owned();
     assert!(head.contains(&format!("NumberOfCells=\"{elements}\"")), "{head}");
@@ -560,7 +562,7 @@ fn a_resumed_run_keeps_its_account() {
     let bench = Bench::of(CRASH);
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
     let before = bench.summary("run");
-    // A hundredth more: what only this part took would be less.
+    // A hundredth more: the time of this part alone would be less.
     bench.run(&["resume", "-q", "run", "--end-time", "0.808e-3"]).succeeds();
     let after = bench.summary("run");
     let number = |json: &Value, key: &str| json["seconds"][key].as_f64().unwrap();
@@ -685,7 +687,7 @@ fn an_interrupt_saves_where_the_run_stands() {
     while !begun() {
         thread::sleep(Duration::from_millis(20));
     }
-    // As `timeout` does, to the process and to its group.
+    // The same as `timeout`: to the process and to its group.
     let process = child.id().to_string();
     let sent = Command::new("kill").args(["-TERM", &process]).status().unwrap();
     thread::sleep(Duration::from_millis(20));
@@ -702,7 +704,7 @@ fn an_interrupt_saves_where_the_run_stands() {
     bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }
 
-/// The thread that writes results cannot go on without its folder, and the run ends with it.
+/// The thread that writes results cannot continue without its folder, and the run ends with it.
 #[test]
 fn results_that_cannot_be_written_stop_the_run() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "80e-3").replace("frames = 8", "frames = 8000"));
@@ -721,7 +723,7 @@ fn results_that_cannot_be_written_stop_the_run() {
     let names = fs::read_dir(bench.path("run")).unwrap();
     let names: Vec<_> = names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     assert!(!names.iter().any(|name| name.starts_with('.')), "partial files are left: {names:?}");
-    // Once the folder is back, the run goes on from its checkpoint.
+    // Once the folder is back, the run continues from its checkpoint.
     fs::rename(bench.path("run/elsewhere"), bench.path("run/frames")).unwrap();
     let mut second = bench.start(&["resume", "-q", "run"]);
     while !bench.path("run/frames/00008.frame").exists() {

@@ -37,7 +37,7 @@ node = [1, 0.5]
 frames = 2
 "#;
 
-/// The model with a time step of so many seconds.
+/// The model with this time step, s.
 fn scaled(step: f64, more: &str) -> String {
     SLIVER.replace("[model]", &format!("[model]\nmass_scaling = {{ time_step = {step:e}{more} }}"))
 }
@@ -98,7 +98,7 @@ fn a_run_that_is_not_quasi_static_says_so() {
     assert!(ratio["largest"].as_f64().unwrap() > 0.5 && ratio["rows_above"].as_u64().unwrap() > 100);
 }
 
-/// A part of the block vanishes: what is left goes on with the same factors and the same step.
+/// A part of the block vanishes: the rest continues with the same factors and the same step.
 #[test]
 fn stages_go_on_with_added_mass() {
     let bench = Bench::new();

@@ -1,8 +1,8 @@
-//! Files of several frames, with boxes of their own, of any format, compressed or not.
+//! Files of several frames, each with its box, of any format, compressed or not.
 
 use crate::Bench;
 
-/// Two spheres that touch across the face x of the box, and one by itself.
+/// Two spheres that touch across the face x of the box, and a single one.
 const FRAME_0: &str = "ITEM: TIMESTEP\n500\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp ff\n0 10\n0 10\n0 10\n\
                        ITEM: ATOMS id x y z radius\n1 0.25 5 5 0.5\n2 9.75 5 5 0.5\n7 5 5 5 0.5\n";
 /// The same two in a sheared box, scaled, beside another that touches the second inside.
@@ -55,7 +55,8 @@ fn a_series_is_one_table_with_the_box_of_each_frame() {
     let npyz::DType::Record(fields) = array.dtype() else { panic!("no fields") };
     assert_eq!(fields.iter().map(|field| field.name.as_str()).collect::<Vec<_>>(), names);
 
-    // The archive has one array for each column; `crates/io/tests/python/test_written.py` reads it and the Parquet file.
+    // The archive has one array for each column; `crates/io/tests/python/test_written.py` reads it and the
+    // Parquet file.
     for file in ["all.npz", "all.parquet"] {
         let run = bench.run(&["contacts", "run.dump", "-o", file]).succeeds();
         assert!(run.stderr.ends_with(&format!("written          {file}\n")), "{}", run.stderr);
@@ -236,7 +237,8 @@ fn the_format_is_told_by_content_or_by_option() {
     ]);
 }
 
-/// What is written with its box is read with its box: it was passed over, and couples across its faces were lost.
+/// A packing that is written with its box is read with its box: the box was passed over, and couples across
+/// its faces were lost.
 #[test]
 fn the_box_of_an_archive_is_read_back() {
     let bench = dump();

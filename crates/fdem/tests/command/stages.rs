@@ -1,10 +1,11 @@
-//! Runs in stages: excavation, what is released, resumed runs; ground at rest.
+//! Runs in stages: excavation, released forces, resumed runs; ground at rest.
 
 use serde_json::Value;
 
 use crate::Bench;
 
-/// A core that is excavated from stressed rock, half of whose support is released at once and the rest later; a block that is put on top then.
+/// A core that is excavated from stressed rock, half of whose support is released immediately and the rest
+/// later; a block that is put on top then.
 const TUNNEL: &str = r#"
 [model]
 plane = "strain"
@@ -97,7 +98,8 @@ fn a_run_goes_through_its_stages() {
     // It ends with its last stage.
     let end = *column(&history, "time").last().unwrap();
     assert!((3e-3..4.1e-3).contains(&end), "{end}");
-    // Half of the convergence of the whole ring is (1 + ν) p a/(2 E) in infinite rock: 0.7 mm; less so near to sides that are held.
+    // Half of the convergence of the whole ring is (1 + ν) p a/(2 E) in infinite rock: 0.7 mm; less so near
+    // to sides that are held.
     let crown = column(&history, "crown uy [m]");
     assert!((-0.7e-3..-0.3e-3).contains(crown.last().unwrap()), "{:?}", crown.last());
     let core = column(&history, "core ux [m]");
@@ -129,7 +131,7 @@ fn a_run_goes_through_its_stages() {
     assert!(!given.contains(later), "{given}");
 }
 
-/// Wherever a run is interrupted, before or after its elements have changed, it goes on to the same end.
+/// Wherever a run is interrupted, before or after its elements have changed, it reaches the same end.
 #[cfg(unix)]
 #[test]
 fn a_run_in_stages_is_resumed() {
@@ -140,7 +142,7 @@ fn a_run_in_stages_is_resumed() {
         let summary = std::fs::read(bench.path(&format!("{folder}/run.json"))).unwrap();
         serde_json::from_slice::<Value>(&summary).unwrap()["state_hash"].clone()
     };
-    // The time of the checkpoint from which it goes on differs from round to round.
+    // The time of the checkpoint from which it continues differs from round to round.
     for wait in [30, 120, 250, 400] {
         let mut child = bench.command(&["run", "tunnel.toml", "-o", "two", "--force", "-q"]).spawn().unwrap();
         std::thread::sleep(std::time::Duration::from_millis(wait));
@@ -182,7 +184,8 @@ fn a_stage_softens_a_body() {
     wrong("name = \"soft\"\ndensity = 2700", "name = \"soft\"\ndensity = 2600", &["another density"]);
 }
 
-/// Displacements count from the stage that sets them back, in frames and in the history, also after a resume and in a run that begins with this one.
+/// Displacements count from the stage that sets them back, in frames and in the history, also after a resume
+/// and in a run that begins with this one.
 #[test]
 fn a_stage_sets_displacements_back() {
     let bench = Bench::new();
@@ -223,7 +226,7 @@ fn a_stage_sets_displacements_back() {
     ];
     bench.write("later.toml", parts.concat());
     bench.run(&["run", "later.toml", "--from", "open", "-o", "later", "-q"]).succeeds();
-    // Without a stage of its own that sets them back it counts from the beginning again, and says so.
+    // Without a stage that resets them, displacements count from the beginning again, and the run says so.
     bench.write("set.toml", model.replace("[5e-4, 0.5]", "[5e-4, 0]"));
     bench.run(&["run", "set.toml", "-o", "set", "-q"]).succeeds();
     bench.write("anew.toml", parts.concat().replace("reset_displacements = true\n", ""));
@@ -289,7 +292,8 @@ fn stages_that_make_no_sense_are_refused() {
     wrong("excavate = [\"core\"]", "activate = [\"block\"]", &["appears in a stage before"]);
 }
 
-/// Boundaries of different stages may move the same nodes, and bodies that are never there together do not overlap.
+/// Boundaries of different stages may move the same nodes, and bodies that are never there together do not
+/// overlap.
 #[test]
 fn what_is_in_different_stages_does_not_meet() {
     let bench = Bench::new();

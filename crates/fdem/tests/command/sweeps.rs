@@ -1,4 +1,5 @@
-//! Tests of `fdem sweep` and of `--set`: values, results, interrupts, runs that fail, and sweep files that are refused.
+//! Tests of `fdem sweep` and of `--set`: values, results, interrupts, runs that fail, and sweep files that
+//! are refused.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -84,7 +85,8 @@ fn bench(sweep: &str) -> Bench {
 
 const GRID: &str = "model = \"plate.toml\"\n[grid]\nstrength = [\"2 MPa\", 3e6]\nspeed = { from = 0.1, to = 0.4, count = 3, scale = \"log\" }\n";
 
-/// A sweep runs all combinations; its runs are those of `fdem run --set`, its files do not depend on the number of processes, and the same command has nothing left to do.
+/// A sweep runs all combinations; its runs are those of `fdem run --set`, its files do not depend on the
+/// number of processes, and the same command has nothing left to do.
 #[test]
 fn a_grid_is_run_and_compared() {
     let bench = bench(GRID);
@@ -130,7 +132,7 @@ fn a_grid_is_run_and_compared() {
     assert_eq!(bench.read("again/runs.csv"), bench.read("sweep_results/runs.csv"));
 }
 
-/// A sweep or a model that has changed is refused, and replaced only if that is asked for.
+/// A sweep or a model that has changed is refused, and replaced only on request.
 #[test]
 fn another_sweep_in_the_folder_is_refused() {
     let bench = bench("model = \"plate.toml\"\nfolder = \"out\"\n[[run]]\nspeed = 0.1\n");
@@ -176,7 +178,8 @@ fn a_table_sets_keys_by_their_paths() {
     assert!(model.contains("[[material]]\nweibull_modulus = 9"), "{model}");
 }
 
-/// Runs that stop by themselves are noted and do not stop the others; refused models stop the sweep unless they are to be skipped.
+/// Runs that stop by themselves are noted and do not stop the others; refused models stop the sweep unless
+/// they are to be skipped.
 #[test]
 fn runs_that_fail_are_noted() {
     let bench = bench("model = \"plate.toml\"\n[grid]\n\"model.energy_bound\" = [1e-12, 0.02]\n");
@@ -207,7 +210,7 @@ fn runs_that_fail_are_noted() {
     assert_eq!(rows[2]["time"], "");
 }
 
-/// Mistakes in a sweep file are told with their lines, before anything is written.
+/// Mistakes in a sweep file are reported with their lines, before anything is written.
 #[test]
 fn mistakes_are_told_before_anything_runs() {
     let bench = Bench::new();
@@ -311,7 +314,8 @@ fn a_latin_hypercube_is_run() {
     }
 }
 
-/// An interrupted sweep leaves checkpoints, and the same command gives the results of one that was not interrupted.
+/// An interrupted sweep leaves checkpoints, and the same command gives the results of one that was not
+/// interrupted.
 #[test]
 #[cfg(unix)]
 fn an_interrupted_sweep_goes_on() {

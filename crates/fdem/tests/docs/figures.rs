@@ -1,11 +1,13 @@
-//! Figures of speed on the README and in the book are those of the tables in `bench/`, and there are no others.
+//! Figures of speed on the README and in the book are those of the tables in `bench/`, and there are no
+//! others.
 //!
-//! [`FIGURES`] lists sentences with the cells that their figures come from, [`OTHERS`] numbers that look like figures of speed and are none. After new timings, the test says which sentences disagree:
-//! change them, and the list.
+//! [`FIGURES`] lists sentences with the cells that their figures come from, [`OTHERS`] numbers that look like
+//! figures of speed but are not. After new timings, the test says which sentences disagree: change them, and
+//! the list.
 
 use super::{pages, read};
 
-/// Figures of documents, in braces, and what the tables say.
+/// Figures of documents, in braces, and their values in the tables.
 const FIGURES: &[(&str, &str, &[Value])] = &[
     ("README.md", "Measured on one core of an {Intel Xeon};", &[Machine("RESULTS.md")]),
     ("README.md", "Measured on one core of an {Intel Xeon};", &[Machine("SIMULATION.md")]),
@@ -306,7 +308,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
 ];
 
-/// What looks like a figure of speed, and why no table has it.
+/// Numbers that look like figures of speed, and the reason why no table has them.
 const OTHERS: &[(&str, &str, &str)] = &[
     ("README.md", "Compiling takes about five minutes on 2 cores", "the reader's machine"),
     ("README.md", "in about 30 minutes on 2 cores", "the reader's machine"),
@@ -335,10 +337,11 @@ const STRONG: Section = ("SCALING.md", "Model: strong");
 const BENDS: Section = ("SCALING.md", "Model: where it bends");
 const PROGRAMS: Section = ("SIMULATION.md", "Other programs");
 
-/// A cell: a file of `bench/` and the start of a heading in it (empty for any), the first cells of a row, and the name of a column.
+/// A cell: a file of `bench/` and the start of a heading in it (empty for any), the first cells of a row, and
+/// the name of a column.
 struct Place(Section, &'static [&'static str], &'static str);
 
-/// What a figure must be.
+/// The required value of a figure.
 enum Value {
     /// The number of a cell.
     Cell(Section, &'static [&'static str], &'static str),
@@ -350,7 +353,7 @@ enum Value {
     Below(Section, &'static [&'static str], &'static str),
     /// The first cell over the second.
     Ratio(Place, Place),
-    /// By how many per cent the first cell is more than the second.
+    /// By how many per cent the first cell exceeds the second.
     More(Place, Place),
     /// The number of other programs with a time in this column.
     Peers(Section, &'static str),
@@ -435,7 +438,7 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Numbers followed by what makes them figures of speed, with the words that show it.
+/// Numbers followed by words of speed, together with these words.
 fn figures_of_speed(text: &str) -> Vec<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let bare = |word: &&str| word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
@@ -488,7 +491,7 @@ fn number(text: &str) -> Option<f64> {
 }
 
 impl Value {
-    /// What the tables say instead of a figure; `None` if they agree.
+    /// Value of the tables that differs from a figure; `None` if they agree.
     fn disagrees(&self, figure: &str, files: Files<'_>) -> Option<String> {
         let (value, from) = match self {
             Machine(file) => {
@@ -519,7 +522,7 @@ impl Value {
         let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         let agrees = match self {
             Below(..) => value < told,
-            // As it is rounded to the digits that are told.
+            // Rounded to the digits of the figure.
             _ => (value - told).abs() <= 0.5 * (0..decimals).fold(1.0, |unit, _| 0.1 * unit) + 1e-9,
         };
         (!agrees).then(|| format!("bench/{from} says {value}"))

@@ -7,7 +7,8 @@ use std::path::Path;
 /// A module by its path in the crate: `["model", "file"]`; empty for the crate itself.
 type Module = Vec<String>;
 
-/// Adds the modules in a folder, with their code: without comments, and without the unit tests at the foot of a file.
+/// Adds the modules in a folder, with their code: without comments, and without the unit tests at the foot of
+/// a file.
 fn collect(folder: &Path, parent: &Module, found: &mut BTreeMap<Module, String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -86,7 +87,7 @@ fn no_files_import_each_other_in_a_circle() {
         "only {} files with {count} imports were found",
         modules.len()
     );
-    // Takes out whatever imports nothing that is left. The rest are circles, and what is above them.
+    // Takes out whatever imports nothing that is left. The rest are circles, and the files above them.
     let mut left: BTreeSet<&Module> = modules.keys().collect();
     loop {
         let is_above = |module: &&Module| imports.get(*module).is_some_and(|of| !of.is_disjoint(&left));

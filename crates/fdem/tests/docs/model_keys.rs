@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value};
 
-/// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
+/// Tables of the file in the usual order; below each the tables in its keys.
 const ORDER: [(&str, &[&str]); 14] = [
     ("model", &["mass_scaling"]),
     (
@@ -50,7 +50,7 @@ pub(crate) fn page(schema: &Value) -> String {
          (`fdem check --schema`), so it always fits this version.\n",
     );
     let top = schema["properties"].as_object().unwrap();
-    // `include` is no table: it stands before them.
+    // `include` is not a table: it comes before them.
     assert_eq!(top.len(), ORDER.len() + 1, "a table of the file is not on the page");
     write!(page, "\n## `include`\n\n{}\n", description(&top["include"])).unwrap();
     let mut shown = 0;
@@ -90,7 +90,7 @@ fn heading_of(name: &str) -> String {
     format!("`{}`", name.to_lowercase())
 }
 
-/// What is said of a table, or else of the key that it is.
+/// Description of a table, or else of its key.
 fn text(table: &Value, property: &Value) -> String {
     if table.get("description").is_some() { description(table) } else { description(property) }
 }
@@ -112,7 +112,7 @@ fn keys(page: &mut String, schema: &Value, table: &Value) {
     let properties: &Map<String, Value> = table["properties"].as_object().unwrap();
     page.push_str("| key | value | |\n|---|---|---|\n");
     let is_needed = |key: &str| needed.is_some_and(|keys| keys.iter().any(|needed| needed == key));
-    // What must be there first.
+    // Required keys first.
     for first in [true, false] {
         for (key, property) in properties.iter().filter(|(key, _)| is_needed(key) == first) {
             let key = if first { format!("**`{key}`**") } else { format!("`{key}`") };
@@ -128,7 +128,7 @@ fn choices(page: &mut String, words: &[Value]) {
     }
 }
 
-/// What a value may be, in words.
+/// The possible values, in words.
 fn kind(schema: &Value, property: &Value) -> String {
     let parts = ["anyOf", "oneOf"].iter().find_map(|name| property.get(*name).and_then(Value::as_array));
     if let Some(parts) = parts {

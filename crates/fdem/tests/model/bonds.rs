@@ -145,7 +145,8 @@ fn bonded_blocks_part_at_the_strength_of_the_bond() {
 fn bricks_of_a_wall_are_bonded_to_their_neighbours() {
     let prepared = flat(WALL);
     let [beds, heads] = &prepared.joint_sets[..] else { panic!("two sets") };
-    // Three rows of joints with five contacts of 0.2 m each, with two edges; two joints in each of the two rows of bricks, of 0.2 m.
+    // Three rows of joints with five contacts of 0.2 m each, with two edges; two joints in each of the two
+    // rows of bricks, of 0.2 m.
     assert_eq!((beds.joints, beds.facets), (15, 30));
     assert!((beds.length.unwrap_or_default() - 3.0).abs() < 1e-9, "{beds:?}");
     assert_eq!((heads.joints, heads.facets), (4, 8));
@@ -185,7 +186,8 @@ friction_angle = 30
     assert_eq!(run.fragments(), [0, 0]);
 }
 
-/// Motions of one body do not reach through a bond: a block that is drawn off along the bond slips with its friction, and one that is lifted off meets no force.
+/// Motions of one body do not reach through a bond: a block that is drawn off along the bond slips with its
+/// friction, and one that is lifted off meets no force.
 #[test]
 fn boundaries_of_one_body_do_not_move_the_other() {
     let weak = BLOCKS
@@ -205,7 +207,7 @@ fn boundaries_of_one_body_do_not_move_the_other() {
     while run.time() < 1e-3 {
         run.advance(20).expect("steps");
     }
-    // Less than a thousandth of what it takes to strain the blocks as much.
+    // Less than a thousandth of the energy that strains the blocks as much.
     let force = run.force(1).expect("a boundary")[1];
     assert!(force.abs() < 1e3, "{force}");
 

@@ -1,4 +1,4 @@
-//! Joint sets in three dimensions: their polygons in the mesh, blocks that slide, and what is refused.
+//! Joint sets in three dimensions: their polygons in the mesh, blocks that slide, and refusals.
 
 use fdem::model::{AnyPrepared, ModelErrors, Prepared, prepare_any};
 use fdem_simulation::{Boundary, Load, Model, Schedule, Simulation, Target};
@@ -92,7 +92,8 @@ fn dip_and_dip_direction_follow_the_convention() {
     }
 }
 
-/// The area of joints in a volume is persistence over spacing times the volume, in the mean, and a seed gives the same joints.
+/// The mean area of joints in a volume is persistence over spacing times the volume, and a seed gives the
+/// same joints.
 #[test]
 fn statistical_sets_have_their_persistence_and_seed() {
     let keys = "dip = 40\ndip_direction = 120\nspacing = 0.3\npersistence = 0.5\ntrace_length = 0.3\n\
@@ -145,8 +146,9 @@ fn boundary(name: &str, target: Target<3>, velocity: [Option<f64>; 3], schedule:
     Boundary { name: name.to_owned(), target, load: Load::Velocity(velocity), schedule }
 }
 
-/// Peak of the shear traction, and its mean at the end, Pa, of a plate with a joint through it, flat so that it does not tilt. `pressure`: on it, Pa; `energy`: fracture energy of its joint in sliding, J/m²;
-/// `end`: time of the run, s.
+/// Peak of the shear traction, and its mean at the end, Pa, of a plate with a joint through it, flat so that
+/// it does not tilt. `pressure`: on it, Pa; `energy`: fracture energy of its joint in sliding, J/m²; `end`:
+/// time of the run, s.
 fn sheared(pressure: f64, energy: f64, end: f64) -> [f64; 2] {
     let plate = CUBE.replacen("max = [1, 1, 1]", "max = [0.16, 0.06, 0.02]", 1).replacen("0.25", "0.02", 1);
     let law = format!(
@@ -167,7 +169,7 @@ fn sheared(pressure: f64, energy: f64, end: f64) -> [f64; 2] {
     let (mut peak, mut last) = (0.0_f64, [0.0; 2]);
     while run.time() < end {
         run.advance(10).unwrap();
-        // That which holds what is below.
+        // The boundary that holds the lower part.
         let traction = run.force(1).unwrap()[0].abs() / 0.0096;
         peak = peak.max(traction);
         if run.time() > 0.9 * end {
@@ -177,7 +179,8 @@ fn sheared(pressure: f64, energy: f64, end: f64) -> [f64; 2] {
     [peak, last[0] / last[1]]
 }
 
-/// Direct shear under three pressures: cohesion and friction from the line through the peaks. The joint is tough, so that all of it has its strength at once.
+/// Direct shear under three pressures: cohesion and friction from the line through the peaks. The joint is
+/// tough, so that all of it reaches its strength together.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
     let pressures = [1e6, 2e6, 4e6];
@@ -191,7 +194,8 @@ fn direct_shear_gives_cohesion_and_friction() {
     assert!((slope / 30.0_f64.to_radians().tan() - 1.0).abs() < 0.02, "{slope} {peaks:?}");
 }
 
-/// After it has slid, a joint has its residual friction; one that is brittle fails from its edges, below the sum of cohesion and friction.
+/// After it has slid, a joint has its residual friction; one that is brittle fails from its edges, below the
+/// sum of cohesion and friction.
 #[test]
 fn direct_shear_of_a_brittle_joint_leaves_residual_friction() {
     let [peak, residual] = sheared(2e6, 80.0, 4e-3);
@@ -201,11 +205,13 @@ fn direct_shear_of_a_brittle_joint_leaves_residual_friction() {
     assert!((residual / expected - 1.0).abs() < 0.02, "{residual} {expected}");
 }
 
-/// A wedge between two joints at right angles, symmetric about the vertical, slides along their line where the tangent of the slope is above that of the friction angle over the sine of half of the
-/// angle between them, with the acceleration of a rigid body.
+/// A wedge between two joints at right angles, symmetric about the vertical, slides along their line where
+/// the tangent of the slope is above that of the friction angle over the sine of half of the angle between
+/// them, with the acceleration of a rigid body.
 ///
 /// # Source
-/// E. Hoek, J. W. Bray, "Rock slope engineering" (1981), wedge failure: FS = tan φ / (tan ψ sin(ξ/2)) of a symmetric wedge with friction only.
+/// E. Hoek, J. W. Bray, "Rock slope engineering" (1981), wedge failure: FS = tan φ / (tan ψ sin(ξ/2)) of a
+/// symmetric wedge with friction only.
 #[test]
 fn a_wedge_slides_above_the_slope_of_its_friction() {
     let friction = 0.5_f64;

@@ -1,4 +1,4 @@
-//! Joint sets: their lines in the mesh, their laws, and what is refused.
+//! Joint sets: their lines in the mesh, their laws, and refusals.
 
 use fdem::model::prepare;
 

@@ -26,7 +26,8 @@ fn hash(body: &str, material: &str) -> (String, Vec<String>, Preflight) {
     }
 }
 
-/// A material of the library is the one with its keys written out, without warnings, in two dimensions and in three.
+/// A material of the library is the one with its keys written out, without warnings, in two dimensions and in
+/// three.
 #[test]
 fn a_material_of_the_library_is_the_one_written_out() {
     for material in library() {
@@ -117,7 +118,7 @@ fn an_unknown_material_is_told_with_the_nearest_and_all() {
     let errors = prepared(PLANE, "library = 3\n").unwrap_err();
     assert_eq!(errors.faults.len(), 1, "{errors}");
     assert!(errors.to_string().contains("\"library\" is a number"), "{errors}");
-    // What the table gives itself is checked as ever.
+    // The keys of the table itself are checked as usual.
     let errors = prepared(PLANE, "library = \"granite\"\ndensity = -1\n").unwrap_err();
     assert!(errors.to_string().contains("model.toml:11: \"density\" is -1"), "{errors}");
     // Without a library the keys must be there.
@@ -125,7 +126,7 @@ fn an_unknown_material_is_told_with_the_nearest_and_all() {
     assert!(errors.to_string().contains("lacks the key \"youngs_modulus\""), "{errors}");
 }
 
-/// The schema for editors asks for the library or for the keys.
+/// The schema for editors requires the library or the keys.
 #[test]
 fn the_schema_asks_for_one_of_both() {
     let schema = fdem::model::schema();

@@ -1,13 +1,16 @@
-//! How much too stiff triangles of constant strain are in bending: measured against beam theory, and compared with what the check says and the book shows.
+//! How much too stiff triangles of constant strain are in bending: measured against beam theory, and compared
+//! with the check and the book.
 
 use crate::right;
 
 /// Length of the beam over its thickness.
 const SLENDERNESS: f64 = 8.0;
 
-/// Stiffness of a beam of `count` elements through its thickness under the loads of a cantilever, over that of beam theory with shear, less 1.
+/// Stiffness of a beam of `count` elements through its thickness under the loads of a cantilever, over that
+/// of beam theory with shear, less 1.
 ///
-/// Both ends have the tractions of the exact solution, so that the difference is that of the mesh alone. Linear elasticity is what the elements have at small strains.
+/// Both ends have the tractions of the exact solution, so that the difference is that of the mesh alone. At
+/// small strains the elements are linear elastic.
 fn excess(plane: &str, nu: f64, count: f64) -> f64 {
     let text = format!(
         "[model]\nplane = \"{plane}\"\nend_time = 1e-6\n[[body]]\nname = \"beam\"\nmaterial = \"m\"\n\
@@ -31,7 +34,8 @@ fn excess(plane: &str, nu: f64, count: f64) -> f64 {
     exact / compliance(&elements, &force) - 1.0
 }
 
-/// Adds the forces on the end at `x`: a shear force of 1 that is distributed as a parabola, and the moment that goes with it.
+/// Adds the forces on the end at `x`: a shear force of 1 that is distributed as a parabola, and the moment
+/// that goes with it.
 fn load(nodes: &[[f64; 2]], x: f64, force: &mut [[f64; 2]]) {
     let sign = if x == 0.0 { -1.0 } else { 1.0 };
     let mut end: Vec<usize> = (0..nodes.len()).filter(|&node| nodes[node][0] == x).collect();
@@ -119,7 +123,7 @@ fn compliance(elements: &[([u32; 3], [[f64; 6]; 6])], force: &[[f64; 2]]) -> f64
     dot(force, &found)
 }
 
-/// What the check tells of a model with a cantilever.
+/// The output of the check for a model with a cantilever.
 fn told(plane: &str, nu: f64, count: f64) -> Vec<String> {
     let text = format!(
         "[model]\nplane = \"{plane}\"\nend_time = 1e-6\n[[body]]\nname = \"beam\"\nmaterial = \"m\"\n\
@@ -131,7 +135,7 @@ fn told(plane: &str, nu: f64, count: f64) -> Vec<String> {
     right(&text).warnings
 }
 
-/// The number that stands before " % too stiff" in a text.
+/// The number before " % too stiff" in a text.
 fn percent(text: &str) -> f64 {
     text.split(" % too stiff").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap()
 }

@@ -78,7 +78,8 @@ fn a_large_mesh_is_as_good_and_the_same_seed_gives_the_same() {
     assert_ne!(other.model.mesh.nodes, prepared.model.mesh.nodes);
 }
 
-/// No node hangs on an edge, no element lies on another: each edge inside is of two elements, and V - E + F is 1 less the holes.
+/// No node hangs on an edge, no element lies on another: each edge inside is of two elements, and V - E + F
+/// is 1 less the holes.
 #[test]
 fn meshes_have_the_topology_of_their_outlines() {
     for (name, shape, holes) in
@@ -111,7 +112,8 @@ fn grains_have_about_one_size_and_neighbours_of_several_materials_differ() {
     let text =
         ["b", "c", "d"].iter().fold(with_shape(grains), |text, name| text + &more.replace("NAME", name));
     let mesh = right(&text).model.mesh;
-    // Parts of one material that are connected: grains, and the few pairs that four colours in turn cannot part.
+    // Parts of one material that are connected: grains, and the few pairs that four colours in turn cannot
+    // part.
     let mut part: Vec<usize> = (0..mesh.elements.len()).collect();
     let mut edges: Vec<([u32; 2], usize)> = Vec::new();
     for (element, &[a, b, c]) in mesh.elements.iter().enumerate() {
@@ -174,7 +176,7 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
         |text: &str| fdem::model::prepare(text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec())).unwrap();
     let prepared = read(&with_shape(keys));
     let mesh = &prepared.model.mesh;
-    // "soft" stands before "rock" in this file.
+    // "soft" comes before "rock" in this file.
     assert_eq!(mesh.materials, [1, 1, 0, 0]);
     assert_eq!(mesh.nodes.len(), 6, "the halves hold together");
     assert!(

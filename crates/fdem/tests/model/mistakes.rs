@@ -1,4 +1,4 @@
-//! Every kind of error: the line, the key or value that is pointed at, and what is suggested.
+//! Every kind of error: the line, the key or value in question, and the suggestion.
 
 use fdem::model::{Drawing, ModelErrors, prepare};
 
@@ -11,7 +11,8 @@ fn changed(from: &str, to: &str) -> String {
     SMALL.replace(from, to)
 }
 
-/// Refused with one error, which points at `at` in the line that has it and says all of `parts`, in the list and in the drawing.
+/// Refused with one error, which points at `at` in the line that has it and says all of `parts`, in the list
+/// and in the drawing.
 #[track_caller]
 fn refused(text: &str, at: &str, parts: &[&str]) {
     let errors = read(text).unwrap_err();
@@ -154,7 +155,7 @@ fn what_is_no_toml_is_pointed_at() {
     let errors = read(&changed("density = 2700", "density = 2700\ndensity = 2800")).unwrap_err();
     assert!(errors.to_string().contains("model.toml:13: "), "{errors}");
     assert!(read("").unwrap_err().to_string().contains("lacks the key \"model\""));
-    // The parser puts a 0 in the place of what it cannot read; that is not a second fault.
+    // The parser replaces a value that it cannot read by 0; that is not a second error.
     let errors = read(&changed("density = 2700", "density = = 2700")).unwrap_err();
     assert_eq!(errors.to_string().matches("model.toml:").count(), 1, "{errors}");
 }
@@ -168,7 +169,8 @@ fn several_errors_are_told_at_once_in_the_order_of_the_file() {
     assert_eq!(errors.render(Drawing::Plain).matches("--> model.toml:").count(), 2);
 }
 
-/// Unknown keys, unknown names, shapes, files and places of boundaries: all in one round, and nothing that only follows from another fault.
+/// Unknown keys, unknown names, shapes, files and places of boundaries: all in one round, and nothing that
+/// only follows from another fault.
 #[test]
 fn faults_of_every_kind_are_told_in_one_round() {
     let text = r#"
@@ -322,7 +324,7 @@ fn a_body_has_one_shape_and_a_size() {
                 "a bowtie is two bodies",
             ],
         ),
-        // A bowtie of two halves alike has no area; that is not what is wrong with it.
+        // A bowtie of two equal halves has no area; the message is not about that.
         (
             "[[0, 0], [1, 1], [1, 0], [0, 1]]",
             ["the outline crosses itself", "in their order around the outline"],

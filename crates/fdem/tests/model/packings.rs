@@ -133,7 +133,8 @@ fn copies_of_a_box_fill_a_cylinder_each_turned_another_way() {
 
 #[test]
 fn copies_have_the_radius_that_the_packing_gives_them() {
-    // A cylinder as long as wide has half the square root of 2 of its length as radius of the sphere around it.
+    // A cylinder as long as wide has half the square root of 2 of its length as radius of the sphere around
+    // it.
     let copies = "copies_of = { cylinder = { from = [0, 0, 0], to = [0, 0, 2], radius = 1 } }";
     let within = "within = { min = [0, 0, 0], max = [1, 1, 1] }";
     let radius = 0.2_f64;
@@ -263,7 +264,7 @@ fn copies_of_a_file_read_it_once() {
         reads += 1;
         Ok(stl.as_bytes().to_vec())
     };
-    // A run keeps what it reads, in order: each read is a file in its folder.
+    // A run keeps its input files, in order: each read is a file in its folder.
     let AnyPrepared::Space(prepared) = prepare_any(&text, "m.toml", &mut load, None).unwrap() else {
         panic!("it is flat")
     };

@@ -1,4 +1,4 @@
-//! What a model file becomes: boundaries, materials, initial state, histories, warnings, preflight.
+//! The result of a model file: boundaries, materials, initial state, histories, warnings, preflight.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Histories of probes: what they measure, and what is refused.
+//! Histories of probes: their values, and refusals.
 
 use fdem::model::Quantity;
 use fdem_simulation::Probe;

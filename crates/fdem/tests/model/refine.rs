@@ -1,4 +1,4 @@
-//! Places near which elements are smaller: meshes in two and three dimensions, and what is wrong with such places.
+//! Places near which elements are smaller: meshes in two and three dimensions, and errors in such places.
 
 use fdem::mesh::{Mesh, Simplex};
 use fdem::model::{AnyPrepared, prepare_any};
@@ -17,7 +17,8 @@ fn any(shape: &str, refine: &str) -> Result<AnyPrepared, String> {
     prepare_any(&text(shape, refine), "m.toml", &mut none, None).map_err(|errors| errors.to_string())
 }
 
-/// Longest edge of the elements that are nearer to a place than `near`, and the mean edge of those farther than `far`.
+/// Longest edge of the elements that are nearer to a place than `near`, and the mean edge of those farther
+/// than `far`.
 fn edges<const D: usize, const N: usize>(
     mesh: &Mesh<D, N>,
     distance: impl Fn([f64; D]) -> f64,

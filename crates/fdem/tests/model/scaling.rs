@@ -4,7 +4,8 @@ use fdem::model::Preflight;
 
 use crate::{SMALL, read, right};
 
-/// The small model with a corner a millimetre from its neighbour, pulled at its top, with these keys of `[model]`.
+/// The small model with a corner a millimetre from its neighbour, pulled at its top, with these keys of
+/// `[model]`.
 fn sliver(keys: &str) -> String {
     let (start, rest) = SMALL.split_once("rectangle").unwrap();
     let polygon = "polygon = { points = [[0, 0], [1, 0], [1, 0.5], [0.501, 0.5], [0.5, 0.5], [0, 0.5]] }\nmesh_size = 0.05\n";
@@ -130,7 +131,7 @@ fn loads_that_come_too_fast_are_told_with_a_ramp() {
     }
     let told = warnings(&model.replace("ramp = 3e-3", "ramp = 0.6e-3"));
     assert!(told.contains("its traction is there after 2 passages of a wave"), "{told}");
-    // A pulse is meant as one, and damping brings what does not break to rest.
+    // A pulse is deliberate, and damping brings an unbroken body to rest.
     assert_eq!(warnings(&model.replace("ramp = 3e-3", "table = [[0, 0], [1e-5, 1], [2e-5, 0]]")), "");
     let damped = model.replace("[model]", "[model]\nlocal_damping = 0.7");
     assert_eq!(warnings(&damped.replace("ramp = 3e-3\n", "")), "");

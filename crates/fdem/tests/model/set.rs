@@ -83,11 +83,11 @@ fn names_that_a_model_does_not_have_are_told() {
         let error = set(MODEL, &[(name, "1")]).unwrap_err();
         assert!(parts.iter().all(|part| error.contains(part)), "{name}: {error}");
     }
-    // The checks of the model tell what is no TOML.
+    // The checks of the model report text that is not TOML.
     assert_eq!(set("a = \n", &[("b", "1")]).unwrap(), "a = \n");
 }
 
-/// A value is read back from what is shown of it.
+/// A value can be read back from its text.
 #[test]
 fn a_setting_is_what_is_shown_of_it() {
     for text in ["1", "-2.5", "1e-300", "8 MPa", "true", "intrinsic", "2*radius", "nan"] {

@@ -389,7 +389,8 @@ fn corners_that_differ_by_rounding_are_refused() {
     space(&body(&format!("{near}\nmesh_size = 0.4")));
 }
 
-/// One mistake in a body, or a file that cannot be read, does not make a model flat: there would be errors where nothing is wrong.
+/// One mistake in a body, or a file that cannot be read, does not make a model flat: there would be errors
+/// where nothing is wrong.
 #[test]
 fn a_mistake_in_a_body_leaves_its_dimensions() {
     let rest = "[[boundary]]\nname = \"f\"\nside = \"bottom\"\nfixed = \"xyz\"\n";
@@ -498,7 +499,8 @@ fn initial_stress_out_of_equilibrium_is_warned_of() {
     assert!(told.contains("does not bear [0, 0, 1e6, 0, 2000, 0] Pa in every direction"), "{told}");
 }
 
-/// The stiffness is that of the ladder: 12 % with 4 cells through the member where Poisson's ratio is 0.3, which have edges of 1.25 cells.
+/// The stiffness is that of the ladder: 12 % with 4 cells through the member where Poisson's ratio is 0.3,
+/// which have edges of 1.25 cells.
 #[test]
 fn members_with_few_elements_through_them_are_warned_of() {
     let held = "[[boundary]]\nname = \"h\"\nside = \"left\"\nfixed = \"xyz\"\n";

@@ -1,4 +1,4 @@
-//! What may not be meant in three dimensions, and what is refused there before it costs minutes.
+//! Settings that may not be meant in three dimensions, and refusals there before they cost minutes.
 
 use fdem::model::{AnyPrepared, Preflight, Prepared, prepare_any};
 
@@ -50,7 +50,8 @@ fn a_surface_of_parts_that_do_not_touch_is_warned_of() {
     assert!(two.warnings.len() == 1 && two.warnings[0].starts_with(told), "{:?}", two.warnings);
 }
 
-/// Cubes with edges of 1 of six tetrahedra each, whose corners are these, as a Gmsh file. Equal corners are one node if `merged`.
+/// Cubes with edges of 1 of six tetrahedra each, whose corners are these, as a Gmsh file. Equal corners are
+/// one node if `merged`.
 fn cubes_msh(places: &[[f64; 3]], merged: bool) -> String {
     let (mut nodes, mut elements): (Vec<[f64; 3]>, Vec<[usize; 4]>) = (Vec::new(), Vec::new());
     for place in places {
@@ -201,7 +202,7 @@ fn memory_is_that_of_the_frames_that_a_run_has() {
     let preflight = |interval: &str| {
         Preflight::of(&space("", &format!("{cube}[output]\ninterval = {interval}"), "")).unwrap()
     };
-    // A frame each step, and a thousand times as many as there are steps.
+    // A frame each step, and a thousand frames per step.
     let each = preflight("1e-6");
     let more = preflight("1e-12");
     assert!(each.steps < 1000, "{}", each.steps);

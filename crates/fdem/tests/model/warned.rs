@@ -1,4 +1,5 @@
-//! What may not be meant: units, keys without effect, interfaces, slivers, meshes that fall apart, members that bend.
+//! Settings that may not be meant: units, keys without effect, interfaces, slivers, meshes that fall apart,
+//! members that bend.
 
 use fdem::model::{Preflight, prepare};
 
@@ -215,6 +216,6 @@ fn times_that_are_shorter_than_a_step_are_warned_of() {
     assert!(found.iter().any(|told| told.contains("2e-6 s is longer than end_time = 1e-6 s")), "{found:?}");
     let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ntime_step = 1e-18"));
     assert!(found.iter().any(|told| told.contains("the run would take")), "{found:?}");
-    // The defaults give many results of few steps, and nobody is told so.
+    // The defaults give many results for few steps, without a warning.
     assert_eq!(warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-5")), Vec::<String>::new());
 }

@@ -1,4 +1,5 @@
-//! A disc that is pressed from above and below and splits: snapshots like those of a simulation, from formulas.
+//! A disc that is pressed from above and below and splits: snapshots like those of a simulation, from
+//! formulas.
 
 use std::f64::consts::PI;
 
@@ -54,7 +55,7 @@ impl Disc {
         Self::cut(&nodes, &elements)
     }
 
-    /// Separates the two halves, which get nodes of their own.
+    /// Separates the two halves, which get separate nodes.
     fn cut(nodes: &[[f64; 2]], elements: &[[u32; 3]]) -> Self {
         let left = |nodes_of: &[u32; 3]| nodes_of.iter().map(|&k| nodes[k as usize][0]).sum::<f64>() < 0.0;
         let mut edges = std::collections::BTreeMap::new();
@@ -180,7 +181,8 @@ impl Disc {
     }
 }
 
-/// Stress in a disc under two opposite point loads (Hondros' solution, bounded near the loads); `centre` is the stress `xx` at the centre.
+/// Stress in a disc under two opposite point loads (Hondros' solution, bounded near the loads); `centre` is
+/// the stress `xx` at the centre.
 fn stress([x, y]: [f64; 2], centre: f64) -> [f64; 6] {
     let (r, p) = (RADIUS, -centre * RADIUS);
     let of = |dy: f64| {

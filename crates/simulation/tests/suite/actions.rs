@@ -72,7 +72,8 @@ fn a_change_of_velocities_is_external_work() {
     assert!((energies.external / expected - 1.0).abs() < 1e-9, "{energies:?}");
 }
 
-/// A law of the caller that sets velocities before each step keeps the balance as well as a boundary with the same velocities, over thousands of steps under stress.
+/// A law of the caller that sets velocities before each step keeps the balance as well as a boundary with the
+/// same velocities, over thousands of steps under stress.
 #[test]
 fn velocities_that_are_set_in_each_step_keep_the_balance() {
     let model = bar();
@@ -119,7 +120,8 @@ fn a_factor_replaces_the_schedule_and_gives_it_back() {
     assert!(run.set_factor(1, Some(f64::NAN)).is_err());
 }
 
-/// All that the caller sets is in the state, also between a change of velocities and the next step, and while the mesh breaks.
+/// All that the caller sets is in the state, also between a change of velocities and the next step, and while
+/// the mesh breaks.
 #[test]
 fn actions_are_saved_and_resumed() {
     let model = crash(Insertion::Adaptive);
@@ -147,7 +149,7 @@ fn actions_are_saved_and_resumed() {
     assert!(whole.counts().broken > 10, "{:?}", whole.counts());
 }
 
-/// What is not used changes no bit, and what cannot be set changes nothing.
+/// Unused actions change no bit, and values that cannot be set change nothing.
 #[test]
 fn refused_actions_change_nothing() {
     let mut plain = Simulation::new(bar(), 1).expect("a model");

@@ -1,4 +1,4 @@
-//! Runs that go on with a changed model: excavation, boundaries that end.
+//! Runs that continue with a changed model: excavation, boundaries that end.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -50,7 +50,8 @@ fn farthest(run: &Simulation) -> f64 {
     run.snapshot().displacements.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max)
 }
 
-/// The forces that held the rock go on to hold it: nothing moves. 1e-6 of the wave speed times the strain would be 7e-7 m/s.
+/// The forces that held the rock continue to hold it: nothing moves. 1e-6 of the wave speed times the strain
+/// would be 7e-7 m/s.
 #[test]
 fn held_ground_stays_at_rest() {
     let mut run = excavated(&ground(), Some(Schedule::Constant));
@@ -60,7 +61,7 @@ fn held_ground_stays_at_rest() {
     assert!(run.energies().error().abs() < 1e-6, "{:?}", run.energies());
 }
 
-/// Released at once, slowly, or in part: the same convergence at last, or that part of it.
+/// Released immediately, slowly, or in part: the same final convergence, or the same part of it.
 #[test]
 fn ground_converges_as_it_is_released() {
     let model = ground();
@@ -82,7 +83,8 @@ fn ground_converges_as_it_is_released() {
     assert!((half / whole - 0.5).abs() < 1e-2, "{half} {whole}");
 }
 
-/// A change that changes nothing leaves every bit as it was, also of a model with broken and breaking joints and contacts.
+/// A change that changes nothing keeps every bit, also of a model with broken and breaking joints and
+/// contacts.
 #[test]
 fn a_change_of_nothing_changes_nothing() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
@@ -99,7 +101,7 @@ fn a_change_of_nothing_changes_nothing() {
             assert_eq!(changed.snapshot(), run.snapshot(), "{insertion:?}");
             let [mut one, mut other] = [changed.energies(), run.energies()];
             for energies in [&mut one, &mut other] {
-                // The energy of what vanishes, which is nothing, is added.
+                // The energy of the vanishing parts, which is zero, is added.
                 energies.external = 0.0;
             }
             assert_eq!(one, other);
@@ -107,7 +109,8 @@ fn a_change_of_nothing_changes_nothing() {
     }
 }
 
-/// A support that ends: what it held falls, and the ground beneath it is relieved, as in a run without it.
+/// A support that ends: the supported body falls, and the ground beneath it is relieved, as in a run without
+/// it.
 #[test]
 fn a_boundary_that_ends_is_released() {
     let mesh = rectangle([0.0; 2], [0.2, 0.1], 4, 2);
@@ -146,7 +149,7 @@ fn a_boundary_that_ends_is_released() {
     assert!(free.energies().error().abs() < 1e-3, "{:?}", free.energies());
 }
 
-/// A body that appears: it begins as a run of its own would.
+/// A body that appears: it begins as in a separate run.
 #[test]
 fn a_body_that_appears_falls() {
     let mesh = together(&[rectangle([0.0; 2], [0.2, 0.1], 4, 2), rectangle([0.0, 0.2], [0.1, 0.3], 2, 2)]);
@@ -183,7 +186,8 @@ fn changes_that_do_not_fit_are_refused() {
     assert!(model.keeping(&[true]).is_err());
 }
 
-/// A bar that strikes a wall and becomes ten times softer meanwhile: what the change takes is external work, to the last half step.
+/// A bar that strikes a wall and becomes ten times softer meanwhile: the energy that the change removes is
+/// external work, to the last half step.
 #[test]
 fn a_change_in_motion_keeps_the_balance() {
     let mesh = rectangle([0.0, 0.0], [1.0, 0.1], 20, 2);

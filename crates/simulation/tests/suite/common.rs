@@ -48,7 +48,7 @@ pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], nx: usize, ny: usize) -> M
     Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-/// One mesh of several, each as a body of its own.
+/// One mesh of several, each as a separate body.
 pub(crate) fn together<const D: usize, const N: usize>(parts: &[Mesh<D, N>]) -> Mesh<D, N> {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {

@@ -7,8 +7,8 @@ fn triangle(at: [[f64; 2]; 3]) -> Mesh {
     Mesh { nodes: at.to_vec(), elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
 }
 
-/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and
-/// the momenta before and after.
+/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic
+/// energies before and after, the strain energy after, and the momenta before and after.
 fn collide(
     first: &Mesh,
     second: &Mesh,

@@ -3,10 +3,12 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// An offset far from 0. It is a power of 2, so that the coordinates of the models here are exact with and without it.
+/// An offset far from 0. It is a power of 2, so that the coordinates of the models here are exact with and
+/// without it.
 const FAR: [f64; 2] = [131_072.0, -131_072.0];
 
-/// A block of 3 cm that is driven into another and breaks. All coordinates are multiples of 2^-20 m, and the middle of the model is at `middle`.
+/// A block of 3 cm that is driven into another and breaks. All coordinates are multiples of 2^-20 m, and the
+/// middle of the model is at `middle`.
 fn crash(middle: [f64; 2]) -> Model {
     let lower = rectangle([-0.031_25, -0.031_25], [0.031_25, -0.000_976_562_5], 16, 8);
     let upper = rectangle([-0.015_625, 0.000_976_562_5], [0.015_625, 0.031_25], 8, 8);

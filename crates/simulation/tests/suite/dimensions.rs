@@ -1,4 +1,5 @@
-//! The crate is written once for two and three dimensions: only the module `simplex` knows how many there are.
+//! The crate is written once for two and three dimensions: only the module `simplex` knows how many there
+//! are.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,8 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether a line compares `D`, the dimensions, or `N`, the corners of an element, with a number, or matches on it.
+/// Whether a line compares `D`, the dimensions, or `N`, the corners of an element, with a number, or matches
+/// on it.
 fn asks(line: &str) -> bool {
     let code =
         line.split("//").next().unwrap_or("").replace("<=", "==").replace(">=", "==").replace("!=", "==");

@@ -149,7 +149,8 @@ fn fragments_are_what_hangs_together_by_edges_that_are_not_broken() {
     let snapshot = run.snapshot();
     assert!(counts(&run) > 3, "{}", counts(&run));
     assert_eq!(run.fragments(), snapshot.fragments);
-    // The same result by another method: the lowest number spreads from neighbour to neighbour until nothing changes.
+    // The same result by another method: the lowest number spreads from neighbour to neighbour until nothing
+    // changes.
     let elements = &run.model().mesh.elements;
     let mut neighbours = Vec::new();
     for a in 0..elements.len() {

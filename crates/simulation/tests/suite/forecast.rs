@@ -1,11 +1,12 @@
-//! Forecasts of runs on many ranks: the ranks then have and send as much as was foretold.
+//! Forecasts of runs on many ranks: the ranks then have and send the predicted numbers.
 
 use fdem_distributed::{Communicator, threads};
 use fdem_simulation::*;
 
 use crate::common::{granite, rectangle};
 
-/// Foretells a run of a model after some steps on these numbers of ranks, and compares with the ranks. Returns the last forecast.
+/// Foretells a run of a model after some steps on these numbers of ranks, and compares with the ranks.
+/// Returns the last forecast.
 macro_rules! as_foretold {
     ($model:expr, $dimensions:literal, $corners:literal, $steps:expr, $ranks:expr) => {{
         let model: Model<$dimensions, $corners> = $model;
@@ -61,7 +62,7 @@ fn whole_bodies_in_the_plane_are_divided_as_foretold() {
     let shared = as_foretold!(model(false, Insertion::Adaptive), 2, 3, 0, &[1, 2, 3, 8]);
     assert!(shared.imbalance() < 1.15, "{}", shared.imbalance());
     assert!(shared.of_ranks.iter().any(|rank| rank.near > 0), "outer elements are near those of other ranks");
-    // With joints everywhere each corner has a node of its own.
+    // With joints everywhere each corner has a separate node.
     let joined = as_foretold!(model(true, Insertion::Intrinsic), 2, 3, 0, &[2, 3, 8]);
     assert!(joined.mean(|rank| rank.sent) > 2.0 * shared.mean(|rank| rank.sent));
     assert!(joined.sizes.all() > 2.0 * shared.sizes.all());

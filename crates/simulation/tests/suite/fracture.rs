@@ -14,8 +14,8 @@ fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Sched
 /// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
 fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
-    // Only the joints in the middle, between the two materials, have this strength. The materials are slightly stronger, so that the place of the crack is
-    // known.
+    // Only the joints in the middle, between the two materials, have this strength. The materials are
+    // slightly stronger, so that the place of the crack is known.
     for element in 0..mesh.elements.len() {
         mesh.materials[element] =
             u32::from(mesh.elements[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
@@ -114,7 +114,7 @@ fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
                 most = most.max(run.force(0).expect("a boundary")[1].abs());
             }
             assert!(run.energies().error().abs() < 1e-2, "{:?}", run.energies());
-            // Joints split nodes, which are numbered anew: the corner is found through its element.
+            // Joints split nodes, which are renumbered: the corner is found through its element.
             let mesh = &run.model().mesh;
             let place = |triangle: &[u32; 3]| triangle.iter().position(|&node| node as usize == corner);
             let (element, k) =
@@ -127,14 +127,16 @@ fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
         let (slid, _) = moved([0.4e6, -1e6], 0);
         let (lifted, pulled) = moved([0.0, 1e5], 1);
         assert!(held.abs() < 3e-6 && slid > 3e-5, "{insertion:?}: {held} {slid}");
-        // The fixed side carries the whole pressure of 1 MPa on 40 mm, and more while the block still moves. It carries almost nothing of the pull.
+        // The fixed side carries the whole pressure of 1 MPa on 40 mm, and more while the block still moves.
+        // It carries almost none of the pull.
         assert!((3.9e4..5.5e4).contains(&pressed), "{insertion:?}: {pressed}");
         assert!(lifted > 3e-5 && pulled < 400.0, "{insertion:?}: {lifted} {pulled}");
     }
 }
 
-/// A bar that is pressed, sheared until its joint breaks, and pulled apart. The joint was inserted under pressure and presses until the pressure is gone, not only until its gap is 0:
-/// no force jumps, and the energy balance holds.
+/// A bar that is pressed, sheared until its joint breaks, and pulled apart. The joint was inserted under
+/// pressure and presses until the pressure is gone, not only until its gap is 0: no force jumps, and the
+/// energy balance holds.
 #[test]
 fn a_joint_that_broke_under_pressure_lets_go_without_a_jump() {
     let mut mesh = rectangle([0.0; 2], [0.01, 0.04], 1, 4);

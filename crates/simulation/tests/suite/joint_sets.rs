@@ -24,12 +24,13 @@ pub(crate) fn along_height(mesh: &Mesh, height: f64) -> Vec<[u32; 2]> {
     edges.filter(|edge| edge.iter().all(|&node| on(node))).collect()
 }
 
-/// One body of 0.2 m by 0.2 m, cut by a joint along y = 0.1; what is below is held.
+/// One body of 0.2 m by 0.2 m, cut by a joint along y = 0.1; the lower half is held.
 fn cut(set: JointSet) -> Model {
     halves(set, 0.1, 4)
 }
 
-/// Two halves of this height with a joint between them at y = 0.1, of so many elements along the joint.
+/// Two halves of this height with a joint between them at y = 0.1, with the given number of elements along
+/// the joint.
 fn halves(set: JointSet, height: f64, count: usize) -> Model {
     let mesh = rectangle([0.0, 0.1 - height], [0.2, 0.1 + height], count, 4);
     let held = Boundary {
@@ -59,8 +60,9 @@ fn top_edges(model: &Model) -> Vec<[u32; 2]> {
     top(model).windows(2).map(|pair| [pair[1], pair[0]]).collect()
 }
 
-/// A block on a dipping joint slides if the tangent of the dip is above that of the friction angle, with the acceleration of a rigid block, and stays below. The friction of
-/// its material is another one: that of the set also holds after it has slid far, when contacts have taken over.
+/// A block on a dipping joint slides if the tangent of the dip is above that of the friction angle, with the
+/// acceleration of a rigid block, and stays below. The friction of its material is another one: that of the
+/// set also holds after it has slid far, when contacts have taken over.
 #[test]
 fn a_block_on_a_dipping_joint_slides_above_its_friction_angle() {
     let friction = 0.5_f64;
@@ -97,7 +99,8 @@ fn a_block_on_a_dipping_joint_slides_above_its_friction_angle() {
     }
 }
 
-/// A block that slides on a joint with dilation rises by the tangent of its angle times the slip, up to the slip where that ends; its friction is that of the set, and the balance of energy holds.
+/// A block that slides on a joint with dilation rises by the tangent of its angle times the slip, up to the
+/// slip where that ends; its friction is that of the set, and the balance of energy holds.
 #[test]
 fn joints_dilate_as_they_slip() {
     let (dilation, most) = (0.2, 4e-4);
@@ -139,7 +142,8 @@ fn joints_dilate_as_they_slip() {
     assert!(run.energies().error().abs() < 1e-4, "{:?}", run.energies());
 }
 
-/// Direct shear at three normal stresses: the peaks are on the line of cohesion and friction, and the residuals on that of the residual friction.
+/// Direct shear at three normal stresses: the peaks are on the line of cohesion and friction, and the
+/// residuals on that of the residual friction.
 #[test]
 fn direct_shear_gives_cohesion_and_friction() {
     let strength =

@@ -32,7 +32,7 @@ mod vectors;
 mod ranks;
 /// Forecasts of runs on many ranks.
 mod forecast;
-/// Runs that go on with a changed model.
+/// Runs that continue with a changed model.
 mod changed;
 /// Means of stress, strain and velocity, gauges, forces between bodies, reactions.
 mod probes;

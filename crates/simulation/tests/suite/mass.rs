@@ -3,7 +3,8 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// A block under its weight on a floor that holds it, with one row of flat elements, and viscosity that brings it to rest.
+/// A block under its weight on a floor that holds it, with one row of flat elements, and viscosity that
+/// brings it to rest.
 fn block() -> Model {
     let mut mesh = rectangle([0.0; 2], [0.1, 0.08], 10, 8);
     // The fifth row is a twentieth as high as the others.
@@ -88,7 +89,7 @@ fn mass_is_added_where_it_is_needed() {
     }
 }
 
-/// The floor carries the true weight, and the block stands as it does with its true masses.
+/// The floor carries the true weight, and the block rests as it does with its true masses.
 #[test]
 fn added_mass_has_no_weight() {
     let at_rest = |model: Model, steps: u64| {
@@ -174,7 +175,7 @@ fn threads_change_nothing() {
     assert!(state(1) == state(3));
 }
 
-/// A part has the factors of its elements, and a run that goes on with it the same masses.
+/// A part has the factors of its elements, and a run that continues with it the same masses.
 #[test]
 fn a_part_keeps_its_factors() {
     let mut model = scaled(&block(), 4.0);
@@ -183,7 +184,7 @@ fn a_part_keeps_its_factors() {
     for (factor, &element) in kept.model.mass_factors.iter().zip(&kept.elements) {
         assert_eq!(*factor, model.mass_factors[element as usize]);
     }
-    // What is left bears the step by itself.
+    // The remaining part is stable at the step.
     let step = (1.0 - 1e-9) * CriticalStep::of(&model).expect("a model").step;
     let alone = MassScaling::of(&kept.model).expect("a part").factors(step);
     assert!(alone != kept.model.mass_factors);

@@ -86,7 +86,8 @@ fn a_stretched_bar_has_its_strain_and_its_stress() {
     assert_eq!(found[9], [0.0, 0.0], "nothing holds the nodes of the middle");
 }
 
-/// A rigid rotation is no strain, and the mean velocity of a body that turns about its centre is that of the centre.
+/// A rigid rotation is no strain, and the mean velocity of a body that turns about its centre is that of the
+/// centre.
 #[test]
 fn a_rotation_has_no_strain() {
     let mesh = rectangle([-0.1; 2], [0.1; 2], 4, 4);
@@ -175,7 +176,8 @@ fn a_block_that_rests_presses_with_its_weight() {
     assert!((found[3][1] / whole - 1.0).abs() < 1e-3, "{found:?} {whole}");
 }
 
-/// Surfaces that touch under initial stress carry it: the force between two blocks is the stress times their surface.
+/// Surfaces that touch under initial stress carry it: the force between two blocks is the stress times their
+/// surface.
 #[test]
 fn initial_stress_between_bodies_is_a_contact_force() {
     let mesh = together(&[rectangle([0.0; 2], [0.2, 0.1], 4, 2), rectangle([0.0, 0.1], [0.2, 0.2], 3, 2)]);

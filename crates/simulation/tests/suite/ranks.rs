@@ -11,7 +11,8 @@ fn bytes(state: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(state).expect("bytes")
 }
 
-/// Runs a model on ranks, and compares the states to the last bit after each number of steps, and what results show. Returns the counts at the end.
+/// Runs a model on ranks, and compares the states to the last bit after each number of steps, and the data of
+/// results. Returns the counts at the end.
 macro_rules! same_on_ranks {
     ($model:expr, $dimensions:literal, $corners:literal, $ranks:expr, $parts:expr) => {{
         let model: Model<$dimensions, $corners> = $model;
@@ -64,7 +65,8 @@ macro_rules! same_on_ranks {
     }};
 }
 
-/// Everything that can happen in the plane: joints that are inserted, break and hand over; contacts, damping, weight, a floor.
+/// Everything that can happen in the plane: joints that are inserted, break and hand over; contacts, damping,
+/// weight, a floor.
 #[test]
 fn a_crash_in_the_plane_is_the_same() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
@@ -104,7 +106,7 @@ fn a_crash_of_bodies_with_added_mass_is_the_same() {
     }
 }
 
-/// An excavation whose forces are released: a model with forces of its own on each node of the surface.
+/// An excavation whose forces are released: a model with different forces on each node of the surface.
 #[test]
 fn an_excavation_is_the_same() {
     let release = Schedule::Table(vec![[0.0, 1.0], [1e-4, 0.2]]);
@@ -113,7 +115,8 @@ fn an_excavation_is_the_same() {
     same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 99, 300]);
 }
 
-/// Dynamic relaxation: the damping is that of the motion on all ranks. Parts end between the two steps whose sums make it.
+/// Dynamic relaxation: the damping is that of the motion on all ranks. Parts end between the two steps whose
+/// sums make it.
 #[test]
 fn a_relaxation_is_the_same() {
     let release = Schedule::Table(vec![[0.0, 1.0], [1e-5, 0.2]]);
@@ -158,10 +161,11 @@ fn stressed_blocks_are_the_same() {
     }
 }
 
-/// A run that cannot go on stops with the same reason and in the same state.
+/// A run that cannot continue stops with the same reason and in the same state.
 #[test]
 fn a_run_that_stops_is_the_same() {
-    // Two halves of a block drive into each other, and invert elements between them; in the other run they are too fast.
+    // Two halves of a block drive into each other, and invert elements between them; in the other run they
+    // are too fast.
     for speed in [8e3, 60e3] {
         let mesh = rectangle([0.0; 2], [0.2, 0.1], 12, 6);
         let velocities = mesh.nodes.iter().map(|[x, _]| [if *x < 0.1 { speed } else { -speed }, 0.0]);
@@ -216,7 +220,8 @@ struct Drawn {
     blocks: Vec<(f64, f64, [f64; 2])>,
     insertion: Insertion,
     damping: f64,
-    /// Ranks, threads of each, and steps of each part of the run, which is saved after each; and whether the work is divided anew in its middle.
+    /// Ranks, threads of each, and steps of each part of the run, which is saved after each; and whether the
+    /// work is divided again in its middle.
     parts: Vec<(usize, usize, u64, bool)>,
 }
 
@@ -270,7 +275,7 @@ impl Drawn {
     }
 }
 
-/// Runs on changing numbers of ranks and threads, saved and resumed, divided anew at any time.
+/// Runs on changing numbers of ranks and threads, saved and resumed, divided again at any time.
 #[test]
 fn any_run_is_the_same_on_any_ranks() {
     let config = ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() };

@@ -3,7 +3,7 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// A column under its weight on a floor, without any damping of its own.
+/// A column under its weight on a floor, without damping of the material.
 fn column() -> Model {
     let mesh = rectangle([0.0; 2], [0.1, 1.0], 2, 20);
     Model {
@@ -16,7 +16,7 @@ fn column() -> Model {
     }
 }
 
-/// Steps of so many passages of a wave through the column.
+/// Steps of `count` passages of a wave through the column.
 fn passages(run: &Simulation, count: f64) -> u64 {
     let material = &run.model().materials[0];
     let wave = (material.youngs_modulus / material.density).sqrt();
@@ -60,7 +60,7 @@ fn the_energy_of_damping_only_grows() {
     }
 }
 
-/// What nothing resists is not damped: a body that falls.
+/// Motion without resistance is not damped: a body that falls.
 #[test]
 fn a_body_falls_freely() {
     let mut model = column();
@@ -108,7 +108,8 @@ fn the_balance_holds_with_local_damping_and_loads_too() {
     }
 }
 
-/// However steps are divided into calls, on any number of threads, and through a restart between the two steps whose sums make the damping.
+/// However steps are divided into calls, on any number of threads, and through a restart between the two
+/// steps whose sums make the damping.
 #[test]
 fn the_bits_do_not_depend_on_calls_threads_or_a_restart() {
     let hash = |run: &Simulation| format!("{:?}", run.snapshot().velocities);

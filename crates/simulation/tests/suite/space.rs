@@ -5,7 +5,7 @@ use fdem_simulation::*;
 
 pub(crate) type Solid = Mesh<3, 4>;
 
-/// A box of so many cells along each axis, each of six tetrahedra around its diagonal.
+/// A box of `cells` cells along each axis, each of six tetrahedra around its diagonal.
 pub(crate) fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Solid {
     let number = |at: [usize; 3]| ((at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0]) as u32;
     let mut nodes = Vec::new();
@@ -95,7 +95,8 @@ fn a_body_falls_and_spins_freely() {
     assert_eq!(run.counts().contacts, 0);
 }
 
-/// Under a uniform strain every element has the stress of Hooke's law, so that the forces on the sides are those of the stress.
+/// Under a uniform strain every element has the stress of Hooke's law, so that the forces on the sides are
+/// those of the stress.
 #[test]
 fn a_block_that_is_stretched_pulls_with_the_stress_of_hooke() {
     let mesh = cuboid([0.0; 3], [0.1, 0.1, 0.2], [2, 2, 4]);
@@ -287,8 +288,9 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy() {
     }
 }
 
-/// A bar that is pressed, sheared until its joints break, and pulled apart. Joints that were inserted under pressure press until the pressure is gone, not only until their gap is 0:
-/// no force jumps, and the energy balance holds.
+/// A bar that is pressed, sheared until its joints break, and pulled apart. Joints that were inserted under
+/// pressure press until the pressure is gone, not only until their gap is 0: no force jumps, and the energy
+/// balance holds.
 #[test]
 fn a_joint_that_broke_under_pressure_lets_go_without_a_jump() {
     let mut mesh = cuboid([0.0; 3], [0.01, 0.01, 0.04], [1, 1, 4]);
@@ -386,7 +388,8 @@ fn a_crash_is_the_same_for_any_threads_and_after_a_restart() {
     }
 }
 
-/// A model that lies 1.3 million times its size away, and the same with its middle at 0. All coordinates are multiples of 2⁻²⁵ m, so that they are exact in both places.
+/// A model that lies 1.3 million times its size away, and the same with its middle at 0. All coordinates are
+/// multiples of 2⁻²⁵ m, so that they are exact in both places.
 #[test]
 fn a_model_far_away_does_the_same_to_the_last_bit() {
     let grid = 2.0_f64.powi(24);

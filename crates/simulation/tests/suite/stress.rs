@@ -14,8 +14,8 @@ fn symmetric([xx, yy, xy]: [f64; 3]) -> [[f64; 2]; 2] {
     [[xx, xy], [xy, yy]]
 }
 
-/// A model under uniform stress. The outer sides in `sides` (left, right, bottom, top of the bounding box) carry the tractions of that stress. The bottom is
-/// held if it is not among them.
+/// A model under uniform stress. The outer sides in `sides` (left, right, bottom, top of the bounding box)
+/// carry the tractions of that stress. The bottom is held if it is not among them.
 fn stressed(mesh: Mesh, stress: [f64; 3], sides: [bool; 4]) -> Model {
     let [xx, yy, xy] = stress;
     let (min, max) = bounds(&mesh);
@@ -106,7 +106,8 @@ fn a_body_under_matching_stress_stays_at_rest_with_any_joints() {
     }
 }
 
-/// Two blocks, one on the other. Their meshes match if `above`, the number of cells along the upper one, is 8.
+/// Two blocks, one on the other. Their meshes match if `above`, the number of cells along the upper one,
+/// is 8.
 fn blocks(above: usize) -> Mesh {
     together(&[rectangle([0.0; 2], [2.0, 1.0], 8, 4), rectangle([0.0, 1.0], [2.0, 2.0], above, 5)])
 }
@@ -147,7 +148,8 @@ fn blocks_that_are_released_part_without_gain_of_energy() {
     }
 }
 
-/// Rock whose vertical stress carries its weight, with absorbing edges at both sides and below, and a pressure of `-stress_at_top` above.
+/// Rock whose vertical stress carries its weight, with absorbing edges at both sides and below, and a
+/// pressure of `-stress_at_top` above.
 fn ground(stress_at_top: f64, gravity: f64) -> Model {
     let mesh = rectangle([0.0; 2], [8.0, 5.0], 16, 10);
     let weight = 2700.0 * gravity;
@@ -209,7 +211,8 @@ fn a_wave_leaves_through_absorbing_edges_and_the_stress_stays() {
     }
 }
 
-/// Without initial stress, a body settles on an absorbing edge by its weight over the stiffness of the ground, and does not sink farther.
+/// Without initial stress, a body settles on an absorbing edge by its weight over the stiffness of the
+/// ground, and does not sink farther.
 #[test]
 fn a_body_on_an_absorbing_edge_settles_and_does_not_sink() {
     let mesh = rectangle([0.0; 2], [2.0, 1.0], 8, 4);
@@ -241,7 +244,7 @@ fn a_body_on_an_absorbing_edge_settles_and_does_not_sink() {
     assert!((carried / (2.0 * 2700.0 * 9.81) - 1.0).abs() < 0.01, "{carried}");
 }
 
-/// A square under initial stress with a hole that opens at once. Its outline is held.
+/// A square under initial stress with a hole that opens in one step. Its outline is held.
 fn opened_hole() -> Model {
     let square = rectangle([-15.0; 2], [15.0; 2], 30, 30);
     let outside = |nodes: &[u32; 3]| {
@@ -273,13 +276,15 @@ fn opened_hole() -> Model {
     }
 }
 
-/// The rock exchanges a small part of its stored energy. The error of the balance is small compared with the exchanged energy.
+/// The rock exchanges a small part of its stored energy. The error of the balance is small compared with the
+/// exchanged energy.
 #[test]
 fn a_hole_in_stressed_rock_is_no_error_of_the_energy() {
     let mut run = Simulation::new(opened_hole(), 1).expect("a model");
     run.advance(1).expect("a step");
     let begin = run.energies();
-    // 10 MPa in both directions in plane strain: σ²/(2 K) for an area of about 872 m², K = E/(2 (1 + ν)(1 - 2 ν)).
+    // 10 MPa in both directions in plane strain: σ²/(2 K) for an area of about 872 m², K = E/(2 (1 + ν)(1 - 2
+    // ν)).
     let area = run.model().mesh.elements.len() as f64 / 2.0;
     let stored = area * 1e14 / (2.0 * 50e9 / (2.0 * 1.25 * 0.5));
     assert!((begin.strain / stored - 1.0).abs() < 1e-3, "{begin:?} {stored}");

@@ -4,7 +4,8 @@ use crate::common::*;
 use fdem_simulation::*;
 use serde::Serialize;
 
-/// Runs a model on all vector instructions that the processor has, and compares the states to the last bit. Returns the last run.
+/// Runs a model on all vector instructions that the processor has, and compares the states to the last bit.
+/// Returns the last run.
 macro_rules! on_all_instructions {
     ($model:expr, $steps:expr) => {{
         let runs = Simd::available().into_iter().map(|simd| {
@@ -25,7 +26,8 @@ fn bytes(state: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(state).expect("bytes")
 }
 
-/// Two materials, side by side in the same batches: one with viscosity and one without, the second under initial stress.
+/// Two materials, side by side in the same batches: one with viscosity and one without, the second under
+/// initial stress.
 #[test]
 fn a_crash_in_the_plane_is_the_same() {
     let ground = rectangle([0.0, -0.1], [0.4, 0.0], 13, 5);
@@ -78,7 +80,8 @@ fn a_crash_in_space_is_the_same() {
     }
 }
 
-/// A block that is stretched by half: most strains are too large for the series of the cube root, which all lanes compute first.
+/// A block that is stretched by half: most strains are too large for the series of the cube root, which all
+/// lanes compute first.
 #[test]
 fn large_strains_are_the_same() {
     let mesh = crate::space::cuboid([0.0; 3], [0.1; 3], [3, 2, 2]);
@@ -93,7 +96,7 @@ fn large_strains_are_the_same() {
     assert!(run.energies().error().abs() < 0.01, "{:?}", run.energies());
 }
 
-/// What is left of a batch that is not full.
+/// The rest of a batch that is not full.
 #[test]
 fn any_number_of_elements_is_the_same() {
     for cells in 1..=9 {
