@@ -12,7 +12,7 @@ use crate::command::memory;
 use crate::command::output::{is_device, print};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
-use crate::model::{AnyPrepared, Drawing, ModelErrors, Preflight, Setting, prepare_any, schema, with_values};
+use fdem_model::{AnyPrepared, Drawing, ModelErrors, Preflight, Setting, prepare_any, schema, with_values};
 
 /// Largest model file, bytes. The check against the schema and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;

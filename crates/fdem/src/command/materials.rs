@@ -7,7 +7,7 @@ use fdem_io::numbers::brief;
 use crate::command::args::MaterialsArguments;
 use crate::command::failure::Failure;
 use crate::command::output::print;
-use crate::model::{LibraryMaterial, library};
+use fdem_model::{LibraryMaterial, library};
 
 /// Columns of the list: heading, key, and the unit of the heading in units of the key.
 const COLUMNS: [(&str, &str, f64); 9] = [

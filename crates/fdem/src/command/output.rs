@@ -215,7 +215,7 @@ pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
 
 /// Stops Gmsh, removes partial files, and ends the program.
 pub(crate) fn end(code: i32) {
-    crate::model::stop_gmsh();
+    fdem_model::stop_gmsh();
     aside::remove_all_and_exit(code);
 }
 

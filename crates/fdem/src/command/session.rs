@@ -22,8 +22,8 @@ use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::course::{Course, Start};
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
-use crate::model::{AnyPrepared, Drawing, Entered, Load, Prepared, Reached, prepare_any};
 use crate::state_hash::state_hash;
+use fdem_model::{AnyPrepared, Drawing, Entered, Load, Prepared, Reached, prepare_any};
 
 /// First line of a file of a run. It changes whenever the contents change.
 const MAGIC: &[u8] = b"fdem session 2\n";
@@ -388,7 +388,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::STARTER;
+    use fdem_model::STARTER;
 
     /// A run that is saved continues with the same bits, in a separate file.
     #[test]

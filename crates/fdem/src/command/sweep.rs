@@ -194,7 +194,7 @@ fn default_folder(sweep: &Path) -> PathBuf {
 
 /// Identifies a sweep. `source`: the hash of the model and of the files that it names.
 fn identity(plan: &Plan, source: &str) -> Value {
-    let row = |row: &Vec<crate::model::Setting>| row.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let row = |row: &Vec<fdem_model::Setting>| row.iter().map(ToString::to_string).collect::<Vec<_>>();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "model_and_files": source,

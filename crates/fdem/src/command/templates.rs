@@ -1,6 +1,6 @@
 //! Models that `fdem new` writes: two to start from, the examples, and a direct shear test.
 
-use crate::model::{STARTER, STARTER_3D};
+use fdem_model::{STARTER, STARTER_3D};
 
 /// A model to start from. Its first line is its title.
 pub(crate) struct Template {

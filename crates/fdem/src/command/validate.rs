@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::command::args::ValidateArguments;
 use crate::command::failure::Failure;
 use crate::command::output::Output;
-use crate::validate::{Case, Size, cases, html, table};
+use fdem_validate::{Case, Size, cases, html, table};
 
 pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     let size = if arguments.full { Size::Full } else { Size::Reduced };

@@ -8,7 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fdem_results::Field;
 
 use crate::command::templates::TEMPLATES;
-use crate::model::{Setting, library};
+use fdem_model::{Setting, library};
 
 /// Largest number of runs of a sweep, unless another is given.
 pub(crate) const MOST_RUNS: usize = 1000;

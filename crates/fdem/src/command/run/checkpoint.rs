@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::run::account::Account;
 use crate::command::run::begun::Begun;
-use crate::model::{Entered, Reached};
+use fdem_model::{Entered, Reached};
 
 /// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ use crate::model::{Entered, Reached};
     deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>, [f64; D]: Deserialize<'de>"
 ))]
 pub(crate) struct Checkpoint<const D: usize, const N: usize> {
-    /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).
+    /// Hash of the model, [`Prepared::hash`](fdem_model::Prepared).
     pub(crate) model: String,
     /// Step and time, s, of each frame that has been written.
     pub(crate) frames: Vec<(u64, f64)>,

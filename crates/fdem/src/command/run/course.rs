@@ -16,7 +16,7 @@ use crate::command::run::engine::Engine;
 use crate::command::run::observer::Observer;
 use crate::command::run::results::Results;
 use crate::command::run::stages::{Known, Stages};
-use crate::model::{Entered, Prepared, Reached};
+use fdem_model::{Entered, Prepared, Reached};
 
 /// A run before its first step, or at the point where it continues.
 pub(crate) struct Start<const D: usize, const N: usize>

@@ -17,7 +17,7 @@ use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
 use crate::command::run::stages::Stages;
-use crate::model::{Body, Prepared};
+use fdem_model::{Body, Prepared};
 
 /// The end of an earlier run.
 pub(crate) struct Earlier<const D: usize, const N: usize> {

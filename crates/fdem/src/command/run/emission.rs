@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::command::run::engine::Engine;
 use crate::command::run::results::Results;
-use crate::model::Prepared;
+use fdem_model::Prepared;
 
 /// The events of a run until now.
 pub(crate) struct Emission {

@@ -33,7 +33,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
-use crate::model::{AnyPrepared, ModelErrors, prepare_any};
+use fdem_model::{AnyPrepared, ModelErrors, prepare_any};
 
 /// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return
 /// before it has ended the other ranks.

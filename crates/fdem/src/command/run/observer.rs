@@ -7,7 +7,7 @@ use crate::command::run::engine::Engine;
 use crate::command::run::folder::{FRAGMENTS, MODEL};
 use crate::command::run::recorder::broken;
 use crate::command::run::results::Results;
-use crate::model::{History as Recorded, Origin, Prepared, Quantity};
+use fdem_model::{History as Recorded, Origin, Prepared, Quantity};
 
 /// Looks at a run. It writes nothing.
 pub(crate) struct Observer<const D: usize> {

@@ -5,7 +5,7 @@ use fdem_io::numbers::{brief, grouped};
 use fdem_results::History;
 use serde_json::{Value, json};
 
-use crate::model::{Prepared, Scaled};
+use fdem_model::{Prepared, Scaled};
 
 /// Share of the largest strain energy from which a row of the history counts.
 const COUNTS: f64 = 0.1;

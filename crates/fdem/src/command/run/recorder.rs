@@ -22,7 +22,7 @@ use crate::command::run::folder::{
     files_of, mesh_file, packed_file,
 };
 use crate::command::run::results::{Drawn, Results};
-use crate::model::{Prepared, columns};
+use fdem_model::{Prepared, columns};
 
 /// Writes the results of a run into its folder.
 pub(crate) struct Recorder<const D: usize, const N: usize>

@@ -8,7 +8,7 @@ use fdem_results::{
 use fdem_simulation::Snapshot;
 
 use crate::command::run::checkpoint::Checkpoint;
-use crate::model::{AnyPrepared, Dimensions, Prepared};
+use fdem_model::{AnyPrepared, Modelled, Prepared};
 
 /// Time between two pictures of an animation, in hundredths of a second.
 const DELAY: u16 = 8;
@@ -17,7 +17,7 @@ const DELAY: u16 = 8;
 const INSIDE: usize = 1_500_000;
 
 /// Results of a run in `D` dimensions.
-pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
+pub(crate) trait Results<const D: usize, const N: usize>: Modelled<D, N> {
     /// Outlines that are drawn as lines, found once for a mesh.
     type Outlines: Send + 'static;
 

@@ -5,7 +5,7 @@ use fdem_simulation::{Change, Energies, Load, Model, Schedule, Simulation, State
 use serde_json::{Value, json};
 
 use crate::command::run::results::Results;
-use crate::model::{Entered, Origin, Prepared, Present, Stage};
+use fdem_model::{Entered, Origin, Prepared, Present, Stage};
 
 /// The stages of a run, one of which it is in.
 pub(crate) struct Stages<const D: usize, const N: usize> {

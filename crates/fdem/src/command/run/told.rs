@@ -14,8 +14,8 @@ use crate::command::run::account::{Account, PARTS};
 use crate::command::run::engine::Engine;
 use crate::command::run::folder::{Folder, LOG};
 use crate::command::run::results::Results;
-use crate::model::Prepared;
 use crate::state_hash::state_hash;
+use fdem_model::Prepared;
 
 /// Percentage between two lines of progress without a terminal.
 const PERCENT: u64 = 10;

@@ -15,7 +15,7 @@ use crate::command::memory;
 use crate::command::progress::Progress;
 use crate::command::run::results::Results;
 use crate::command::sweep::plan::Plan;
-use crate::model::{AnyPrepared, Drawing, Prepared, Setting, check, prepare_any, with_values};
+use fdem_model::{AnyPrepared, Drawing, Prepared, Setting, check, prepare_any, with_values};
 
 /// Refused runs that are named; the rest is counted.
 const NAMED: usize = 10;

@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::command::sweep::values::{self, Axis, Scale};
-use crate::model::{Fault, ModelErrors, Setting, constant, nearest, number, toml_tree};
+use fdem_model::{Fault, ModelErrors, Setting, constant, nearest, number, toml_tree};
 
 /// The keys of a sweep file.
 const KEYS: [&str; 8] =

@@ -3,7 +3,7 @@
 use fdem_results::page::sweep::Cell;
 use serde_json::Value;
 
-use crate::model::Setting;
+use fdem_model::Setting;
 
 /// A run in the table.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use fdem_io::numbers::grouped;
 use fdem_scenes::random::Random;
 use sha2::{Digest, Sha256};
 
-use crate::model::Setting;
+use fdem_model::Setting;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scale {

@@ -1,0 +1,121 @@
+//! Models that would take more memory or time than there is: refused before anything is cut, in few words.
+
+use fdem_model::{Drawing, prepare_within};
+
+use crate::{SMALL, read, right};
+
+/// The small model with another shape.
+fn with_shape(shape: &str) -> String {
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let (_, end) = rest.split_once("mesh_size = 0.1\n").unwrap();
+    format!("{start}{shape}\n{end}")
+}
+
+/// Refused with `part` in the message, and with no number of hundreds of digits.
+#[track_caller]
+fn refused(text: &str, part: &str) {
+    let errors = read(text).map(|prepared| prepared.quality).unwrap_err();
+    let told = errors.to_string();
+    assert!(told.contains(part), "{part:?} is not in\n{told}");
+    let mut digits = 0;
+    for c in told.chars() {
+        digits = if c.is_ascii_digit() { digits + 1 } else { 0 };
+        assert!(digits <= 20, "{told}");
+    }
+    assert!(errors.render(Drawing::Plain).len() < 5000);
+}
+
+#[test]
+fn sizes_that_have_no_room_are_refused_before_anything_is_cut() {
+    refused(&SMALL.replace("mesh_size = 0.1", "mesh_size = 1e-308"), "more elements than can be counted");
+    refused(&SMALL.replace("mesh_size = 0.1", "mesh_size = 1e-150"), "a mesh size of 1e-150 m gives about");
+    for shape in [
+        "rectangle = { min = [0, 0], max = [1, 1], holes = [{ centre = [0, 0], radius = 1e25 }] }\nmesh_size = 0.1",
+        "disc = { radius = 1e29 }\nmesh_size = 0.1",
+        "ring = { radius = 1e30, inner_radius = 1e29 }\nmesh_size = 1",
+        "voronoi = { outline = { polygon = { points = [[0, 0], [1, 0], [1, 1e18], [0, 1e18]] } }, grains = 50 }\nmesh_size = 0.1",
+        "packing = { count = 1000, radius = [1e28, 1e29], within = { min = [0, 0], max = [1, 1] } }\nmesh_size = 0.1",
+        "packing = { count = 1000000, radius = [0.9, 1], within = { min = [0, 0], max = [1e4, 1e4] } }\nmesh_size = 0.1",
+    ] {
+        refused(&with_shape(shape), "a mesh size of ");
+    }
+}
+
+#[test]
+fn outlines_that_fill_little_of_their_box_take_no_memory_for_the_rest() {
+    let thin = "ring = { radius = 50, inner_radius = 49.99 }\nmesh_size = 0.01";
+    let elements = right(&with_shape(thin)).quality.elements;
+    assert!((60_000..120_000).contains(&elements), "{elements}");
+    let spire = "voronoi = { outline = { polygon = { points = [[0, 0], [1e-6, 0], [100, 100]] } }, grains = 50 }\nmesh_size = 0.1";
+    refused(&with_shape(spire), "the outline is too thin for grains");
+    let needle = spire.replace("[100, 100]", "[1e18, 1e18]").replace("mesh_size = 0.1", "mesh_size = 1e15");
+    refused(&with_shape(&needle), "are nearer to each other than a billionth of the shape");
+    // Edges that go from the bottom to the top are in all rows in which points are looked up.
+    let comb: Vec<String> = (0..4000).map(|k| format!("[{}, {}]", k, k % 2)).collect();
+    let comb = format!("polygon = {{ points = [{}, [4000, 3], [-1, 3]] }}\nmesh_size = 1", comb.join(", "));
+    assert!(right(&with_shape(&comb)).quality.elements > 4000);
+}
+
+#[test]
+fn packings_that_have_no_room_are_refused_at_once() {
+    let discs = "packing = { count = 500000, radius = [0.1, 0.2], within = { min = [0, 0], max = [100, 100] } }\nmesh_size = 0.2";
+    refused(&with_shape(discs), "500000 discs cover 3.66519 times the rectangle");
+}
+
+#[test]
+fn many_bodies_in_one_place_are_refused() {
+    let body = &SMALL[SMALL.find("[[body]]").unwrap()..SMALL.find("[[material]]").unwrap()];
+    let copies: String = (1..1000).map(|k| body.replace("\"block\"", &format!("\"block {k}\""))).collect();
+    refused(&format!("{SMALL}{copies}"), "bodies lie in each other: more than ");
+    // Meshes from files are known once they are read.
+    let triangle = |k: u32| {
+        let [a, b, c] = [3 * k + 1, 3 * k + 2, 3 * k + 3];
+        format!("v {k} 0 0\nv {} 0 0\nv {k} 30 0\nf {a} {b} {c}\n", k + 1)
+    };
+    let obj: String = (0..30).map(triangle).collect();
+    let file =
+        body.replace("rectangle = { min = [0, 0], max = [1.0, 0.5] }\nmesh_size = 0.1", "mesh = \"a.obj\"");
+    let copies: String = (0..2000).map(|k| file.replace("\"block\"", &format!("\"file {k}\""))).collect();
+    let text = format!("{SMALL}{copies}");
+    let errors = fdem_model::prepare(&text, "m", &mut |_| Ok(obj.clone().into_bytes())).unwrap_err();
+    assert!(errors.to_string().contains("bodies lie in each other"), "{errors}");
+}
+
+#[test]
+fn thousands_of_equal_names_are_one_short_error() {
+    let body = &SMALL[SMALL.find("[[body]]").unwrap()..SMALL.find("[[material]]").unwrap()];
+    let text = format!("{SMALL}{}", body.repeat(4000));
+    let errors = read(&text).unwrap_err();
+    let told = errors.to_string();
+    assert!(told.contains("there is a [[body]] \"block\" already, and 3,999 times more"), "{told}");
+    assert!(told.len() < 1000 && errors.render(Drawing::Plain).len() < 2000, "{told}");
+}
+
+#[test]
+fn many_errors_are_counted_after_the_first_of_them() {
+    let boundary = "\n[[boundary]]\nname = \"NAME\"\nbody = \"blok\"\nfixd = \"xy\"\n";
+    let all: String = (0..500).map(|k| boundary.replace("NAME", &k.to_string())).collect();
+    let errors = read(&format!("{SMALL}{all}")).unwrap_err();
+    assert!(errors.faults.len() >= 500);
+    let (list, drawn) = (errors.to_string(), errors.render(Drawing::Plain));
+    assert!(list.lines().count() == 26 && list.contains(" more"), "{list}");
+    assert!(drawn.len() < 20_000 && drawn.contains(" more"), "{drawn}");
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_not_drawn() {
+    let points: Vec<String> = (0..50_000).map(|k| format!("[{k}, 0]")).collect();
+    let shape = format!("polygon = {{ points = [{}] }}\nmesh_size = 0.1", points.join(", "));
+    let errors = read(&with_shape(&shape)).unwrap_err();
+    let drawn = errors.render(Drawing::Plain);
+    assert!(drawn.len() < 3000 && drawn.contains("--> model.toml:7:22\n"), "{drawn}");
+}
+
+#[test]
+fn meshes_that_need_more_memory_than_there_is_are_refused() {
+    let text = SMALL.replace("mesh_size = 0.1", "mesh_size = 0.001");
+    let mut load = |_: &str| Err("there are no files".to_owned());
+    let errors = prepare_within(&text, "m", &mut load, Some(5e8)).unwrap_err();
+    assert!(errors.to_string().contains("of memory, and 500 MB are free"), "{errors}");
+    assert!(prepare_within(SMALL, "m", &mut load, Some(5e8)).is_ok());
+}

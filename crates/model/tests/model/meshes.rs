@@ -1,0 +1,228 @@
+//! Shapes, sizes, angles, grains, packings, mesh files.
+
+use std::f64::consts::PI;
+
+use crate::{SMALL, right};
+
+const SHAPES: [(&str, &str, f64); 9] = [
+    ("rectangle", "rectangle = { min = [0, 0], max = [2, 1] }\nmesh_size = 0.03", 2.0),
+    ("slanted", "rectangle = { min = [0, 0], max = [2, 1] }\nangle = 33\nmesh_size = 0.03", 2.0),
+    ("disc", "disc = { centre = [3, -1], radius = 1 }\nmesh_size = 0.04", PI),
+    ("ring", "ring = { radius = 1, inner_radius = 0.5 }\nmesh_size = 0.03", 0.75 * PI),
+    (
+        "polygon",
+        "polygon = { points = [[0, 0], [2, 0], [1.2, 0.8], [2, 2], [0, 1.5]] }\nmesh_size = 0.04",
+        2.7,
+    ),
+    (
+        "hole",
+        "rectangle = { min = [0, 0], max = [2, 2], holes = [{ centre = [1, 1], radius = 0.3 }, [[0.2, 0.2], [0.4, 0.2], [0.3, 0.5]]] }\nmesh_size = 0.05",
+        3.687_257,
+    ),
+    (
+        "notch",
+        "polygon = { points = [[0, 0], [0.95, 0], [0.95, 0.4], [1.05, 0.4], [1.05, 0], [2, 0], [2, 1], [0, 1]] }\nmesh_size = 0.03",
+        1.96,
+    ),
+    (
+        "grains",
+        "voronoi = { outline = { rectangle = { min = [0, 0], max = [2, 1] } }, grains = 40 }\nmesh_size = 0.04",
+        2.0,
+    ),
+    (
+        "grains of a disc",
+        "voronoi = { outline = { disc = { radius = 1 } }, grains = 40 }\nmesh_size = 0.05",
+        PI,
+    ),
+];
+
+fn with_shape(shape: &str) -> String {
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let (_, end) = rest.split_once("mesh_size = 0.1\n").unwrap();
+    format!("{start}{shape}\n{end}")
+}
+
+/// Twice the area of a triangle.
+fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+}
+
+#[test]
+fn shapes_are_filled_by_triangles_of_good_angles_and_the_size_that_was_asked_for() {
+    for (name, shape, area) in SHAPES {
+        let prepared = right(&with_shape(shape));
+        let mesh = &prepared.model.mesh;
+        let areas = mesh.elements.iter().map(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])));
+        assert!(areas.clone().all(|area| area > 0.0), "{name}: all are counter-clockwise");
+        let sum = areas.sum::<f64>() / 2.0;
+        assert!((sum - area).abs() < 3e-3 * area, "{name}: {sum}");
+        let size: f64 = shape.split("mesh_size = ").nth(1).unwrap().parse().unwrap();
+        let quality = &prepared.quality;
+        let mean = quality.edges[1] / size;
+        assert!((0.95..1.05).contains(&mean), "{name}: the mean edge is {mean} of the size");
+        assert!(quality.smallest_angle[0] > 25.0, "{name}: {quality:?}");
+        assert!(quality.smallest_angle[1] > 48.0, "{name}: {quality:?}");
+        assert!(quality.regular < 0.01, "{name}: {quality:?}");
+    }
+}
+
+#[test]
+fn a_large_mesh_is_as_good_and_the_same_seed_gives_the_same() {
+    let text = with_shape("rectangle = { min = [0, 0], max = [1, 1] }\nmesh_size = 0.005");
+    let prepared = right(&text);
+    let quality = &prepared.quality;
+    assert!((90_000..97_000).contains(&quality.elements), "{quality:?}");
+    assert!(quality.below_25 < 1e-3 && quality.smallest_angle[0] > 20.0, "{quality:?}");
+    assert_eq!(right(&text).model.mesh, prepared.model.mesh);
+    let other = right(&text.replace("mesh_size", "seed = 2\nmesh_size"));
+    assert_ne!(other.model.mesh.nodes, prepared.model.mesh.nodes);
+}
+
+/// No node hangs on an edge, no element lies on another: each edge inside is of two elements, and V - E + F
+/// is 1 less the holes.
+#[test]
+fn meshes_have_the_topology_of_their_outlines() {
+    for (name, shape, holes) in
+        [(SHAPES[3].0, SHAPES[3].1, 1), (SHAPES[5].0, SHAPES[5].1, 2), (SHAPES[7].0, SHAPES[7].1, 0)]
+    {
+        let mesh = right(&with_shape(shape)).model.mesh;
+        let mut edges: Vec<[u32; 2]> = Vec::new();
+        for &[a, b, c] in &mesh.elements {
+            edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+        }
+        edges.sort_unstable();
+        assert!(edges.windows(3).all(|three| three[0] != three[2]), "{name}: an edge of three elements");
+        edges.dedup();
+        assert_eq!(mesh.nodes.len() + mesh.elements.len() + holes, edges.len() + 1, "{name}");
+    }
+}
+
+fn root(part: &mut [usize], mut at: usize) -> usize {
+    while part[at] != at {
+        part[at] = part[part[at]];
+        at = part[at];
+    }
+    at
+}
+
+#[test]
+fn grains_have_about_one_size_and_neighbours_of_several_materials_differ() {
+    let more = "[[material]]\nname = \"NAME\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n";
+    let grains = "voronoi = { outline = { rectangle = { min = [0, 0], max = [2, 1] } }, grains = 40, materials = [\"rock\", \"b\", \"c\", \"d\"] }\nmesh_size = 0.04";
+    let text =
+        ["b", "c", "d"].iter().fold(with_shape(grains), |text, name| text + &more.replace("NAME", name));
+    let mesh = right(&text).model.mesh;
+    // Parts of one material that are connected: grains, and the few pairs that four colours in turn cannot
+    // part.
+    let mut part: Vec<usize> = (0..mesh.elements.len()).collect();
+    let mut edges: Vec<([u32; 2], usize)> = Vec::new();
+    for (element, &[a, b, c]) in mesh.elements.iter().enumerate() {
+        edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], element)));
+    }
+    edges.sort_unstable();
+    for pair in edges.windows(2) {
+        let [a, b] = [pair[0].1, pair[1].1];
+        if pair[0].0 == pair[1].0 && mesh.materials[a] == mesh.materials[b] {
+            let (a, b) = (root(&mut part, a), root(&mut part, b));
+            part[a] = b;
+        }
+    }
+    let mut areas = std::collections::BTreeMap::<usize, f64>::new();
+    for element in 0..part.len() {
+        let area = twice_area(mesh.elements[element].map(|node| mesh.nodes[node as usize])) / 2.0;
+        *areas.entry(root(&mut part, element)).or_default() += area;
+    }
+    assert!((36..=40).contains(&areas.len()), "{} grains", areas.len());
+    assert!(areas.values().all(|area| (0.02..0.16).contains(area)), "of 0.05 in the mean: {areas:?}");
+}
+
+#[test]
+fn pieces_of_a_packing_are_bodies_of_their_own_that_do_not_overlap() {
+    for shape in ["disc", "polygon"] {
+        let packing = format!(
+            "packing = {{ shape = \"{shape}\", count = 30, radius = [0.05, 0.1], within = {{ min = [0, 0], max = [2, 1.5] }}, gap = 0.01 }}\nmesh_size = 0.03"
+        );
+        let prepared = right(&with_shape(&packing));
+        assert_eq!(prepared.bodies.len(), 30);
+        assert_eq!(prepared.bodies[6].name, "block-7");
+        assert!(prepared.warnings.is_empty(), "{:?}", prepared.warnings);
+        let mesh = &prepared.model.mesh;
+        assert!(mesh.nodes.iter().all(|&[x, y]| (0.01..=1.99).contains(&x) && (0.01..=1.49).contains(&y)));
+        let again = right(&with_shape(&packing));
+        assert_eq!(again.hash, prepared.hash);
+    }
+}
+
+#[test]
+fn a_packing_comes_from_a_file_too() {
+    let text = with_shape("packing = { file = \"discs.csv\" }\nmesh_size = 0.1");
+    let mut load = |name: &str| {
+        if name == "discs.csv" { Ok(b"x,y,radius\n0,0,0.5\n1,0,0.4\n".to_vec()) } else { Err(String::new()) }
+    };
+    let prepared = fdem_model::prepare(&text, "model.toml", &mut load).unwrap();
+    let names: Vec<_> = prepared.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["block-1", "block-2"]);
+}
+
+#[test]
+fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
+    let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"foot\"\n2 5 \"left\"\n2 9 \"right\"\n$EndPhysicalNames\n\
+        $Nodes\n6\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n$EndNodes\n$Elements\n6\n1 1 2 1 1 1 2\n2 1 2 1 1 2 5\n\
+        3 2 2 5 1 1 2 3\n4 2 2 5 1 1 4 3\n5 2 2 9 2 2 5 6\n6 2 2 9 2 2 6 3\n$EndElements\n";
+    let keys = "mesh = \"two.msh\"\ngroups = { right = \"soft\" }\n[[boundary]]\nname = \"foot\"\ngroup = \"foot\"\npressure = 1\n\
+        [[boundary]]\nname = \"half\"\ngroup = \"left\"\nfixed = \"x\"\n\
+        [[material]]\nname = \"soft\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
+    let read =
+        |text: &str| fdem_model::prepare(text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec())).unwrap();
+    let prepared = read(&with_shape(keys));
+    let mesh = &prepared.model.mesh;
+    // "soft" comes before "rock" in this file.
+    assert_eq!(mesh.materials, [1, 1, 0, 0]);
+    assert_eq!(mesh.nodes.len(), 6, "the halves hold together");
+    assert!(
+        mesh.elements.iter().all(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])) > 0.0),
+        "one was turned"
+    );
+    let fdem_simulation::Target::Facets(foot) = &prepared.model.boundaries[0].target else { panic!() };
+    let ends = foot.iter().map(|edge| edge.map(|node| mesh.nodes[node as usize])).collect::<Vec<_>>();
+    assert_eq!(ends, [[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 0.0]]]);
+    let fdem_simulation::Target::Nodes(half) = &prepared.model.boundaries[1].target else { panic!() };
+    assert_eq!(half.len(), 4);
+    let only = read(&with_shape(&keys.replace("groups = { right = \"soft\" }", "only = [\"left\"]")));
+    assert_eq!((only.model.mesh.elements.len(), only.model.mesh.nodes.len()), (2, 4));
+}
+
+#[test]
+fn bodies_are_turned_about_their_middle_and_then_moved() {
+    let text = with_shape(
+        "rectangle = { min = [0, 0], max = [2, 1] }\nangle = 90\ntranslate = [10, 0]\nmesh_size = 0.25",
+    );
+    let nodes = right(&text).model.mesh.nodes;
+    let extent = |axis: usize| {
+        let values = nodes.iter().map(|node| node[axis]);
+        [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    for (found, expected) in extent(0).into_iter().chain(extent(1)).zip([10.5, 11.5, -0.5, 1.5]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Coordinates have fewer digits far from 0; shapes of elements have to keep theirs.
+#[test]
+fn a_body_far_away_has_the_mesh_of_one_that_is_near() {
+    let disc = |x: &str| {
+        right(&with_shape(&format!("disc = {{ centre = [{x}, 0], radius = 0.025 }}\nmesh_size = 0.001")))
+            .model
+            .mesh
+    };
+    let (near, far) = (disc("0"), disc("1e5"));
+    assert_eq!(near.elements, far.elements);
+    for (a, b) in near.nodes.iter().zip(&far.nodes) {
+        let apart = [b[0] - 1e5 - a[0], b[1] - a[1]];
+        assert!(apart[0].hypot(apart[1]) < 3e-11, "{a:?} {b:?}");
+    }
+    let crossing =
+        "polygon = { points = [[100000, 0], [100001, 1], [100001, 0], [100000, 1]] }\nmesh_size = 0.1";
+    let told = crate::read(&with_shape(crossing)).unwrap_err().to_string();
+    assert!(told.contains("from [100000.0, 0.0] to [100001.0, 1.0]"), "{told}");
+}

@@ -1,0 +1,415 @@
+//! The result of a model file: boundaries, materials, initial state, histories, warnings, preflight.
+
+use std::fmt::Write;
+
+use fdem_model::{Checkpoint, Preflight, Quantity};
+use fdem_results::Field;
+use fdem_simulation::{Load, Schedule, Target};
+
+use crate::{SMALL, right};
+
+fn with(more: &str) -> String {
+    format!("{SMALL}\n{more}")
+}
+
+#[test]
+fn sides_boxes_and_groups_become_nodes_and_edges_counter_clockwise() {
+    let prepared = right(&with(
+        r#"
+[[boundary]]
+name = "ground"
+side = "bottom"
+fixed = "xy"
+
+[[boundary]]
+name = "push"
+side = "right"
+traction = [-1e6, 0]
+ramp = 1e-4
+
+[[boundary]]
+name = "around"
+group = "outer"
+absorbing = true
+
+[[boundary]]
+name = "corner"
+box = [-0.01, 0.49, 0.01, 0.51]
+force = [3, 4]
+table = [[0, 0], [1e-3, 2]]
+
+[[boundary]]
+name = "roller"
+body = "block"
+velocity = ["free", 0]
+"#,
+    ));
+    let mesh = &prepared.model.mesh;
+    let at = |node: u32| mesh.nodes[node as usize];
+    let [ground, push, around, corner, roller] = &prepared.model.boundaries[..] else { panic!() };
+
+    let Target::Nodes(nodes) = &ground.target else { panic!() };
+    assert_eq!(nodes.len(), 11);
+    assert!(nodes.iter().all(|&node| at(node)[1] == 0.0));
+    assert_eq!(
+        (ground.load, &ground.schedule),
+        (Load::Velocity([Some(0.0), Some(0.0)]), &Schedule::Constant)
+    );
+
+    let Target::Facets(edges) = &push.target else { panic!() };
+    assert_eq!(edges.len(), 5);
+    for &[a, b] in edges {
+        assert_eq!([at(a)[0], at(b)[0]], [1.0, 1.0]);
+        assert!(
+            at(b)[1] > at(a)[1],
+            "counter-clockwise, so that the outward normal (dy, -dx) points to the right"
+        );
+    }
+    assert_eq!((push.load, &push.schedule), (Load::Traction([-1e6, 0.0]), &Schedule::Ramp(1e-4)));
+
+    let Target::Facets(edges) = &around.target else { panic!() };
+    let length: f64 = edges.iter().map(|&[a, b]| (at(a)[0] - at(b)[0]).hypot(at(a)[1] - at(b)[1])).sum();
+    assert!((length - 3.0).abs() < 1e-12);
+    let enclosed: f64 = edges.iter().map(|&[a, b]| at(a)[0] * at(b)[1] - at(b)[0] * at(a)[1]).sum();
+    assert!((enclosed / 2.0 - 0.5).abs() < 1e-12, "all run the same way round");
+
+    let Target::Nodes(nodes) = &corner.target else { panic!() };
+    assert_eq!(nodes.iter().map(|&node| at(node)).collect::<Vec<_>>(), [[0.0, 0.5]]);
+    assert_eq!(corner.schedule, Schedule::Table(vec![[0.0, 0.0], [1e-3, 2.0]]));
+
+    let Target::Nodes(nodes) = &roller.target else { panic!() };
+    assert_eq!(nodes.len(), mesh.nodes.len(), "a body without a place is all of it");
+    assert_eq!(roller.load, Load::Velocity([None, Some(0.0)]));
+}
+
+#[test]
+fn pressure_in_a_hole_acts_on_the_hole_alone() {
+    let text = with("[[boundary]]\nname = \"p\"\ngroup = \"holes\"\npressure = 5\n")
+        .replace("max = [1.0, 0.5]", "max = [1.0, 0.5], holes = [{ centre = [0.5, 0.25], radius = 0.1 }]")
+        .replace("mesh_size = 0.1", "mesh_size = 0.04");
+    let prepared = right(&text);
+    let Target::Facets(edges) = &prepared.model.boundaries[0].target else { panic!() };
+    assert_eq!(edges.len(), 16);
+    for &[a, b] in edges {
+        let [a, b] = [a, b].map(|node| prepared.model.mesh.nodes[node as usize]);
+        assert!(((a[0] - 0.5).hypot(a[1] - 0.25) - 0.1).abs() < 1e-12);
+        let normal = [b[1] - a[1], a[0] - b[0]];
+        assert!(
+            normal[0] * (a[0] - 0.5) + normal[1] * (a[1] - 0.25) < 0.0,
+            "outward of the body is into the hole"
+        );
+    }
+}
+
+#[test]
+fn materials_angles_and_interfaces_are_converted() {
+    let prepared = right(&with(
+        r#"
+[[material]]
+name = "weak"
+density = 2000
+youngs_modulus = 1e9
+poissons_ratio = 0.2
+friction = 0.6
+tensile_strength = 1e6
+cohesion = 3e6
+friction_angle = 45
+fracture_energy_i = 1000
+fracture_energy_ii = 2000
+weibull_modulus = 8
+
+[[interface]]
+materials = ["weak", "rock"]
+penalty = 5e9
+
+[fracture]
+insertion = "intrinsic"
+critical_opening = "customary"
+"#,
+    ));
+    let strength = prepared.model.materials[1].strength.unwrap();
+    assert!((strength.friction - 1.0).abs() < 1e-15, "the tangent of 45 degrees");
+    assert_eq!((strength.weibull_modulus, strength.seed), (Some(8.0), 1));
+    assert_eq!(prepared.model.materials[0].strength, None);
+    let interface = &prepared.model.interfaces[0];
+    assert_eq!((interface.materials, interface.friction, interface.penalty), ([0, 1], 0.0, Some(5e9)));
+    assert_eq!(prepared.model.fracture.insertion, fdem_simulation::Insertion::Intrinsic);
+    assert_eq!(prepared.model.fracture.critical_opening, fdem_simulation::CriticalOpening::Customary);
+}
+
+#[test]
+fn what_is_left_out_has_its_default() {
+    let prepared = right(SMALL);
+    let model = &prepared.model;
+    assert_eq!((model.gravity, model.thickness), ([0.0, 0.0], 1.0));
+    assert_eq!(model.time, fdem_simulation::TimeOptions::default());
+    assert_eq!(model.contact, fdem_simulation::ContactOptions::default());
+    assert_eq!(model.fracture, fdem_simulation::FractureOptions::default());
+    assert!(model.velocities.is_empty() && model.stresses.is_empty());
+    let output = &prepared.output;
+    assert_eq!((output.interval, output.history_interval), (1e-3 / 50.0, 1e-3 / 1000.0));
+    assert_eq!(output.fields, [Field::MaxPrincipal, Field::Velocity, Field::Damage]);
+    assert_eq!((output.animate, output.checkpoint), (None, Checkpoint::Seconds(60.0)));
+}
+
+#[test]
+fn velocities_stresses_and_histories_are_of_nodes_and_elements() {
+    let prepared = right(&with(
+        r#"
+[[body]]
+name = "ball"
+material = "rock"
+disc = { centre = [0.5, 1.0], radius = 0.2 }
+mesh_size = 0.1
+
+[initial]
+velocity = { ball = [0, -3] }
+stress = [-1e6, -2e6, 0]
+
+[[boundary]]
+name = "ground"
+body = "block"
+side = "bottom"
+fixed = "xy"
+
+[[history]]
+name = "tip"
+node = [0.5, 0.75]
+body = "ball"
+interval = 1e-8
+
+[[history]]
+name = "support"
+force = "ground"
+
+[[history]]
+name = "cracks"
+crack_length = true
+
+[output]
+animate = "velocity"
+interval = 1e-4
+checkpoint_steps = 100
+"#,
+    ));
+    let ball = &prepared.bodies[1];
+    let model = &prepared.model;
+    for (node, velocity) in (0..).zip(&model.velocities) {
+        let expected = if ball.nodes.contains(&node) { [0.0, -3.0] } else { [0.0, 0.0] };
+        assert_eq!(*velocity, expected);
+    }
+    assert_eq!(model.stresses, vec![[[-1e6, 0.0], [0.0, -2e6]]; model.mesh.elements.len()]);
+    assert!(ball.elements.clone().all(|element| model.mesh.bodies[element as usize] == 1));
+    let quantities: Vec<_> = prepared.histories.iter().map(|history| history.quantity).collect();
+    let [Quantity::Node(tip), Quantity::Force(0), Quantity::CrackLength] = quantities[..] else { panic!() };
+    // The lowest point of the disc, which is a node.
+    assert_eq!(model.mesh.nodes[tip as usize], [0.5, 0.8]);
+    assert_eq!(prepared.output.history_interval, 1e-8);
+    assert_eq!(prepared.output.animate, Some(Field::Velocity));
+    assert_eq!(prepared.output.checkpoint, Checkpoint::Steps(100));
+}
+
+#[test]
+fn equal_models_have_equal_hashes_and_others_have_not() {
+    let hash = |text: &str| right(text).hash;
+    assert_eq!(hash(SMALL), hash(&SMALL.replace("[model]", "# a comment\n[model]")));
+    assert_eq!(hash(SMALL).len(), 64);
+    for (from, to) in [("2700", "2701"), ("mesh_size = 0.1", "mesh_size = 0.1\nseed = 2")] {
+        assert_ne!(hash(SMALL), hash(&SMALL.replace(from, to)), "{to}");
+    }
+}
+
+#[test]
+fn what_may_not_be_meant_is_warned_of() {
+    let warned = |text: &str, part: &str| {
+        let warnings = right(text).warnings;
+        assert!(warnings.iter().any(|warning| warning.contains(part)), "{part:?} is not in {warnings:?}");
+    };
+    let side = |name: &str, side: &str, load: &str| {
+        format!("\n[[boundary]]\nname = \"{name}\"\nside = \"{side}\"\n{load}\n")
+    };
+    let moved = side("top", "top", "velocity = [\"free\", -0.1]\nramp = 1e-4");
+    warned(
+        &with(&side("top", "top", "velocity = [\"free\", -0.1]")),
+        "\"top\": its velocity is there at once",
+    );
+    warned(
+        &with(&side("top", "top", "displacement = [0, 1e-3]\ntable = [[0, 1]]")),
+        "its displacement is there at once",
+    );
+    assert!(right(&with(&moved)).warnings.is_empty());
+    warned(
+        &with(&(moved.clone() + &side("ground", "bottom", "fixed = \"xy\""))),
+        "\"ground\" is fixed along y while \"top\" moves: the two sides are not loaded alike; move both, with -0.05 and 0.05",
+    );
+    let both = moved.clone() + &side("ground", "bottom", "velocity = [\"free\", 0.1]\nramp = 1e-4");
+    assert!(right(&with(&both)).warnings.is_empty());
+    warned(
+        &with(
+            "[contact]\npenalty = 0.1\n[[body]]\nname = \"b\"\nmaterial = \"rock\"\ndisc = { centre = [5, 5], radius = 1 }\nmesh_size = 0.5",
+        ),
+        "sink into each other",
+    );
+    warned(
+        &with(
+            "[[body]]\nname = \"b\"\nmaterial = \"rock\"\ndisc = { centre = [0.5, 0.5], radius = 0.2 }\nmesh_size = 0.1",
+        ),
+        "\"block\" and \"b\" overlap by 0.06 m²",
+    );
+    let strong = "tensile_strength = 10e6\ncohesion = 30e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+    let brittle = format!("{SMALL}{strong}");
+    // E G/f² = 30e9 x 100 / 1e14 = 30 mm.
+    warned(&brittle, "larger than a third of its fracture process zone (E' G/f² = 0.03 m");
+    assert!(right(&brittle.replace("mesh_size = 0.1", "mesh_size = 0.008")).warnings.is_empty());
+    warned(&with("[[history]]\nname = \"far\"\nnode = [9, 9]"), "the nearest node to [9.0, 9.0]");
+}
+
+#[test]
+fn gravity_that_acts_at_once_is_warned_of_where_something_rests() {
+    let sudden = |text: &str| {
+        let told = right(text).warnings;
+        assert!(told.iter().all(|warning| warning.starts_with("gravity ")), "{told:?}");
+        told.into_iter().find(|warning| warning.starts_with("gravity acts at once"))
+    };
+    let falling = SMALL.replace("[model]", "[model]\ngravity = [0, -9.81]");
+    let weak = "tensile_strength = 1e5\ncohesion = 3e5\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+    let held = "[[boundary]]\nname = \"ground\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    // Nothing holds the body, or its weight does not matter, or it is all held.
+    assert_eq!(sudden(&falling), None);
+    assert_eq!(sudden(&format!("{falling}{held}")), None);
+    let all = held.replace("side = \"bottom\"\n", "");
+    assert_eq!(sudden(&format!("{falling}{weak}{all}")), None);
+    // 20 passages of a wave through 0.5 m.
+    let warning = sudden(&format!("{falling}{weak}{held}")).unwrap();
+    assert!(
+        warning.contains("twice its static stress") && warning.contains("gravity_ramp = 0.003 in"),
+        "{warning}"
+    );
+    // A second body on the first, and one that is above it.
+    for (bottom, rests) in [("0.5", true), ("0.500000001", true), ("0.51", false)] {
+        let block = "[[body]]\nname = \"top\"\nmaterial = \"rock\"\nmesh_size = 0.1\n";
+        let block = format!("{block}rectangle = {{ min = [0.1, {bottom}], max = [0.4, 0.8] }}\n");
+        let two = format!("{falling}{held}body = \"block\"\n{block}");
+        assert_eq!(sudden(&two).is_some(), rests, "{bottom}");
+        let ramped = two.replace("[model]", "[model]\ngravity_ramp = 0.01");
+        assert_eq!(right(&ramped).model.gravity_schedule, Schedule::Ramp(0.01));
+        assert_eq!(sudden(&ramped), None);
+    }
+}
+
+#[test]
+fn a_regular_mesh_under_fracture_is_warned_of() {
+    let mut mesh = String::new();
+    for row in 0..5 {
+        for column in 0..5 {
+            writeln!(mesh, "v {column} {row} 0").unwrap();
+        }
+    }
+    for row in 0..4 {
+        for column in 0..4 {
+            let corner = row * 5 + column + 1;
+            writeln!(mesh, "f {corner} {} {}", corner + 1, corner + 6).unwrap();
+            writeln!(mesh, "f {corner} {} {}", corner + 6, corner + 5).unwrap();
+        }
+    }
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text = format!("{start}mesh = \"grid.obj\"\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    let breakable = format!(
+        "{text}tensile_strength = 1e3\ncohesion = 3e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n"
+    );
+    let warnings =
+        |text: &str| fdem_model::prepare(text, "m", &mut |_| Ok(mesh.clone().into_bytes())).unwrap().warnings;
+    assert!(warnings(&text).is_empty(), "{:?}", warnings(&text));
+    assert!(warnings(&breakable)[0].starts_with("100 % of the elements have the angles of a regular mesh"));
+}
+
+/// [`SMALL`] with a strength, and lines behind it.
+fn breakable(cohesion: &str, more: &str) -> String {
+    format!(
+        "{SMALL}tensile_strength = 1e6\ncohesion = {cohesion}\nfriction_angle = 30\nfracture_energy_i = 1e3\nfracture_energy_ii = 1e3\n{more}"
+    )
+}
+
+#[test]
+fn a_tension_that_shears_first_and_soft_joints_are_warned_of() {
+    let warnings = |text: &str| right(text).warnings.join("\n");
+    assert_eq!(warnings(&breakable("3e6", "")), "");
+    // c / tan 30° is 0.866 MPa.
+    assert!(warnings(&breakable("5e5", "")).contains("cannot carry its tensile strength of"));
+    let soft = breakable("3e6", "[fracture]\njoint_penalty = 0.01\n");
+    assert!(warnings(&soft).contains("joint_penalty = 0.01: joints are softer"));
+}
+
+#[test]
+fn words_of_the_literature_and_moduli_out_of_range_are_answered() {
+    for (text, parts) in [
+        (
+            breakable("3e6", "[fracture]\ninsertion = \"extrinsic\"\n"),
+            ["insertion", "did you mean \"adaptive\"?"],
+        ),
+        (breakable("3e6", "weibull_modulus = 1e-3\n"), ["weibull_modulus", "at least 1"]),
+    ] {
+        let errors = fdem_model::prepare(&text, "m", &mut |_| Err(String::new())).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| errors.contains(part)), "{errors}");
+    }
+}
+
+#[test]
+fn the_preflight_knows_steps_and_time() {
+    let prepared = right(SMALL);
+    let preflight = Preflight::of(&prepared).unwrap();
+    let height = prepared.quality.smallest_height;
+    // A wave takes longer through the smallest element.
+    let wave = height / (30e9_f64 / 2700.0).sqrt();
+    assert!((0.1..1.0).contains(&(preflight.critical.step / wave)), "{} {wave}", preflight.critical.step);
+    assert_eq!(preflight.step, 0.8 * preflight.critical.step);
+    assert_eq!(preflight.steps, (1e-3 / preflight.step).ceil() as u64);
+    let text = preflight.to_string();
+    for part in [
+        "bodies           1: block",
+        "elements, ",
+        "critical step    ",
+        "run time         about ",
+        "memory           about ",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    let unstable = right(&SMALL.replace("[model]", "[model]\ntime_step = 1e-3"));
+    let preflight = Preflight::of(&unstable).unwrap();
+    assert!(preflight.warnings[0].contains("the run will not be stable"), "{:?}", preflight.warnings);
+}
+
+#[test]
+fn an_initial_stress_may_change_with_height() {
+    let prepared = right(&with("[initial]\nstress = [-1e6, -2e6, 0.5e6]\nstress_gradient = [1e4, 3e4, 0]\n"));
+    let (mesh, stresses) = (&prepared.model.mesh, &prepared.model.stresses);
+    assert_eq!(stresses.len(), mesh.elements.len());
+    for (nodes, stress) in mesh.elements.iter().zip(stresses) {
+        let y = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
+        let expected = [[-1e6 + 1e4 * y, 0.5e6], [0.5e6, -2e6 + 3e4 * y]];
+        for (found, expected) in stress.as_flattened().iter().zip(expected.as_flattened()) {
+            assert!((found - expected).abs() < 1e-3, "{stress:?} at {y}");
+        }
+    }
+    assert!(right(SMALL).model.stresses.is_empty());
+}
+
+#[test]
+fn what_an_initial_stress_does_not_balance_is_said() {
+    let gravity = |stress: &str| {
+        let text = SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ngravity = [0, -9.81]");
+        format!("{text}\n[[boundary]]\nname = \"below\"\nside = \"bottom\"\nabsorbing = true\n{stress}")
+    };
+    let told = |text: &str, what: &str| right(text).warnings.iter().any(|warning| warning.contains(what));
+    assert!(told(&gravity(""), "is not carried by an initial stress"));
+    let carried = "[initial]\nstress = [0, -13243.5, 0]\nstress_gradient = [0, 26487, 0]\n";
+    assert!(!told(&gravity(carried), "is not carried by an initial stress"));
+
+    let touching = |stress: &str| {
+        let second = "[[body]]\nname = \"lid\"\nmaterial = \"rock\"\nrectangle = { min = [0, 0.5], max = [1.0, 0.7] }\nmesh_size = 0.08\n";
+        format!("{SMALL}\n{second}\n[initial]\nstress = {stress}\n")
+    };
+    assert!(told(&touching("[0, 1e6, 0]"), "\"block\" and \"lid\" touch, and it pulls them apart"));
+    assert!(told(&touching("[0, -1e6, 0.5e6]"), "more than friction holds"));
+    assert!(!right(&touching("[0, -1e6, 0]")).warnings.iter().any(|warning| warning.contains("[initial]")));
+}

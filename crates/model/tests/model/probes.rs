@@ -1,0 +1,160 @@
+//! Histories of probes: their values, and refusals.
+
+use fdem_model::Quantity;
+use fdem_simulation::Probe;
+
+use crate::{SMALL, read, right};
+
+/// The small model with a second block on the first, and histories.
+fn with(histories: &str) -> String {
+    format!(
+        "{SMALL}\n[[body]]\nname = \"upper\"\nmaterial = \"rock\"\nrectangle = {{ min = [0, 0.5], max = [0.5, 1.0] }}\nmesh_size = 0.1\n{histories}"
+    )
+}
+
+#[test]
+fn probes_are_of_the_elements_and_bodies_that_are_named() {
+    let prepared = right(&with(
+        r#"
+[[history]]
+name = "point"
+stress = [0.31, 0.22]
+[[history]]
+name = "energies"
+energy = true
+[[history]]
+name = "all"
+strain = "mean"
+[[history]]
+name = "core"
+stress = "mean"
+body = "upper"
+box = [0.1, 0.0, 0.4, 0.9]
+[[history]]
+name = "speed"
+velocity = [0.31, 0.22]
+[[history]]
+name = "drift"
+velocity = "mean"
+body = "upper"
+[[history]]
+name = "gauge"
+gauge = [[0.1, 0.25], [0.9, 0.25]]
+[[history]]
+name = "between"
+contact_force = ["upper", "block"]
+[[history]]
+name = "outline"
+reaction = "outer"
+body = "upper"
+"#,
+    ));
+    let mesh = &prepared.model.mesh;
+    let quantities: Vec<_> = prepared.histories.iter().map(|history| history.quantity).collect();
+    let expected = [Quantity::Probe(0), Quantity::Energy].into_iter().chain((1..8).map(Quantity::Probe));
+    assert_eq!(quantities, expected.collect::<Vec<_>>());
+    let [
+        Probe::Stress(at),
+        Probe::Strain(all),
+        Probe::Stress(core),
+        Probe::PointVelocity(point),
+        Probe::Velocity(upper),
+        Probe::Gauge { ends, span },
+        Probe::ContactForce(bodies),
+        Probe::Reaction(nodes),
+    ] = &prepared.probes[..]
+    else {
+        panic!("{:?}", prepared.probes)
+    };
+    assert_eq!(*at, [point.element]);
+    let place: Vec<f64> = (0..2)
+        .map(|axis| {
+            let corners = mesh.elements[point.element as usize];
+            corners
+                .iter()
+                .zip(point.weights)
+                .map(|(&node, weight)| weight * mesh.nodes[node as usize][axis])
+                .sum()
+        })
+        .collect();
+    assert!((place[0] - 0.31).abs() < 1e-12 && (place[1] - 0.22).abs() < 1e-12, "{place:?}");
+    assert_eq!(all.len(), mesh.elements.len());
+    assert_eq!(*upper, prepared.bodies[1].elements.clone().collect::<Vec<_>>());
+    assert!(
+        core.len() > 10 && core.len() < upper.len() && core.iter().all(|element| upper.contains(element))
+    );
+    assert!(ends[0].element != ends[1].element);
+    assert!((span[0] - 0.8).abs() < 1e-15 && span[1] == 0.0);
+    assert_eq!(*bodies, [vec![1], vec![0]]);
+    assert!(nodes.is_sorted() && nodes.iter().all(|node| prepared.bodies[1].nodes.contains(node)));
+}
+
+#[test]
+fn wrong_probes_are_told_with_their_place() {
+    for (keys, at, parts) in [
+        ("stress = [3, 0.2]", "[3, 0.2]", ["outside of all bodies", "nearest body is \"block\""]),
+        ("stress = [0.2, 0.2]\nbody = \"upper\"", "[0.2, 0.2]", ["outside of the body", "\"upper\""]),
+        ("stress = [1, 2, 3]", "[1, 2, 3]", ["\"stress\" has 3 numbers", "write [x, y]"]),
+        ("stress = \"max\"", "\"max\"", ["stress", ""]),
+        ("stress = \"mean\"\nbody = \"uper\"", "\"uper\"", ["no body \"uper\"", "did you mean \"upper\"?"]),
+        ("strain = \"mean\"\nbox = [0, 0, 1]", "[0, 0, 1]", ["3", ""]),
+        ("strain = \"mean\"\nbox = [0, 0, -1, 1]", "[0, 0, -1, 1]", ["inside out", "[xmin, ymin"]),
+        ("strain = \"mean\"\nbox = [5, 5, 6, 6]", "[5, 5, 6, 6]", ["no element has its centroid", "larger"]),
+        ("node = [0, 0]\nbox = [0, 0, 1, 1]", "box", ["\"box\" goes with", ""]),
+        ("contact_force = [\"uper\", \"block\"]", "\"uper\"", ["no body \"uper\"", "did you mean"]),
+        ("contact_force = [\"block\", \"block\"]", "[\"block\", \"block\"]", ["on both sides", ""]),
+        ("contact_force = [\"block\", \"upper\"]\nbody = \"block\"", "body", ["\"body\" goes with", ""]),
+        ("gauge = [[0.1, 0.1], [0.1, 0.1]]", "[[0.1, 0.1], [0.1, 0.1]]", ["the same", ""]),
+        (
+            "gauge = [[0.1, 0.1], [0.1, 0.1, 0.2]]",
+            "[[0.1, 0.1], [0.1, 0.1, 0.2]]",
+            ["3 numbers", "[[x, y], [x, y]]"],
+        ),
+        (
+            "gauge = [[0.1, 0.1], [0.1, 8]]",
+            "[[0.1, 0.1], [0.1, 8]]",
+            ["outside of all bodies", "nearest body is \"upper\""],
+        ),
+        ("reaction = \"outr\"", "\"outr\"", ["no body here has a group \"outr\"", "did you mean \"outer\"?"]),
+        ("stress = \"mean\"\nstrain = \"mean\"", "name", ["is of one quantity", "gauge"]),
+    ] {
+        let text = with(&format!("[[history]]\nname = \"h\"\n{keys}\n"));
+        let errors = read(&text).unwrap_err();
+        let list = errors.to_string();
+        let spots: Vec<_> =
+            errors.faults.iter().filter_map(|fault| fault.span.clone()).map(|span| &text[span]).collect();
+        assert!(errors.faults.len() == 1 && spots == [at], "{keys}: {spots:?}\n{list}");
+        for part in parts {
+            assert!(list.contains(part), "{keys}: {part:?} is not in\n{list}");
+        }
+    }
+}
+
+#[test]
+fn curves_are_of_columns_that_there_are() {
+    let histories = "[[history]]\nname = \"axial\"\ngauge = [[0.1, 0.25], [0.9, 0.25]]\n[[history]]\nname = \"push\"\ncontact_force = [\"upper\", \"block\"]\n";
+    let curve = |keys: &str| with(&format!("{histories}[[curve]]\nname = \"c\"\n{keys}\n"));
+    let prepared = right(&curve("x = \"axial strain\"\ny = \"push fy [N]\"\narea = 0.5"));
+    let found = &prepared.curves[0];
+    assert_eq!(
+        (found.x.as_str(), found.y.as_str(), found.area),
+        ("axial strain [m/m]", "push fy [N]", Some(0.5))
+    );
+    for (keys, at, parts) in [
+        (
+            "x = \"axal strain\"\ny = \"time\"",
+            "\"axal strain\"",
+            ["no column", "did you mean \"axial strain\"?"],
+        ),
+        ("x = \"time\"\ny = \"axial strain\"\narea = 2", "area", ["divides a column in [N]", "axial strain"]),
+        ("x = \"time\"\ny = \"push fy\"\nlength = 2", "length", ["divides a column in [m]", "time"]),
+    ] {
+        let text = curve(keys);
+        let errors = read(&text).unwrap_err();
+        let list = errors.to_string();
+        let spots: Vec<_> =
+            errors.faults.iter().filter_map(|fault| fault.span.clone()).map(|span| &text[span]).collect();
+        assert!(errors.faults.len() == 1 && spots == [at], "{keys}: {spots:?}\n{list}");
+        assert!(parts.iter().all(|part| list.contains(part)), "{keys}: {list}");
+    }
+}

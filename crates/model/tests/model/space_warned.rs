@@ -1,0 +1,290 @@
+//! Settings that may not be meant in three dimensions, and refusals there before they cost minutes.
+
+use fdem_model::{AnyPrepared, Preflight, Prepared, prepare_any};
+
+const STONE: &str =
+    "[[material]]\nname = \"stone\"\ndensity = 2500\nyoungs_modulus = 10e9\npoissons_ratio = 0.2\n";
+
+/// A model of one body, with this file.
+fn any(general: &str, body: &str, file: &str) -> Result<AnyPrepared, String> {
+    let text = format!(
+        "[model]\nend_time = 1e-3\n{general}\n[[body]]\nname = \"b\"\nmaterial = \"stone\"\n{body}\n{STONE}"
+    );
+    prepare_any(&text, "m.toml", &mut |_| Ok(file.as_bytes().to_vec()), None)
+        .map_err(|errors| errors.to_string())
+}
+
+fn space(general: &str, body: &str, file: &str) -> Prepared<3, 4> {
+    match any(general, body, file) {
+        Ok(AnyPrepared::Space(prepared)) => *prepared,
+        Ok(AnyPrepared::Plane(_)) => panic!("it is flat"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+/// Cubes with edges of `width` at these places, as an STL file.
+fn cubes(width: f64, places: &[[f64; 3]]) -> String {
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let mut text = "solid cubes\n".to_owned();
+    for place in places {
+        for triangle in quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]) {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for k in triangle {
+                let corner = [k & 1, k >> 1 & 1, k >> 2];
+                let [x, y, z] = [0, 1, 2].map(|axis| place[axis] + width * f64::from(corner[axis]));
+                text.push_str(&["vertex ", &format!("{x} {y} {z}"), "\n"].concat());
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text + "endsolid cubes\n"
+}
+
+#[test]
+fn a_surface_of_parts_that_do_not_touch_is_warned_of() {
+    let body = "surface = \"a.stl\"\nmesh_size = 0.5";
+    let one = space("", body, &cubes(1.0, &[[0.0; 3]]));
+    assert_eq!(one.warnings, Vec::<String>::new());
+    let two = space("", body, &cubes(1.0, &[[0.0; 3], [3.0, 0.0, 0.0]]));
+    let told = "[[body]] \"b\": its mesh falls into 2 pieces that have no node in common";
+    assert!(two.warnings.len() == 1 && two.warnings[0].starts_with(told), "{:?}", two.warnings);
+}
+
+/// Cubes with edges of 1 of six tetrahedra each, whose corners are these, as a Gmsh file. Equal corners are
+/// one node if `merged`.
+fn cubes_msh(places: &[[f64; 3]], merged: bool) -> String {
+    let (mut nodes, mut elements): (Vec<[f64; 3]>, Vec<[usize; 4]>) = (Vec::new(), Vec::new());
+    for place in places {
+        let numbers: Vec<usize> = (0..8)
+            .map(|k| {
+                let corner = [0, 1, 2].map(|axis| place[axis] + f64::from(k >> axis & 1));
+                let known = nodes.iter().position(|node| merged && *node == corner);
+                known.unwrap_or_else(|| {
+                    nodes.push(corner);
+                    nodes.len() - 1
+                })
+            })
+            .collect();
+        // Along the diagonal from corner 0 to corner 7.
+        for [a, b] in [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]] {
+            elements.push([0, a, b, 7].map(|k| numbers[k] + 1));
+        }
+    }
+    let line = |numbers: Vec<String>| numbers.join(" ");
+    let lines = |lines: Vec<String>| lines.join("\n");
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n{}\n$EndElements\n",
+        nodes.len(),
+        lines(
+            (1..)
+                .zip(&nodes)
+                .map(|(k, node)| format!("{k} {}", line(node.map(|x| x.to_string()).into())))
+                .collect()
+        ),
+        elements.len(),
+        lines(
+            (1..)
+                .zip(&elements)
+                .map(|(k, nodes)| format!("{k} 4 2 1 1 {}", line(nodes.map(|k| k.to_string()).into())))
+                .collect()
+        )
+    )
+}
+
+#[test]
+fn parts_of_a_mesh_that_overlap_are_warned_of_with_two_elements() {
+    let warnings =
+        |second: [f64; 3]| space("", "mesh = \"a.msh\"", &cubes_msh(&[[0.0; 3], second], false)).warnings;
+    let found = warnings([0.75, 0.25, 0.25]);
+    let told = found.iter().find(|told| told.contains("overlap")).unwrap();
+    for part in
+        ["[[body]] \"b\": parts of its mesh that share no nodes overlap by 0.140625 m³", "elements ", " and "]
+    {
+        assert!(told.contains(part), "{part} is not in {told}");
+    }
+    // Side by side they only touch.
+    let found = warnings([1.0, 0.0, 0.0]);
+    assert!(found.len() == 1 && !found[0].contains("overlap"), "{found:?}");
+}
+
+#[test]
+fn parts_of_a_mesh_that_share_only_an_edge_or_a_node_are_warned_of() {
+    let warnings =
+        |second: [f64; 3]| space("", "mesh = \"a.msh\"", &cubes_msh(&[[0.0; 3], second], true)).warnings;
+    for (second, at) in [([1.0, 1.0, 0.0], "[1, 1, 0]"), ([1.0; 3], "[1, 1, 1]")] {
+        let told = format!(
+            "[[body]] \"b\": its mesh has 2 parts of which some share only nodes or edges, as at {at}: elements hold together at common faces only"
+        );
+        let found = warnings(second);
+        assert!(found.len() == 1 && found[0].starts_with(&told), "{found:?}");
+    }
+    assert_eq!(warnings([1.0, 0.0, 0.0]), Vec::<String>::new());
+}
+
+#[test]
+fn a_surface_that_gives_too_many_elements_is_refused_at_its_mesh_size() {
+    let refused = |width: f64, size: f64| {
+        any("", &format!("surface = \"a.stl\"\nmesh_size = {size}"), &cubes(width, &[[0.0; 3]])).unwrap_err()
+    };
+    let fine = refused(1.0, 1.0 / 200.0);
+    for part in [
+        "m.toml:8:",
+        "a mesh size of 0.005 m gives about 8e7 elements; the most are 20,000,000",
+        "take a larger mesh_size",
+    ] {
+        assert!(fine.contains(part), "{part} is not in {fine}");
+    }
+    assert!(!fine.contains("millimetres"), "{fine}");
+    let coarse = refused(100.0, 0.005);
+    for part in ["about 8e13 elements", "the body is 100 m wide, 20000 times mesh_size", "millimetres"] {
+        assert!(coarse.contains(part), "{part} is not in {coarse}");
+    }
+}
+
+#[test]
+fn a_boundary_on_one_node_of_a_body_is_warned_of() {
+    let boundary = |place: &str, load: &str| format!("[[boundary]]\nname = \"foot\"\n{place}\n{load}");
+    let warnings = |body: &str, boundary: &str| space("", &format!("{body}\n{boundary}"), "").warnings;
+    let sphere = "sphere = { radius = 1 }\nmesh_size = 0.4";
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.4";
+    for (load, what) in [
+        ("fixed = \"xyz\"", "holds"),
+        ("force = [0, 0, 1]", "loads"),
+        ("velocity = [0, 0, 1]\nramp = 1e-3", "moves"),
+    ] {
+        let found = warnings(sphere, &boundary("side = \"bottom\"", load));
+        let told = format!("[[boundary]] \"foot\" {what} one node alone of the ");
+        assert!(found.len() == 1 && found[0].starts_with(&told), "{load}: {found:?}");
+        assert_eq!(warnings(cube, &boundary("side = \"bottom\"", load)), Vec::<String>::new());
+    }
+    let corner = boundary("box = [-0.1, -0.1, -0.1, 0.1, 0.1, 0.1]", "fixed = \"xyz\"");
+    assert!(warnings(cube, &corner)[0].contains("holds one node alone"));
+}
+
+#[test]
+fn tetrahedra_that_are_turned_are_counted() {
+    let mesh = |elements: &str| {
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 3 \"slope\"\n3 1 \"all\"\n$EndPhysicalNames\n\
+             $Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n{elements}$EndElements\n"
+        )
+    };
+    let warnings = |elements: &str| space("", "mesh = \"a.msh\"", &mesh(elements)).warnings;
+    let right = "7 4 2 1 1 1 2 3 4\n8 4 2 1 1 2 3 4 5\n";
+    assert_eq!(warnings(&format!("3\n{right}9 2 2 3 3 2 3 5\n")), Vec::<String>::new());
+    let found = warnings("2\n7 4 2 1 1 1 2 3 4\n8 4 2 1 1 3 2 4 5\n");
+    assert_eq!(
+        found,
+        [
+            "[[body]] \"b\": a.msh: 1 of its 2 tetrahedra have a negative volume, the first is element 8: their nodes are taken in the other order"
+        ]
+    );
+    // A triangle between nodes of the mesh that is a face of no tetrahedron, and two.
+    let found = warnings(&format!("3\n{right}9 2 2 3 3 1 2 5\n"));
+    assert_eq!(
+        found,
+        [
+            "[[body]] \"b\": a.msh: element 9 (triangle of the group \"slope\") belongs to no tetrahedron: boundaries do not act on it"
+        ]
+    );
+    let found = warnings(&format!("5\n{right}9 2 2 3 3 2 3 5\n10 2 2 3 3 1 2 5\n11 2 2 3 3 1 3 5\n"));
+    assert_eq!(
+        found,
+        [
+            "[[body]] \"b\": a.msh: 2 triangles belong to no tetrahedron, the first is element 10 of the group \"slope\": boundaries do not act on them"
+        ]
+    );
+}
+
+#[test]
+fn memory_is_that_of_the_frames_that_a_run_has() {
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n";
+    let preflight = |interval: &str| {
+        Preflight::of(&space("", &format!("{cube}[output]\ninterval = {interval}"), "")).unwrap()
+    };
+    // A frame each step, and a thousand frames per step.
+    let each = preflight("1e-6");
+    let more = preflight("1e-12");
+    assert!(each.steps < 1000, "{}", each.steps);
+    assert_eq!(each.memory, more.memory);
+}
+
+#[test]
+fn a_time_step_above_the_critical_one_is_warned_of() {
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n";
+    let preflight = Preflight::of(&space("time_step = 1e-3", cube, "")).unwrap();
+    assert!(preflight.warnings.iter().any(|told| told.contains("the run will not be stable")));
+}
+
+#[test]
+fn messages_in_three_dimensions_have_its_words() {
+    let refused = |general: &str, body: &str| any(general, body, "").unwrap_err();
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n";
+    let told = refused("gravity_ramp = 1", cube);
+    assert!(told.contains("[0, 0, -9.81]"), "{told}");
+    let told = refused("", &format!("{cube}[[history]]\nname = \"h\""));
+    assert!(told.contains("node = [x, y] or [x, y, z]"), "{told}");
+    let told = refused("", "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]] }\nmesh_size = 0.5");
+    assert!(told.contains("a polyhedron has four corners or more") && !told.contains("polygon"), "{told}");
+    let told = refused("", &format!("{cube}[[boundary]]\nname = \"b\"\nside = \"under\"\nfixed = \"z\""));
+    assert_eq!(told.matches("\"left\", \"right\"").count(), 1, "{told}");
+    let grains =
+        |of: &str| refused("", &format!("voronoi = {{ outline = {{ {of} }}, grains = 5 }}\nmesh_size = 0.2"));
+    let told = grains("tube = { from = [0, 0, 0], to = [0, 0, 1], radius = 1, inner_radius = 0.5 }");
+    assert!(
+        told.contains("its keys are")
+            && ["box", "polyhedron", "cylinder", "sphere"].iter().all(|key| told.contains(key)),
+        "{told}"
+    );
+    let told = grains("box = { min = [0, 0, 0], max = [1, 1, 1] }, sphere = { radius = 1 }");
+    assert!(told.contains("an outline is one shape, and this has two"), "{told}");
+    let told = refused("", "sphere = { centre = [1e16, 0, 0], radius = 1 }\nmesh_size = 0.5");
+    assert!(told.contains("m.toml:7: [[body]] \"b\" is 2 m wide and 1e16 m from the origin"), "{told}");
+    let told = refused(
+        "",
+        "extrusion = { outline = { rectangle = { min = [0, 0], max = [1, 1], holes = [{ centre = [3, 3], radius = 0.1 }] } }, from = 0, to = 1 }\nmesh_size = 0.5",
+    );
+    assert!(told.contains("hole 1 is not inside the outline"), "{told}");
+    let told = grains("cylinder = { from = [0, 0, 1], to = [0, 0, 1], radius = 1 }");
+    assert!(told.contains("it has no length"), "{told}");
+}
+
+/// A plate that is held at one edge bends, however wide it is; one that lies on its face does not.
+#[test]
+fn a_plate_with_few_elements_through_it_is_told_to_be_too_stiff() {
+    let warned = |held: &str, load: &str| {
+        let body = format!(
+            "box = {{ min = [0, 0, 0], max = [1, 1, 0.05] }}\nmesh_size = 0.1\n[[boundary]]\nname = \"held\"\nbody = \"b\"\nside = \"{held}\"\nfixed = \"xyz\"\n[[boundary]]\nname = \"load\"\nbody = \"b\"\nside = \"{load}\"\npressure = 1e3\nramp = 1e-3"
+        );
+        space("", &body, "").warnings.iter().any(|warning| warning.contains("too stiff"))
+    };
+    assert!(warned("left", "top"));
+    assert!(!warned("bottom", "top"));
+}
+
+#[test]
+fn keys_without_effect_in_three_dimensions_are_told() {
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }";
+    let turned = space("", &format!("{cube}\nmesh_size = 0.5\naxis = [1, 0, 0]"), "");
+    assert_eq!(turned.warnings, ["[[body]] \"b\": axis changes nothing here"]);
+    let grains = format!("voronoi = {{ outline = {{ {cube} }}, grains = 4, rounds = 9 }}\nmesh_size = 0.2");
+    let warnings = space("", &grains, "").warnings;
+    let told = "[[body]] \"b\": voronoi.rounds changes nothing here";
+    assert!(warnings.iter().any(|warning| warning == told), "{warnings:?}");
+}
+
+#[test]
+fn grains_that_are_too_thin_for_the_size_are_named() {
+    let grains =
+        "voronoi = { outline = { box = { min = [0, 0, 0], max = [1, 1, 1] } }, grains = 400 }\nmesh_size = 5";
+    let error = any("dimensions = 3", grains, "").map(|_| ()).unwrap_err();
+    assert!(error.contains("a grain is") && error.contains("fewer grains"), "{error}");
+}
+
+/// An extrusion of a sphere has no mesh, and so no distance from the origin.
+#[test]
+fn a_shape_that_cannot_be_has_one_error() {
+    let body = "extrusion = { outline = { sphere = { radius = 1 } }, to = 1 }\nmesh_size = 0.5";
+    let error = any("", body, "").map(|_| ()).unwrap_err();
+    assert!(error.lines().count() == 1 && !error.contains("inf"), "{error}");
+}

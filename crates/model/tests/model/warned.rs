@@ -1,0 +1,221 @@
+//! Settings that may not be meant: units, keys without effect, interfaces, slivers, meshes that fall apart,
+//! members that bend.
+
+use fdem_model::{Preflight, prepare};
+
+use crate::{SMALL, right};
+
+/// The small model with more tables.
+fn with(more: &str) -> String {
+    format!("{SMALL}\n{more}")
+}
+
+/// The small model with a mesh from a file.
+fn from_file(file: &'static str) -> Vec<String> {
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text = format!("{start}mesh = \"a.obj\"\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    prepare(&text, "m", &mut |_| Ok(file.as_bytes().to_vec())).unwrap().warnings
+}
+
+#[track_caller]
+fn warned(text: &str, part: &str) {
+    let warnings = right(text).warnings;
+    assert!(warnings.iter().any(|warning| warning.contains(part)), "{part:?} is not in {warnings:?}");
+}
+
+const STRENGTH: &str = "tensile_strength = 10e6\ncohesion = 30e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+
+#[test]
+fn numbers_in_other_units_are_asked_about() {
+    warned(
+        &SMALL.replace("30e9", "30"),
+        "youngs_modulus = 30 Pa is little for a solid: if GPa are meant, write 3e10",
+    );
+    warned(&SMALL.replace("30e9", "210e3"), "if MPa are meant, write 2.1e11");
+    warned(
+        &SMALL.replace("2700", "2.7"),
+        "density = 2.7 kg/m³ is little for a solid: if g/cm³ are meant, write 2.7e3",
+    );
+    let strength = STRENGTH.replace("10e6", "10");
+    warned(
+        &format!("{SMALL}{strength}"),
+        "tensile_strength = 10 Pa is little for a solid: if MPa are meant, write 1e7",
+    );
+    warned(&SMALL.replace("end_time", "gravity = [0, -9810]\nend_time"), "1000 times that of the earth");
+}
+
+#[test]
+fn keys_without_effect_are_told() {
+    let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
+    for (text, part) in [
+        (
+            boundary("fixed = \"x\"\nramp = 1"),
+            "[[boundary]] \"b\": ramp changes nothing where the body is fixed",
+        ),
+        (boundary("fixed = \"x\"\ntable = [[0, 1]]"), "\"b\": table changes nothing where the body is fixed"),
+        (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing where waves are absorbed"),
+        (boundary("velocity = [\"free\", \"free\"]"), "\"b\": all components are free"),
+        (boundary("displacement = [\"free\", \"free\"]"), "\"b\": all components are free"),
+        (
+            with(
+                "[[body]]\nname = \"p\"\nmaterial = \"rock\"\nmesh_size = 0.1\npacking = { count = 2, radius = [0.1, 0.2], corners = [3, 4], within = { min = [2, 0], max = [4, 2] } }",
+            ),
+            "[[body]] \"p\": packing.corners changes nothing here",
+        ),
+        (
+            with("[[material]]\nname = \"spare\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0"),
+            "[[material]] \"spare\" is that of no element",
+        ),
+    ] {
+        warned(&text, part);
+    }
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text =
+        format!("{start}mesh = \"a.obj\"\nseed = 3\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    let prepared =
+        prepare(&text, "m", &mut |_| Ok(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec())).unwrap();
+    assert_eq!(prepared.warnings, ["[[body]] \"block\": seed changes nothing here"]);
+}
+
+#[test]
+fn a_strength_between_materials_that_no_edge_separates_is_warned_of() {
+    let mortar = "[[body]]\nname = \"other\"\nmaterial = \"mortar\"\nrectangle = { min = [1, 0], max = [2, 0.5] }\nmesh_size = 0.1\n\
+        [[material]]\nname = \"mortar\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
+    let between = |a: &str, b: &str| format!("[[interface]]\nmaterials = [\"{a}\", \"{b}\"]\n{STRENGTH}");
+    warned(
+        &with(&format!("{mortar}{}", between("rock", "mortar"))),
+        "[[interface]] of \"rock\" and \"mortar\" has a strength, but no edge of the mesh lies between the two",
+    );
+    warned(
+        &with(&between("rock", "rock")),
+        "[[interface]] of \"rock\" with itself: its strength is that of all ",
+    );
+    let grains = "voronoi = { outline = { rectangle = { min = [0, 0], max = [1, 0.5] } }, grains = 10, materials = [\"rock\", \"mortar\"] }";
+    let text =
+        with(&format!("{}{}", &mortar[mortar.find("[[material]]").unwrap()..], between("rock", "mortar")))
+            .replace("rectangle = { min = [0, 0], max = [1.0, 0.5] }", grains);
+    assert_eq!(right(&text).warnings, Vec::<String>::new());
+}
+
+#[test]
+fn joints_without_strength_need_no_fracture_energy() {
+    let other = "[[material]]\nname = \"b\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
+    let with_keys =
+        |keys: &str| with(&format!("{other}[[interface]]\nmaterials = [\"rock\", \"b\"]\n{keys}\n"));
+    let open = right(&with_keys("tensile_strength = 0\ncohesion = 0\nfriction_angle = 45"));
+    let strength = open.model.interfaces[0].strength.unwrap();
+    assert_eq!(
+        (strength.tensile, strength.cohesion, strength.energy_i, strength.energy_ii),
+        (0.0, 0.0, 0.0, 0.0)
+    );
+    let told = |keys: &str| crate::read(&with_keys(keys)).unwrap_err().to_string();
+    let lacks = told("tensile_strength = 0\ncohesion = 1e6\nfriction_angle = 45");
+    assert!(lacks.contains("add fracture_energy_ii, or"), "{lacks}");
+    let none = told(
+        "tensile_strength = 1\ncohesion = 1\nfriction_angle = 45\nfracture_energy_i = 0\nfracture_energy_ii = 1",
+    );
+    assert!(
+        none.contains("\"fracture_energy_i\" is 0: it has to be above 0 where the strength is"),
+        "{none}"
+    );
+    let text = format!("{SMALL}{}", STRENGTH.replace("tensile_strength = 10e6", "tensile_strength = 0"));
+    let material = crate::read(&text).unwrap_err().to_string();
+    assert!(
+        material.contains("\"tensile_strength\" is 0: it has to be above 0"),
+        "materials have a strength or none: {material}"
+    );
+}
+
+#[test]
+fn a_sliver_is_named_with_its_place_and_what_the_run_takes_without_it() {
+    assert_eq!(Preflight::of(&right(SMALL)).unwrap().warnings, Vec::<String>::new());
+    // A corner of a polygon that is a millimetre from its neighbour.
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let polygon = "polygon = { points = [[0, 0], [1, 0], [1, 0.5], [0.501, 0.5], [0.5, 0.5], [0, 0.5]] }\nmesh_size = 0.05\n";
+    let text = format!("{start}{polygon}{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    let preflight = Preflight::of(&right(&text)).unwrap();
+    let warning = preflight.warnings.iter().find(|warning| warning.contains("is a sliver")).unwrap();
+    for part in ["at [0.", "the time step", "without, the run would take about "] {
+        assert!(warning.contains(part), "{warning}");
+    }
+}
+
+#[test]
+fn meshes_that_fall_apart_are_told_with_the_number_of_pieces() {
+    let whole = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    assert_eq!(from_file(whole), Vec::<String>::new());
+    let unmerged = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n";
+    let told = from_file(unmerged).join("\n");
+    assert!(
+        told.contains(
+            "[[body]] \"block\": its mesh falls into 2 pieces; nodes in the place of another: 2, as at ["
+        ),
+        "{told}"
+    );
+    let hanging = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nf 1 2 3\nf 1 5 4\nf 5 3 4\n";
+    let told = from_file(hanging).join("\n");
+    assert!(
+        told.contains("its mesh is open inside; nodes on edges of other elements: 1, as at [0.5, 0.5]"),
+        "{told}"
+    );
+    let apart = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n";
+    let told = from_file(apart).join("\n");
+    assert!(told.contains("its mesh falls into 2 pieces that have no node in common"), "{told}");
+}
+
+#[test]
+fn loads_and_speeds_beyond_what_materials_carry_are_warned_of() {
+    let boundary = |load: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{load}\n"));
+    for (text, part) in [
+        (
+            boundary("pressure = 1e20"),
+            "\"b\": its pressure is 1e20 Pa, above the largest Young's modulus, 3e10 Pa",
+        ),
+        (boundary("traction = [1e20, 0]"), "\"b\": its traction is 1e20 Pa"),
+        (
+            boundary("force = [1e20, 0]"),
+            "\"b\": its force over the width of the model times its thickness is 1e20 Pa",
+        ),
+        (
+            boundary("velocity = [1e6, 0]\nramp = 1"),
+            "\"b\" moves at 1e6 m/s: a run stops where a node is faster",
+        ),
+        (with("[initial]\nvelocity = { block = [1e6, 0] }"), "at the start, a body moves at 1e6 m/s"),
+        (with("[initial]\nstress = [1e20, 0, 0]"), "[initial] stress is up to 1e20 Pa"),
+        (SMALL.replace("0.25", "0.25\nfriction = 1e20"), "friction = 1e20 is much"),
+        (
+            with("[[interface]]\nmaterials = [\"rock\", \"rock\"]\nfriction = 1e20"),
+            "[[interface]] of \"rock\" and \"rock\": friction = 1e20 is much",
+        ),
+        (format!("{SMALL}{}", STRENGTH.replace("30e6", "1e20")), "cohesion = 1e20 Pa is much for a solid"),
+        (
+            format!("{SMALL}{}", STRENGTH.replace("energy_ii = 100", "energy_ii = 1e20")),
+            "fracture_energy_ii = 1e20 J/m² is much for a solid",
+        ),
+    ] {
+        warned(&text, part);
+    }
+}
+
+#[test]
+fn times_that_are_shorter_than_a_step_are_warned_of() {
+    let warnings = |text: &str| Preflight::of(&right(text)).unwrap().warnings;
+    for (tables, part) in [
+        ("[output]\ninterval = 1e-12", "[output] interval gives one result every 1e-12 s, but a step takes"),
+        ("[output]\nframes = 1000000", "[output] frames gives one result every 1e-9 s"),
+        ("[output]\nhistory_interval = 1e-12", "[output] history_interval gives"),
+        (
+            "[[history]]\nname = \"h\"\nenergy = true\ninterval = 1e-12",
+            "[[history]] \"h\": interval gives one result",
+        ),
+    ] {
+        let found = warnings(&with(tables));
+        assert!(found.len() == 1 && found[0].starts_with(part), "{found:?}");
+    }
+    let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-6\ntime_step = 2e-6"));
+    assert!(found.iter().any(|told| told.contains("2e-6 s is longer than end_time = 1e-6 s")), "{found:?}");
+    let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ntime_step = 1e-18"));
+    assert!(found.iter().any(|told| told.contains("the run would take")), "{found:?}");
+    // The defaults give many results for few steps, without a warning.
+    assert_eq!(warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-5")), Vec::<String>::new());
+}
