@@ -198,7 +198,7 @@ pub enum Error {
         /// Its position along that edge; 0 to 1 is inside.
         fraction: f64,
     },
-    /// An element lies so many periods away from the box that the shifts of its couples do not fit their
+    /// An element is so far away from the box that the shifts of its couples do not fit their
     /// integers.
     TooFarFromBox {
         /// Zero-based number of the element.

@@ -158,7 +158,7 @@ fn help_or_refusal(error: &clap::Error) -> u8 {
     }
 }
 
-/// Tells the command that the program was started without standard output (`>&-`). The standard library opens
+/// Notes that the program was started without standard output (`>&-`). The standard library opens
 /// `/dev/null` in its place before `main`, so only code that runs earlier can find out.
 pub fn stdout_is_closed() {
     output::stdout_is_closed();

@@ -217,7 +217,7 @@ fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Opti
     *last = (pair(earlier[marks.len()], later[marks.len()]) * PAIR) | ENDS;
 }
 
-/// Tells bodies, 1, from the background, 0, without branches, so that the code uses vectors.
+/// Maps bodies to 1 and the background to 0, without branches, so that the code uses vectors.
 #[derive(Clone, Copy)]
 struct Body<L> {
     background: L,

@@ -341,7 +341,7 @@ impl Told {
         }
     }
 
-    /// Tells of a run that has ended.
+    /// Reports a run that has ended.
     fn tell(&mut self, name: &str, number: usize) {
         self.done += 1;
         let Row { status, message, .. } = &self.rows[number - 1];

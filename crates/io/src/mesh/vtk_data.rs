@@ -25,7 +25,7 @@ pub(crate) struct CellList {
     pub(crate) types: Vec<i64>,
 }
 
-/// The type of cells whose section in the file determines what they are.
+/// The type of cells whose section in the file determines their kind.
 const EMPTY: i64 = 0;
 const VERTEX: i64 = 1;
 pub(crate) const POLY_VERTEX: i64 = 2;

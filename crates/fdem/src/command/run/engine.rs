@@ -18,7 +18,7 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     /// Sets the factor of a boundary from the next step on.
     fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String>;
 
-    /// Goes on with another simulation.
+    /// Continues with another simulation.
     fn replace(&mut self, with: Simulation<D, N>) -> Result<(), String>;
 
     fn steps(&self) -> u64;

@@ -156,7 +156,7 @@ impl Reader {
         Some(Plan { model: model?, folder, processes, threads, names, rows })
     }
 
-    /// Tells of a key that does not exist.
+    /// Reports a key that does not exist.
     fn known(&mut self, key: &str, span: Range<usize>, keys: &[&str], what: &str) {
         if !keys.contains(&key) {
             let near = nearest(key, keys.iter().copied()).map(|near| format!("did you mean \"{near}\"?"));
@@ -224,7 +224,7 @@ impl Reader {
         Some(found)
     }
 
-    /// Tells of more runs than are allowed.
+    /// Reports more runs than are allowed.
     fn bounded(&mut self, span: Range<usize>, runs: f64) -> bool {
         if runs > self.most as f64 {
             let message = format!(
