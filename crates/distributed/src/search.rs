@@ -31,7 +31,7 @@ pub use elements::Shapes;
 /// and so on, each about the same number.
 ///
 /// # When do two elements touch?
-/// The comparison is that of [`Elements`] and, in a periodic box, that of
+/// The comparison is that of [`Elements`] and, in a periodic box, of
 /// [`PeriodicSearch`](fdem_contact::PeriodicSearch), where ids take the place of numbers.
 ///
 /// # Cost

@@ -1,11 +1,11 @@
-//! Times and sizes as people tell them.
+//! Times and sizes in the units of everyday use.
 
 use fdem_io::numbers::brief;
 
 /// s.
 pub(crate) const YEAR: f64 = 365.25 * 86_400.0;
 
-/// Time from which years are told instead of days, s.
+/// Time from which durations are given in years instead of days, s.
 const YEARS: f64 = 2.0 * YEAR;
 
 /// `75` as `1 min 15 s`; at least 0.1 s.

@@ -105,8 +105,9 @@ fn names_of_materials(body: &Body) -> Vec<(String, String)> {
     names
 }
 
-/// Meshes all bodies but those that are known to be `wrong`. Tells what is wrong with their shapes, meshes and files, one fault for each body, and returns the tables
-/// whose bodies are missing. `joints`: the lines of joint sets.
+/// Meshes all bodies but those that are known to be `wrong`. Reports errors of their shapes, meshes and
+/// files, one for each body, and returns the tables whose bodies are missing. `joints`: the lines of joint
+/// sets.
 pub(crate) fn build<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
@@ -184,7 +185,7 @@ where
     (mesh, placed, missing)
 }
 
-/// The pieces of a body in their places: bodies of a packing and copies, with what is added to the name of the body.
+/// The pieces of a body in their places: bodies of a packing and copies, each with the suffix of its name.
 fn named_pieces<const D: usize, const N: usize>(
     body: &Body,
     pieces: Vec<Piece<D, N>>,

@@ -1,6 +1,7 @@
 //! Bonds: joint sets on the common sides of two bodies, such as mortar between bricks.
 //!
-//! Where facets of two bodies lie on each other, their nodes become one, and the facet is a joint of the set. The bodies are meshed by then; facets that lie on each other only in part are refused.
+//! Where facets of two bodies lie on each other, their nodes become one, and the facet is a joint of the set.
+//! The bodies are meshed by then; facets that lie on each other only in part are refused.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -26,14 +27,16 @@ const NEAR: f64 = 1e-5;
 /// Facets of two bodies that lie on each other: their nodes, in pairs.
 #[derive(Default)]
 pub(crate) struct Bonds<const D: usize> {
-    /// For each joint set with bonds: its number, the number of pairs of bodies, and the bonded facets, by the nodes of the body that comes first.
+    /// For each joint set with bonds: its number, the number of pairs of bodies, and the bonded facets, by
+    /// the nodes of the body that comes first.
     sets: Vec<(u32, usize, Vec<[u32; D]>)>,
     /// A node before it that each merged node lies on.
     merged: BTreeMap<u32, u32>,
 }
 
 impl<const D: usize> Bonds<D> {
-    /// Finds the bonds of all joint sets that are `between` bodies. Tells what does not lie on each other.
+    /// Finds the bonds of all joint sets that are `between` bodies. Reports sides that do not lie on each
+    /// other.
     pub(crate) fn find<const N: usize>(
         file: &ModelFile,
         document: &Document<'_>,
@@ -110,7 +113,8 @@ impl<const D: usize> Bonds<D> {
         bonds
     }
 
-    /// The node that a node becomes: the first of all that lie on each other. Three bodies and more may meet there, whether or not each two of them are bonded.
+    /// The node that a node becomes: the first of all that lie on each other. Three bodies and more may meet
+    /// there, whether or not each two of them are bonded.
     fn first(&self, mut node: u32) -> u32 {
         while let Some(&other) = self.merged.get(&node) {
             node = other;
@@ -258,7 +262,7 @@ fn near<const D: usize>(
     pairs
 }
 
-/// The range of ascending numbers without gaps; an empty one at the end if there are none.
+/// The range of ascending numbers without gaps; an empty one at the end if there are no numbers.
 fn range(mut numbers: impl Iterator<Item = u32>, end: u32) -> Range<u32> {
     let first = numbers.next();
     first.map_or(end..end, |first| first..first + 1 + numbers.count() as u32)
@@ -310,7 +314,8 @@ impl<const D: usize> Outside<D> {
             .copied()
     }
 
-    /// The facets of this body that lie on facets of another, each with the nodes of the other in the order of its own. The error is a place where facets lie on each other in part.
+    /// The facets of this body that lie on facets of another, each with the nodes of the other in the same
+    /// order. The error is a place where facets lie on each other in part.
     #[allow(clippy::type_complexity, reason = "pairs of facets, named where they are used")]
     fn on(&self, other: &Self) -> Result<Vec<([u32; D], [u32; D])>, [f64; D]> {
         let apart = |axis: usize| {
@@ -371,7 +376,8 @@ fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     (0..D).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Whether a place is on a facet: its coordinates along the edges from the first corner, by least squares, are within the facet, and it is as near to their point as that.
+/// Whether a place is on a facet: its coordinates along the edges from the first corner, by least squares,
+/// are within the facet, and it is as near to their point as that.
 fn is_on<const D: usize>(corners: &[[f64; D]; D], place: [f64; D], near: f64) -> bool {
     let minus = |a: [f64; D], b: [f64; D]| -> [f64; D] { std::array::from_fn(|axis| a[axis] - b[axis]) };
     let dot = |a: [f64; D], b: [f64; D]| (0..D).map(|axis| a[axis] * b[axis]).sum::<f64>();

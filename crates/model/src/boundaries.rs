@@ -106,8 +106,8 @@ fn places(boundary: &file::Boundary) -> Vec<&'static str> {
     .collect()
 }
 
-/// The boundaries with the nodes and edges that they act on. Those of bodies that are missing, by their tables, are left out, and
-/// those that have faults already.
+/// The boundaries with the nodes and edges that they act on. Boundaries of missing bodies, by their tables,
+/// and boundaries with known errors are left out.
 pub(crate) fn resolve<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
@@ -209,7 +209,8 @@ fn act_together(one: &file::Boundary, other: &file::Boundary) -> bool {
     }
 }
 
-/// The name of a boundary that moves a node along the same axis as this load does. Two may both hold a node still.
+/// The name of a boundary that moves a node along the same axis as this load does. Two may both hold a node
+/// still.
 fn prescribed_twice<'a, const D: usize>(
     boundaries: &(impl Iterator<Item = &'a Boundary<D>> + Clone),
     load: Load<D>,
@@ -249,7 +250,7 @@ impl<const D: usize, const N: usize> Place<'_, D, N>
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
-    /// Whether some body has the group, else what to write instead.
+    /// Checks that a body has the group; the error is advice.
     fn check_group(&self) -> Result<(), String> {
         let Some(group) = &self.boundary.group else { return Ok(()) };
         let mut names: Vec<&str> = Vec::new();

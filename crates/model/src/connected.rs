@@ -1,4 +1,5 @@
-//! Whether the mesh of a body holds together: its pieces, parts that share only nodes, nodes that were not merged, and nodes that hang on edges.
+//! Whether the mesh of a body holds together: its pieces, parts that share only nodes, nodes that were not
+//! merged, and nodes that hang on edges.
 
 use std::collections::BTreeMap;
 
@@ -77,7 +78,7 @@ fn tell<const D: usize, const N: usize>(
     if found.pieces > 1 && found.unmerged.0 == 0 && found.hanging.0 == 0 {
         warnings.push(format!("{falls} that have no node in common: nothing holds them to each other, and they touch as bodies do"));
     }
-    // Nodes that are not merged, or hang, are why parts share no more than others.
+    // Nodes that are not merged, or hang, already explain why parts share no more than others.
     if let ((count, Some(node)), (0, _), (0, _)) = (found.parts, found.unmerged, found.hanging) {
         let (shared, facets) = if D == 2 { ("nodes", "edges") } else { ("nodes or edges", "faces") };
         warnings.push(format!(
@@ -174,7 +175,7 @@ fn unmerged<const D: usize, const N: usize>(piece: &Piece<D, N>, nodes: &[u32]) 
 
 /// Nodes of the outline inside of its edges.
 fn hanging(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
-    // Along a direction in which no edge of a usual mesh stands upright.
+    // Along a direction that is perpendicular to no edge of a usual mesh.
     let along = |[x, y]: Point| 0.540_302 * x + 0.841_471 * y;
     let mut order: Vec<(f64, u32)> =
         nodes.iter().map(|&node| (along(piece.nodes[node as usize]), node)).collect();
@@ -188,7 +189,7 @@ fn hanging(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
         for &(_, node) in order[start..].iter().take_while(|(place, _)| *place <= to) {
             let point = piece.nodes[node as usize];
             let [near, far] = [distance(point, a), distance(point, b)];
-            // What is on the way from end to end, and at neither.
+            // Nodes on the way from end to end, and at neither.
             if near.min(far) > ON * length && near + far - length <= 0.5 * ON * ON * length {
                 hangs.push(node);
             }

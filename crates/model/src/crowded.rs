@@ -6,7 +6,8 @@ use fdem_io::numbers::grouped;
 
 use crate::fault::Fault;
 
-/// Couples of elements of bodies that lie in each other: so many are always allowed, and so many more for each element.
+/// Allowed couples of elements of overlapping bodies: a number for every model, and a number for each
+/// element.
 const COUPLES: [f64; 2] = [2e7, 20.0];
 
 /// A bounding box that is full of elements.
@@ -31,7 +32,8 @@ pub(crate) fn crowd(span: Range<usize>, first: &str, second: &str, couples: f64)
         .help("bodies may touch, but not overlap: look for copies in the same place")
 }
 
-/// The two bodies that lie in each other most, and how many couples there are at least, where these are too many to be kept: about, from the bounding boxes.
+/// The two bodies that lie in each other most, and how many couples there are at least, where these are too
+/// many to be kept: about, from the bounding boxes.
 pub(crate) fn crowded<const D: usize>(boxes: &[Filled<D>]) -> Option<([usize; 2], f64)> {
     let limit = COUPLES[0] + COUPLES[1] * boxes.iter().map(|body| body.elements).sum::<f64>();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
@@ -65,7 +67,7 @@ fn couples<const D: usize>(one: &Filled<D>, other: &Filled<D>) -> f64 {
         found *= (one.bounds[1][axis].min(other.bounds[1][axis]) - low).max(0.0);
         found *= one.size[axis] + other.size[axis];
     }
-    // Boxes without area or volume, or beyond what can be computed, say nothing.
+    // Boxes without area or volume, or beyond the range of numbers, count as 0.
     if found.is_finite() { found } else { 0.0 }
 }
 

@@ -1,4 +1,5 @@
-//! The dimensions of a model: what tells them, what has to fit them, and what differs between them.
+//! The dimensions of a model: how they are determined, the keys that have to fit them, and the differences
+//! between them.
 
 mod differences;
 
@@ -18,7 +19,7 @@ use crate::prepared::Body;
 use crate::slivers::Slivers;
 use crate::{gmsh, packing, probes, shapes};
 
-/// What the two- and three-dimensional models differ in, before they are simulated.
+/// The differences between two- and three-dimensional models before they are simulated.
 pub(crate) trait Dimensions<const D: usize, const N: usize>:
     Element<D, N> + Simplex<D, N> + AsRef<[[f64; D]]> + Copy
 {
@@ -42,7 +43,7 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
     /// The stress with these components, as the model file has them.
     fn stress(components: &[f64]) -> [[f64; D]; D];
 
-    /// What is possible, but probably not meant.
+    /// Warnings of settings that are possible, but probably not meant.
     fn warnings(prepared: &Ready<'_, D, N>) -> Vec<String>;
 
     /// Elements that make the time step much shorter than all others would.
@@ -63,7 +64,8 @@ pub(crate) struct Ready<'a, const D: usize, const N: usize> {
     pub(crate) quality: &'a Quality,
 }
 
-/// The dimensions of a model: those that it says, or that its bodies have. Where a file that would tell them cannot be read, vectors and supports tell them.
+/// The dimensions of a model: those that it says, or that its bodies have. If a file that would determine
+/// them cannot be read, vectors and supports determine them.
 pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
     let told = || file.body.iter().find_map(shapes::dimensions);
     let vectors = || match &file.model.gravity {
@@ -187,7 +189,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
 }
 
-/// The fault of a key with so many numbers that they fit other dimensions.
+/// The error of a key whose number of entries fits other dimensions.
 fn wrong_length(
     file: &ModelFile,
     document: &Document<'_>,

@@ -13,13 +13,13 @@ use crate::values::units::Dimension;
 /// Errors of the parser that are looked at.
 const MOST_ERRORS: usize = 50;
 
-/// Lines with errors that are told.
+/// Largest number of lines with errors that are reported.
 const MOST_LINES: usize = 5;
 
 /// A parsed file.
 pub(crate) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
-    /// Dimensions of values whose keys have no unit of their own, by the place of the value.
+    /// Dimensions of values whose keys have no unit, by the place of the value.
     dimensions: BTreeMap<usize, Dimension>,
 }
 
@@ -43,7 +43,7 @@ impl Table {
 }
 
 impl<'a> Document<'a> {
-    /// Reads TOML, as far as it is TOML: also returns a fault for each of the first lines that are not.
+    /// Reads the lines that are TOML: also returns an error for each of the first lines that are not.
     pub(crate) fn parse(text: &'a str) -> (Self, Vec<Fault>) {
         let (root, errors) = DeTable::parse_recoverable(text);
         let mut faults: Vec<(usize, Fault)> = Vec::new();
@@ -61,7 +61,7 @@ impl<'a> Document<'a> {
         self.dimensions = dimensions;
     }
 
-    /// The dimension that the text of a value has, if its key has no unit of its own; `None` for a plain number too.
+    /// The dimension of the text of a value, if its key has no unit; `None` for a plain number too.
     pub(crate) fn dimension(&self, value: &Range<usize>) -> Option<Dimension> {
         self.dimensions.get(&value.start).copied()
     }
@@ -91,7 +91,8 @@ impl<'a> Document<'a> {
         self.walk(table, dotted).is_some()
     }
 
-    /// Returns the place of a key of a table: of the deepest part of `dotted.key` that is in the file, or of the table.
+    /// Returns the place of a key of a table: of the deepest part of `dotted.key` that is in the file, or of
+    /// the table.
     pub(crate) fn key(&self, table: Table, dotted: &str) -> Range<usize> {
         self.find(table, dotted).0
     }
@@ -143,7 +144,7 @@ impl<'a> Document<'a> {
         extent
     }
 
-    /// Tells for each of the tables `[[name]]` whether it has faults.
+    /// Returns for each of the tables `[[name]]` whether it has faults.
     pub(crate) fn with_faults(&self, name: &'static str, count: usize, faults: &[Fault]) -> Vec<bool> {
         let has = |index| {
             let extent = self.extent(Table::of(name, index));
@@ -218,7 +219,8 @@ pub(crate) fn line_of(text: &str, place: usize) -> usize {
     text.get(..place).unwrap_or(text).matches('\n').count()
 }
 
-/// An entry of a table by its key, or of a list by its number from 0, with the place of the key, or of the entry.
+/// An entry of a table by its key, or of a list by its number from 0, with the place of the key, or of the
+/// entry.
 fn inner<'t, 'a>(
     value: &'t Spanned<DeValue<'a>>,
     key: &str,

@@ -7,10 +7,10 @@ use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_
 use crate::dimensions::Dimensions;
 use crate::prepared::Body;
 
-/// Forces out of balance, over the weights, from which a body is said not to be in equilibrium.
+/// Forces out of balance, over the weights, from which a body counts as not in equilibrium.
 const UNBALANCED: f64 = 0.1;
 
-/// Adds what is not in equilibrium at the beginning, in words.
+/// Adds warnings of bodies that are not in equilibrium at the beginning.
 pub(crate) fn warnings<const D: usize, const N: usize>(
     model: &Model<D, N>,
     bodies: &[Body],
@@ -23,7 +23,7 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
         return;
     }
     strength(model, warnings);
-    // A model that cannot be run is told so where it is run.
+    // A model that cannot be run is reported when it is run.
     let Ok(found) = InitialContacts::of(model) else { return };
     let name = |element: u32| &bodies[model.mesh.bodies[element as usize] as usize].name;
     let mut tell = |pair: Option<[u32; 2]>, what: &str| {
@@ -119,7 +119,7 @@ fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Initial stress that a material does not bear.
+/// Warns of initial stress beyond the strength of a material.
 fn strength<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>)
 where
     [[f64; D]; N]: Dimensions<D, N>,
@@ -135,7 +135,7 @@ where
         let mut own =
             model.stresses.iter().zip(&model.mesh.materials).filter(|(_, own)| **own as usize == number);
         if let Some((stress, _)) = own.find(|(stress, _)| breaks(stress)) {
-            // As the model file has them: the diagonal, then xy, yz, xz.
+            // In the order of the model file: the diagonal, then xy, yz, xz.
             let diagonal = (0..D).map(|axis| stress[axis][axis]);
             let others = [[0, 1], [1, 2], [0, 2]].into_iter().filter(|[_, column]| *column < D);
             let all = diagonal.chain(others.map(|[row, column]| stress[row][column])).map(brief);

@@ -91,7 +91,8 @@ pub(crate) fn extent(body: &Body) -> Option<Extent> {
     body.packing.as_ref().and_then(|of| packing(body, of))
 }
 
-/// The extent of a flat packing at random places: radii are as likely anywhere between the smallest and the largest.
+/// The extent of a flat packing at random places: radii are as likely anywhere between the smallest and the
+/// largest.
 fn packing(body: &Body, packing: &Packing) -> Option<Extent> {
     let copied = packing.copies_of.as_ref().map(|of| of.body(body));
     let reach = copied.as_ref().and_then(outline::reach).map(|(_, radius)| [radius; 2]);

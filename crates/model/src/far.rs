@@ -4,7 +4,8 @@ use fdem_io::numbers::brief;
 
 use crate::fault::Problem;
 
-/// Distance from the origin over the width of a body up to which its shape is kept: of the 16 digits of a coordinate, 4 are left for it there.
+/// Distance from the origin over the width of a body up to which its shape is kept: of the 16 digits of a
+/// coordinate, 4 are left for it there.
 const FARTHEST: f64 = 1e12;
 
 /// The problem of a body that is too far from the origin. `bounds`: its least and largest coordinates.
@@ -12,7 +13,7 @@ pub(crate) fn problem<const D: usize>(key: &str, name: &str, bounds: [[f64; D]; 
     moved(key, name, bounds, [0.0; D])
 }
 
-/// As [`problem`], of a body that is moved. Its width is that before: after it, rounding has changed it.
+/// Like [`problem`], for a body that is moved. Its width is that before: after it, rounding has changed it.
 pub(crate) fn moved<const D: usize>(
     key: &str,
     name: &str,
@@ -22,7 +23,8 @@ pub(crate) fn moved<const D: usize>(
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let farthest = (0..D).map(|axis| (low[axis] + by[axis]).abs().max((high[axis] + by[axis]).abs()));
     let distance = farthest.fold(0.0, f64::max);
-    // A shape without any width has another fault, unless it has lost its width to rounding; one without a mesh has another, too.
+    // A shape without any width has another fault, unless it has lost its width to rounding; one without a
+    // mesh has another, too.
     if !distance.is_finite() || distance <= FARTHEST * width || width == 0.0 && distance <= FARTHEST {
         return None;
     }

@@ -16,7 +16,7 @@ pub struct Fault {
     pub message: String,
     /// Place of the fault, in bytes of the file; `None` for the file as a whole.
     pub span: Option<Range<usize>>,
-    /// Label at the place, in a word or two.
+    /// Short label at the place.
     pub label: String,
     /// Advice.
     pub help: Option<String>,
@@ -72,7 +72,8 @@ pub enum Drawing {
 /// Columns of a drawing: lines of the file that are longer are cut around the pointer.
 const WIDTH: usize = 110;
 
-/// Columns after which messages and advice are broken: `error: ` or a line number and `= help: ` stand before them.
+/// Columns after which messages and advice are broken: `error: ` or a line number and `= help: ` come before
+/// them.
 const TEXT_WIDTH: usize = WIDTH - 12;
 
 /// Faults that are shown; the rest is counted.
@@ -82,7 +83,8 @@ const SHOWN: usize = 25;
 const LONGEST_LINE: usize = 500;
 
 impl ModelErrors {
-    /// The errors of a model. `name`: the name of the file, for messages; `text`: its text. Sorts the faults by their places.
+    /// The errors of a model. `name`: the name of the file, for messages; `text`: its text. Sorts the faults
+    /// by their places.
     pub fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| fault.span.as_ref().map_or(usize::MAX, |span| span.start));
         faults.dedup();
@@ -106,7 +108,7 @@ impl ModelErrors {
         let starts = || self.included.iter().map(|(_, start)| *start);
         let place = fault.span.as_ref().map_or(0, |span| span.start);
         let number = starts().take_while(|start| *start <= place).count();
-        // A line break stands between two texts.
+        // A line break separates two texts.
         let end = starts().nth(number).map_or(self.text.len(), |start| start - 1);
         let (name, start) = match number.checked_sub(1) {
             Some(number) => (self.included[number].0.as_str(), self.included[number].1),
@@ -134,7 +136,7 @@ impl ModelErrors {
         out
     }
 
-    /// A fault as it is drawn: the message, the place and the advice.
+    /// Layout of an error: the message, the place and the advice.
     fn report(&self, fault: &Fault) -> Group<'static> {
         let title = Level::ERROR.primary_title(broken(&harmless(&fault.message)));
         let help = fault.help.as_ref().map(|help| Level::HELP.message(broken(&harmless(help))));
@@ -264,7 +266,7 @@ fn broken(text: &str) -> String {
     out
 }
 
-/// Replaces control characters, which could act on a terminal, by as many question marks as they have bytes.
+/// Replaces control characters, which could act on a terminal, by a question mark for each of their bytes.
 fn harmless(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut characters = text.chars().peekable();

@@ -1,4 +1,5 @@
-//! Geometries that Gmsh meshes: it is run as a program of its own. It ends when this program is asked to end ([`stop`]); it goes on if this program is killed (SIGKILL), until its mesh is made.
+//! Geometries that Gmsh meshes, as a separate program. It ends when this program is interrupted ([`stop`]);
+//! it continues if this program is killed (SIGKILL), until its mesh is made.
 
 use std::fs::{self, File};
 use std::io;
@@ -21,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// Time between two looks at whether Gmsh has ended.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Lines of what Gmsh says that are shown.
+/// Lines of the output of Gmsh that are shown.
 const LINES: usize = 5;
 
 /// The Gmsh that runs, for [`stop`].
@@ -29,7 +30,7 @@ static RUNNING: Mutex<Option<Running>> = Mutex::new(None);
 
 struct Running {
     program: Child,
-    /// Its temporary folder.
+    /// The temporary folder of the program.
     folder: PathBuf,
 }
 
@@ -37,11 +38,12 @@ fn running() -> MutexGuard<'static, Option<Running>> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Stops Gmsh and removes its folder, if it runs. For programs that end next: no other Gmsh can be started afterwards, and whoever waits for this one waits for ever.
+/// Stops Gmsh and removes its folder, if it runs. For programs that end next: no other Gmsh can be started
+/// afterwards, and a thread that waits for this one waits for ever.
 pub fn stop() {
     let mut guard = running();
     if let Some(Running { program, folder }) = &mut *guard {
-        // Nothing can be told any more if this fails.
+        // A failure here can no longer be reported.
         let _ = program.kill();
         let _ = program.wait();
         let _ = fs::remove_dir_all(folder);
@@ -57,10 +59,10 @@ pub(crate) fn is_geometry(name: &str) -> bool {
 
 /// The mesh that Gmsh makes of a geometry with edges of `size` m at most, as a file.
 ///
-/// Gmsh sees the file alone, in a folder of its own: a file that includes others is not found there.
+/// Gmsh sees the file alone, in a separate folder: a file that includes others is not found there.
 ///
 /// # Errors
-/// Says that Gmsh is not installed, is stopped, or fails, with what it says.
+/// Gmsh is not installed, is stopped, or fails; the message has its output.
 pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Result<Vec<u8>, Problem> {
     let problem = |message: String| Problem::new("mesh", message);
     let folder = tempfile::tempdir()
@@ -139,7 +141,7 @@ fn run(command: &mut Command, folder: &Path, patience: Duration) -> io::Result<O
     }
 }
 
-/// The errors that Gmsh told, or else its last lines.
+/// The errors that Gmsh printed, or else its last lines.
 fn told(said: &str) -> String {
     let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let errors: Vec<&str> = lines.iter().copied().filter(|line| line.starts_with("Error")).collect();

@@ -1,7 +1,9 @@
 //! Files that a model includes.
 //!
-//! [`Sources::gather`] reads the included files, which may include others, and puts all texts one after the other, so that a place is a range of bytes as in one file.
-//! [`Sources::parse`] parses each text and merges the trees: lists of tables come one after the other, included files first; in other tables the including file wins.
+//! [`Sources::gather`] reads the included files, which may include others, and puts all texts one after the
+//! other, so that a place is a range of bytes as in one file. [`Sources::parse`] parses each text and merges
+//! the trees: lists of tables come one after the other, included files first; in other tables the including
+//! file wins.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -69,7 +71,8 @@ impl<'t> Sources<'t> {
         span.start <= self.files[0].place.end
     }
 
-    /// The model as one document. Also returns what is no TOML, and which files cannot be included.
+    /// The model as one document. Also returns the lines that are not TOML, and the files that cannot be
+    /// included.
     pub(crate) fn parse(&self) -> (Document<'_>, Vec<Fault>) {
         let (mut document, mut faults) = Document::parse(&self.text[self.files[0].place.clone()]);
         faults.extend(self.faults.iter().cloned());
@@ -100,7 +103,7 @@ impl<'t> Sources<'t> {
         merge(merged, own, true, faults)
     }
 
-    /// Reads what the last file of a chain includes.
+    /// Reads the includes of the last file of a chain.
     fn follow(&mut self, chain: &mut Vec<usize>, load: &mut Load<'_>) {
         let Some(&number) = chain.last() else { return };
         let start = self.files[number].place.start;
@@ -162,7 +165,7 @@ impl<'t> Sources<'t> {
         String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
     }
 
-    /// Tells of a file that includes itself.
+    /// Reports a file that includes itself.
     fn circle(&mut self, chain: &[usize], path: &str, span: Range<usize>) {
         let start = chain.iter().position(|&number| self.files[number].path == path).unwrap_or(0);
         let names = chain[start..].iter().map(|&number| self.files[number].path.as_str());
@@ -173,7 +176,8 @@ impl<'t> Sources<'t> {
     }
 }
 
-/// The files that a document includes, with the places of their names. The schema tells of values that are no text.
+/// The files that a document includes, with the places of their names. The schema reports values that are not
+/// text.
 fn entries(document: &Document<'_>) -> Vec<(String, Range<usize>)> {
     let include = document.root().get_ref().iter().find(|(key, _)| key.get_ref() == INCLUDE);
     let Some((_, value)) = include else { return Vec::new() };
@@ -195,7 +199,7 @@ fn no_names(document: &Document<'_>) -> Option<Range<usize>> {
     (!fits).then(|| value.span())
 }
 
-/// The folder of a path, with its last slash; empty if there is none.
+/// The folder of a path, with its last slash; empty if the path has none.
 fn folder(path: &str) -> &str {
     &path[..path.rfind('/').map_or(0, |slash| slash + 1)]
 }

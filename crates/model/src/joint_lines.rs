@@ -1,4 +1,5 @@
-//! The lines and polygons of joint sets: those of a list or a file. The lines that statistics give, and bodies in the plane with joints.
+//! The lines and polygons of joint sets: those of a list or a file. The lines that statistics give, and
+//! bodies in the plane with joints.
 
 use fdem_mesh::Grading;
 use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, triangles};
@@ -19,7 +20,8 @@ const MOST: f64 = 1e5;
 /// A line by its two ends, m.
 type Line = [Point; 2];
 
-/// The lines and polygons of all joint sets, in the order of the file; none for statistical sets, whose joints follow from the place of a body.
+/// The lines and polygons of all joint sets, in the order of the file; none for statistical sets, whose
+/// joints follow from the place of a body.
 pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
     /// Polygons of each set.
@@ -214,7 +216,7 @@ impl Placing {
 
     /// From the model to the mesh.
     fn back(&self, point: Point) -> Point {
-        // Points of bodies that are neither turned nor moved stay what they are.
+        // Points of bodies that are neither turned nor moved stay unchanged.
         if self.turn == [1.0, 0.0] {
             return [0, 1].map(|axis| point[axis] - self.by[axis]);
         }
@@ -226,8 +228,9 @@ impl Placing {
 
 /// The lines of a statistical set within a box, and some beyond it; `None` if they are too many.
 ///
-/// Joints lie on parallel lines, which are numbered from the origin, and along each line on places that are numbered from it. Each number has random numbers of its own, so that the joints
-/// are the same wherever the box is, and those of bodies beside each other continue each other.
+/// Joints lie on parallel lines, which are numbered from the origin, and along each line on places that are
+/// numbered from it. Each joint number has separate random numbers, so that the joints do not depend on the
+/// place of the box, and the joints of neighbouring bodies continue each other.
 fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) -> Option<Vec<Line>> {
     let seed = set.seed.unwrap_or(1);
     let origin: Point = set.origin.as_ref().map_or([0.0; 2], Vector::components);

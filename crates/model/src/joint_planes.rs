@@ -42,7 +42,8 @@ impl BodyJoints {
 }
 
 impl JointLines<'_> {
-    /// Puts the joints of a body into its surface, before it is meshed. `turn`: the rotation of the body after that.
+    /// Puts the joints of a body into its surface, before it is meshed. `turn`: the rotation of the body
+    /// after that.
     pub(crate) fn put_into(
         &self,
         (body, turn): (&Body, [Point; 3]),
@@ -163,7 +164,7 @@ impl Placing {
 
     /// From the model to the mesh.
     fn back(&self, point: Point) -> Point {
-        // Points of bodies that are neither turned nor moved stay what they are.
+        // Points of bodies that are neither turned nor moved stay unchanged.
         if !self.is_turned() {
             return [0, 1, 2].map(|axis| point[axis] - self.by[axis]);
         }
@@ -176,10 +177,12 @@ fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The orientation of a joint: its upward normal, the direction of its strike, and the direction in which it dips.
+/// The orientation of a joint: its upward normal, the direction of its strike, and the direction in which it
+/// dips.
 ///
 /// # Source
-/// The convention of the ISRM suggested methods for the description of discontinuities (1978): the dip below the horizontal, and its direction clockwise from north.
+/// The convention of the ISRM suggested methods for the description of discontinuities (1978): the dip below
+/// the horizontal, and its direction clockwise from north.
 fn orientation(dip: f64, direction: f64) -> [Point; 3] {
     // Sine and cosine of right angles are 0 and 1.
     let exact = |x: f64| if x.abs() < 1e-15 { 0.0 } else { x };
@@ -202,8 +205,10 @@ fn paired(one: i64, other: i64) -> u64 {
 
 /// The polygons of a statistical set within a box, and some beyond it; `None` if they are too many.
 ///
-/// Joints lie on parallel planes, which are numbered from the origin. Those with an end are octagons in squares of each plane, which are numbered from the origin too. Each number has random
-/// numbers of its own, so that the joints are the same wherever the box is, and those of bodies beside each other continue each other.
+/// Joints lie on parallel planes, which are numbered from the origin. Joints with an end are octagons in
+/// squares of each plane, which are numbered from the origin too. Each joint number has separate random
+/// numbers, so that the joints do not depend on the place of the box, and the joints of neighbouring bodies
+/// continue each other.
 fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) -> Option<Vec<Polygon>> {
     let direction = set.dip_direction.unwrap_or(0.0);
     let origin: Point = set.origin.as_ref().map_or([0.0; 3], Vector::components);

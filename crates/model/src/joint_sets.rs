@@ -39,10 +39,10 @@ pub struct Joints {
     pub joints: usize,
     /// Number of edges of elements on them, or of faces in three dimensions.
     pub facets: usize,
-    /// Their length, m; in two dimensions.
+    /// Length of the joints, m; in two dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
-    /// Their area, m²; in three dimensions.
+    /// Area of the joints, m²; in three dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub area: Option<f64>,
 }
@@ -356,7 +356,8 @@ impl Check<'_> {
     }
 }
 
-/// Puts the joints of all bodies into the model. Returns how many each set has. `between`: whether the joints of a set are between bodies, which come later.
+/// Puts the joints of all bodies into the model. Returns how many each set has. `between`: whether the joints
+/// of a set are between bodies, which come later.
 pub(crate) fn put<const D: usize, const N: usize>(
     model: &mut Model<D, N>,
     placed: &[Placed<D, N>],

@@ -1,7 +1,8 @@
 //! Model files: from TOML to a [`Model`] that can be run.
 //!
-//! [`prepare`] takes the text of a model file and a function that gives the bytes of the files it names; there are no paths and no terminal here. Errors
-//! come back as [`ModelErrors`], all of them at once, each with its place in the text. The keys of model files are the types in [`file`](mod@file); [`schema`] is
+//! [`prepare`] takes the text of a model file and a function that gives the bytes of the files it names;
+//! there are no paths and no terminal here. Errors come back as [`ModelErrors`], all of them together, each
+//! with its place in the text. The keys of model files are the types in [`file`](mod@file); [`schema`] is
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! # How it is built
@@ -10,15 +11,17 @@
 //! text ── included ── document ── library ── values ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 //!
-//! `Document` finds the place of every key for messages. The types of `src/file.rs` define the keys; their comments become the descriptions of the schema and the page of the
-//! book that lists every key. [`prepare`] checks, meshes and numbers, and returns a `fdem_simulation::Model`. A model is generic in the dimensions:
-//! `src/dimensions/differences.rs` holds what differs.
+//! `Document` finds the place of every key for messages. The types of `src/file.rs` define the keys; their
+//! comments become the descriptions of the schema and the page of the book that lists every key. [`prepare`]
+//! checks, meshes and numbers, and returns a `fdem_simulation::Model`. A model is generic in the dimensions:
+//! `src/dimensions/differences.rs` holds the differences.
 //!
 //! # Layers
 //!
-//! Files import only from the layers below. From the bottom: the document, its
-//! faults and its keys (`fault`, `document`, `file`); shapes and their sizes (`outline`, `limits`, `extent`); meshes of bodies (`mesh_file`, `plane`, `space`); bodies put together
-//! (`bodies`, `boundaries`, `sizes`); warnings; `prepare`. A test in `crates/fdem/tests/docs/layers.rs` finds circles.
+//! Files import only from the layers below. From the bottom: the document, its faults and its keys (`fault`,
+//! `document`, `file`); shapes and their sizes (`outline`, `limits`, `extent`); meshes of bodies
+//! (`mesh_file`, `plane`, `space`); bodies put together (`bodies`, `boundaries`, `sizes`); warnings;
+//! `prepare`. A test in `crates/fdem/tests/docs/layers.rs` finds circles.
 //!
 //! # To change X, open Y
 //!
@@ -152,19 +155,21 @@ pub use values::constant;
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("starter.toml");
 
-/// As [`STARTER`], in three dimensions.
+/// Like [`STARTER`], in three dimensions.
 pub const STARTER_3D: &str = include_str!("starter_3d.toml");
 
-/// Reads, checks and meshes a model in two dimensions. [`prepare_any`] does so for any model.
+/// Reads, checks and meshes a model in two dimensions. [`prepare_any`] does the same for any model.
 ///
 /// # Shapes
-/// `text`: a model file; `name`: its name, for messages. `load`: the bytes of a file that the model names, as the model names it, or why there are none.
+/// `text`: a model file; `name`: its name, for messages. `load`: returns the bytes of a file under the name
+/// in the model, or the reason why it cannot be read.
 ///
 /// # Cost
 /// Mostly that of the meshes: about 20 µs an element.
 ///
 /// # Errors
-/// [`ModelErrors`]: everything that is wrong, also if the model is in three dimensions. Where something is, large meshes are not made, and what depends on them is not checked.
+/// [`ModelErrors`]: everything that is wrong, also if the model is in three dimensions. If there is an error,
+/// large meshes are not made, and parts that depend on it are not checked.
 ///
 /// # Example
 /// ```
@@ -194,7 +199,7 @@ pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, 
     prepare_within(text, name, load, None)
 }
 
-/// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
+/// Like [`prepare`], and refuses meshes that need more than `memory` (bytes) before it makes them.
 ///
 /// # Errors
 /// The errors of [`prepare`], and mesh sizes for which there is not enough memory.
@@ -277,7 +282,7 @@ fn prepare_or_faults(
         None if faults.is_empty() => deserialize(&document)?,
         None => return Err(faults),
     };
-    // A file that tells the dimensions is read once.
+    // A file that determines the dimensions is read once.
     let mut read: Option<(String, Result<Vec<u8>, String>)> = None;
     let dimensions = dimensions::of(&file, &mut |name| {
         let bytes = load(name);
@@ -357,7 +362,8 @@ impl Checked<'_> {
     {
         let Self { file, document, elements, materials, interfaces, joint_sets, from_library, mut warnings } =
             self;
-        // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
+        // A file with faults is meshed only to find more faults: bodies without faults, and only if that
+        // takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
             *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
@@ -459,7 +465,7 @@ impl Checked<'_> {
     }
 }
 
-/// A text of TOML as a tree with the place of every key and value. Also returns what is no TOML.
+/// A text of TOML as a tree with the place of every key and value. Also returns the lines that are not TOML.
 pub fn toml_tree(text: &str) -> (Spanned<DeTable<'_>>, Vec<Fault>) {
     let (document, faults) = Document::parse(text);
     (document.into_root(), faults)
@@ -479,7 +485,7 @@ fn time_options(file: &ModelFile) -> TimeOptions {
     }
 }
 
-/// The hash of a model, and of what changes it during a run.
+/// The hash of a model, and of everything that changes it during a run.
 fn hash_of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> String
 where
     Model<D, N>: Serialize,
@@ -492,7 +498,7 @@ where
     }
 }
 
-/// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.
+/// The document, if it is TOML. If not, also reports unknown keys and values out of range in the valid lines.
 fn parse<'a>(
     text: &str,
     (document, mut faults): (Document<'a>, Vec<Fault>),
@@ -521,7 +527,7 @@ fn parse<'a>(
 
 /// The file as its types have it.
 fn deserialize(document: &Document<'_>) -> Result<ModelFile, Vec<Fault>> {
-    // The schema check finds what people do wrong; the deserializer reports what it missed.
+    // The schema check finds the usual mistakes; the deserializer reports the others.
     document.read().map_err(|error| {
         let end = document.root().span().end;
         vec![Fault::at(error.span().unwrap_or(end..end), error.message().to_owned())]

@@ -1,7 +1,9 @@
-//! The library of materials: `library = "granite"` in a `[[material]]` gives all keys that the table itself does not give.
+//! The library of materials: `library = "granite"` in a `[[material]]` gives all keys that the table itself
+//! does not give.
 //!
-//! [`resolve`] puts the keys into the document before expressions are evaluated, so that the rest of the checks, the hash and the run know nothing of the library.
-//! The place of each key that it adds is that of the name of the library's material.
+//! [`resolve`] puts the keys into the document before expressions are evaluated, so that the rest of the
+//! checks, the hash and the run do not depend on the library. The place of each key that it adds is that of
+//! the name of the library's material.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -23,7 +25,7 @@ const KEY: &str = "library";
 /// A material of the library.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LibraryMaterial {
-    /// Its name in the library.
+    /// Name of the material in the library.
     pub name: String,
     /// Description in a few words.
     pub about: String,
@@ -130,7 +132,8 @@ pub(crate) fn relax(schema: &mut Value) {
     material.insert("anyOf".into(), json!([{ "required": [KEY] }, { "required": given }]));
 }
 
-/// Adds the keys of the library to the materials that name one. The schema tells of names that the library does not have.
+/// Adds the keys of the library to the materials that name one. The schema reports names that the library
+/// does not have.
 pub(crate) fn resolve(document: &mut Document<'_>) -> Vec<FromLibrary> {
     let tables = document.root_mut().get_mut();
     let list = tables.iter_mut().find(|(name, _)| name.get_ref() == "material");
@@ -162,7 +165,7 @@ fn complete(table: &mut DeTable<'_>) -> Option<FromLibrary> {
     let (library, span) = entry(table, KEY)?;
     let library = library.unwrap_or_default();
     let known = self::library().iter().find(|material| material.name == library);
-    // A material with a name that is misspelt has keys too, so that the name is all that is told.
+    // A material with a misspelt name has keys too, so that only the name is reported.
     let near = nearest(&library, self::library().iter().map(|material| material.name.as_str()));
     let likely = || self::library().iter().find(|material| near == Some(&material.name));
     let chosen = known.or_else(likely).or(self::library().first())?;

@@ -3,7 +3,8 @@
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::MOST_ELEMENTS;
 
-/// Largest magnitude of a number in SI units: beyond those of all solids and loads, and small enough to compute with.
+/// Largest magnitude of a number in SI units: beyond those of all solids and loads, and small enough to
+/// compute with.
 pub(crate) const LARGEST: f64 = 1e30;
 
 /// Elements above which a model is refused.
@@ -23,7 +24,8 @@ pub(crate) fn per_cube<const D: usize>() -> f64 {
     if D == 2 { 4.0 / 3.0_f64.sqrt() } else { 1.0 / VOLUME }
 }
 
-/// Why a body with so many elements is refused, if it is. `before`: elements of the bodies before it.
+/// The reason why a body with this number of elements is refused; `None` if it is not. `before`: elements of
+/// the bodies before it.
 pub(crate) fn too_many(before: f64, elements: f64, size: f64, memory: Option<f64>) -> Option<String> {
     let all = before + elements;
     if !(all.is_finite() && all <= MOST) {

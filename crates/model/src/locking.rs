@@ -1,6 +1,7 @@
 //! How much too stiff triangles and tetrahedra of constant strain are in bending, and where a model bends.
 //!
-//! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book), tetrahedra against pure bending (the case "locking" of the ladder).
+//! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book),
+//! tetrahedra against pure bending (the case "locking" of the ladder).
 
 use fdem_io::numbers::brief;
 use fdem_mesh::{Simplex, bounds, edges};
@@ -12,7 +13,7 @@ use crate::placed::Placed;
 /// Length of a member over its thickness from which it bends.
 const SLENDER: f64 = 5.0;
 
-/// Elements through a member of which it takes so many to bend well.
+/// Number of elements through a member that is enough for bending.
 const ENOUGH: f64 = 8.0;
 
 /// Share by which a member may be too stiff in bending.
@@ -30,7 +31,8 @@ const RATIOS: [f64; 8] = [0.0, 0.2, 0.3, 0.4, 0.45, 0.49, 0.495, 0.499];
 /// Elements through the thickness of the columns of [`EXCESS`].
 const ELEMENTS: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 
-/// Measured stiffness of a cantilever over that of beam theory with shear, less 1, in percent: the means of three meshes.
+/// Measured stiffness of a cantilever over that of beam theory with shear, less 1, in percent: the means of
+/// three meshes.
 const EXCESS: [[f64; 4]; 8] = [
     [58.8, 11.6, 2.8, 0.7],
     [51.4, 9.8, 2.4, 0.6],
@@ -42,10 +44,11 @@ const EXCESS: [[f64; 4]; 8] = [
     [267.0, 72.7, 24.3, 7.6],
 ];
 
-/// Stiffness of a member in bending over the true one, less 1, with so many elements through its thickness.
+/// Stiffness of a member in bending over the true one, less 1, with this number of elements through its
+/// thickness.
 ///
-/// Logarithms are linear between the measured values: in the number of elements, and in the ratio of the two moduli of the plane, to which 1/(1 - 2 nu) is
-/// proportional. Plane stress is plane strain with nu/(1 + nu).
+/// Logarithms are linear between the measured values: in the number of elements, and in the ratio of the two
+/// moduli of the plane, to which 1/(1 - 2 nu) is proportional. Plane stress is plane strain with nu/(1 + nu).
 pub(crate) fn excess(plane: Plane, poissons_ratio: f64, elements: f64) -> f64 {
     let nu = match plane {
         Plane::Stress => poissons_ratio / (1.0 + poissons_ratio),
@@ -55,7 +58,7 @@ pub(crate) fn excess(plane: Plane, poissons_ratio: f64, elements: f64) -> f64 {
     let row = RATIOS.partition_point(|ratio| *ratio <= nu).clamp(1, 7) - 1;
     let down = (stiff(nu) - stiff(RATIOS[row])) / (stiff(RATIOS[row + 1]) - stiff(RATIOS[row]));
     let column = ELEMENTS.partition_point(|count| *count <= elements).clamp(1, 3) - 1;
-    // Beyond the table the last two columns go on.
+    // Beyond the table the trend of the last two columns continues.
     let along = (elements.max(1.0) / ELEMENTS[column]).log2();
     let between = |row: &[f64; 4]| (1.0 - along) * row[column].ln() + along * row[column + 1].ln();
     let logarithm = (1.0 - down) * between(&EXCESS[row]) + down * between(&EXCESS[row + 1]);
@@ -81,7 +84,7 @@ pub const EXCESS_IN_SPACE: [[f64; 4]; 6] = [
 /// Mean edge of a mesh of tetrahedra, in cells of [`CELLS`].
 const EDGE: f64 = 1.25;
 
-/// As [`excess`], of a member of tetrahedra with so many elements through its thickness.
+/// Like [`excess`], for a member of tetrahedra with this number of elements through its thickness.
 fn excess_in_space(poissons_ratio: f64, elements: f64) -> f64 {
     let row = RATIOS_IN_SPACE.iter().rposition(|ratio| *ratio <= poissons_ratio).unwrap_or(0);
     let row = row + usize::from(row + 1 < RATIOS_IN_SPACE.len() && poissons_ratio > RATIOS_IN_SPACE[row]);
@@ -167,7 +170,8 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
     }
 }
 
-/// Tells of a member that is by `error` too stiff, the worst of `count`; with `needed` elements through it that is [`STIFF`].
+/// Reports a member that is by `error` too stiff, the worst of `count`; with `needed` elements through it
+/// that is [`STIFF`].
 fn too_stiff(name: &str, member: &Member, error: f64, needed: f64, count: usize, warnings: &mut Vec<String>) {
     let more = match count {
         1 => String::new(),
@@ -236,7 +240,7 @@ fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
     Some(Member { body, thickness, elements: thickness / mean, material })
 }
 
-/// As [`member`], in space: a bar, or a plate, which may be turned.
+/// Like [`member`], in space: a bar, or a plate, which may be turned.
 fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) -> Option<Member> {
     let Placed { piece, first, .. } = &placed[body];
     let point = |node: &u32| piece.nodes[*node as usize];
@@ -258,7 +262,7 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
     }
     let width = middle_width(piece.nodes.iter().copied());
     let own = first[0]..first[0] + piece.nodes.len() as u32;
-    // What is held along the length, by all boundaries that hold so much of it.
+    // Nodes held along the length, by all boundaries that hold at least this share of it.
     let mut long: Vec<[f64; 3]> = Vec::new();
     for boundary in &model.boundaries {
         let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =

@@ -65,7 +65,7 @@ pub(crate) fn read_flat(
     piece(&mesh, &mesh.triangles, &mesh.segments, planar, &words, (name, only, groups, default))
 }
 
-/// As [`read_flat`], of tetrahedra.
+/// Like [`read_flat`], for tetrahedra.
 pub(crate) fn read_space(
     bytes: &[u8],
     name: &str,
@@ -102,7 +102,8 @@ pub(crate) fn triangles(load: &mut Load<'_>, name: &str) -> Result<Vec<[[f64; 3]
     Ok(mesh.triangles.nodes.iter().map(corners).collect())
 }
 
-/// Whether a file has a mesh of tetrahedra, or a surface that is in no plane z = constant; `None` if it cannot be read.
+/// Whether a file has a mesh of tetrahedra, or a surface that is in no plane z = constant; `None` if it
+/// cannot be read.
 pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> Option<bool> {
     let mesh = read(bytes, name).ok()?;
     let is_flat = mesh.points.windows(2).all(|pair| pair[0][2] == pair[1][2]);
@@ -136,7 +137,7 @@ fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     Ok(mesh)
 }
 
-/// Help for a file with a surface where a mesh is asked for.
+/// Help for a file with a surface in place of a mesh.
 pub(crate) const SURFACES: &str =
     "a closed surface of triangles is meshed with surface = \"…\" instead of mesh";
 
@@ -243,7 +244,7 @@ fn advice(wanted: &str, known: &[&str], words: &Words) -> String {
     }
 }
 
-/// Tells of facets that are those of no element: boundaries do not act on them.
+/// Reports facets that belong to no element: boundaries do not act on them.
 fn loose<const D: usize, const N: usize>(
     facets: &Cells<D>,
     elements: &Cells<N>,

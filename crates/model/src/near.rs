@@ -1,11 +1,13 @@
-//! Corners of a shape that are so near each other that they can only differ by rounding. Elements between them would be as small, and too many for any memory.
+//! Corners of a shape that are so near each other that they can only differ by rounding. Elements between
+//! them would be as small, and too many for any memory.
 
 use crate::fault::Problem;
 
 /// Least distance of two corners over the width of their shape.
 const NEAREST: f64 = 1e-9;
 
-/// The problem of a shape with these nodes that has an edge which is too short. `what`: the shape's corners, as messages name them.
+/// The problem of a shape with these nodes that has an edge which is too short. `what`: the shape's corners,
+/// as messages name them.
 pub(crate) fn problem<const D: usize>(
     key: &str,
     what: &str,

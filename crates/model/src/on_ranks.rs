@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::amounts::{duration, size};
 
-/// Estimates of a run on many ranks, each on a core of its own. Displays as lines of text.
+/// Estimates of a run on many ranks, each on a separate core. Displays as lines of text.
 #[derive(Debug, Clone, Serialize)]
 pub struct OnRanks {
     /// The share of each rank at the beginning.
@@ -36,7 +36,8 @@ pub struct OnRanks {
 }
 
 impl OnRanks {
-    /// Estimates from a forecast. `pace`: times of a step of the whole model on one core, while nothing breaks and if all breaks, s. `program`: memory of the program without a model, bytes.
+    /// Estimates from a forecast. `pace`: times of a step of the whole model on one core, while nothing
+    /// breaks and if all breaks, s. `program`: memory of the program without a model, bytes.
     pub(crate) fn of(forecast: Forecast, pace: [f64; 2], steps: u64, program: f64) -> Self {
         let network = Network::default();
         let busiest = forecast.most(RankForecast::held) as f64 / forecast.elements as f64;

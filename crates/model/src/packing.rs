@@ -1,4 +1,5 @@
-//! Bodies of one kind that do not overlap: circles and spheres at random places or from a file, and what lies in them.
+//! Bodies of one kind that do not overlap: circles and spheres at random places or from a file, and the
+//! shapes in them.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::AtomicU64;
@@ -27,7 +28,8 @@ const DENSEST: [f64; 2] = [0.95, 0.8];
 /// Corners of polygons and of polyhedra, if the file does not say.
 const CORNERS: [[u32; 2]; 2] = [[5, 8], [8, 14]];
 
-/// Points of which the one farthest from the corners so far becomes the next corner of a polyhedron: sharp edges are rare.
+/// Points of which the one farthest from the corners so far becomes the next corner of a polyhedron: sharp
+/// edges are rare.
 const CANDIDATES: usize = 10;
 
 /// The shape of the bodies of a packing that are no copies.
@@ -40,7 +42,7 @@ pub(crate) fn corners(packing: &Packing, dimensions: usize) -> [u32; 2] {
     packing.corners.unwrap_or(CORNERS[dimensions - 2])
 }
 
-/// The dimensions that a packing tells; `None` if only its file does.
+/// The dimensions of a packing; `None` if only its file determines them.
 pub(crate) fn dimensions(packing: &Packing) -> Option<u8> {
     let of_shape = packing.shape.map(|shape| match shape {
         Piece::Disc | Piece::Polygon => 2,
@@ -113,7 +115,7 @@ pub(crate) struct Room<const D: usize> {
     pub(crate) bounds: [[f64; D]; 2],
     /// Area or volume.
     measure: f64,
-    /// In a cylinder, where the bounds alone do not tell.
+    /// For a cylinder, which the bounds alone do not describe.
     axis: Option<Axis<D>>,
 }
 
@@ -152,7 +154,7 @@ impl<const D: usize> Room<D> {
         let low = [0, 1, 2].map(|k| of.from[k].min(of.to[k]) - of.radius);
         let high = [0, 1, 2].map(|k| of.from[k].max(of.to[k]) + of.radius);
         let long = length(minus(of.to, of.from));
-        // A cylinder is in space alone: elsewhere there is none.
+        // A cylinder exists in space only.
         let components = |of: [f64; 3]| <[f64; D]>::try_from(of.as_slice()).ok();
         Some(Self {
             bounds: [components(low)?, components(high)?],
@@ -194,7 +196,7 @@ impl<const D: usize> Room<D> {
         })
     }
 
-    /// What the region is called.
+    /// Name of the region in messages.
     pub(crate) fn name(&self) -> &'static str {
         match (&self.axis, D) {
             (Some(_), _) => "cylinder",
@@ -204,10 +206,12 @@ impl<const D: usize> Room<D> {
     }
 }
 
-/// Circles or spheres with radii between two, the largest placed first, none nearer to another or to the sides than `gap`.
+/// Circles or spheres with radii between two, the largest placed first, none nearer to another or to the
+/// sides than `gap`.
 ///
 /// # Source
-/// Random sequential addition: B. Widom, "Random sequential addition of hard spheres to a volume", J. Chem. Phys. 44 (1966).
+/// Random sequential addition: B. Widom, "Random sequential addition of hard spheres to a volume", J. Chem.
+/// Phys. 44 (1966).
 ///
 /// # Errors
 /// A message with the number of circles that found room.
@@ -265,7 +269,7 @@ pub(crate) fn scatter<const D: usize>(
     Ok(placed)
 }
 
-/// Cells as wide as the largest body at least, and what is in each.
+/// Cells at least as wide as the largest body, with the bodies in each.
 struct Cells<const D: usize> {
     low: [f64; D],
     edges: [f64; D],
@@ -423,7 +427,8 @@ fn direction(random: &mut Random) -> [f64; 3] {
 /// A random turn in space, all equally likely: an angle, degrees, and the axis.
 ///
 /// # Source
-/// K. Shoemake, "Uniform random rotations", Graphics Gems III (1992): quaternions on the sphere in four dimensions.
+/// K. Shoemake, "Uniform random rotations", Graphics Gems III (1992): quaternions on the sphere in four
+/// dimensions.
 pub(crate) fn turn(random: &mut Random) -> (f64, [f64; 3]) {
     loop {
         let [w, x, y, z] = [(); 4].map(|()| random.between(-1.0, 1.0));

@@ -1,7 +1,7 @@
-//! A model file with faults, read as far as it can be: what is right in it is checked all the same, so that people see all faults at once.
+//! Reads the valid parts of a model file with errors, so that users see all errors together.
 //!
-//! A table that cannot be read is replaced by one that has its name and nothing to complain of. Faults that are found in such a table later, or that follow from
-//! it, are no news.
+//! A table that cannot be read is replaced by one that has its name and nothing to complain of. Faults that
+//! are found in such a table later, or that follow from it, are no news.
 
 use std::ops::Range;
 
@@ -15,7 +15,8 @@ use crate::file::{Body, Boundary, Curve, General, History, Initial, Interface, J
 use crate::file::{ModelFile, Output, Stage};
 use crate::shapes::SHAPES;
 
-/// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an escape.
+/// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an
+/// escape.
 const NAMELESS: &str = "\u{1}";
 
 /// A file with faults.
@@ -28,7 +29,7 @@ pub(crate) struct Partial {
 }
 
 impl Partial {
-    /// Reads what is right. `faults`: what the schema found.
+    /// Reads the valid parts. `faults`: the errors that the schema found.
     pub(crate) fn read(document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
         let mut root: Toml = document.read().ok()?;
         root.retain(|key, _| ModelFile::TABLES.contains(&key));
@@ -113,7 +114,8 @@ struct Reader<'d, 'f> {
 }
 
 impl Reader<'_, '_> {
-    /// Replaces what cannot be read in a list of tables. `rest`: keys of the table to put in its place, beside its name.
+    /// Replaces entries of a list of tables that cannot be read. `rest`: keys of the table to put in its
+    /// place, beside its name.
     fn list<T: DeserializeOwned>(
         &mut self,
         root: &mut Toml,

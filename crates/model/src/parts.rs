@@ -1,4 +1,5 @@
-//! Parts of a mesh: elements that hang together by facets. Nothing holds elements to each other that share only nodes, or an edge in three dimensions.
+//! Parts of a mesh: elements that hang together by facets. Nothing holds elements to each other that share
+//! only nodes, or an edge in three dimensions.
 
 use fdem_mesh::{Simplex, facets_of, sorted};
 

@@ -28,7 +28,7 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
 /// A facet on a joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointFacet<const D: usize = 2> {
-    /// Its nodes.
+    /// Nodes of the facet.
     pub(crate) facet: [u32; D],
     /// Number of its joint set.
     pub(crate) set: u32,

@@ -8,7 +8,7 @@ use crate::piece::Piece;
 #[derive(Debug)]
 pub(crate) struct Placed<const D: usize = 2, const N: usize = 3> {
     pub(crate) name: String,
-    /// Its table in the file.
+    /// Number of the table in the file.
     pub(crate) table: usize,
     pub(crate) piece: Piece<D, N>,
     /// The numbers of its first node and of its first element.
@@ -33,7 +33,7 @@ pub(crate) fn suggestion(file: &ModelFile, name: &str) -> String {
     fault::suggestion(name, &names, "[[body]]")
 }
 
-/// Whether a name is that of a body, or may be that of a piece of a packing.
+/// Whether a name is the name of a body, or may be the name of a piece of a packing.
 pub(crate) fn is_body(file: &ModelFile, name: &str) -> bool {
     file.body.iter().any(|body| body.name == name || is_piece(&body.name, name))
 }

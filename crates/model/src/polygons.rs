@@ -10,7 +10,7 @@ pub(crate) type Polygon = Vec<[f64; 3]>;
 /// The polygons of a file.
 ///
 /// # Errors
-/// A message about what is not a file of polygons, or has none.
+/// A message about a file that is not of polygons, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Polygon>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
     let extension = name.rsplit_once('.').map_or("", |(_, end)| end).to_lowercase();
@@ -119,7 +119,8 @@ impl Entity {
     }
 }
 
-/// The entities 3DFACE, and closed POLYLINE and LWPOLYLINE, of a DXF file: pairs of rows, a group code and its value.
+/// The entities 3DFACE, and closed POLYLINE and LWPOLYLINE, of a DXF file: pairs of rows, a group code and
+/// its value.
 fn dxf(text: &str) -> Result<Vec<Polygon>, String> {
     let rows: Vec<&str> = text.lines().map(str::trim).collect();
     let mut polygons = Vec::new();

@@ -7,7 +7,7 @@ use crate::outline::Point;
 /// The lines of a file, by their two ends; a polyline is several.
 ///
 /// # Errors
-/// A message about what is not a file of lines, or has none.
+/// A message about a file that is not of lines, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
     let extension = name.rsplit_once('.').map_or("", |(_, end)| end).to_lowercase();
@@ -38,7 +38,8 @@ pub(crate) fn points(numbers: &[f64]) -> Option<Vec<Point>> {
     whole.then(|| numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
 }
 
-/// One polyline or polygon a row, which `of` makes of its numbers. A first row of words is a heading. `form`: what a row is, for messages.
+/// One polyline or polygon a row, which `of` makes of its numbers. A first row of words is a heading. `form`:
+/// description of a row, for messages.
 pub(crate) fn rows<T>(text: &str, of: impl Fn(&[f64]) -> Option<T>, form: &str) -> Result<Vec<T>, String> {
     let mut found = Vec::new();
     for (number, row) in (1..).zip(text.lines()) {

@@ -1,4 +1,4 @@
-//! Estimates of what a run will take, before it starts.
+//! Estimates of the cost of a run, before it starts.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -31,19 +31,21 @@ const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 900.0 };
 /// Costs of an element with joints on its edges from the beginning.
 const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
 
-/// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints are inserted, fragments touch.
+/// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints
+/// are inserted, fragments touch.
 const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 2000.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
 
-/// The run time is measured over one in so many steps, but over no fewer and no more than these, and for no longer than `PATIENCE`.
+/// The run time is measured over one in `MEASURED_SHARE` steps, within these limits of their number, and for
+/// no longer than `PATIENCE`.
 const MEASURED_SHARE: u64 = 100;
 const MEASURED_LEAST: u64 = 10;
 const MEASURED_MOST: u64 = 2000;
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Memory of the program without a model, with what it needs to draw, bytes.
+/// Memory of the program without a model, including its drawing code, bytes.
 const PROGRAM: f64 = 28e6;
 
 /// Memory for an element of each frame when the report is made, bytes.
@@ -55,7 +57,7 @@ const SHORT: f64 = 0.5;
 /// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
 const MOST: f64 = 9e15;
 
-/// The time step beyond which the integration is not stable, and what sets it.
+/// The largest stable time step, and the part that sets it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Critical {
     /// s.
@@ -72,7 +74,7 @@ impl From<CriticalStep> for Critical {
     }
 }
 
-/// Estimates of what a run would take. Displays as lines of text.
+/// Estimates of the cost of a run. Displays as lines of text.
 #[derive(Debug, Clone, Serialize)]
 pub struct Preflight {
     /// Title of the model; empty if it has none.
@@ -105,17 +107,18 @@ pub struct Preflight {
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
     pub memory: f64,
-    /// Estimates for a run on many ranks, if they are asked for.
+    /// Estimates for a run on many ranks, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_ranks: Option<OnRanks>,
-    /// Warnings about what may not be meant.
+    /// Warnings about settings that may not be meant.
     pub warnings: Vec<String>,
     /// Hash of the model.
     pub hash: String,
 }
 
 impl Preflight {
-    /// Estimates for a model that is ready to run. The run time is measured: the first steps are computed, for a quarter of a second at most, and forgotten.
+    /// Estimates for a model that is ready to run. The run time is measured: the first steps are computed,
+    /// for a quarter of a second at most, and forgotten.
     ///
     /// # Errors
     /// Says why the model cannot be run.
@@ -126,10 +129,10 @@ impl Preflight {
         Self::with_ranks(prepared, None)
     }
 
-    /// As [`Preflight::of`], and how the run would be divided among so many ranks.
+    /// Like [`Preflight::of`], with the division of the run among `ranks` ranks.
     ///
     /// # Errors
-    /// Says why the model cannot be run, or not on so many ranks.
+    /// The model cannot be run, or not on this number of ranks.
     pub fn with_ranks<const D: usize, const N: usize>(
         prepared: &Prepared<D, N>,
         ranks: Option<usize>,
@@ -262,7 +265,8 @@ struct Pace {
 }
 
 impl Pace {
-    /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first step on; what breaking costs is estimated.
+    /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first
+    /// step on; the cost of breaking is estimated.
     fn of<const D: usize, const N: usize>(mut run: Simulation<D, N>, steps: u64, model: &Model<D, N>) -> Self
     where
         [[f64; D]; N]: Dimensions<D, N>,
@@ -273,7 +277,8 @@ impl Pace {
             Insertion::Intrinsic => 0.0,
         };
         let wanted = (steps / MEASURED_SHARE).clamp(MEASURED_LEAST, MEASURED_MOST);
-        // The first step detects couples; few others do. A model that fails at once has no later step either.
+        // The first step detects couples; few others do. A model that fails in the first step has no later
+        // step either.
         let mut times = Vec::new();
         let mut elements = Duration::ZERO;
         if run.advance(1).is_ok() {
@@ -313,7 +318,8 @@ fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost)
     model.mesh.materials.iter().map(of).sum()
 }
 
-/// Memory for the report beside the simulation of so many steps, bytes: all frames, of which those of large meshes are samples. There is one frame a step at most.
+/// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large
+/// meshes are samples. There is one frame a step at most.
 fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>, steps: u64) -> f64 {
     let [most, sample] = prepared.output.shown;
     let elements = prepared.quality.elements;

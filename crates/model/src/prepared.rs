@@ -18,7 +18,7 @@ use crate::settings::{History, OutputSettings};
 pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     /// The model to simulate.
     pub model: Model<D, N>,
-    /// Title; empty if there is none.
+    /// Title; empty if the model has none.
     pub title: String,
     /// When the run ends, s.
     pub end_time: f64,
@@ -50,7 +50,7 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub curves: Vec<HistoryCurve>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
-    /// Warnings of what is possible, but probably not meant.
+    /// Warnings of settings that are possible, but probably not meant.
     pub warnings: Vec<String>,
     /// SHA-256 of the model in hexadecimal digits. Two models are equal if their hashes are.
     pub hash: String,
@@ -61,9 +61,9 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
 pub struct Body {
     /// Its name; of a piece of a packing with its number from 1: `heap-7`.
     pub name: String,
-    /// Its nodes.
+    /// Nodes of the body.
     pub nodes: Range<u32>,
-    /// Its elements.
+    /// Elements of the body.
     pub elements: Range<u32>,
 }
 
@@ -74,16 +74,17 @@ pub struct Group<const D: usize = 2> {
     pub body: u32,
     /// Its name in the mesh file, or `outer`, `holes`, `hole-1`, ….
     pub name: String,
-    /// Its nodes, ascending.
+    /// Nodes of the group, ascending.
     pub nodes: Vec<u32>,
-    /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes counter-clockwise seen from outside.
+    /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes
+    /// counter-clockwise seen from outside.
     pub facets: Vec<[u32; D]>,
 }
 
 /// A part of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stage {
-    /// Its name.
+    /// Name of the stage.
     pub name: String,
     /// Time that it takes at most, s.
     pub duration: Option<f64>,
@@ -107,7 +108,7 @@ pub struct Stage {
     pub resets: bool,
 }
 
-/// The stage that a run is in, and what it has kept of the earlier ones.
+/// The stage that a run is in, and the data that it has kept of the earlier ones.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "Boundary<D>: Serialize, [f64; D]: Serialize",
@@ -116,7 +117,7 @@ pub struct Stage {
 pub struct Entered<const D: usize = 2> {
     /// Step at which each stage so far has begun; the last of them is the present one.
     pub begun: Vec<u64>,
-    /// Forces of what has vanished, on nodes of the whole model.
+    /// Forces of removed parts, on nodes of the whole model.
     pub held: Vec<Boundary<D>>,
     /// Displacements at the last stage that has set them back.
     pub origin: Option<Origin<D>>,
@@ -126,14 +127,16 @@ pub struct Entered<const D: usize = 2> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
 pub struct Origin<const D: usize = 2> {
-    /// One displacement for each corner of each element, in the order of the elements. Corners at one node of the mesh differ where the mesh has broken.
+    /// One displacement for each corner of each element, in the order of the elements. Corners at one node of
+    /// the mesh differ where the mesh has broken.
     pub corners: Vec<[f64; D]>,
     /// One displacement for each node of the mesh.
     pub nodes: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Origin<D> {
-    /// The displacements of a run now. `elements`, `nodes`: numbers of its elements and of the nodes of its mesh in the whole model, which has so many.
+    /// The displacements of a run now. `elements`, `nodes`: numbers of its elements and of the nodes of its
+    /// mesh in the whole model; `counts`: numbers of elements and nodes of the whole model.
     pub fn of<const N: usize>(
         run: &Simulation<D, N>,
         (elements, nodes): (&[u32], &[u32]),
@@ -184,7 +187,7 @@ impl<const D: usize> Entered<D> {
         Self::alone(0)
     }
 
-    /// A run that has come to the stage of this number without any time in those before.
+    /// A run that has reached the stage of this number without any time in the earlier ones.
     pub fn alone(stage: usize) -> Self {
         Self { begun: vec![0; stage + 1], held: Vec::new(), origin: None }
     }

@@ -1,4 +1,5 @@
-//! Histories of probes: stress, strain and velocity at points and in regions, strain gauges, forces between bodies, reactions of groups.
+//! Histories of probes: stress, strain and velocity at points and in regions, strain gauges, forces between
+//! bodies, reactions of groups.
 
 use std::collections::BTreeSet;
 
@@ -48,7 +49,8 @@ fn measured(history: &History) -> Option<(&'static str, &Measured)> {
     all.into_iter().find_map(|(key, measured)| Some((key, measured.as_ref()?)))
 }
 
-/// Keys of a history with lists of coordinates: the number of their components, and the number that a model in `d` dimensions has.
+/// Keys of a history with lists of coordinates: the number of their components, and the number that a model
+/// in `d` dimensions has.
 pub(crate) fn lengths(history: &History, d: usize) -> Vec<(&'static str, usize, usize)> {
     let mut lengths = Vec::new();
     if let Some((key, Measured::Point(point))) = measured(history) {
@@ -139,7 +141,7 @@ where
     probes
 }
 
-/// What is wrong with a history: the key, a message, and advice.
+/// The error of a history: the key, a message, and advice.
 type Wrong = (&'static str, String, Option<String>);
 
 /// A history, and the bodies on which it is measured.

@@ -41,7 +41,7 @@ pub(crate) fn problems(body: &Body, dimensions: u8) -> Vec<Problem> {
     problems
 }
 
-/// What is wrong with a place, and what helps.
+/// The error of a place, and the remedy.
 fn problem(of: &Refine, dimensions: usize, mesh_size: Option<f64>) -> Option<(String, String)> {
     let given = [of.point.is_some(), of.line.is_some(), of.block.is_some()];
     if given.iter().filter(|given| **given).count() != 1 {
@@ -86,7 +86,8 @@ fn problem(of: &Refine, dimensions: usize, mesh_size: Option<f64>) -> Option<(St
     ))
 }
 
-/// The place to refine that is so far from all of a body that no element is smaller, as a problem. `pieces` lie as their shapes say, before they are turned and moved.
+/// The place to refine that is so far from all of a body that no element is smaller, as a problem. `pieces`
+/// lie as their shapes say, before they are turned and moved.
 pub(crate) fn beyond<const D: usize, const N: usize>(body: &Body, pieces: &[Piece<D, N>]) -> Option<Problem> {
     let size = body.mesh_size?;
     (1..).zip(&body.refine).find_map(|(number, of)| {
@@ -105,7 +106,8 @@ pub(crate) fn beyond<const D: usize, const N: usize>(body: &Body, pieces: &[Piec
     })
 }
 
-/// The place to refine that gives too many elements in a body within `bounds`, as a problem; else how many all of them give, about.
+/// The place to refine that gives too many elements in a body within `bounds`, as a problem; else how many
+/// all of them give, about.
 pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Result<f64, Problem> {
     let mut all = 0.0;
     for (number, of) in (1..).zip(&body.refine) {
@@ -130,11 +132,12 @@ pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Re
     Ok(all)
 }
 
-/// The smallest size of the places to refine as a problem, if a body has too many elements because of it and not of its mesh size. `even`: about how many elements the
-/// mesh size alone gives; `elements`: how many there are; `None` where that is not known.
+/// The smallest size of the places to refine as a problem, if a body has too many elements because of it and
+/// not of its mesh size. `even`: about how many elements the mesh size alone gives; `elements`: how many
+/// there are; `None` where that is not known.
 pub(crate) fn blamed(body: &Body, even: Option<f64>, elements: Option<f64>) -> Option<Problem> {
     let (place, of) = body.refine.iter().enumerate().min_by(|a, b| a.1.size.total_cmp(&b.1.size))?;
-    // The mesh size alone gives more than half of what is allowed.
+    // The mesh size alone gives more than half of the limit.
     if even.is_some_and(|even| even > 0.5 * MOST) {
         return None;
     }

@@ -11,7 +11,7 @@ use crate::piece::Piece;
 /// Most copies of a body.
 const MOST: f64 = 1e6;
 
-/// What is wrong with the keys `repeat` and `spacing` of a body.
+/// The error of the keys `repeat` and `spacing` of a body.
 pub(crate) fn problem(body: &Body) -> Option<Problem> {
     if body.repeat.is_none() {
         let message = "\"spacing\" goes with \"repeat\"";
@@ -34,7 +34,8 @@ pub(crate) fn count(body: &Body) -> f64 {
     body.repeat.iter().flatten().map(|count| f64::from(*count)).product()
 }
 
-/// What is added to the name of each copy, and how far it is moved. `size`: that of the bounding box of the body, which is the spacing unless the body has one.
+/// The suffix of the name of each copy, and its displacement. `size`: that of the bounding box of the body,
+/// which is the spacing unless the body has one.
 ///
 /// The last axis is the fastest in the plane and in space: copies come in the order of their names.
 pub(crate) fn places<const D: usize>(body: &Body, size: [f64; D]) -> Vec<(String, [f64; D])> {
@@ -55,7 +56,7 @@ pub(crate) fn places<const D: usize>(body: &Body, size: [f64; D]) -> Vec<(String
     places
 }
 
-/// The copies of a meshed body, each with what is added to its name. The first lies where the body does.
+/// The copies of a meshed body, each with the suffix of its name. The first lies where the body does.
 ///
 /// # Errors
 /// More elements than a model can have.
@@ -81,7 +82,7 @@ pub(crate) fn copies<const D: usize, const N: usize>(
     let copies = places(body, size).into_iter().enumerate().map(|(number, (name, by))| {
         let mut copy = moved(by);
         if number > 0 {
-            // Notes on the file of a mesh are told once.
+            // Notes on the file of a mesh are reported once.
             copy.notes.clear();
         }
         (name, copy)

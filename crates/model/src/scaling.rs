@@ -1,4 +1,5 @@
-//! Mass scaling of a model: mass that is added for a longer time step, within a bound, and advice to add some.
+//! Mass scaling of a model: mass that is added for a longer time step, within a bound, and advice to add
+//! some.
 
 use fdem_io::numbers::brief;
 use fdem_mesh::Simplex;
@@ -23,7 +24,8 @@ const MOST: f64 = 20.0;
 
 /// The mass scaling of all stages of a model.
 struct Scaling {
-    /// That of each stage, with the numbers of its elements in the whole model; those of a model without stages are empty.
+    /// The scaling of each stage, with the numbers of its elements in the whole model; those of a model
+    /// without stages are empty.
     stages: Vec<(MassScaling, Vec<u32>)>,
     /// True mass of each element of the whole model, kg.
     masses: Vec<f64>,
@@ -61,7 +63,8 @@ impl Scaling {
         Ok(())
     }
 
-    /// Factors of the masses of all elements with which a step, s, is critical in no stage; empty if all are 1.
+    /// Factors of the masses of all elements with which a step, s, is critical in no stage; empty if all
+    /// are 1.
     fn factors(&self, step: f64) -> Vec<f64> {
         let mut all = Vec::new();
         for (scaling, elements) in &self.stages {
@@ -115,7 +118,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
 }
 
-/// Adds the mass that `mass_scaling` asks for. A model that cannot be simulated stays as it is.
+/// Adds the mass for `mass_scaling`. A model that cannot be simulated stays unchanged.
 pub(crate) fn scale<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
@@ -125,7 +128,7 @@ where
     [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
 {
     let Some(asked) = &file.model.mass_scaling else { return Ok(()) };
-    // What such a model cannot do is told by its preflight.
+    // The preflight of such a model reports the problem.
     let Ok(scaling) = Scaling::of(prepared) else { return Ok(()) };
     let (step, safety) = (asked.time_step, prepared.model.time.safety);
     let factors = scaling.factors(step / safety);
@@ -178,7 +181,7 @@ fn heaviest<const D: usize, const N: usize>(prepared: &Prepared<D, N>, factors: 
     )
 }
 
-/// Adds warnings of mass scaling that does nothing, or that spoils what waves do.
+/// Adds warnings of mass scaling that has no effect, or that distorts waves.
 fn warn<const D: usize, const N: usize>(prepared: &mut Prepared<D, N>) {
     let Prepared { model, warnings, mass_scaling: Some(scaled), .. } = prepared else { return };
     if scaled.elements == 0 {
@@ -202,7 +205,8 @@ fn warn<const D: usize, const N: usize>(prepared: &mut Prepared<D, N>) {
     }
 }
 
-/// Advice to add a little mass where few elements alone set the time step of a quasi-static run. `step`: the step of the run, s.
+/// Advice to add a little mass where few elements alone set the time step of a quasi-static run. `step`: the
+/// step of the run, s.
 pub(crate) fn advice<const D: usize, const N: usize>(prepared: &Prepared<D, N>, step: f64) -> Option<String>
 where
     [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
@@ -236,7 +240,8 @@ const UNBOUND: f64 = 1000.0;
 /// How much longer the time step would be without slivers, at least, if they are worth a warning.
 const FELT: f64 = 1.2;
 
-/// Slivers with their share in the time step: a node has the mass of all of its elements, so that those beside a sliver slow it down. `None` for slivers that hardly matter.
+/// Slivers with their share in the time step: a node has the mass of all of its elements, so that those
+/// beside a sliver slow it down. `None` for slivers that hardly matter.
 pub(crate) fn weighed<const D: usize, const N: usize>(
     mut slivers: Slivers,
     model: &Model<D, N>,

@@ -1,7 +1,7 @@
 //! The JSON schema of model files, and a file checked against it.
 //!
-//! The schema is made from the types of [`file`](crate::file), so it cannot differ from what is read. It names all faults of a file at once, where a
-//! deserializer stops at the first.
+//! The schema is made from the types of [`file`](crate::file), so it always agrees with the reader. It
+//! reports all errors of a file together, where a deserializer stops at the first.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -16,7 +16,8 @@ use crate::file::ModelFile;
 use crate::library;
 use crate::limits::LARGEST;
 
-/// The JSON schema of model files, for editors: keys with descriptions, types, ranges, units and defaults. Where there is a number, there may be an expression.
+/// The JSON schema of model files, for editors: keys with descriptions, types, ranges, units and defaults.
+/// Where there is a number, there may be an expression.
 pub fn schema() -> Value {
     let mut schema = evaluated().clone();
     allow_expressions(&mut schema);
@@ -117,11 +118,11 @@ impl<'s> Checker<'s> {
     fn description(&self, property: &'s Value) -> Option<String> {
         let text =
             property.get("description").or_else(|| self.resolve(property).get("description"))?.as_str()?;
-        let sentence = text.split(". ").next().unwrap_or(text).replace('\n', " ");
-        Some(sentence.trim_end_matches('.').to_owned())
+        let text = text.replace('\n', " ");
+        Some(text.split(". ").next()?.trim_end_matches('.').to_owned())
     }
 
-    /// Tells of an unknown key; returns the one that was probably meant.
+    /// Reports an unknown key; returns the one that was probably meant.
     fn unknown(
         &mut self,
         word: &str,
@@ -136,7 +137,7 @@ impl<'s> Checker<'s> {
             self.faults.push(fault.help(format!("did you mean \"{meant}\"?")));
             return Some(meant);
         }
-        // A table inside of another: what is a key of [[body]], such as a shape, need not be one of an outline.
+        // A table inside of another: a key of [[body]], such as a shape, is not always a key of an outline.
         let is_inner = name.starts_with('"');
         let elsewhere = self.tables().into_iter().find(|(_, keys)| keys.iter().any(|key| key == word));
         self.faults.push(match elsewhere {
@@ -263,7 +264,8 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// Checks a value against alternatives. If none fits, the faults are those of the alternative with the type of the value.
+    /// Checks a value against alternatives. If none fits, the faults are those of the alternative with the
+    /// type of the value.
     fn alternatives(
         &mut self,
         value: &Spanned<DeValue<'_>>,

@@ -1,6 +1,8 @@
-//! Values of a model that are set from outside: its parameters, and keys by their path, such as `material.rock.cohesion`.
+//! Values of a model that are set from outside: its parameters, and keys by their path, such as
+//! `material.rock.cohesion`.
 //!
-//! The text of the model is changed and nothing else, so that the changed model is a model file as any other, with the same checks.
+//! The text of the model is changed and nothing else, so that the changed model is a model file as any other,
+//! with the same checks.
 
 use std::fmt;
 
@@ -29,7 +31,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// A value as it is written on a command line or in a table: a number, `true`, `false`, or else a text.
+    /// Parses a value of a command line or a table: a number, `true`, `false`, or else a text.
     pub fn parse(text: &str) -> Self {
         let text = text.trim();
         match (text.parse::<f64>(), text) {
@@ -72,11 +74,13 @@ impl fmt::Display for Setting {
     }
 }
 
-/// The same model file with other values. A name without a dot is a parameter; any other is the path of a key: `model.end_time`, `material.rock.cohesion`,
-/// `body.disc.mesh_size`, `initial.stress.0`. Tables that may come several times are found by their name, or by their number from 1.
+/// The same model file with other values. A name without a dot is a parameter; any other is the path of a
+/// key: `model.end_time`, `material.rock.cohesion`, `body.disc.mesh_size`, `initial.stress.0`. Tables that
+/// may come several times are found by their name, or by their number from 1.
 ///
 /// # Errors
-/// A name that the model does not have, or a key that cannot be set. A text that is no TOML comes back unchanged: the checks of the model say why.
+/// A name that the model does not have, or a key that cannot be set. A text that is no TOML comes back
+/// unchanged: the checks of the model say why.
 ///
 /// # Example
 /// ```
@@ -105,7 +109,8 @@ pub fn with_values(text: &str, load: &mut Load<'_>, sets: &[(String, Setting)]) 
     Ok(text)
 }
 
-/// The same model file with another `end_time`, s; `None` if it has none. A model that includes files may have it from one of them; then it gets one of its own, which wins.
+/// The same model file with another `end_time`, s; `None` if it has none. A model that includes files may
+/// have it from one of them; then the model gets its own key, which wins.
 ///
 /// # Example
 /// ```
@@ -198,7 +203,8 @@ fn name_of<'v>(value: &'v Spanned<DeValue<'_>>) -> Option<&'v str> {
     name.get_ref().as_str()
 }
 
-/// The entry of a list that a path begins with, and the rest of the path. Of several names the longest counts.
+/// The entry of a list that a path begins with, and the rest of the path. If several names match, the longest
+/// counts.
 fn entry<'p>(list: &[Spanned<DeValue<'_>>], path: &'p str) -> Option<(usize, &'p str)> {
     let rest = |name: &str| path.strip_prefix(name)?.strip_prefix('.').filter(|rest| !rest.is_empty());
     let named = list.iter().enumerate().filter_map(|(index, value)| {
@@ -216,14 +222,15 @@ fn entry<'p>(list: &[Spanned<DeValue<'_>>], path: &'p str) -> Option<(usize, &'p
 /// The text with another value of a key; `None` if it does not have the key.
 fn replaced(text: &str, document: &Document<'_>, table: Table, key: &str, value: &str) -> Option<String> {
     let place = document.value_if_any(table, key)?;
-    // The place of a table with a heading of its own is that heading, which no value can replace.
+    // The place of a table with a separate heading is that heading, which no value can replace.
     if document.has_entries(table, key) {
         return None;
     }
     Some(format!("{}{value}{}", &text[..place.start], &text[place.end..]))
 }
 
-/// The text with one more key of a table, below its heading. `None` if the table has none: its keys are in braces or dotted, where a line cannot be added.
+/// The text with one more key of a table, below its heading. `None` if the table has none: its keys are in
+/// braces or dotted, where a line cannot be added.
 fn inserted(text: &str, document: &Document<'_>, table: Table, key: &str, value: &str) -> Option<String> {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let key = if !key.is_empty() && key.chars().all(is_bare) {

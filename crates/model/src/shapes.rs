@@ -46,7 +46,7 @@ pub(crate) fn given(body: &Body) -> Vec<&'static str> {
     SHAPES.into_iter().zip(has).filter(|(_, has)| *has).map(|((shape, _), _)| shape).collect()
 }
 
-/// The dimensions that the shape of a body tells; `None` for a mesh from a file, and without a shape.
+/// The dimensions that the shape of a body determines; `None` for a mesh from a file, and without a shape.
 pub(crate) fn dimensions(body: &Body) -> Option<u8> {
     if let Some(voronoi) = &body.voronoi {
         return voronoi.outline.given().first().map(|(_, dimensions)| *dimensions);
@@ -61,7 +61,8 @@ pub(crate) fn dimensions(body: &Body) -> Option<u8> {
     }
 }
 
-/// Corners of an outline up to which all pairs of its edges are compared; the mesher finds the crossings of larger ones.
+/// Corners of an outline up to which all pairs of its edges are compared; the mesher finds the crossings of
+/// larger ones.
 const COMPARED: usize = 3000;
 
 const INVERTED: &str = "the rectangle has no area: max has to be above and to the right of min";
@@ -186,7 +187,7 @@ fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
     outline_of("voronoi.outline", of)
 }
 
-/// What is wrong with a flat outline, whose key is given.
+/// The error of a flat outline, whose key is given.
 fn outline_of(key: &str, of: &Outline) -> Option<Problem> {
     if let Some(rectangle) = &of.rectangle {
         let key = format!("{key}.rectangle");
@@ -308,7 +309,7 @@ fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem>
             return Some(Problem { key: format!("packing.copies_of.{}", problem.key), ..problem });
         }
     }
-    // Copies have a radius of their own.
+    // Copies have a radius already.
     let has_radius = packing.radius.is_some() || packing.copies_of.is_some();
     match (&packing.file, [packing.count.is_some(), has_radius, packing.within.is_some()]) {
         (None, [true, true, true]) => {}
@@ -334,7 +335,7 @@ fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem>
     packing.within.as_ref().and_then(|within| region(within, dimensions))
 }
 
-/// What is wrong with the region of a packing. Corners with another number of coordinates are told elsewhere.
+/// The error of the region of a packing. Corners with another number of coordinates are reported elsewhere.
 fn region(of: &Region, dimensions: u8) -> Option<Problem> {
     let problem = |key: &str, what: &str| Some(Problem::new(key, what));
     match (&of.min, &of.max, &of.cylinder) {

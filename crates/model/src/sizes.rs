@@ -9,8 +9,8 @@ use crate::limits::{MOST, too_many};
 use crate::outline::Point;
 use crate::{far, refine, repeat, shapes, space};
 
-/// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
-/// so much that their contacts have no room.
+/// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than
+/// `memory` (bytes) has room for, and bodies that lie in each other so much that their contacts have no room.
 pub(crate) fn check(
     file: &ModelFile,
     document: &Document<'_>,
@@ -82,7 +82,8 @@ pub(crate) fn check(
     all
 }
 
-/// The problem of a body that is too far from the origin: where its shape puts it, or where `translate` moves it.
+/// The problem of a body that is too far from the origin: where its shape puts it, or where `translate` moves
+/// it.
 fn too_far(body: &Body, flat: Option<&Extent>, around: Option<[[f64; 3]; 2]>) -> Option<Problem> {
     fn of<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Option<Problem> {
         let shape = shapes::given(body).first().copied()?;

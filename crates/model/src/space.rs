@@ -125,7 +125,8 @@ fn meshed(
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 
-/// An error of the mesher in words, with units. Too many elements are a matter of the mesh size, of a place to refine, or of the unit of a file.
+/// An error of the mesher in words, with units. Too many elements are a matter of the mesh size, of a place
+/// to refine, or of the unit of a file.
 fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) -> Problem {
     let size = body.mesh_size.unwrap_or(f64::MAX);
     let elements = match *error {
@@ -252,7 +253,7 @@ fn reach(of: &Body, load: &mut Load<'_>) -> Result<([f64; 3], f64), Problem> {
     Ok((middle, nodes.iter().map(|&node| distance(node, middle)).fold(0.0, f64::max)))
 }
 
-/// That of cylinders, tubes and extruded discs, whose nodes depend on the size of the mesh.
+/// Reach of cylinders, tubes and extruded discs, whose nodes depend on the size of the mesh.
 fn reach_of_round(of: &Body) -> Option<([f64; 3], f64)> {
     let ends = |from: [f64; 3], to: [f64; 3], radius: f64| {
         let middle = [0, 1, 2].map(|axis| f64::midpoint(from[axis], to[axis]));
@@ -287,7 +288,7 @@ struct Shape {
     round: Option<Round>,
 }
 
-/// What a mesh with grains becomes.
+/// The round shape that replaces the prism of a mesh with grains.
 enum Round {
     /// A cylinder, for which a prism is meshed.
     Cylinder(Prism),
@@ -404,7 +405,7 @@ fn piece(
     Ok(piece)
 }
 
-/// Least and largest coordinates of a body, about; `None` if its shape does not tell.
+/// Approximate least and largest coordinates of a body; `None` if its shape does not determine them.
 pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
     let around = |points: &[[f64; 3]], by: f64| {
         let [low, high] = fdem_mesh::bounds(points.iter().copied());
@@ -437,12 +438,13 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
     })
 }
 
-/// The number of elements with edges of `size` that a body has, about; `None` if its shape does not tell.
+/// Approximate number of elements with edges of `size` that a body has; `None` if its shape does not
+/// determine it.
 pub(crate) fn elements(body: &Body, size: f64) -> Option<f64> {
     Some(volume(body)?.max(0.0) / (VOLUME * size.powi(3)))
 }
 
-/// Volume of a body, m³, about; `None` if its shape does not tell.
+/// Approximate volume of a body, m³; `None` if its shape does not determine it.
 fn volume(body: &Body) -> Option<f64> {
     let of_block = |of: &Block| (0..3).map(|axis| of.max[axis] - of.min[axis]).product();
     let of_cylinder = |of: &Cylinder| PI * of.radius * of.radius * distance(of.from, of.to);

@@ -1,9 +1,11 @@
 //! Arithmetic, units and parameters in the values of a model file.
 //!
-//! [`evaluate`] is the pass between the parser and the check against the schema: where the schema has a number and the file a text, the text is an expression, which its value
-//! replaces. The place of the value stays that of the text. Words that the schema knows, such as "auto", and all other texts stay as they are.
+//! [`evaluate`] is the pass between the parser and the check against the schema: where the schema has a
+//! number and the file a text, the text is an expression, which its value replaces. The place of the value
+//! stays that of the text. Words that the schema knows, such as "auto", and all other texts stay as they are.
 //!
-//! A key of the schema has its unit in `x-unit`: one for all numbers of the key, or a list with one for each entry of a short array. Keys without it take any dimension.
+//! A key of the schema has its unit in `x-unit`: one for all numbers of the key, or a list with one for each
+//! entry of a short array. Keys without it take any dimension.
 
 mod expression;
 mod quantity;
@@ -43,11 +45,11 @@ pub(crate) struct Evaluated {
     spans: Vec<Range<usize>>,
     /// The places of expressions without a value.
     wrong: Vec<Range<usize>>,
-    /// What is wrong with the expressions.
+    /// Errors of the expressions.
     pub(crate) faults: Vec<Fault>,
     /// Parameters that nothing uses, with their places.
     pub(crate) unused: Vec<(String, Range<usize>)>,
-    /// Dimensions of expressions whose keys have no unit of their own, by their places.
+    /// Dimensions of expressions whose keys have no unit, by their places.
     dimensions: BTreeMap<usize, Dimension>,
 }
 
@@ -138,11 +140,11 @@ fn fault(text: &str, span: &Range<usize>, expression: &str, wrong: Wrong) -> Fau
     Fault::at(place(text, span, expression, &wrong.at), message).label("here").maybe_help(wrong.help)
 }
 
-/// What a parameter is.
+/// The text of a parameter.
 enum Source {
     Number(f64),
     Expression(String),
-    /// Neither; the schema tells of it.
+    /// Neither; the schema reports it.
     Other,
 }
 
@@ -150,7 +152,7 @@ enum Source {
 #[derive(Clone)]
 enum State {
     New,
-    /// Its value is being found: whoever needs it now is part of a cycle.
+    /// Its value is being computed: a parameter that needs it now is part of a cycle.
     Open,
     /// It has a value, or has none.
     Done(Option<Quantity>),
@@ -228,7 +230,7 @@ impl<'t> Parameters<'t> {
         value
     }
 
-    /// The value of an expression at a place of the text. No fault is told twice.
+    /// The value of an expression at a place of the text. No error is reported twice.
     fn value(&self, expression: &str, span: &Range<usize>) -> Result<Quantity, Option<Fault>> {
         let told = |wrong| Some(fault(self.text, span, expression, wrong));
         let parsed = expression::parse(expression).map_err(told)?;
@@ -246,7 +248,8 @@ impl<'t> Parameters<'t> {
         value.map_err(|wrong| inner.take().unwrap_or_else(|| told(wrong)))
     }
 
-    /// The value of a parameter in an expression: else what is wrong here, or the fault of the parameter.
+    /// The value of a parameter in an expression; the error is the problem here, or the error of the
+    /// parameter.
     fn look_up(&self, name: &str, at: Range<usize>) -> Result<Quantity, Result<Wrong, Option<Fault>>> {
         let Some(parameter) = self.entries.get(name) else {
             let names: Vec<&str> = self.entries.keys().map(String::as_str).collect();
@@ -305,7 +308,7 @@ struct Pass<'a> {
     spans: Vec<Range<usize>>,
     wrong: Vec<Range<usize>>,
     faults: Vec<Fault>,
-    /// Dimensions of expressions whose keys have no unit of their own, by their places.
+    /// Dimensions of expressions whose keys have no unit, by their places.
     dimensions: BTreeMap<usize, Dimension>,
 }
 
@@ -346,7 +349,7 @@ impl<'a> Pass<'a> {
                 if found.iter().any(|(schema, _)| is_text(schema)) || known.contains(&expression.as_ref()) {
                     return;
                 }
-                // A word that is misspelt, of which the schema tells.
+                // A misspelt word, which the schema reports.
                 let is_word = is_name(expression)
                     && !self.parameters.entries.contains_key(expression.as_ref())
                     && meaning(expression).is_none();
@@ -369,7 +372,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// The value of an expression as TOML has it. An error without a fault has been told.
+    /// The value of an expression as TOML has it. An error without a fault has been reported.
     fn number(
         &mut self,
         expression: &str,
@@ -404,7 +407,8 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// The number of an expression that names no parameters, and its dimension in words; `None` for one that fits any.
+/// The number of an expression that names no parameters, and its dimension in words; `None` for one that fits
+/// any.
 ///
 /// # Errors
 /// Says why it has none.

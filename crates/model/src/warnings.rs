@@ -1,4 +1,4 @@
-//! Warnings of what is possible, but probably not meant.
+//! Warnings of settings that are possible, but probably not meant.
 
 mod gravity;
 
@@ -36,7 +36,7 @@ const SOFT: f64 = 0.5;
 /// Angle of a triangle, degrees, below which its stress is poor, and that of better meshes.
 const POOR: [f64; 2] = [10.0, 25.0];
 
-/// Angle between two faces of a tetrahedron, degrees, likewise.
+/// The same for the angle between two faces of a tetrahedron, degrees.
 const POOR_IN_SPACE: [f64; 2] = [8.0, 15.0];
 
 /// Returns the warnings of models in the plane.
@@ -59,7 +59,7 @@ pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
     warnings
 }
 
-/// Adds what is wrong with the beginning; areas or volumes have this unit.
+/// Adds warnings about the initial state; areas or volumes have this unit.
 fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
 where
     [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
@@ -76,8 +76,9 @@ where
 /// Angle of a flat face at a corner, degrees, below which the elements there are flat.
 const SHARP_CORNER: f64 = 2.0;
 
-/// The sharp edge, or the sharp corner of a face, of a body that gives the smallest angle of the model, in words. A mesh has no larger angles than the edge, and hardly any better ones
-/// beside the corner, as its faces have that of the corner.
+/// The sharp edge, or the sharp corner of a face, of a body that gives the smallest angle of the model, in
+/// words. A mesh has no larger angles than the edge, and hardly any better ones beside the corner, as its
+/// faces have that of the corner.
 fn sharp_shape(ready: &Ready<'_, 3, 4>) -> Option<String> {
     let body = ready.model.mesh.bodies[ready.quality.worst as usize];
     let piece = &ready.placed[body as usize].piece;
@@ -105,7 +106,8 @@ fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     model.materials.iter().any(|material| material.strength.is_some())
 }
 
-/// Returns the warnings of models in any dimensions. Angles below `poor` degrees are poor; `cause` says why there are any.
+/// Returns the warnings of models in any dimensions. Angles below `poor` degrees are poor; `cause` says why
+/// there are any.
 fn of_both<const D: usize, const N: usize>(
     ready: &Ready<'_, D, N>,
     [poor, better]: [f64; 2],
@@ -237,7 +239,8 @@ fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut V
     }
 }
 
-/// Warns of a boundary on the side of a body, or in a box, that takes one node of a body alone: a sphere has one lowest node.
+/// Warns of a boundary on the side of a body, or in a box, that takes one node of a body alone: a sphere has
+/// one lowest node.
 fn lone_node<const D: usize, const N: usize>(
     ready: &Ready<'_, D, N>,
     boundary: &Boundary<D>,
@@ -309,7 +312,7 @@ where
     let Ok(found) = found else { return };
     let size =
         |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]).measure().abs();
-    // Of each pair of bodies: the sum, and the two elements that overlap most, with that overlap.
+    // For each pair of bodies: the sum, and the two elements that overlap most, with that overlap.
     let mut pairs: BTreeMap<[u32; 2], (f64, [u32; 2], f64)> = BTreeMap::new();
     for contact in found {
         // Where tetrahedra touch in a face, the area of that is no overlap.
@@ -360,7 +363,8 @@ where
     }
 }
 
-/// The number of the body of each element; where a mesh comes from a file, parts that share no facet have numbers of their own. All are 0 where there is nothing to overlap.
+/// The number of the body of each element; where a mesh comes from a file, parts that share no facet have
+/// separate numbers. All are 0 where there is nothing to overlap.
 fn parts_of<const D: usize, const N: usize>(ready: &Ready<'_, D, N>) -> Vec<u32>
 where
     [[f64; D]; N]: Dimensions<D, N>,

@@ -1,6 +1,8 @@
-//! Couplet's arch: a semicircle of voussoirs without mortar that stands under its own weight if it is thick enough.
+//! Couplet's arch: a semicircle of voussoirs without mortar that stands under its weight if it is thick
+//! enough.
 //!
-//! With friction that keeps the voussoirs from sliding, the arch of the mean radius R falls by hinges at the springings, at about 55° from the crown and at the crown once its thickness is below 0.1075 R.
+//! With friction that keeps the voussoirs from sliding, the arch of the mean radius R falls by hinges at the
+//! springings, at about 55° from the crown and at the crown once its thickness is below 0.1075 R.
 
 use std::f64::consts::PI;
 
@@ -71,7 +73,7 @@ fn is_standing(thickness: f64) -> Result<bool, String> {
             return Ok(false);
         }
     }
-    // Neither standing nor falling yet would be neither: what falls has moved by far more.
+    // An arch that neither stands nor has fallen is reported: a falling one has moved by far more.
     if sinks(&run) < 0.01 {
         Ok(true)
     } else {

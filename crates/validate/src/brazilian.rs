@@ -1,4 +1,5 @@
-//! Brazilian test: a disc between two platens. Elastic stress, tensile strength, and a crack along the loaded diameter.
+//! Brazilian test: a disc between two platens. Elastic stress, tensile strength, and a crack along the loaded
+//! diameter.
 
 use std::f64::consts::PI;
 
@@ -139,8 +140,9 @@ struct Split {
 
 fn split(size: Size, seed: u32) -> Result<Split, String> {
     let mesh_size = size.choose(1.6e-3, 1.4e-3);
-    // Cohesion and friction of a granite. With a cohesion of 3 f and 17° the elastic stress on the diameter reaches the strength of Mohr and Coulomb at 0.8 of the
-    // radius when the tension in the centre is 0.7 f: such a rock shears beneath the platens first.
+    // Cohesion and friction of a granite. With a cohesion of 3 f and 17° the elastic stress on the diameter
+    // reaches the strength of Mohr and Coulomb at 0.8 of the radius when the tension in the centre is 0.7 f:
+    // such a rock shears beneath the platens first.
     let rock = "tensile_strength = 1e6\ncohesion = 4e6\nfriction_angle = 45\nfracture_energy_i = 3\nfracture_energy_ii = 30";
     let end = 1.4e-3;
     let mut run = start(prepared(&model(mesh_size, seed, end, 0.1, rock))?)?;
@@ -177,7 +179,8 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
     Ok(Split { strength: 2.0 * peak / (PI * DIAMETER), imbalance, away, balance: run.energies().error() })
 }
 
-/// Length of the broken joints in the middle half of the diameter, away from the platens, and their mean distance from the diameter.
+/// Length of the broken joints in the middle half of the diameter, away from the platens, and their mean
+/// distance from the diameter.
 fn middle_crack(run: &Simulation) -> [f64; 2] {
     let (mut sum, mut length) = (0.0, 0.0);
     for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some()) {

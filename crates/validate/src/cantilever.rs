@@ -20,7 +20,8 @@ const ZONE: f64 = 4e-3;
 /// Lengths of the crack at which load and opening are compared, m.
 const COMPARED: [f64; 3] = [0.030, 0.035, 0.040];
 
-/// Stress intensity of a double cantilever over load and geometry: K = P (3.46 a + 2.38 h) / h^1.5 for a thickness of 1.
+/// Stress intensity of a double cantilever over load and geometry: K = P (3.46 a + 2.38 h) / h^1.5 for a
+/// thickness of 1.
 fn geometry(crack: f64) -> f64 {
     3.46 * crack + 2.38 * ARM
 }

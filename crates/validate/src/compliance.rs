@@ -65,7 +65,7 @@ fn stiffness(insertion: Insertion, joint_penalty: f64) -> Result<f64, String> {
     let snapshot = run.snapshot();
     let count = snapshot.stresses.len() as f64;
     let stress = snapshot.stresses.iter().map(|stress| stress[0]).sum::<f64>() / count;
-    // The length from the left side of the second column to that of the last has as many columns as joints.
+    // The length from the left side of the second column to that of the last has one joint per column.
     let left_of = |column: usize| {
         let nodes = snapshot.elements[2 * column..2 * column + 2].iter().flatten();
         let corners: Vec<_> = nodes.map(|&node| node as usize).collect();

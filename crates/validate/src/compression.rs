@@ -46,8 +46,9 @@ const SOFT: Rock = Rock {
     velocity: 0.025,
 };
 
-/// Berea sandstone. Cohesion and angle of friction (27.8°) were fitted to triaxial tests; elasticity likewise from Goodman, Introduction to Rock Mechanics, 2nd ed. (1989), tables 3.3 and 6.1.
-/// Fracture energies that are as brittle on this specimen as those of [`SOFT`].
+/// Berea sandstone. Cohesion and angle of friction (27.8°) were fitted to triaxial tests; elasticity also
+/// from Goodman, Introduction to Rock Mechanics, 2nd ed. (1989), tables 3.3 and 6.1. Fracture energies that
+/// are as brittle on this specimen as those of [`SOFT`].
 const BEREA: Rock = Rock {
     density: 2200.0,
     youngs_modulus: 19.3e9,
@@ -103,7 +104,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Strengths of Berea sandstone under four pressures on the sides, against the line that was fitted to its triaxial tests: the figures of the material are those of the tests.
+/// Strengths of Berea sandstone under four pressures on the sides, against the line that was fitted to its
+/// triaxial tests: the figures of the material are those of the tests.
 pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
     let mesh_size = size.choose(4e-3, 2e-3);
     let seeds = size.choose(1..=1, 1..=3);

@@ -1,10 +1,15 @@
-//! Debris: a block that breaks in a box that is shaken, and whose fragments strike each other and the walls again and again.
+//! Debris: a block that breaks in a box that is shaken, and whose fragments strike each other and the walls
+//! again and again.
 //!
-//! Elements that a joint held together touch as soon as it breaks, often deeply, and the load of the joint passes to the contact. If the contact counted an overlap of the
-//! beginning, or if the joint let go while it pressed, each transition would create or destroy energy, and a million of them would heat the debris until it explodes.
+//! Elements that a joint held together touch as soon as it breaks, often deeply, and the load of the joint
+//! passes to the contact. If the contact counted an initial overlap, or if the joint released while it
+//! pressed, each transition would create or destroy energy, and a million of them would heat the debris until
+//! it explodes.
 //!
-//! The rest is the error of the integration in time: the scheme keeps an energy that differs from the true one by a share of the order `(ω Δt)²`. That difference
-//! depends on the state alone, so that it does not grow with the number of transitions. It was found to be in proportion to the strain energy of the fragments, and to the square of the step.
+//! The rest is the error of the integration in time: the scheme keeps an energy that differs from the true
+//! one by a share of the order `(ω Δt)²`. That difference depends on the state alone, so it does not grow
+//! with the number of transitions. It was found to be in proportion to the strain energy of the fragments,
+//! and to the square of the step.
 
 use fdem_simulation::{
     Boundary, Element, FractureOptions, Insertion, Material, Mesh, Model, Schedule, Simulation, Strength,
@@ -94,9 +99,11 @@ pub(super) fn model<const D: usize, const N: usize>(
     }
 }
 
-/// Shakes a model until its transitions are counted. A transition is a joint that breaks, or a couple of elements that begins or ceases to touch. In one step as many couples may begin
-/// as cease: only the difference is counted, so that there are more transitions than are told. The sum of all energies stays what it was at the beginning plus the work of shaking, to 1e-4
-/// of the most energy that was in the system: kinetic, stored, and turned into heat by friction, which the shaking supplies all the while.
+/// Shakes a model until its transitions are counted. A transition is a joint that breaks, or a couple of
+/// elements that begins or ceases to touch. In one step the same number of couples may begin as cease: only
+/// the difference is counted, so that there are more transitions than reported. The sum of all energies stays
+/// equal to its initial value plus the work of shaking, to 1e-4 of the most energy that was in the system:
+/// kinetic, stored, and turned into heat by friction, which the shaking supplies continuously.
 pub(super) fn shaken<const D: usize, const N: usize>(
     kind: &Kind,
     model: Model<D, N>,

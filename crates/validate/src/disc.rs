@@ -1,8 +1,9 @@
 //! A disc that strikes a plane obliquely, and one that rolls or slides down an incline.
 //!
-//! A disc with the radius R has the moment of inertia m R²/2. While it slides, the friction µ N slows it and turns it: in an impact that changes the normal velocity by Δv, its tangential
-//! velocity changes by µ Δv, and that of its rim about its middle by twice as much. Down an incline it rolls with 2/3 g sin θ while tan θ is below 3 µ; above it slides with
-//! g (sin θ − µ cos θ), and its rim turns ever faster, by 2 µ g cos θ.
+//! A disc with the radius R has the moment of inertia m R²/2. While it slides, the friction µ N slows it and
+//! turns it: in an impact that changes the normal velocity by Δv, its tangential velocity changes by µ Δv,
+//! and that of its rim about its middle by twice as much. Down an incline it rolls with 2/3 g sin θ while tan
+//! θ is below 3 µ; above it slides with g (sin θ − µ cos θ), and its rim turns ever faster, by 2 µ g cos θ.
 
 use fdem_simulation::{ContactOptions, Material, Model, Schedule, Simulation};
 
@@ -23,7 +24,8 @@ struct Disc {
 }
 
 impl Disc {
-    /// A disc of so many rings just above a plane from `left` to `right`, in a model that `complete` completes.
+    /// A disc of `rings` rings just above a plane from `left` to `right`, in a model that `complete`
+    /// completes.
     fn new(rings: usize, [left, right]: [f64; 2], complete: impl FnOnce(&mut Model)) -> Result<Self, String> {
         let edge = RADIUS / rings as f64;
         let cells = ((right - left) / edge).round() as usize;
@@ -42,7 +44,8 @@ impl Disc {
         Ok(Self { run: start(model)?, first })
     }
 
-    /// Mean velocity, and the velocity of the rim about the middle, clockwise: from momentum and angular momentum.
+    /// Mean velocity, and the velocity of the rim about the middle, clockwise: from momentum and angular
+    /// momentum.
     fn motion(&self) -> ([f64; 2], f64) {
         let snapshot = self.run.snapshot();
         let mesh = &self.run.model().mesh;
@@ -147,7 +150,7 @@ fn accelerations(degrees: f64, friction: f64, size: Size) -> Result<[f64; 2], St
     let (sin, cos) = degrees.to_radians().sin_cos();
     let ramp = 0.05;
     let mut disc = Disc::new(size.choose(10, 20), [-RADIUS, 1.0], |model| {
-        // So soft that the contact is wider than an edge: the disc does not feel that it is a polygon.
+        // So soft that the contact is wider than an edge: the polygon acts as a disc.
         model.materials =
             vec![Material { youngs_modulus: 2e6, friction, damping: 0.2, poissons_ratio: 0.2, ..granite() }];
         model.contact =

@@ -1,7 +1,9 @@
-//! A circular hole that is excavated from a stressed plate: Kirsch's stresses, Lamé's displacement, and the energy that a sudden excavation sets free.
+//! A circular hole that is excavated from a stressed plate: Kirsch's stresses, Lamé's displacement, and the
+//! energy that a sudden excavation sets free.
 //!
-//! A quarter of the plate with the core in it is under initial stress. The core vanishes, and the forces that it exerted fall to 0. What the hole adds to displacements is, for a stress σ along x,
-//! with κ = (3 − ν)/(1 + ν) in plane stress and the radius a, in polar coordinates
+//! A quarter of the plate with the core in it is under initial stress. The core vanishes, and the forces that
+//! it exerted fall to 0. The hole adds to displacements, for a stress σ along x, with κ = (3 − ν)/(1 + ν) in
+//! plane stress and the radius a, in polar coordinates
 //!
 //! ```text
 //! u = σ/(4 G) (a²/r (1 + (1 + κ) cos 2θ) − a⁴/r³ cos 2θ)
@@ -37,7 +39,8 @@ fn passage() -> f64 {
     PLATE / (granite().youngs_modulus / granite().density).sqrt()
 }
 
-/// Kirsch's hole in ground under two stresses: hoop stresses at the two ends of its edge, and how they converge.
+/// Kirsch's hole in ground under two stresses: hoop stresses at the two ends of its edge, and how they
+/// converge.
 pub(super) fn kirsch(size: Size) -> Result<Vec<Outcome>, String> {
     let sizes: &[usize] = size.choose(&[8, 16], &[8, 16, 32]);
     let mut outcomes = Vec::new();
@@ -51,7 +54,7 @@ pub(super) fn kirsch(size: Size) -> Result<Vec<Outcome>, String> {
         let cos2 = (2.0 * half).cos();
         // At θ = half and at a right angle less that.
         let at = |cos2: f64| x + y - 2.0 * (x - y) * cos2;
-        // The order is 2: 3 % at 32 elements around, and a quarter of that at twice as many.
+        // The order is 2: 3 % at 32 elements around, and a quarter of that at 64.
         let bound = 0.03 * (8.0 / columns as f64).powi(2);
         for (name, expected, found) in [("at the sides", at(cos2), least), ("in the roof", at(-cos2), most)] {
             let name =
@@ -68,7 +71,8 @@ pub(super) fn kirsch(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// A hole in ground under a pressure that is released suddenly: Lamé's displacement, and Salamon's energy that is set free.
+/// A hole in ground under a pressure that is released suddenly: Lamé's displacement, and Salamon's energy
+/// that is set free.
 pub(super) fn sudden(size: Size) -> Result<Vec<Outcome>, String> {
     let columns = size.choose(12, 24);
     let pressure = 1e3;
@@ -103,7 +107,7 @@ pub(super) fn sudden(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-/// What the hole adds to the displacement at a point, m.
+/// Displacement that the hole adds at a point, m.
 fn added([x, y]: [f64; 2]) -> [f64; 2] {
     let shear = granite().youngs_modulus / (2.0 * (1.0 + POISSON));
     let kappa = (3.0 - POISSON) / (1.0 + POISSON);
@@ -117,7 +121,8 @@ fn added([x, y]: [f64; 2]) -> [f64; 2] {
     [u * cos - v * sin, u * sin + v * cos]
 }
 
-/// The plate at rest after its hole has been excavated slowly. Its outer arc moves as that of an infinite plate.
+/// The plate at rest after its hole has been excavated slowly. Its outer arc moves as that of an infinite
+/// plate.
 fn excavated(columns: usize) -> Result<Simulation, String> {
     let (mut model, core) = plate(columns, STRESSES, PLATE - 1e-9);
     let (begin, end) = (BEGIN * passage(), (BEGIN + RELEASE) * passage());
@@ -148,7 +153,8 @@ fn without_core(run: &Simulation, core: &[bool], release: Option<Schedule>) -> R
     Simulation::resume(model, state, 1).map_err(text)
 }
 
-/// A quarter of a plate with so many cells along a quarter of the hole, under stresses along x and y, and which of its elements are the core. The axes are held up to this radius.
+/// A quarter of a plate with `columns` cells along a quarter of the hole, under stresses along x and y, and
+/// the list of elements of the core. The axes are held up to this radius.
 fn plate(columns: usize, [x, y]: [f64; 2], held: f64) -> (Model, Vec<bool>) {
     // Cells are half as long as wide: stresses change more across the edge than along it.
     let rows = (2.0 * (PLATE / HOLE).ln() / (0.5 * PI) * columns as f64).round() as usize;
@@ -187,7 +193,8 @@ fn plate(columns: usize, [x, y]: [f64; 2], held: f64) -> (Model, Vec<bool>) {
     (model, core)
 }
 
-/// Stresses along the edge of the hole, in its first piece and in its last, Pa: from what the pieces are stretched, and from the stress across the edge, which is gone.
+/// Stresses along the edge of the hole, in its first piece and in its last, Pa: from the stretch of the
+/// pieces, and from the stress across the edge, which has vanished.
 fn edge_stresses(run: &Simulation, columns: usize) -> [f64; 2] {
     let mesh = &run.model().mesh;
     let mut wall = nodes_where(mesh, |[x, y]| (x.hypot(y) - HOLE).abs() < 1e-9);

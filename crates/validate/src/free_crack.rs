@@ -1,4 +1,5 @@
-//! A crack in tension that chooses its path along the edges of an unstructured mesh, and the same crack on a straight line.
+//! A crack in tension that chooses its path along the edges of an unstructured mesh, and the same crack on a
+//! straight line.
 //!
 //! The specimen is a plate with a sharp notch. Its ends are pulled apart, or it is bent on three points.
 
@@ -30,7 +31,8 @@ const ZONE: f64 = 0.012;
 const STRAIGHT: u32 = 6;
 /// Time in which the loading speed is reached, s. A beam swings if it is shorter.
 const RAMP: f64 = 2.5e-4;
-/// Time at which the work against the joints of a beam is compared, s. The crack has grown through three quarters of it.
+/// Time at which the work against the joints of a beam is compared, s. The crack has grown through three
+/// quarters of it.
 const BENT: f64 = 1.15e-3;
 
 /// The load on the specimen.
@@ -104,7 +106,7 @@ fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
         let sizes: &[Bounds] = size.choose(&[USUAL], &[COARSE, USUAL, FINE]);
         for bounds in sizes {
             let crack = |mesher: &Mesher| specimen.broken(specimen.free(bounds.elements, *mesher)?);
-            // All at once, so that no thread waits.
+            // All together, so that no thread waits.
             let cracks = meshers.par_iter().flatten().map(crack).collect::<Result<Vec<Crack>, String>>()?;
             let mut rest = &cracks[..];
             for meshers in &meshers {
@@ -151,12 +153,14 @@ fn of_cracks(cracks: &[Crack], straight: &Crack, bounds: &Bounds, case: &str) ->
     outcomes
 }
 
-/// K of a load of 1 N, m^−1.5, for cracks of 16, 18.4 and 20.8 mm: by quadratic finite elements, from the energy that they release.
+/// K of a load of 1 N, m^−1.5, for cracks of 16, 18.4 and 20.8 mm: by quadratic finite elements, from the
+/// energy that they release.
 const TOUGHNESSES: [(f64, [f64; 2]); 3] =
     [(0.016, [6.059, 18.005]), (0.0184, [6.716, 20.579]), (0.0208, [7.360, 23.565])];
 
-/// A cohesive crack in a large body, whose joints soften as those here: K over √(E G), and the length in E G/f² by which it acts longer than its notch, as the process zone develops.
-/// From the integral equations of J. Planas and M. Elices, Int. J. Fracture 51 (1991), which for linear softening give their 0.419.
+/// A cohesive crack in a large body, whose joints soften as those here: K over √(E G), and the length in E
+/// G/f² by which it acts longer than its notch, as the process zone develops. From the integral equations of
+/// J. Planas and M. Elices, Int. J. Fracture 51 (1991), which for linear softening give their 0.419.
 const DEVELOPED: [[f64; 2]; 8] = [
     [0.8096, 0.1418],
     [0.8756, 0.2047],
@@ -168,8 +172,9 @@ const DEVELOPED: [[f64; 2]; 8] = [
     [1.0000, 0.6878],
 ];
 
-/// The largest load of the straight crack, pulled slowly, over that of linear elastic fracture mechanics. The process zone is shorter than in the other cracks, because the theory is for one
-/// that is short beside the body.
+/// The largest load of the straight crack, pulled slowly, over that of linear elastic fracture mechanics. The
+/// process zone is shorter than in the other cracks, because the theory is for one that is short beside the
+/// body.
 fn against_theory(loading: Loading) -> Result<Outcome, String> {
     let zone = 0.009;
     let specimen = Specimen { loading, insertion: Insertion::Adaptive, zone, speed: 2.5e-3 };
@@ -222,11 +227,13 @@ struct Specimen {
 struct Crack {
     /// Largest load, N for a thickness of 1 m. The stress intensity at growth is proportional to it.
     load: f64,
-    /// Work done against the joints over the fracture energy of the ligament, when a plate is in two or when a beam is bent so far.
+    /// Work done against the joints over the fracture energy of the ligament, when a plate is in two or when
+    /// a beam is bent so far.
     energy: f64,
     /// Length of the broken joints over that of their projection.
     path: f64,
-    /// Joints behind the tip that hold and are damaged, over the projection of the crack: sum of damage times length, and number, 1/m.
+    /// Joints behind the tip that hold and are damaged, over the projection of the crack: sum of damage times
+    /// length, and number, 1/m.
     beside: f64,
     count: f64,
 }

@@ -1,4 +1,5 @@
-//! A crack in shear under pressure that chooses its path along the edges of an unstructured mesh, and the same crack on a straight line.
+//! A crack in shear under pressure that chooses its path along the edges of an unstructured mesh, and the
+//! same crack on a straight line.
 
 use fdem_simulation::{Boundary, Load, Model, Schedule, Simulation, Target};
 use rayon::prelude::*;
@@ -121,7 +122,8 @@ fn straight() -> Result<Model, String> {
     Ok(model)
 }
 
-/// Loads the sides with a pressure, then with a growing shear stress τ and, along the notch, a pressure 2 τ tan φ: then the plane of the notch is the one that Mohr and Coulomb let fail.
+/// Loads the sides with a pressure, then with a growing shear stress τ and, along the notch, a pressure 2 τ
+/// tan φ: then the plane of the notch is the one that Mohr and Coulomb let fail.
 fn load(model: &mut Model) {
     let mesh = &model.mesh;
     let along = 2.0 * FRICTION.to_radians().tan();

@@ -132,7 +132,8 @@ const DIP: f64 = 40.0;
 
 /// Gravity over that of equilibrium at which a block slides on a plane with cohesion and friction.
 ///
-/// A block of the weight W on a plane of the area A that dips by ψ has the factor of safety (c A + W cos ψ tan φ)/(W sin ψ). Its weight grows until that is 1.
+/// A block of the weight W on a plane of the area A that dips by ψ has the factor of safety (c A + W cos ψ
+/// tan φ)/(W sin ψ). Its weight grows until that is 1.
 pub(super) fn plane_failure(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let dips: &[f64] = size.choose(&[DIP], &[35.0, DIP, 50.0]);
@@ -204,7 +205,8 @@ fn gravity_of_failure(dip: f64, expected: f64, size: Size) -> Result<f64, String
     Ok(most * run.time() / duration)
 }
 
-/// Direct shear of a joint set under three normal stresses: cohesion and friction from the line through the peaks.
+/// Direct shear of a joint set under three normal stresses: cohesion and friction from the line through the
+/// peaks.
 pub(super) fn direct_shear(size: Size) -> Result<Vec<Outcome>, String> {
     let (cohesion, friction, residual) = (1e6, 0.6, 0.4);
     let stresses = [1e6, 2e6, 4e6];

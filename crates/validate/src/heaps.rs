@@ -19,7 +19,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut fragments = Vec::new();
     let mut velocities = Vec::new();
     for (heap, [right, up]) in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].into_iter().enumerate() {
-        // Each heap has a speed of its own.
+        // Each heap has another speed.
         let speed = SPEED * (1.0 + 0.1 * heap as f64);
         for i in 0..side {
             for j in 0..side {

@@ -1,14 +1,16 @@
 //! Hertz contact: half a disc pressed on a rigid plane.
 //!
-//! By symmetry the half below its horizontal diameter is a disc between two planes. With P the load per length, E* = E/(1 − ν²) and R the radius, the half-width of the
-//! contact is a = √(4 P R/(π E*)), the greatest pressure √(P E*/(π R)), and the approach of the diameter to the plane (Johnson, 5.6)
+//! By symmetry the half below the horizontal diameter is a disc between two planes. With P the load per
+//! length, E* = E/(1 − ν²) and R the radius, the half-width of the contact is a = √(4 P R/(π E*)), the
+//! greatest pressure √(P E*/(π R)), and the approach of the diameter to the plane (Johnson, 5.6)
 //!
 //! ```text
 //! δ = P/(π E*) (2 ln(4 R/a) − 1).
 //! ```
 //!
-//! The mesh is half a disc about 0, of rings that grow with their radius, mapped by w = i R (z − i)/(z + i): conformal, it keeps the shape of small elements, it takes the
-//! straight side of the half disc to the lower half of the circle with 0 at its lowest point, and the half circle to the diameter.
+//! The mesh is half a disc about 0, of rings that grow with their radius, mapped by w = i R (z − i)/(z + i):
+//! conformal, it keeps the shape of small elements, it takes the straight side of the half disc to the lower
+//! half of the circle with 0 at its lowest point, and the half circle to the diameter.
 
 use std::f64::consts::PI;
 
@@ -23,7 +25,8 @@ use super::{Outcome, Size};
 /// Radius of the disc, m.
 const RADIUS: f64 = 0.1;
 
-/// Approximate half-width of the contact at the end over the radius. The largest strains are a quarter of this.
+/// Approximate half-width of the contact at the end over the radius. The largest strains are a quarter of
+/// this.
 const WIDTH: f64 = 0.02;
 
 const POISSON: f64 = 0.25;
@@ -94,7 +97,8 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let mut mesh = together(&[disc, plane]);
     let above = nodes_where(&mesh, |[_, y]| y > -1e-9 * RADIUS);
     let fixed = (first..mesh.nodes.len() as u32).collect();
-    // Only the state of rest counts: large elements are made so light that their time step is that of the small ones.
+    // Only the state of rest counts: large elements are made so light that their time step is that of the
+    // small ones.
     let sizes: Vec<f64> = (0..mesh.elements.len()).map(|element| area(&mesh, element).sqrt()).collect();
     let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
     for (material, size) in mesh.materials.iter_mut().zip(sizes) {
@@ -214,7 +218,8 @@ struct Pressures {
     greatest: f64,
 }
 
-/// Half-width and greatest pressure from the pressures p of elements of equal width: a semi-ellipse has a² = 4 Σ p x²/Σ p and p² = p₀² (1 − x²/a²), where p₀ follows by least squares.
+/// Half-width and greatest pressure from the pressures p of elements of equal width: a semi-ellipse has a² =
+/// 4 Σ p x²/Σ p and p² = p₀² (1 − x²/a²), where p₀ follows by least squares.
 fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
     let snapshot = run.snapshot();
     // x², p² and p.

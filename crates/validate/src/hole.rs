@@ -1,7 +1,8 @@
 //! Kirsch's plate: a circular hole in a plate under tension.
 //!
-//! A quarter of the plate up to six radii of the hole, whose outer arc is moved as the infinite plate moves there. With κ = (3 − ν)/(1 + ν) in plane stress, a tension σ along x and the
-//! radius a, polar displacements are
+//! A quarter of the plate up to six radii of the hole, whose outer arc is moved as the infinite plate moves
+//! there. With κ = (3 − ν)/(1 + ν) in plane stress, a tension σ along x and the radius a, polar displacements
+//! are
 //!
 //! ```text
 //! u = σ/(4 G) (r ((κ − 1)/2 + cos 2θ) + a²/r (1 + (1 + κ) cos 2θ) − a⁴/r³ cos 2θ)
@@ -54,7 +55,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
         let name = format!("displacement of the edge of the hole {name}");
         outcomes.push(Outcome::relative(name, expected, found(node, axis), bound, "m"));
     }
-    // The edge bears no traction: E times the stretch of its first and its last piece, whose middles are half a piece from the axes.
+    // The edge carries no traction: E times the stretch of its first and its last piece, whose middles are
+    // half a piece from the axes.
     let stress = |pair: [u32; 2]| {
         let [a, b] = pair.map(|node| run.model().mesh.nodes[node as usize]);
         let along = [b[0] - a[0], b[1] - a[1]];

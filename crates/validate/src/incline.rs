@@ -53,7 +53,8 @@ struct Block {
 }
 
 impl Block {
-    /// A block on a plane that is inclined by so many degrees: the plane is level and the weight is turned. The weight grows with a ramp, so that the block does not hop.
+    /// A block on a plane that is inclined by the given number of degrees: the plane is level and the weight
+    /// is turned. The weight grows with a ramp, so that the block does not hop.
     fn on(degrees: f64, size: Size) -> Result<Self, String> {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let fine = size.choose(1, 2);
@@ -67,7 +68,7 @@ impl Block {
         let model = Model {
             mesh,
             materials: vec![Material { youngs_modulus: 1e8, friction: FRICTION, damping: 0.5, ..granite() }],
-            // Stiff friction, so that the contacts of a slow block that hops slip at once.
+            // Stiff friction, so that the contacts of a slow block that hops slip immediately.
             contact: ContactOptions { tangential_stiffness: 2.0, ..ContactOptions::default() },
             boundaries: vec![
                 moved("ground", held, [Some(0.0); 2], Schedule::Constant),
@@ -88,8 +89,9 @@ impl Block {
         mean_velocity(&self.run, &self.nodes)[0]
     }
 
-    /// Acceleration of the block, m/s²: the slope of a line through many velocities, after the block has settled and before it reaches the end of the plane. Elastic bodies hop a
-    /// little as they slide, so that the difference of two velocities would scatter.
+    /// Acceleration of the block, m/s²: the slope of a line through many velocities, after the block has
+    /// settled and before it reaches the end of the plane. Elastic bodies hop a little as they slide, so that
+    /// the difference of two velocities would scatter.
     fn acceleration(&mut self) -> Result<f64, String> {
         advance_to(&mut self.run, 0.1)?;
         let mut points = Vec::new();

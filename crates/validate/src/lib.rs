@@ -1,6 +1,7 @@
 //! The verification ladder: cases with known answers, and the answers of the simulation.
 //!
-//! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] holds the comparison. [`table`] and [`html`] show reports.
+//! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] holds the
+//! comparison. [`table`] and [`html`] show reports.
 //!
 //! # To change X, open Y
 //!

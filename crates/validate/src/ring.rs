@@ -17,7 +17,7 @@ use super::{Outcome, Size};
 const INNER: f64 = 1.0;
 const OUTER: f64 = 2.0;
 
-/// Pa: strains are far below what a linear theory notices.
+/// Pa: strains are so small that a linear theory holds.
 const PRESSURE: f64 = 1e3;
 
 const POISSON: f64 = 0.25;
@@ -45,7 +45,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Displacement of the inner radius at rest, m, in the mean of its nodes.
+/// Mean displacement of the nodes at the inner radius at rest, m.
 fn growth(elements: usize) -> Result<f64, String> {
     let mesh = quarter(INNER, OUTER, elements, 3 * elements, 1.0);
     let [left, bottom] = [0, 1].map(|axis| nodes_where(&mesh, |node| node[axis].abs() < 1e-9));
@@ -79,7 +79,8 @@ fn growth(elements: usize) -> Result<f64, String> {
     Ok(moved.sum::<f64>() / nodes.len() as f64)
 }
 
-/// A quarter of a ring in the first quadrant, of `rows` by `columns` cells of two triangles; rows grow outwards by `growth` each. Nodes of the inner arc come first, from the x axis on.
+/// A quarter of a ring in the first quadrant, of `rows` by `columns` cells of two triangles; rows grow
+/// outwards by `growth` each. Nodes of the inner arc come first, from the x axis on.
 pub(super) fn quarter(inner: f64, outer: f64, rows: usize, columns: usize, growth: f64) -> Mesh {
     let weight = |row: usize| {
         (0..row).map(|k| i32::try_from(k).unwrap_or(i32::MAX)).map(|k| growth.powi(k)).sum::<f64>()

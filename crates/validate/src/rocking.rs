@@ -1,6 +1,7 @@
-//! Housner's rocking block: a slender block that stands on one of its corners and is let go.
+//! Housner's rocking block: a slender block that is released on one of its corners.
 //!
-//! With the half diagonal R and the angle α between it and the side, the block falls back from a tilt θ below α and turns over above it. A rigid one comes back to its base after
+//! With the half diagonal R and the angle α between it and the side, the block falls back from a tilt θ below
+//! α and turns over above it. A rigid one comes back to its base after
 //!
 //! ```text
 //! t = acosh(1/(1 − θ/α))/p,    p² = 3 g/(4 R),
@@ -44,7 +45,7 @@ fn fall(tilt: f64, size: Size) -> Result<Option<f64>, String> {
     let base = rectangle([-0.1, -0.1], [0.3, 0.0], [4 * fine, fine]);
     let held = (0..base.nodes.len() as u32).collect();
     let mut block = rectangle([0.0, 0.0], [WIDTH, HEIGHT], [2 * fine, 10 * fine]);
-    // About its right corner, which stands on the base.
+    // Around its right corner, which rests on the base.
     for node in &mut block.nodes {
         let [x, y] = rotated([node[0] - WIDTH, node[1]], -tilt);
         *node = [x + WIDTH, y];

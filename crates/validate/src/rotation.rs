@@ -18,7 +18,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 /// Speed at which one disc meets the other, m/s.
 const SPEED: f64 = 5.0;
 
-/// Two discs that meet off centre, under gravity and with friction, and the same model turned by some angles: the largest differences of displacements, velocities and stresses.
+/// Two discs that meet off centre, under gravity and with friction, and the same model turned by some angles:
+/// the largest differences of displacements, velocities and stresses.
 pub(super) fn objectivity(size: Size) -> Result<Vec<Outcome>, String> {
     let steps = size.choose(1500, 4000);
     let straight = meeting(0.0, steps)?;
@@ -58,7 +59,7 @@ fn impact_stress() -> f64 {
     0.5 * SPEED * (rock().density * rock().youngs_modulus).sqrt()
 }
 
-/// Snapshot of two discs that meet, after so many steps, with the whole model turned by an angle.
+/// Snapshot of two discs that meet, after `steps` steps, with the whole model turned by an angle.
 fn meeting(angle: f64, steps: u64) -> Result<Snapshot, String> {
     let body = disc(0.5, 5);
     let mesh = turned(&together(&[body.clone(), turned(&body, 0.3, [0.3, 0.96])]), angle, [0.0; 2]);
@@ -85,7 +86,8 @@ fn rock() -> Material {
     Material { poissons_ratio: 0.25, ..granite() }
 }
 
-/// Leads all nodes of a block through a full turn, by a degree in each step. Returns the largest stress over Young's modulus.
+/// Leads all nodes of a block through a full turn, by a degree in each step. Returns the largest stress over
+/// Young's modulus.
 fn led() -> Result<f64, String> {
     let mesh = rectangle([0.2, -0.1], [0.8, 0.2], [4, 2]);
     let (steps, step) = (360, 1e-3);

@@ -11,7 +11,8 @@ use super::models::{
 };
 use super::{Outcome, Size};
 
-/// Width and height of a cell, m. Cells are flat, so that the free ends of the blocks have little influence on the stress.
+/// Width and height of a cell, m. Cells are flat, so that the free ends of the blocks have little influence
+/// on the stress.
 const CELL: f64 = 0.002;
 const HEIGHT: f64 = 0.0005;
 
@@ -67,7 +68,8 @@ struct Sheared {
     balance: f64,
 }
 
-/// Two blocks of two rows, the lower one longer, that share the nodes between them. The outer rows are platens.
+/// Two blocks of two rows, the lower one longer, that share the nodes between them. The outer rows are
+/// platens.
 fn blocks() -> Mesh {
     let lower = rectangle([0.0, -2.0 * HEIGHT], [LENGTH, 0.0], [COLUMNS, 2]);
     let upper = rectangle([0.0, 0.0], [LENGTH, 2.0 * HEIGHT], [COLUMNS, 2]);
@@ -105,7 +107,8 @@ fn model(insertion: Insertion, stress: f64) -> Model {
     let edges = top.windows(2).map(|pair| [pair[1], pair[0]]).collect();
     let rock_of_blocks =
         Material { density: 16.0 * DENSITY, youngs_modulus: 30e9, damping: 0.1, ..granite() };
-    // The platens are stiff and have the same wave speed. A block that tilts would carry another normal stress at its ends than in its middle.
+    // The platens are stiff and have the same wave speed. A block that tilts would carry another normal
+    // stress at its ends than in its middle.
     let platen = Material {
         name: "platen".to_owned(),
         density: 100.0 * rock_of_blocks.density,

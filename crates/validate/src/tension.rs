@@ -55,7 +55,8 @@ struct Torn {
 
 fn tear(cells: [usize; 2], insertion: Insertion, critical_opening: CriticalOpening) -> Result<Torn, String> {
     let mut mesh = rectangle([0.0, 0.0], [WIDTH, HEIGHT], cells);
-    // The joints between the two halves are a little weaker than the rest, so that the place of the crack is known.
+    // The joints between the two halves are a little weaker than the rest, so that the place of the crack is
+    // known.
     for element in 0..mesh.elements.len() {
         mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.5 * HEIGHT);
     }

@@ -260,7 +260,7 @@ fn an_outcome_beyond_its_bound_or_not_a_number_fails() {
     assert!(!relative(f64::NAN) && !relative(f64::INFINITY));
     let absolute = |found| Outcome::absolute("drift", 0.0, found, 1e-9, "").passed();
     assert!(absolute(0.0) && absolute(-1e-9) && !absolute(1.1e-9) && !absolute(f64::NAN));
-    // A bound of 0 asks for the very number.
+    // A bound of 0 requires the exact number.
     assert!(Outcome::absolute("joints", 0.0, 0.0, 0.0, "").passed());
     assert!(!Outcome::absolute("joints", 0.0, 1.0, 0.0, "").passed());
 }

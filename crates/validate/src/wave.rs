@@ -91,7 +91,8 @@ fn two_bars(cells: usize) -> Result<[Outcome; 2], String> {
     let right = turned(&left, 0.0, [length + 1e-7, 0.0]);
     let half = [0.5 * meeting, 0.0];
     let velocities = [vec![half; left.nodes.len()], vec![half.map(|v| -v); right.nodes.len()]].concat();
-    // Elements of the left bar behind the first wave and before the reflected one, at the time when the wave reaches the end.
+    // Elements of the left bar behind the first wave and before the reflected one, at the time when the wave
+    // reaches the end.
     let inside: Vec<usize> = (0..left.elements.len())
         .filter(|&element| (0.6 * length..0.8 * length).contains(&centroid(&left, element)[0]))
         .collect();

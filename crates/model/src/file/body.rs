@@ -7,8 +7,9 @@ use serde::Deserialize;
 
 use crate::file::vector::Vector;
 
-/// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions rectangle, disc, ring or polygon; in three dimensions box,
-/// cylinder, tube, sphere, polyhedron, surface or extrusion.
+/// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions
+/// rectangle, disc, ring or polygon; in three dimensions box, cylinder, tube, sphere, polyhedron, surface or
+/// extrusion.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
@@ -17,17 +18,20 @@ pub struct Body {
     pub name: String,
     /// Name of the material of the body.
     pub material: String,
-    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key; geometries that Gmsh meshes take it as the longest edge.
+    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key; geometries
+    /// that Gmsh meshes take it as the longest edge.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub mesh_size: Option<f64>,
-    /// Places near which elements are smaller than `mesh_size`: points, lines and boxes, in the coordinates of the shape, before `angle` and `translate`. Default: none.
+    /// Places near which elements are smaller than `mesh_size`: points, lines and boxes, in the coordinates
+    /// of the shape, before `angle` and `translate`. Default: none.
     #[serde(default)]
     pub refine: Vec<Refine>,
     /// Seed of the mesh: another seed gives another mesh. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
+    /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise.
+    /// Default: 0.
     #[serde(default)]
     #[schemars(extend("x-unit" = "deg"))]
     pub angle: f64,
@@ -39,11 +43,14 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub translate: Option<Vector>,
-    /// Numbers of copies [nx, ny] or [nx, ny, nz] along the axes, the body itself included. Each copy is a body of its own, `wall-1-1`, `wall-1-2`, …, numbered along x, y and z from 1. A name of a body without numbers means all copies. Default: no copies.
+    /// Numbers of copies [nx, ny] or [nx, ny, nz] along the axes, the body itself included. Each copy is a
+    /// separate body, `wall-1-1`, `wall-1-2`, …, numbered along x, y and z from 1. A name of a body without
+    /// numbers means all copies. Default: no copies.
     #[serde(default)]
     #[schemars(length(min = 2, max = 3), inner(range(min = 1, max = 1_000_000)))]
     pub repeat: Option<Vec<u32>>,
-    /// Distance [dx, dy] or [dx, dy, dz] between neighbouring copies, m. Default: the size of the bounding box of the body, with which copies touch.
+    /// Distance [dx, dy] or [dx, dy, dz] between neighbouring copies, m. Default: the size of the bounding
+    /// box of the body, with which copies touch.
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub spacing: Option<Vector>,
@@ -51,13 +58,16 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
-    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges, .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
+    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that
+    /// `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges,
+    /// .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
     pub mesh: Option<String>,
     /// Physical groups of surfaces, or of volumes, to take from a mesh file. Default: the whole file.
     #[serde(default)]
     pub only: Option<Vec<String>>,
-    /// Materials of physical groups of a mesh file, as { group = "material" }. Groups that are not named have the material of the body.
+    /// Materials of physical groups of a mesh file, as { group = "material" }. Groups that are not named have
+    /// the material of the body.
     #[serde(default)]
     pub groups: BTreeMap<String, String>,
     /// A rectangle along the axes.
@@ -88,7 +98,8 @@ pub struct Body {
     /// The smallest convex polyhedron around points.
     #[serde(default)]
     pub polyhedron: Option<Polyhedron>,
-    /// A file with a closed surface of triangles, STL or OBJ, whose inside is meshed. Its path is relative to the model file.
+    /// A file with a closed surface of triangles, STL or OBJ, whose inside is meshed. Its path is relative to
+    /// the model file.
     #[serde(default)]
     pub surface: Option<String>,
     /// A flat outline drawn out along z.
@@ -97,7 +108,8 @@ pub struct Body {
     /// Voronoi grains in an outline. Their boundaries are edges of the mesh.
     #[serde(default)]
     pub voronoi: Option<Voronoi>,
-    /// Bodies of one kind that do not overlap: discs, polygons, spheres, polyhedra, or copies of a shape. Each is a body of its own.
+    /// Bodies of one kind that do not overlap: discs, polygons, spheres, polyhedra, or copies of a shape.
+    /// Each is a separate body.
     #[serde(default)]
     pub packing: Option<Packing>,
 }
@@ -115,7 +127,8 @@ pub struct Refine {
     #[schemars(length(min = 2))]
     #[schemars(extend("x-unit" = "m"))]
     pub line: Option<Vec<Vector>>,
-    /// A box along the axes, [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m. A flat one is a face.
+    /// A box along the axes, [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m. A flat one
+    /// is a face.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box", length(min = 4, max = 6))]
     #[schemars(extend("x-unit" = "m"))]
@@ -123,7 +136,8 @@ pub struct Refine {
     /// Mean edge of the elements there, m.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub size: f64,
-    /// Distance from the place up to which elements have that size, m. Beyond, edges grow by 0.3 m per metre up to `mesh_size`. Default: 0.
+    /// Distance from the place up to which elements have that size, m. Beyond, edges grow by 0.3 m per metre
+    /// up to `mesh_size`. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
     pub reach: f64,
@@ -173,7 +187,8 @@ pub struct Ring {
     pub inner_radius: f64,
 }
 
-/// A box along the axes. Its faces are the groups "left" and "right" (x), "front" and "back" (y), "bottom" and "top" (z).
+/// A box along the axes. Its faces are the groups "left" and "right" (x), "front" and "back" (y), "bottom"
+/// and "top" (z).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Box")]
@@ -201,7 +216,8 @@ pub struct Cylinder {
     pub radius: f64,
 }
 
-/// The volume between two cylinders with the same axis. Its faces are the groups "bottom" (at `from`), "top" (at `to`), "mantle" and "inside".
+/// The volume between two cylinders with the same axis. Its faces are the groups "bottom" (at `from`), "top"
+/// (at `to`), "mantle" and "inside".
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tube {
@@ -236,7 +252,7 @@ pub struct Sphere {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Polyhedron {
-    /// Points [x, y, z], m. Those inside of the others count for nothing.
+    /// Points [x, y, z], m. Points inside of the others are ignored.
     #[schemars(length(min = 4))]
     #[schemars(extend("x-unit" = "m"))]
     pub points: Vec<[f64; 3]>,
@@ -261,7 +277,8 @@ pub struct Extrusion {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
-    /// Corners [x, y] in their order around the outline, either way round, m. The outline closes by itself.
+    /// Corners [x, y] in their order around the outline, either way round, m. The outline is closed
+    /// automatically.
     #[schemars(length(min = 3))]
     #[schemars(extend("x-unit" = "m"))]
     pub points: Vec<[f64; 2]>,
@@ -284,7 +301,8 @@ pub enum Hole {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Voronoi {
-    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }; in three dimensions { box = … }, { polyhedron = … }, { cylinder = … } or { sphere = … }.
+    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }; in three dimensions
+    /// { box = … }, { polyhedron = … }, { cylinder = … } or { sphere = … }.
     pub outline: Outline,
     /// Number of grains.
     #[schemars(range(min = 1, max = 100_000))]
@@ -292,12 +310,14 @@ pub struct Voronoi {
     /// Seed of the grains: another seed gives other grains. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// In two dimensions: rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the more, the more alike the grains. Default: 3.
+    /// In two dimensions: rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the
+    /// more, the more alike the grains. Default: 3.
     #[serde(default = "rounds")]
     #[schemars(range(max = 100))]
     pub rounds: u32,
-    /// Materials of the grains. Neighbours get different ones where that is possible: with four or more materials nearly everywhere. An `[[interface]]` of two
-    /// materials gives the strength between such neighbours. Default: the material of the body.
+    /// Materials of the grains. Neighbours get different ones where that is possible: with four or more
+    /// materials nearly everywhere. An `[[interface]]` of two materials gives the strength between such
+    /// neighbours. Default: the material of the body.
     #[serde(default)]
     pub materials: Vec<String>,
 }
@@ -346,39 +366,47 @@ impl Outline {
     }
 }
 
-/// Bodies of one kind that do not overlap, at random places or from a file. Each lies within a circle or a sphere of its own.
+/// Bodies of one kind that do not overlap, at random places or from a file. Each lies within its own circle
+/// or sphere.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Packing {
-    /// Shape of the bodies: "disc" or "polygon" in two dimensions, "sphere" or "polyhedron" in three. Default: "disc" or "sphere".
+    /// Shape of the bodies: "disc" or "polygon" in two dimensions, "sphere" or "polyhedron" in three.
+    /// Default: "disc" or "sphere".
     #[serde(default)]
     pub shape: Option<Piece>,
-    /// Instead of `shape`: the shape whose copies the bodies are, such as { box = … }. Each copy is turned at random.
+    /// Instead of `shape`: the shape whose copies the bodies are, such as { box = … }. Each copy is turned at
+    /// random.
     #[serde(default)]
     pub copies_of: Option<CopiesOf>,
     /// Number of bodies, at random places.
     #[serde(default)]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: Option<usize>,
-    /// Smallest and largest radius of the circles or spheres around the bodies, m. Copies have that of their shape if there is none, and are scaled to it if there is one.
+    /// Smallest and largest radius of the circles or spheres around the bodies, m. By default copies have the
+    /// radius of their shape; with a radius they are scaled to it.
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub radius: Option<[f64; 2]>,
-    /// Region that the bodies fill: { min = [x, y], max = [x, y] }, { min = [x, y, z], max = [x, y, z] } or { cylinder = … }.
+    /// Region that the bodies fill: { min = [x, y], max = [x, y] }, { min = [x, y, z], max = [x, y, z] } or {
+    /// cylinder = … }.
     #[serde(default)]
     pub within: Option<Region>,
-    /// Least distance between the circles or spheres around two bodies, and between these and the sides of the region, m. Default: 0.
+    /// Least distance between the circles or spheres around two bodies, and between these and the sides of
+    /// the region, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
     pub gap: f64,
-    /// Smallest and largest number of corners of polygons and polyhedra. Default: [5, 8] for polygons, [8, 14] for polyhedra.
+    /// Smallest and largest number of corners of polygons and polyhedra. Default: [5, 8] for polygons, [8,
+    /// 14] for polyhedra.
     #[serde(default)]
     #[schemars(inner(range(min = 3, max = 100)))]
     pub corners: Option<[u32; 2]>,
     /// Seed of the packing: another seed gives another packing. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// File with x, y, in three dimensions z, and radius of each body, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
+    /// File with x, y, in three dimensions z, and radius of each body, m, instead of `count`, `radius` and
+    /// `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub file: Option<String>,
 }
@@ -400,7 +428,8 @@ pub struct Region {
     pub cylinder: Option<Cylinder>,
 }
 
-/// The shape whose copies the bodies of a packing are; exactly one of the keys. Where it lies does not matter.
+/// The shape whose copies the bodies of a packing are; exactly one of the keys. Where it lies does not
+/// matter.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "copies_of")]

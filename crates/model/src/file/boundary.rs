@@ -1,4 +1,4 @@
-//! `[[boundary]]`: where, what and when.
+//! `[[boundary]]`: place, kind and time.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -6,8 +6,9 @@ use serde::Deserialize;
 use crate::file::condition::Servo;
 use crate::file::vector::Vector;
 
-/// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
-/// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: constant from the start).
+/// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of
+/// side, box, group. How: exactly one of fixed, velocity, displacement, force, traction, pressure, absorbing.
+/// When: ramp or table (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
@@ -17,15 +18,20 @@ pub struct Boundary {
     /// Name of a body. Without side, box and group the boundary acts on all of the body. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or "bottom"; in three dimensions also "front" or "back". Left and right are along x, bottom and top along the last axis, front and back along y.
+    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or
+    /// "bottom"; in three dimensions also "front" or "back". Left and right are along x, bottom and top along
+    /// the last axis, front and back along y.
     #[serde(default)]
     pub side: Option<Side>,
-    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the nodes and edges, or faces, inside.
+    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the nodes and edges, or
+    /// faces, inside.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box", length(min = 4, max = 6))]
     #[schemars(extend("x-unit" = "m"))]
     pub limits: Option<Vec<f64>>,
-    /// Physical group of a mesh file: of curves or surfaces, in three dimensions of surfaces or volumes. Flat shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …; those of shapes in space are told with each.
+    /// Physical group of a mesh file: of curves or surfaces, in three dimensions of surfaces or volumes. Flat
+    /// shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …; for
+    /// shapes in space see their descriptions.
     #[serde(default)]
     pub group: Option<String>,
     /// Directions in which the nodes are held: "x", "y", "z" or several of them, such as "xy" or "xyz".
@@ -53,22 +59,26 @@ pub struct Boundary {
     #[serde(default)]
     #[schemars(extend("x-unit" = "Pa"))]
     pub pressure: Option<f64>,
-    /// true: edges of the outline, or outer faces, absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
+    /// true: edges of the outline, or outer faces, absorb waves (Lysmer and Kuhlemeyer), carry the initial
+    /// stress, and support the body with the stiffness of the ground beyond. Default: false.
     #[serde(default)]
     pub absorbing: bool,
     /// Time within which the load rises from 0 to its full value, as half a cosine, s.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub ramp: Option<f64>,
-    /// Factor of the load over time, [[time, factor], …], s: linear between the entries, constant before the first and after the last.
+    /// Factor of the load over time, [[time, factor], …], s: linear between the entries, constant before the
+    /// first and after the last.
     #[serde(default)]
     #[schemars(length(min = 1))]
     #[schemars(extend("x-unit" = ["s", "1"]))]
     pub table: Option<Vec<[f64; 2]>>,
-    /// Control of `velocity`, so that a force, a stress or a strain gets to a target. The `ramp` or the `table` is that of the target. Default: none.
+    /// Control of `velocity`, so that a force, a stress or a strain gets to a target. The `ramp` or the
+    /// `table` is that of the target. Default: none.
     #[serde(default)]
     pub servo: Option<Servo>,
-    /// Names of the stages in which it acts. The times of ramp and table begin with the first of them. Default: all.
+    /// Names of the stages in which it acts. The times of ramp and table begin with the first of them.
+    /// Default: all.
     #[serde(default)]
     pub stages: Option<Vec<String>>,
 }

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Stress of ground at rest under its own weight: the vertical stress is the weight above, the horizontal one `k0` times that, plus the tectonic stress. Above the surface there is none. Needs gravity along the last axis. With the density of the bodies, nothing moves at the beginning.
+/// Stress of ground at rest under its own weight: the vertical stress is the weight above, the horizontal one
+/// `k0` times that, plus the tectonic stress. Above the surface the stress is zero. Needs gravity along the
+/// last axis. With the density of the bodies, nothing moves at the beginning.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
@@ -17,7 +19,8 @@ pub struct Ground {
     /// Horizontal over vertical stress: a number, or in three dimensions one along x and one along y.
     #[schemars(extend("x-unit" = "1"))]
     pub k0: Ratio,
-    /// Horizontal stress besides, Pa, tension positive: a number, or in three dimensions one along x and one along y. Default: 0.
+    /// Horizontal stress besides, Pa, tension positive: a number, or in three dimensions one along x and one
+    /// along y. Default: 0.
     #[serde(default)]
     #[schemars(extend("x-unit" = "Pa"))]
     pub tectonic: Option<Ratio>,

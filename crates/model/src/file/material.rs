@@ -3,15 +3,17 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`, `fracture_energy_i` and `fracture_energy_ii`, and does not break without them.
+/// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`,
+/// `fracture_energy_i` and `fracture_energy_ii`, and does not break without them.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     /// Name of the material for bodies and interfaces.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Name of a material of the library, which gives all keys that this table does not give: "granite", for instance. `fdem materials` lists them. Default: none, and `density`,
-    /// `youngs_modulus` and `poissons_ratio` must be there.
+    /// Name of a material of the library, which gives all keys that this table does not give: "granite", for
+    /// instance. `fdem materials` lists them. Default: none, and `density`, `youngs_modulus` and
+    /// `poissons_ratio` must be there.
     #[serde(default)]
     #[schemars(schema_with = "crate::library::names")]
     pub library: Option<String>,
@@ -52,7 +54,8 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "J/m²"))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. At least 1; rock has 2 to 30. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its
+    /// value. At least 1; rock has 2 to 30. Default: no scatter.
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "x-unit" = "1"))]
     pub weibull_modulus: Option<f64>,
@@ -61,11 +64,13 @@ pub struct Material {
     pub weibull_seed: u64,
 }
 
-/// Contacts between two materials, and the joints between their elements inside one body. Different bodies touch; no interface bonds them.
+/// Contacts between two materials, and the joints between their elements inside one body. Different bodies
+/// touch; no interface bonds them.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
-    /// Names of the two. A material with itself: its contacts with other bodies of it, and all joints inside of it, in place of its own strength.
+    /// Names of the two. For a material with itself: its contacts with other bodies of it, and all joints
+    /// inside of it, in place of the strength of the material.
     pub materials: [String; 2],
     /// Coefficient of friction of contacts. Default: that of the material with less friction.
     #[serde(default)]
@@ -75,8 +80,9 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
     pub penalty: Option<f64>,
-    /// Tensile strength of joints between the two, inside bodies, Pa; needs the four keys below. With 0 here and for `cohesion` the joint is open and has friction only; then
-    /// it needs no fracture energies. Default: the strength of the weaker material.
+    /// Tensile strength of joints between the two, inside bodies, Pa; needs the four keys below. With 0 here
+    /// and for `cohesion` the joint is open and has friction only; then it needs no fracture energies.
+    /// Default: the strength of the weaker material.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
     pub tensile_strength: Option<f64>,
@@ -96,7 +102,8 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "J/m²"))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. At least 1; rock has 2 to 30. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its
+    /// value. At least 1; rock has 2 to 30. Default: no scatter.
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "x-unit" = "1"))]
     pub weibull_modulus: Option<f64>,

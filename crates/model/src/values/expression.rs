@@ -8,7 +8,8 @@
 //! scaled   = primary [ unit [ "^" ["-"] digits ] ]        the unit only after a number or ")"
 //! primary  = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
-//! A unit binds tighter than the signs around it: `2.7 g/cm^3` is (2.7 g)/(cm^3), and a unit by itself is one of it.
+//! A unit binds tighter than the signs around it: `2.7 g/cm^3` is (2.7 g)/(cm^3), and a unit alone is one of
+//! it.
 
 use std::ops::Range;
 
@@ -25,11 +26,11 @@ const DEEPEST: u32 = 50;
 /// Gives the value of a parameter, with the place of its name in the expression.
 pub(crate) type LookUp<'l> = dyn FnMut(&str, Range<usize>) -> Result<Quantity, Wrong> + 'l;
 
-/// What an expression says.
+/// The parsed form of an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Expression {
     Number(f64),
-    /// A parameter, a constant, or a unit by itself.
+    /// A parameter, a constant, or a unit without a number.
     Name(String, Range<usize>),
     /// An expression with a unit behind it, and the power of the unit.
     Scaled(Box<Self>, String, i32),
@@ -38,7 +39,7 @@ pub(crate) enum Expression {
     Call(Function, Vec<Self>, Range<usize>),
 }
 
-/// What stands between two expressions.
+/// The operator between two expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operator {
     Plus,
@@ -137,7 +138,7 @@ enum Token {
 /// Reads an expression.
 ///
 /// # Errors
-/// What is no expression, or is too long or too deep.
+/// The text is not an expression, or is too long or too deep.
 pub(crate) fn parse(text: &str) -> Result<Expression, Wrong> {
     if text.len() > LONGEST {
         return Err(Wrong::new(0..text.len(), format!("an expression is longer than {LONGEST} characters")));

@@ -4,13 +4,13 @@ use crate::values::units::{Dimension, Unit};
 
 /// A number in SI units, angles in degrees, and its dimension.
 ///
-/// The number is `value · 10^tens`. The power of ten is kept apart until the end, so that `"25 mm"` is the same number to the last bit as 0.025, and
-/// `"2.7 g/cm^3"` as 2700.
+/// The number is `value · 10^tens`. The power of ten is kept apart until the end, so that `"25 mm"` is the
+/// same number to the last bit as 0.025, and `"2.7 g/cm^3"` as 2700.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Quantity {
     value: f64,
     tens: i32,
-    /// `None` for plain numbers, which can stand for any dimension.
+    /// `None` for plain numbers, which fit any dimension.
     dimension: Option<Dimension>,
 }
 
@@ -22,7 +22,7 @@ pub(crate) enum Mismatch {
 }
 
 impl Quantity {
-    /// A number without a unit, which can stand for any dimension.
+    /// A number without a unit, which fits any dimension.
     pub(crate) fn plain(value: f64) -> Self {
         Self { value, tens: 0, dimension: None }
     }
@@ -56,7 +56,7 @@ impl Quantity {
         format!("{digits}e{exponent}").parse().unwrap_or(f64::NAN)
     }
 
-    /// The dimension; `None` if the number can stand for any.
+    /// The dimension; `None` if the number fits any.
     pub(crate) fn dimension(self) -> Option<Dimension> {
         self.dimension
     }

@@ -42,7 +42,7 @@ fn expressions_have_the_values_of_arithmetic() {
     }
 }
 
-/// What people write by hand is the same number to the last bit as without the unit.
+/// Numbers with units, as users write them, are the same to the last bit as without the unit.
 #[test]
 fn units_shift_the_decimal_point() {
     for (text, expected, dimension) in [
@@ -199,7 +199,8 @@ fn no_text_makes_the_parser_panic() {
     assert!(right > 500, "only {right} texts were right");
 }
 
-/// Every number of the schema says its unit, if it has always the same; a whole number is a count where it says none.
+/// Every number of the schema says its unit, if it has always the same; a whole number is a count where it
+/// says none.
 #[test]
 fn every_number_of_the_schema_has_a_unit() {
     fn look(

@@ -2,12 +2,13 @@
 
 use std::fmt::{self, Write};
 
-/// Steps of an exponent: dimensions have exponents that are multiples of 1/12, such as the 1/2 of the square root of a length.
+/// Steps of an exponent: dimensions have exponents that are multiples of 1/12, such as the 1/2 of the square
+/// root of a length.
 pub(crate) const STEPS: i32 = 12;
 
 /// Exponents of mass, length, time and angle, in steps of 1/12.
 ///
-/// The angle is a dimension of its own, whose unit is the degree, so that nobody takes radians for degrees.
+/// The angle is a separate dimension, whose unit is the degree, so that nobody takes radians for degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dimension(pub(crate) [i32; 4]);
 
@@ -99,11 +100,13 @@ pub(crate) struct Unit {
     pub(crate) dimension: Dimension,
 }
 
-/// Symbols with their factor, their power of ten, and their exponents of mass, length, time and angle. The foot is left out: `ft` is the usual name of a tensile strength.
+/// Symbols with their factor, their power of ten, and their exponents of mass, length, time and angle. The
+/// foot is left out: `ft` is the usual name of a tensile strength.
 ///
 /// # Source
-/// The International System of Units, 9th edition (2019); pound-force and inch: B.N. Taylor, A. Thompson, "The International System of Units", NIST SP 330 (2008), and
-/// A. Thompson, B.N. Taylor, NIST SP 811 (2008), appendix B.
+/// The International System of Units, 9th edition (2019); pound-force and inch: B.N. Taylor, A. Thompson,
+/// "The International System of Units", NIST SP 330 (2008), and A. Thompson, B.N. Taylor, NIST SP 811 (2008),
+/// appendix B.
 const UNITS: [(&str, f64, i32, [i32; 4]); 40] = [
     ("m", 1.0, 0, [0, 1, 0, 0]),
     ("km", 1.0, 3, [0, 1, 0, 0]),

@@ -9,8 +9,9 @@ use super::bodies::{
 use crate::models::{DENSITY, granite, moved, nodes_where, together};
 use crate::{Outcome, Size};
 
-/// Waves in a bar in uniaxial strain: `c = √(M/ρ)` with the P-wave modulus `M = E (1 - ν)/((1 + ν)(1 - 2 ν))`. Behind the front the particles have the velocity `v`
-/// of the end, so that the momentum `ρ c v` per time and area is the stress (Graff, 2.1.3).
+/// Waves in a bar in uniaxial strain: `c = √(M/ρ)` with the P-wave modulus
+/// `M = E (1 - ν)/((1 + ν)(1 - 2 ν))`. Behind the front the particles have the velocity `v` of the end, so
+/// that the momentum `ρ c v` per time and area is the stress (Graff, 2.1.3).
 pub(crate) fn waves(size: Size) -> Result<Vec<Outcome>, String> {
     let across = size.choose(2, 4);
     let (width, long, speed) = (0.008, 0.4, 0.1);
@@ -87,7 +88,8 @@ fn passes(run: &mut Run, nodes: &[u32], goal: f64) -> Result<f64, String> {
     Err("the wave never arrives".to_owned())
 }
 
-/// A bar under a pressure on its end, at rest: it shortens by `p L/E` and its support bears `p A`, and its sides move out by `ν p/E`.
+/// A bar under a pressure on its end, at rest: it shortens by `p L/E` and its support carries `p A`, and its
+/// sides move out by `ν p/E`.
 pub(crate) fn rest(size: Size) -> Result<Vec<Outcome>, String> {
     let across = size.choose(2, 4);
     let (width, long, pressure) = (0.02, 0.04, 5e6);
@@ -114,7 +116,8 @@ pub(crate) fn rest(size: Size) -> Result<Vec<Outcome>, String> {
     let mut run = start(model)?;
     advance_to(&mut run, 1.2e-3)?;
     let strain = pressure / e;
-    // The pressure acts on the deformed end, wider by 2 ν p/E; both values are right to the square of the strain.
+    // The pressure acts on the deformed end, wider by 2 ν p/E; both values are right to the square of the
+    // strain.
     Ok(vec![
         Outcome::relative("shortening", strain * long, -mean_motion(&run, &top)[0][2], 5e-4, "m"),
         Outcome::relative("growth across", nu * strain * width, mean_motion(&run, &side)[0][0], 5e-4, "m"),
@@ -122,7 +125,8 @@ pub(crate) fn rest(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-/// Two equal rods that meet: the wave of the impact returns from the free ends after `2 L/c`, and its stress is `ρ c v/2` (Graff, 2.4; ν = 0).
+/// Two equal rods that meet: the wave of the impact returns from the free ends after `2 L/c`, and its stress
+/// is `ρ c v/2` (Graff, 2.4; ν = 0).
 pub(crate) fn meeting(size: Size) -> Result<Vec<Outcome>, String> {
     let across = size.choose(2, 3);
     let (long, meeting) = (0.2, 10.0);

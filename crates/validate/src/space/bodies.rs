@@ -1,6 +1,7 @@
 //! Meshes of tetrahedra, and steps that several cases use.
 //!
-//! The meshes are lattices of cells that are cut into five tetrahedra each. [`jittered`] moves the nodes, so that no direction is special.
+//! The meshes are lattices of cells that are cut into five tetrahedra each. [`jittered`] moves the nodes, so
+//! that no direction is special.
 
 use fdem_simulation::{Boundary, Load, Mesh, Model, Schedule, Simulation, Target};
 
@@ -18,10 +19,11 @@ pub(super) type Point = [f64; 3];
 /// Faces of a tetrahedron, counter-clockwise seen from outside.
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 
-/// Corners of a cell by their bits: 1 for x, 2 for y, 4 for z. The tetrahedra of cells that are odd are those of even ones, mirrored, so that faces match.
+/// Corners of a cell by their bits: 1 for x, 2 for y, 4 for z. The tetrahedra of cells that are odd are those
+/// of even ones, mirrored, so that faces match.
 const EVEN: [[usize; 4]; 5] = [[0, 1, 2, 4], [3, 2, 1, 7], [5, 1, 4, 7], [6, 4, 2, 7], [1, 2, 4, 7]];
 
-/// A box of so many cells along each axis, each of five tetrahedra.
+/// A box of `cells` cells along each axis, each of five tetrahedra.
 pub(super) fn cuboid(min: Point, max: Point, cells: [usize; 3]) -> Body {
     let along = |axis: usize, k: usize| min[axis] + (max[axis] - min[axis]) * k as f64 / cells[axis] as f64;
     let places: [Vec<f64>; 3] =
@@ -82,7 +84,8 @@ pub(super) fn volume_of(mesh: &Body) -> f64 {
     mesh.elements.iter().map(|nodes| volume(nodes.map(|node| mesh.nodes[node as usize]))).sum()
 }
 
-/// The mesh with its nodes moved by `by` at most along each axis, except along the axes that `fixed` names for a place.
+/// The mesh with its nodes moved by `by` at most along each axis, except along the axes that `fixed` names
+/// for a place.
 pub(super) fn jittered(mesh: &Body, by: f64, seed: u64, fixed: impl Fn(Point) -> [bool; 3]) -> Body {
     let mut random = Random(seed);
     mapped(mesh, |place| {
@@ -207,7 +210,7 @@ pub(super) fn start(model: Model<3, 4>) -> Result<Run, String> {
     Simulation::new(model, 1).map_err(|error| error.to_string())
 }
 
-/// Advances a run by so many steps.
+/// Advances a run by `steps` steps.
 pub(super) fn advance(run: &mut Run, steps: u64) -> Result<(), String> {
     run.advance(steps).map_err(|error| error.to_string())
 }
@@ -250,7 +253,8 @@ pub(super) fn momentum(run: &Run) -> [Point; 2] {
     sum
 }
 
-/// Largest change of a component of the linear momentum over `scale`, and of the angular momentum over `scale` times `arm`, m.
+/// Largest change of a component of the linear momentum over `scale`, and of the angular momentum over
+/// `scale` times `arm`, m.
 pub(super) fn change(before: &[Point; 2], after: &[Point; 2], scale: f64, arm: f64) -> f64 {
     let mut most = 0.0;
     for axis in 0..3 {

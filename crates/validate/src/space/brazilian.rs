@@ -1,8 +1,10 @@
 //! Brazilian test of a thick disc: its strength.
 //!
-//! Two narrow strips of the surface are moved towards each other. The force of a node at the angle `φ` to the loaded diameter acts along a chord: it and its opposite make the tension
-//! `s cos φ (2 cos 2φ - 1)` in the centre, the sum of two radial fields and an even tension (Timoshenko and Goodier, 41), with `s = 2 P/(π D t)`. The disc splits where the sum over all
-//! nodes, the mean over the thickness, is the strength of the material.
+//! Two narrow strips of the surface are moved towards each other. The force of a node at the angle `φ` to the
+//! loaded diameter acts along a chord: it and its opposite make the tension `s cos φ (2 cos 2φ - 1)` in the
+//! centre, the sum of two radial fields and an even tension (Timoshenko and Goodier, 41), with
+//! `s = 2 P/(π D t)`. The disc splits where the sum over all nodes, the mean over the thickness, is the
+//! strength of the material.
 
 use std::f64::consts::PI;
 
@@ -15,7 +17,7 @@ use crate::{Outcome, Size};
 
 /// Tensile strength, Pa.
 const STRENGTH: f64 = 3e6;
-/// Of each strip, m/s.
+/// Speed of each strip, m/s.
 const SPEED: f64 = 0.05;
 
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -63,7 +65,7 @@ fn split(seed: u32) -> Result<[f64; 2], String> {
     let mut peak = 0.0_f64;
     loop {
         advance(&mut run, 10)?;
-        // Both strips bear the same load: half of the sum over both.
+        // Both strips carry the same load: half of the sum over both.
         let mut sum = 0.0;
         for (place, force) in run.snapshot().positions.iter().zip(run.forces().reactions) {
             let angle = place[0].atan2(place[2].abs());

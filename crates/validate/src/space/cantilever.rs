@@ -1,12 +1,17 @@
 //! A double cantilever of tetrahedra whose arms are pulled apart.
 //!
-//! Each arm of the height `h` and the width `b` is a beam that is clamped at the front of the crack: under the load `P` the arms part by `2 P a³/(3 E I)`, with `I = b h³/12`, so that the
-//! compliance is `C = 2 a³/(3 E I)`. The energy that a crack releases as it grows is `G b = P²/2 dC/da = P² a²/(E I)`: it grows at `P = √(G b E I)/a`.
+//! Each arm of the height `h` and the width `b` is a beam that is clamped at the front of the crack: under
+//! the load `P` the arms part by `2 P a³/(3 E I)`, with `I = b h³/12`, so that the compliance is
+//! `C = 2 a³/(3 E I)`. The energy that a crack releases as it grows is `G b = P²/2 dC/da = P² a²/(E I)`: it
+//! grows at `P = √(G b E I)/a`.
 //!
-//! Arms as short as these also shear, and turn about the front of the crack. Boundary collocation (Gross and Srawley) gives `K = P (3.46 a + 2.38 h)/(b h^1.5)`; with `G = K²/E` that is the
-//! law of beams with `a + 0.688 h` for `a`, both in the load and in the compliance, which is the integral of `2 G b/P²`. Here `a` is 2 to 4 times `h`.
+//! Arms as short as these also shear, and turn about the front of the crack. Boundary collocation (Gross and
+//! Srawley) gives `K = P (3.46 a + 2.38 h)/(b h^1.5)`; with `G = K²/E` that is the law of beams with
+//! `a + 0.688 h` for `a`, both in the load and in the compliance, which is the integral of `2 G b/P²`. Here
+//! `a` is 2 to 4 times `h`.
 //!
-//! The cells of the mesh are small beside the arm's height, because elements of constant strain are too stiff in bending: the case "locking" says how much.
+//! The cells of the mesh are small beside the arm's height, because elements of constant strain are too stiff
+//! in bending: the case "locking" says how much.
 
 use fdem_simulation::{
     ContactOptions, FractureOptions, Interface, Material, Model, Schedule, Strength, TimeOptions,
@@ -47,7 +52,8 @@ fn compliance(crack: f64) -> f64 {
     2.0 * effective(crack).powi(3) / (3.0 * stiffness())
 }
 
-/// Cells through the width: the front of the crack has vertices inside, where several faces must part at once.
+/// Cells through the width: the front of the crack has vertices inside, where several faces must part
+/// together.
 const WIDE: usize = 2;
 
 /// Size of the model.

@@ -14,11 +14,13 @@ const HEIGHT: f64 = 0.1;
 const COHESION: f64 = 6e6;
 const ANGLE: f64 = 35.0;
 
-/// Both ends move alike and are free to widen, as between platens without friction, so that the stress is even until the cylinder fails.
+/// Both ends move alike and are free to widen, as between platens without friction, so that the stress is
+/// even until the cylinder fails.
 ///
-/// The strength is that of the material if the cylinder fails at once where it first reaches it. The length `E G/c²` of a process zone of shear is 12 mm here, half of the
-/// radius. If it is 62 mm (five times the fracture energy), the joints of a shear plane soften so slowly that all of it, and other planes, have to slip together: then the cylinder bears 1.22
-/// times the strength.
+/// The strength is that of the material if the cylinder fails where it first reaches it. The length `E G/c²`
+/// of a process zone of shear is 12 mm here, half of the radius. If it is 62 mm (five times the fracture
+/// energy), the joints of a shear plane soften so slowly that all of it, and other planes, have to slip
+/// together: then the cylinder carries 1.22 times the strength.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let angle = ANGLE.to_radians();
     let expected = 2.0 * COHESION * angle.cos() / (1.0 - angle.sin());

@@ -1,24 +1,30 @@
 //! A thick disc under two opposite loads, as in the Brazilian test: the elastic stress in its middle.
 //!
-//! Two strips of the disc's surface, each seen from the axis under the angle `2 α`, bear the pressure `p`. In plane stress the stress in the centre is `σ_x = 2 p/π (sin 2α - α)` across the
-//! loaded diameter and `σ_y = -2 p/π (sin 2α + α)` along it (Hondros), which for narrow strips are `s = 2 P/(π D t)` and `-3 s`.
+//! Two strips of the disc's surface, each seen from the axis under the angle `2 α`, carry the pressure `p`.
+//! In plane stress the stress in the centre is `σ_x = 2 p/π (sin 2α - α)` across the loaded diameter and
+//! `σ_y = -2 p/π (sin 2α + α)` along it (Hondros), which for narrow strips are `s = 2 P/(π D t)` and `-3 s`.
 //!
-//! A disc is not thin. The state of plane stress is exact in three dimensions, with faces that bear no traction, if the stress varies through the thickness (Timoshenko and Goodier, 98): with
-//! `Θ = σ_x + σ_y`, which is harmonic, and the place `z` from the middle, to `σ_x` is added
+//! A disc is not thin. The state of plane stress is exact in three dimensions, with faces that carry no
+//! traction, if the stress varies through the thickness (Timoshenko and Goodier, 98): with `Θ = σ_x + σ_y`,
+//! which is harmonic, and the place `z` from the middle, to `σ_x` is added
 //!
 //! ```text
 //! - ν/(2 (1 + ν)) (z² - t²/12) ∂²Θ/∂y²,    and to σ_y the opposite, because ∂²Θ/∂x² = - ∂²Θ/∂y².
 //! ```
 //!
-//! The mean over the thickness is that of the thin disc. Under the loads of a line, the sum of two radial fields and an even tension, `Θ = 2 s - s D/2 (1/(R - y) + 1/(R + y))` on
-//! the loaded diameter, so that `∂²Θ/∂y² = -32 s/D²` in the centre. With `sin 2α/(2 α)` for strips the tension across the diameter is there
+//! The mean over the thickness is that of the thin disc. Under the loads of a line, the sum of two radial
+//! fields and an even tension, `Θ = 2 s - s D/2 (1/(R - y) + 1/(R + y))` on the loaded diameter, so that
+//! `∂²Θ/∂y² = -32 s/D²` in the centre. With `sin 2α/(2 α)` for strips the tension across the diameter is
+//! there
 //!
 //! ```text
 //! σ_x/s = sin 2α/α - 1 + 16 ν/(1 + ν) (z² - t²/12)/D² sin 2α/(2 α):
 //! ```
 //!
-//! for `t = D/2` and `ν = 1/4` it is 0.933 in the middle plane and 1.133 on the faces. Finite elements of others gave `1 + 0.2621 t/D = 1.131` on the faces (Yu, Yin and Zhong, Int. J.
-//! Rock Mech. Min. Sci. 43 (2006) 623-627). What is left out decays from the loads as `exp(-4.2 r/t)` and is a hundredth in the centre.
+//! for `t = D/2` and `ν = 1/4` it is 0.933 in the middle plane and 1.133 on the faces. Finite elements of
+//! others gave `1 + 0.2621 t/D = 1.131` on the faces (Yu, Yin and Zhong, Int. J. Rock Mech. Min. Sci. 43
+//! (2006) 623-627). The neglected part decays from the loads as `exp(-4.2 r/t)` and is a hundredth in the
+//! centre.
 //!
 //! Near the axis of a thin disc `σ_x` falls by `4 (x/R)² s`, and by nothing along y.
 
@@ -35,7 +41,8 @@ pub(super) const RADIUS: f64 = 0.025;
 pub(super) const THICKNESS: f64 = 0.025;
 const POISSON: f64 = 0.25;
 
-/// The disc, of an unstructured mesh. `keys`: of the body and of the material, besides those that are always there.
+/// The disc, of an unstructured mesh. `keys`: of the body and of the material, besides those that are always
+/// there.
 pub(super) fn disc(mesh_size: f64, keys: [&str; 2]) -> Result<Model<3, 4>, String> {
     let [body, rock] = keys;
     prepared_in_space(&format!(

@@ -1,21 +1,25 @@
 //! Hertz contact: an elastic sphere pressed on an elastic block, without friction.
 //!
-//! With `1/E* = 2 (1 - ν²)/E` for two equal materials, the radius `R` and the approach `δ` of far points, the load is `P = 4/3 E* √R δ^1.5`, the radius of the contact `a = √(R δ)` and
-//! the greatest pressure `p₀ = 3 P/(2 π a²)` (Johnson, 4.2).
+//! With `1/E* = 2 (1 - ν²)/E` for two equal materials, the radius `R` and the approach `δ` of far points, the
+//! load is `P = 4/3 E* √R δ^1.5`, the radius of the contact `a = √(R δ)` and the greatest pressure
+//! `p₀ = 3 P/(2 π a²)` (Johnson, 4.2).
 //!
-//! The theory is that of two half spaces, so the model is the quarter of a region of five contact radii of each. The outer faces are moved as the half space moves there, far
-//! from the contact: as under a point load (Johnson, 3.4), at the depth `z` and the distances `r` from the axis and `s` from the contact
+//! The theory is that of two half spaces, so the model is the quarter of a region of five contact radii of
+//! each. The outer faces are moved as the half space moves there, far from the contact: as under a point load
+//! (Johnson, 3.4), at the depth `z` and the distances `r` from the axis and `s` from the contact
 //!
 //! ```text
 //! u_r = P (1 + ν)/(2 π E) (r z/s³ - (1 - 2 ν) r/(s (s + z))),    u_z = P (1 + ν)/(2 π E) (z²/s³ + 2 (1 - ν)/s).
 //! ```
 //!
-//! The pressure of Hertz differs from a point load by its second moment, `2 a²/5`: a share of the order of 1.6 % of these displacements, which are a tenth of the approach at most. That
-//! is 0.2 % of the approach. The sphere is a paraboloid: `a` is 0.005 of `R`.
+//! The pressure of Hertz differs from a point load by its second moment, `2 a²/5`: a share of the order
+//! of 1.6 % of these displacements, which are a tenth of the approach at most. That is 0.2 % of the approach.
+//! The sphere is a paraboloid: `a` is 0.005 of `R`.
 //!
-//! Two errors are known. Linear triangles below the paraboloid are on average `h²/(6 R)` above it, where `h` is the length of a cell: with `n` cells over the radius of the
-//! contact the approach is too small by its share `1/(6 n²)`, the load by `1/(4 n²)`, 1 % with five cells. Elements of constant strain are too stiff, by a share of the order
-//! `1/n²` too. The bound of 3 % holds for both from five cells.
+//! Two errors are known. Linear triangles below the paraboloid are on average `h²/(6 R)` above it, where `h`
+//! is the length of a cell: with `n` cells over the radius of the contact the approach is too small by its
+//! share `1/(6 n²)`, the load by `1/(4 n²)`, 1 % with five cells. Elements of constant strain are too stiff,
+//! by a share of the order `1/n²` too. The bound of 3 % holds for both from five cells.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -48,8 +52,9 @@ fn modulus() -> f64 {
     granite().youngs_modulus / (2.0 * (1.0 - POISSON * POISSON))
 }
 
-/// Bound of the errors of the radius and of the pressure, times the square of the number of cells over the radius. With five and with eight cells their errors are between 1.0 and 1.5
-/// over that square: a contact of so few elements is blurred by a share of an element.
+/// Bound of the errors of the radius and of the pressure, times the square of the number of cells over the
+/// radius. With five and with eight cells their errors are between 1.0 and 1.5 over that square: a contact of
+/// so few elements is blurred by a share of an element.
 const BLUR: f64 = 2.0;
 
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -94,8 +99,8 @@ struct Pressed {
     greatest: f64,
 }
 
-/// A quarter of the region of a half space below z = 0: even cells in a cube around the contact, and beyond three blocks, one on each face of the cube, whose cells grow with the
-/// distance.
+/// A quarter of the region of a half space below z = 0: even cells in a cube around the contact, and beyond
+/// three blocks, one on each face of the cube, whose cells grow with the distance.
 fn region(cells: usize, seed: u64) -> Body {
     let cell = CONTACT / cells as f64;
     let within = inner(cells);
@@ -128,7 +133,8 @@ fn region(cells: usize, seed: u64) -> Body {
     jittered(&mesh, 0.12 * cell, seed, on_box([0.0, 0.0, -REGION], [REGION, REGION, 0.0]))
 }
 
-/// Cells along an edge of the cube around the contact: even, so that the faces of its elements are those of the blocks.
+/// Cells along an edge of the cube around the contact: even, so that the faces of its elements are those of
+/// the blocks.
 fn inner(cells: usize) -> usize {
     2 * (0.6 * cells as f64).ceil() as usize
 }
@@ -173,7 +179,8 @@ fn press(approach: f64, cells: usize) -> Result<Pressed, String> {
     let count = block.nodes.len() as u32;
     let surface = pressed_faces(&block);
     let mut mesh = together(&[block, sphere]);
-    // Only the state of rest counts: large elements are made so light that their time step is that of the small ones.
+    // Only the state of rest counts: large elements are made so light that their time step is that of the
+    // small ones.
     let sizes: Vec<f64> =
         mesh.elements.iter().map(|nodes| height(nodes.map(|node| mesh.nodes[node as usize]))).collect();
     let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
@@ -213,7 +220,7 @@ fn press(approach: f64, cells: usize) -> Result<Pressed, String> {
     // A wave passes a cell in some ten steps, because the contact is stiff.
     let steps = 180 * (inner(cells) + rings(cells)) as u64;
     let time = 0.6 * steps as f64 * step;
-    // The approach becomes slower and slower: what stops at once would ring.
+    // The approach becomes slower and slower: a sudden stop would ring.
     let slowing: Vec<[f64; 2]> = (0..=50)
         .map(|k| {
             let share = f64::from(k) / 50.0;
@@ -242,8 +249,10 @@ fn press(approach: f64, cells: usize) -> Result<Pressed, String> {
     Ok(Pressed { load: 4.0 * -loads[1], ratio: -loads[0] / loads[1], radius, greatest })
 }
 
-/// Radius of the contact, m, and greatest pressure, Pa, from the stresses of the block's elements at the contact. The mean of r² over the pressure of Hertz is 2 a²/5, and
-/// p² = p₀² - (p₀/a)² r², where p₀ follows by least squares. The edge of the contact is left out of these, because the pressure changes much within an element there.
+/// Radius of the contact, m, and greatest pressure, Pa, from the stresses of the block's elements at the
+/// contact. The mean of r² over the pressure of Hertz is 2 a²/5, and p² = p₀² - (p₀/a)² r², where p₀ follows
+/// by least squares. The edge of the contact is left out of these, because the pressure changes much within
+/// an element there.
 fn profile(stresses: &[[f64; 6]], surface: &[(usize, f64, f64)]) -> [f64; 2] {
     let (mut sum, mut moment) = (0.0, 0.0);
     let [mut w, mut wx, mut wy, mut wxx, mut wxy] = [0.0; 5];
@@ -272,7 +281,8 @@ fn height(corners: [Point; 4]) -> f64 {
     3.0 * volume(corners).abs() / faces.map(area).into_iter().fold(0.0, f64::max)
 }
 
-/// Elements with a face on z = 0, near the contact, with the area of that face and the square of its distance from the axis.
+/// Elements with a face on z = 0, near the contact, with the area of that face and the square of its distance
+/// from the axis.
 fn pressed_faces(block: &Body) -> Vec<(usize, f64, f64)> {
     let mut found = Vec::new();
     for (element, nodes) in block.elements.iter().enumerate() {

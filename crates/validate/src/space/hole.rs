@@ -1,7 +1,9 @@
 //! A hole through a block under tension, in plane strain, at rest.
 //!
-//! A quarter of the block up to four radii of the hole, between two planes of symmetry across the hole's axis. Its outer face is moved as the infinite block moves there. With
-//! `κ = 3 - 4 ν` (plane strain), a tension `σ` along x and the radius `a` of the hole, polar displacements are those of Kirsch (Timoshenko and Goodier, 35)
+//! A quarter of the block up to four radii of the hole, between two planes of symmetry across the hole's
+//! axis. Its outer face is moved as the infinite block moves there. With `κ = 3 - 4 ν` (plane strain), a
+//! tension `σ` along x and the radius `a` of the hole, polar displacements are those of Kirsch (Timoshenko
+//! and Goodier, 35)
 //!
 //! ```text
 //! u = σ/(4 G) (r ((κ - 1)/2 + cos 2θ) + a²/r (1 + (1 + κ) cos 2θ) - a⁴/r³ cos 2θ)
@@ -14,8 +16,10 @@
 //! σ_r = σ/2 (1 - a²/r²) + σ/2 (1 - 4 a²/r² + 3 a⁴/r⁴) cos 2θ,    σ_θ = σ/2 (1 + a²/r²) - σ/2 (1 + 3 a⁴/r⁴) cos 2θ.
 //! ```
 //!
-//! From these follow, up to the radius `R` and for the thickness `t`: the force across the plane x = 0, the integral of `σ_θ` at θ = 90°, is `σ t (R - a²/(2 R) - a⁴/(2 R³))`; the
-//! force along the axis of the hole is `ν` times the integral of `σ_r + σ_θ = σ (1 - 2 a²/r² cos 2θ)`, which is `ν σ` times the area, because `cos 2θ` cancels over the quarter.
+//! From these follow, up to the radius `R` and for the thickness `t`: the force across the plane x = 0, the
+//! integral of `σ_θ` at θ = 90°, is `σ t (R - a²/(2 R) - a⁴/(2 R³))`; the force along the axis of the hole is
+//! `ν` times the integral of `σ_r + σ_θ = σ (1 - 2 a²/r² cos 2θ)`, which is `ν σ` times the area, because
+//! `cos 2θ` cancels over the quarter.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -65,7 +69,8 @@ fn displacement([x, y, _]: Point) -> Point {
     [u * cos - v * sin, u * sin + v * cos, 0.0]
 }
 
-/// Outcomes of a block with so many cells along the quarter of the hole's edge, and the error of the displacement of the edge along the tension.
+/// Outcomes of a block with `cells` cells along the quarter of the hole's edge, and the error of the
+/// displacement of the edge along the tension.
 fn block(cells: usize) -> Result<(Vec<Outcome>, f64), String> {
     // Cells are about as long as wide.
     let rows = ((OUTER / HOLE).ln() * cells as f64 / FRAC_PI_2).round() as usize;
@@ -116,7 +121,8 @@ fn block(cells: usize) -> Result<(Vec<Outcome>, f64), String> {
         let nodes = edge(column);
         (displacement(places[nodes[0] as usize])[axis], mean_motion(&run, &nodes)[0][axis])
     });
-    // The edge bears no traction and does not stretch along the axis: its stress is E/(1 - ν²) times the stretch of its first and its last piece.
+    // The edge carries no traction and does not stretch along the axis: its stress is E/(1 - ν²) times the
+    // stretch of its first and its last piece.
     let stress = |columns: [usize; 2]| {
         let [a, b] = columns.map(|column| places[edge(column)[0] as usize]);
         let [before, after] = columns.map(|column| mean_motion(&run, &edge(column))[0]);
@@ -173,6 +179,8 @@ fn block(cells: usize) -> Result<(Vec<Outcome>, f64), String> {
     Ok((outcomes, along.1 / along.0 - 1.0))
 }
 
-/// Bound of the errors times the square of the number of cells along the quarter of the edge. Errors fall with the square of the size: the order is an outcome. A chord of the edge
-/// alone is off by `(π/2)²/8 = 0.3` of the radius over that square, and the stress, three times the tension, falls by a third of itself within a tenth of the radius.
+/// Bound of the errors times the square of the number of cells along the quarter of the edge. Errors fall
+/// with the square of the size: the order is an outcome. A chord of the edge alone is off by `(π/2)²/8 = 0.3`
+/// of the radius over that square, and the stress, three times the tension, falls by a third of itself within
+/// a tenth of the radius.
 const BOUND: f64 = 3.0;

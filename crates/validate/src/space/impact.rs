@@ -1,4 +1,5 @@
-//! Tetrahedra that collide without friction and damping: what they have of energy and momenta before, they have after.
+//! Tetrahedra that collide without friction and damping: their energy and momenta are the same before and
+//! after.
 
 use std::f64::consts::{PI, TAU};
 
@@ -69,7 +70,8 @@ fn regular() -> Body {
     one_body(corners.map(|[x, y, z]| [x, y, z - centre]).to_vec(), vec![[0, 1, 2, 3]])
 }
 
-/// Two tetrahedra that meet as `kind` says: a vertex and a face, two edges, or two faces, each a little off centre and aslant, all turned at random.
+/// Two tetrahedra that meet as `kind` says: a vertex and a face, two edges, or two faces, each a little off
+/// centre and aslant, all turned at random.
 fn random_blow(kind: usize, number: u32, penalty: f64, safety: f64) -> Result<Met, String> {
     let random = &mut Random(1000 * kind as u64 + u64::from(number));
     let body = regular();
@@ -141,8 +143,10 @@ fn collide(
     Ok(Met { before, after: run.energies(), momentum })
 }
 
-/// The tests of the book: equal tetrahedra with three edges of 2 m at right angles, with `E` = 1e11 Pa, `ν` = 0, 1500 kg/m³, so that each weighs 2000 kg. One that flies at 550 m/s against
-/// one that is held (`T-C1`) or free (`T-C2`), and one at 500 m/s between two that are held (`T-C3`). With a low penalty they go through each other.
+/// The tests of the book: equal tetrahedra with three edges of 2 m at right angles, with `E` = 1e11 Pa, `ν` =
+/// 0, 1500 kg/m³, so that each weighs 2000 kg. One that flies at 550 m/s against one that is held (`T-C1`) or
+/// free (`T-C2`), and one at 500 m/s between two that are held (`T-C3`). With a low penalty they go through
+/// each other.
 fn of_the_book() -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for (name, held, speed, penalties) in [
@@ -169,7 +173,9 @@ fn of_the_book() -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Largest changes of the energy and of the momenta, over those of the beginning, and a number that is positive if the flying body went through the other. `held`: whether the body below is held, and whether another one above is.
+/// Largest changes of the energy and of the momenta, over those of the beginning, and a number that is
+/// positive if the flying body went through the other. `held`: whether the body below is held, and whether
+/// another one above is.
 fn book(held: [bool; 2], speed: f64, penalty: f64) -> Result<[f64; 3], String> {
     let corners = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
     let below = one_body(corners.to_vec(), vec![[0, 1, 2, 3]]);

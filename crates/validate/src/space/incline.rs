@@ -1,4 +1,5 @@
-//! A block that rests or slides on an inclined plane, down along either horizontal direction and aslant to both.
+//! A block that rests or slides on an inclined plane, down along either horizontal direction and aslant to
+//! both.
 
 use fdem_simulation::{ContactOptions, Material, Model, Schedule};
 
@@ -18,7 +19,8 @@ const GRAVITY: f64 = 9.81;
 const WIDTH: f64 = 0.2;
 const HEIGHT: f64 = 0.1;
 
-/// Below the angle of friction the block rests. Above, it slides down the plane with `g (sin θ - µ cos θ)`, straight: friction is a vector against the motion.
+/// Below the angle of friction the block rests. Above, it slides down the plane with `g (sin θ - µ cos θ)`,
+/// straight: friction is a vector against the motion.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let ways: &[(&str, f64)] = &[("x", 0.0), ("y", 90.0), ("37° to x", 37.0)];
@@ -57,8 +59,8 @@ struct Block {
 }
 
 impl Block {
-    /// A block on a plane that is inclined by so many degrees towards a direction: the plane is level and the weight is turned. The weight grows with a ramp, so that the block does
-    /// not hop.
+    /// A block on a plane that is inclined by the given number of degrees towards a direction: the plane is
+    /// level and the weight is turned. The weight grows with a ramp, so that the block does not hop.
     fn on(degrees: f64, towards: f64, size: Size) -> Result<Self, String> {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let down = [towards.to_radians().cos(), towards.to_radians().sin()];
@@ -81,7 +83,7 @@ impl Block {
         let model = Model {
             mesh,
             materials: vec![material],
-            // Stiff friction, so that the contacts of a slow block that hops slip at once.
+            // Stiff friction, so that the contacts of a slow block that hops slip immediately.
             contact: ContactOptions { tangential_stiffness: 2.0, ..ContactOptions::default() },
             boundaries: vec![moved("ground", held, [Some(0.0); 3], Schedule::Constant)],
             gravity: [sin * down[0], sin * down[1], -cos].map(|share| GRAVITY * share),
@@ -91,8 +93,8 @@ impl Block {
         Ok(Self { run: start(model)?, nodes, down })
     }
 
-    /// Acceleration of the block down the plane and across that direction, m/s²: the slopes of lines through many velocities, after the block has settled and before it reaches
-    /// the end of the plane.
+    /// Acceleration of the block down the plane and across that direction, m/s²: the slopes of lines through
+    /// many velocities, after the block has settled and before it reaches the end of the plane.
     fn acceleration(&mut self) -> Result<[f64; 2], String> {
         advance_to(&mut self.run, 0.1)?;
         let mut points = Vec::new();

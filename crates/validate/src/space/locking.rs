@@ -1,8 +1,10 @@
 //! How much too stiff tetrahedra of constant strain are in bending.
 //!
-//! A prism, free in space, bears the moment of tractions `σ = E κ y` on its two ends. Its exact stress is that everywhere, for any Poisson's ratio, and the work of the tractions is
-//! `M² L/(E I)` (Timoshenko and Goodier, 102). The stiffness of the mesh, which is that of the simulation at small strains, is too high by the ratio of that work to the work of the
-//! same tractions on the mesh. The static equations are solved by conjugate gradients.
+//! A prism, free in space, carries the moment of tractions `σ = E κ y` on its two ends. Its exact stress is
+//! that everywhere, for any Poisson's ratio, and the work of the tractions is `M² L/(E I)` (Timoshenko and
+//! Goodier, 102). The stiffness of the mesh, which is that of the simulation at small strains, is too high by
+//! the ratio of that work to the work of the same tractions on the mesh. The static equations are solved by
+//! conjugate gradients.
 
 use super::bodies::{Body, Point, cross, cuboid, dot, faces_where, jittered, length, minus, on_box, volume};
 use crate::{Outcome, Size};
@@ -24,7 +26,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Stiffness of a prism of so many cells through its width in bending over the true one, less 1.
+/// Stiffness of a prism of `cells` cells through its width in bending over the true one, less 1.
 fn excess(nu: f64, cells: usize, seed: u64) -> Result<f64, String> {
     let long = SLENDERNESS as f64;
     let (min, max) = ([-0.5, -0.5, 0.0], [0.5, 0.5, long]);

@@ -17,12 +17,14 @@ const TENSION: f64 = 1e6;
 
 const POISSON: f64 = 0.25;
 
-/// The faces of a crack of radius `a` part by `w = 8 (1 - ν²) p √(a² - r²)/(π E)` (Sneddon 1946). It follows from the potential of a crack under uniform pressure: a half space on whose
-/// surface the pressure `p` acts within `a` while the rest does not move has there `u = 4 (1 - ν²) p √(a² - r²)/(π E)`, half of `w`; work of the pressure `8 (1 - ν²) p² a³/(3 E)`
-/// over both faces, whose derivative by the area is `4 (1 - ν²) p² a/(π E) = K² (1 - ν²)/E` with the known `K = 2 p √(a/π)`.
+/// The faces of a crack of radius `a` part by `w = 8 (1 - ν²) p √(a² - r²)/(π E)` (Sneddon 1946). It follows
+/// from the potential of a crack under uniform pressure: a half space on whose surface the pressure `p` acts
+/// within `a` while the rest does not move has there `u = 4 (1 - ν²) p √(a² - r²)/(π E)`, half of `w`; work
+/// of the pressure `8 (1 - ν²) p² a³/(3 E)` over both faces, whose derivative by the area is
+/// `4 (1 - ν²) p² a/(π E) = K² (1 - ν²)/E` with the known `K = 2 p √(a/π)`.
 ///
-/// An eighth of the block. The crack's front is on nodes, which are held; what a mesh opens less near its front makes the opening too small, by an amount in proportion to the size of
-/// the cells.
+/// An eighth of the block. The crack's front is on nodes, which are held; the opening that a mesh loses near
+/// its front makes it too small, by an amount in proportion to the size of the cells.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let (cells, bound) = size.choose((6, 0.08), (12, 0.05));
     let mesh = block(cells);

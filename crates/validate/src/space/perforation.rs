@@ -16,11 +16,13 @@ const STEEL: f64 = 7800.0;
 const THICKNESS: f64 = 0.006;
 const GLASS: f64 = 2500.0;
 
-/// The energy balance holds. The momentum of sphere and plate changes by the impulse of the supports, the sum over all steps of their forces times the step, to rounding, because
-/// forces of elements, joints and contacts come in opposite pairs.
+/// The energy balance holds. The momentum of sphere and plate changes by the impulse of the supports, the sum
+/// over all steps of their forces times the step, to rounding, because forces of elements, joints and
+/// contacts come in opposite pairs.
 ///
-/// The velocity that is left to the sphere has no exact value. If the plate opposed only its mass, the sphere and the plug before it, a cylinder as wide as the sphere, would go on
-/// together with `M/(M + m)` of the speed (Recht and Ipson): fracture and the supports leave it less, but it goes through.
+/// The velocity that is left to the sphere has no exact value. If the plate opposed only its mass, the sphere
+/// and the plug before it, a cylinder as wide as the sphere, would continue together with `M/(M + m)` of the
+/// speed (Recht and Ipson): fracture and the supports leave it less, but it goes through.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut run = start(prepared_in_space(&model(size))?)?;
     // Velocities are those half a step before the positions: the first step sets them.

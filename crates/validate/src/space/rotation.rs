@@ -25,7 +25,8 @@ fn rock() -> Material {
     Material { poissons_ratio: 0.25, ..granite() }
 }
 
-/// Leads all nodes of a block through a full turn about an axis, by a degree in each step. Returns the largest stress over Young's modulus.
+/// Leads all nodes of a block through a full turn about an axis, by a degree in each step. Returns the
+/// largest stress over Young's modulus.
 fn led(axis: Point) -> Result<f64, String> {
     let (min, max) = ([0.2, -0.1, 0.3], [0.8, 0.2, 0.5]);
     let mesh = jittered(&cuboid(min, max, [3, 2, 2]), 0.02, 1, on_box(min, max));
@@ -57,11 +58,13 @@ fn led(axis: Point) -> Result<f64, String> {
     Ok(largest.abs() / rock().youngs_modulus)
 }
 
-/// A free block with three unlike moments of inertia spins about the middle one, nearly: that axis turns over again and again, while energy and both momenta stay what they are.
+/// A free block with three unlike moments of inertia spins about the middle one, nearly: that axis turns over
+/// repeatedly, while energy and both momenta stay constant.
 ///
-/// Landau and Lifshitz, Mechanics (1976), 37: with the energies `2 E` and momenta `M²` of the beginning, the spin about the middle axis swings between two values of
-/// opposite signs and the same size. The time step is short against the spin: kinetic energy is computed from velocities half a step before and after, and for a body that turns it
-/// differs from that of the motion by a share of `(ω h)²`.
+/// Landau and Lifshitz, Mechanics (1976), 37: with the energies `2 E` and momenta `M²` of the beginning, the
+/// spin about the middle axis swings between two values of opposite signs and the same size. The time step is
+/// short against the spin: kinetic energy is computed from velocities half a step before and after, and for a
+/// body that turns it differs from that of the motion by a share of `(ω h)²`.
 fn tumbles(size: Size) -> Result<Vec<Outcome>, String> {
     let turns = size.choose(3, 12);
     let (min, max) = ([-0.05, -0.1, -0.15], [0.05, 0.1, 0.15]);

@@ -15,14 +15,16 @@ const CELL: f64 = 0.002;
 /// Height of a block, m. Blocks are flat, so that their free sides have little influence on the stress.
 const HEIGHT: f64 = 0.0005;
 
-/// Time in which the pressure rises, s: many times the period in which the heavy platens swing on the blocks. In a third of it the normal stress still swings by 6 %, and the peak with it.
+/// Time in which the pressure rises, s: many times the period in which the heavy platens swing on the blocks.
+/// In a third of it the normal stress still swings by 6 %, and the peak with it.
 const PRESSING: f64 = 3e-4;
 
 /// Speeds, m/s: up to the peak, and while the joints break.
 const SPEEDS: [f64; 2] = [0.01, 0.2];
 
-/// A shear box of two flat blocks with joints between them, under a normal stress σ. The shear stress peaks at `c + σ tan φ` and falls to `σ tan φ`; it acts against the motion, along
-/// whatever direction in the plane the upper block is led. Half of the way the direction changes by 90°, and friction follows.
+/// A shear box of two flat blocks with joints between them, under a normal stress σ. The shear stress peaks
+/// at `c + σ tan φ` and falls to `σ tan φ`; it acts against the motion, along whatever direction in the plane
+/// the upper block is led. Half of the way the direction changes by 90°, and friction follows.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let stresses: &[f64] = size.choose(&[4e6], &[2e6, 4e6, 8e6]);

@@ -118,7 +118,8 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// An eighth of the sphere: three lattices, each a third of the way around the diagonal, with so many cells through the wall and along each edge. The cells grow with the radius.
+/// An eighth of the sphere: three lattices, each a third of the way around the diagonal, with `cells` cells
+/// through the wall and along each edge. The cells grow with the radius.
 fn octant(cells: usize) -> Body {
     let [a, b] = RADII;
     let third = mapped(&cuboid([0.0; 3], [1.0; 3], [cells; 3]), |[i, j, k]| {

@@ -24,9 +24,10 @@ const BROKEN: f64 = ENERGY / (0.386_307 * STRENGTH);
 /// Speeds at which the ends part, m/s: until after the peak, and afterwards.
 const SPEEDS: [f64; 2] = [0.002, 0.04];
 
-/// Joints on one plane, which lies at an angle to the axes of space, and so does the pull; jittered meshes. The traction peaks at the strength and the crack dissipates the fracture
-/// energy times its area, to one percent, whether the joints are there from the beginning or are inserted. A prism that may break everywhere has a rough crack: its strength and
-/// energy are told, within wide bounds.
+/// Joints on one plane, which lies at an angle to the axes of space, and so does the pull; jittered meshes.
+/// The traction peaks at the strength and the crack dissipates the fracture energy times its area, to one
+/// percent, whether the joints are there from the beginning or are inserted. A prism that may break
+/// everywhere has a rough crack: its strength and energy are checked within wide bounds.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let fine = size.choose(2, 4);

@@ -15,8 +15,9 @@ fn column(width: f64, long: f64, cells: [usize; 2], seed: u64) -> Body {
     jittered(&mesh, 0.1 * width / cells[0] as f64, seed, on_box([0.0; 3], max))
 }
 
-/// A plane wave, of pressure or of shear, meets an absorbing face straight on and leaves: dashpots of the impedances `ρ c` are what a column that went on would be (Lysmer and
-/// Kuhlemeyer, J. Eng. Mech. Div. 95 (1969) 859-877). A block under initial stress whose sides all absorb stays at rest.
+/// A plane wave, of pressure or of shear, meets an absorbing face straight on and leaves: dashpots of the
+/// impedances `ρ c` act like a column that continues (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. 95 (1969)
+/// 859-877). A block under initial stress whose sides all absorb stays at rest.
 pub(crate) fn absorbing(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let across = size.choose(2, 3);
@@ -110,12 +111,15 @@ pub(crate) fn absorbing(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// A bar whose free end reflects a pulse of pressure that rises to `s` and falls linearly over the length `λ`. The tension of the reflected crest less the pressure that still comes is
-/// `2 s x/λ` at the distance `x` from the end: it first reaches the strength `f` at `x = λ f/(2 s)` (Rinehart 1952).
+/// A bar whose free end reflects a pulse of pressure that rises to `s` and falls linearly over the length
+/// `λ`. The tension of the reflected crest less the pressure that still comes is `2 s x/λ` at the distance
+/// `x` from the end: it first reaches the strength `f` at `x = λ f/(2 s)` (Rinehart 1952).
 ///
-/// The mesh slows short waves down: behind a sharp bend of the pulse the stress swings, and the bar would break there too early. So the pulse rises as a cosine over the length `r`. The tension is
-/// then greatest a little before the crest, where the rise is as steep as the fall: `w = (r/π) asin(2 r/(π λ))` before it, where the pressure is `s (1 + cos(π w/r))/2`. With both, the bar
-/// spalls at `x = (λ/2) (f/s + w/λ + (1 - cos(π w/r))/2)`.
+/// The mesh slows short waves down: behind a sharp bend of the pulse the stress swings, and the bar would
+/// break there too early. The pulse therefore rises as a cosine over the length `r`. The tension is then
+/// greatest a little before the crest, where the rise is as steep as the fall: `w = (r/π) asin(2 r/(π λ))`
+/// before it, where the pressure is `s (1 + cos(π w/r))/2`. With both, the bar spalls at
+/// `x = (λ/2) (f/s + w/λ + (1 - cos(π w/r))/2)`.
 pub(crate) fn spall(size: Size) -> Result<Vec<Outcome>, String> {
     let (across, along) = size.choose((1, 120), (2, 240));
     let (long, peak, strength) = (0.6, 20e6, 8e6);
