@@ -110,7 +110,7 @@
 //! **Narrow phase.** `narrow` does not depend on searches. Constructors check shapes once; one function for
 //! each pair of shapes returns a `Contact`: a point, a normal, and a gap, depth, length, area or volume.
 //! Signs that decide topology are exact (`src/narrow/exact.rs`, the crate robust). The head of
-//! `tests/narrow.rs` lists the references of its tests.
+//! `tests/suite/narrow.rs` lists the references of its tests.
 //!
 //! **Meshes.** `discretised::MeshSearch` combines both phases: a `Detector` finds couples of boxes, all
 //! threads run the narrow phase on them, and `body_contacts` sums the results by body in the order of the

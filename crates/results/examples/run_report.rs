@@ -17,7 +17,7 @@ use fdem_results::{
 use fdem_simulation::{Forces, Material, Model, Snapshot};
 use serde_json::json;
 
-#[path = "../tests/run/splitting_disc.rs"]
+#[path = "../tests/suite/run/splitting_disc.rs"]
 mod splitting_disc;
 use splitting_disc::{Disc, END};
 
@@ -101,7 +101,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let elements = (6 * rings * rings).to_string();
     let facts = [
-        ("model", "tests/run/splitting_disc.rs"),
+        ("model", "tests/suite/run/splitting_disc.rs"),
         ("elements", elements.as_str()),
         ("material", "sandstone"),
     ];

@@ -25,7 +25,12 @@
 //! - `doubt`: distances at the limit and next to it, where the kernels must not rely on 32 bits; lattices and
 //!   crowds.
 //! - `golden`: the numbers printed in the book.
-//! - `../boxes.rs`: boxes most of which are much shorter than the longest.
+//! - `boxes`: boxes most of which are much shorter than the longest.
+//! - `cgrid`: long bodies that span many cells; memory and work are bounded.
+//! - `narrow`: the exact contact of a pair, against exact arithmetic, `parry` and `geo`.
+//! - `discretised`: bodies of triangles and tetrahedra.
+//! - `image`: bodies in a labelled image.
+//! - `stop`: searches that another thread stops.
 //! - `../kernels.rs`, a separate program for valgrind: the vector kernels on short rows, with every set of
 //!   instructions.
 //! - `../miri.rs`, a separate program for Miri: the unsafe code on few elements.
@@ -34,21 +39,27 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 mod against_all;
+mod boxes;
 mod buffer;
+mod cgrid;
 mod csr;
 mod degenerate;
 mod determinism;
+mod discretised;
 mod doubt;
 mod explain;
 mod filter;
 mod golden;
+mod image;
 mod multilevel;
+mod narrow;
 mod numbers;
 mod oracle;
 mod periodic;
 mod properties;
 mod queries;
 mod reuse;
+mod stop;
 mod two_sets;
 mod unsafe_code;
 

@@ -1,4 +1,4 @@
-//! `--analyse`: the summary, and refused options. The numbers are compared in `tests/analysis.rs` and
+//! `--analyse`: the summary, and refused options. The numbers are compared in `tests/suite/analysis.rs` and
 //! `tests/python/test_analysis.py`.
 
 use crate::{Bench, foreign_data};

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU64;
 use fdem_io::{Centres, FileKind, PackingFormat, ReadError, ReadOptions, Series, unpack};
 use proptest::prelude::*;
 
-use crate::formats::{CENTRES, FILES, RADII, gzip, npz, vtu, zstd};
+use super::formats::{CENTRES, FILES, RADII, gzip, npz, vtu, zstd};
 
 fn all() -> Vec<Vec<u8>> {
     let texts = FILES.iter().map(|(_, text)| text.as_bytes().to_vec());

@@ -13,7 +13,6 @@ use fdem_results::{
 };
 use fdem_simulation::{ContactForce, Forces, Mesh, Snapshot};
 
-#[path = "run/splitting_disc.rs"]
 mod splitting_disc;
 use splitting_disc::{Disc, END, RADIUS};
 

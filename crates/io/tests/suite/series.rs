@@ -3,9 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
-#[path = "series/formats.rs"]
 mod formats;
-#[path = "series/mutants.rs"]
 mod mutants;
 
 use std::borrow::Cow;
