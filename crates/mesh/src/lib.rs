@@ -1,6 +1,6 @@
 //! Bodies of triangles and tetrahedra: meshes, shapes, and how shapes are meshed.
 //!
-//! There is no file and no physics in this crate. Lengths are in whatever unit the caller has.
+//! There is no file and no physics in this crate. Lengths are in the unit of the caller.
 //!
 //! # To change X, open Y
 //!

@@ -29,7 +29,7 @@ use outline::{Domain, Inside, Point, distance, twice_area};
 use crate::grading::{Grading, stations};
 use crate::{MOST_ELEMENTS, bounds};
 
-/// Stands for the loop of nodes inside.
+/// Represents the loop of nodes inside.
 pub const INSIDE: u32 = u32::MAX;
 
 /// Largest number of elements.

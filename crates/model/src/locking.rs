@@ -277,7 +277,7 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
             long.extend(held);
         }
     }
-    // A plate that is held along one edge bends all the same.
+    // A plate that is held along one edge bends nevertheless.
     if middle_width(long.into_iter()) > HELD * width {
         return None;
     }

@@ -15,7 +15,7 @@ use crate::file::{Body, Boundary, Curve, General, History, Initial, Interface, J
 use crate::file::{ModelFile, Output, Stage};
 use crate::shapes::SHAPES;
 
-/// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an
+/// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
 /// escape.
 const NAMELESS: &str = "\u{1}";
 

@@ -12,7 +12,7 @@ pub enum ShapeError {
     /// predicates are exact.
     Coordinate {
         /// Zero-based number of the vertex; 0 for a centre. For a plane, 1 is its normal; for an oriented
-        /// box, 1 stands for its half edges.
+        /// box, 1 means its half edges.
         vertex: usize,
         /// Zero-based axis: 0 is x.
         axis: usize,

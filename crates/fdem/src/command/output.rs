@@ -127,7 +127,7 @@ impl Output {
         }
         let target = target(path)?;
         // A rename does not need the permission to write the file that it replaces. A protected file is
-        // respected all the same.
+        // respected nevertheless.
         let permissions = if target.exists() {
             let file =
                 File::options().write(true).open(&target).map_err(|error| Failure::writing(path, error))?;

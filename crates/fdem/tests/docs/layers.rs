@@ -95,7 +95,7 @@ fn find_circles(name: &str, least: [usize; 2]) {
         "only {} files of {name} with {count} imports were found",
         modules.len()
     );
-    // Takes out whatever imports nothing that is left. The rest are circles, and the files above them.
+    // Takes out the files that import nothing that is left. The rest are circles, and the files above them.
     let mut left: BTreeSet<&Module> = modules.keys().collect();
     loop {
         let is_above = |module: &&Module| imports.get(*module).is_some_and(|of| !of.is_disjoint(&left));

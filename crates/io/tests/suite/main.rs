@@ -6,7 +6,7 @@
 //! - `label_images`: images of bodies.
 //! - `properties`: laws that hold for any packing (proptest).
 //! - `written_files`, `results`: tables and meshes that are written.
-//! - `../meshes.rs`, `../written_memory.rs`: programs of their own, because they measure allocated memory.
+//! - `../meshes.rs`, `../written_memory.rs`: separate programs, because they measure allocated memory.
 
 mod bad_files;
 mod good_files;

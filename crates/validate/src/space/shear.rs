@@ -23,8 +23,8 @@ const PRESSING: f64 = 3e-4;
 const SPEEDS: [f64; 2] = [0.01, 0.2];
 
 /// A shear box of two flat blocks with joints between them, under a normal stress σ. The shear stress peaks
-/// at `c + σ tan φ` and falls to `σ tan φ`; it acts against the motion, along whatever direction in the plane
-/// the upper block is led. Half of the way the direction changes by 90°, and friction follows.
+/// at `c + σ tan φ` and falls to `σ tan φ`; it acts against the motion, for any direction of the motion in
+/// the plane. Half of the way the direction changes by 90°, and friction follows.
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let stresses: &[f64] = size.choose(&[4e6], &[2e6, 4e6, 8e6]);

@@ -271,7 +271,7 @@ where
     /// acoustic emission and of ranks; `done`: number of frames read so far.
     ///
     /// # Errors
-    /// The first error. If the history and the frames can be read, everything else is drawn all the same.
+    /// The first error. If the history and the frames can be read, everything else is drawn nevertheless.
     pub(crate) fn finish(
         &mut self,
         prepared: &Prepared<D, N>,
