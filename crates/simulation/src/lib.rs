@@ -65,7 +65,7 @@
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
-//! | what two and three dimensions differ in | `src/simplex.rs`, `crates/model/src/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
+//! | what two and three dimensions differ in | `src/simplex.rs`, `crates/model/src/bodies/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
 //!
 //! # Decisions, and departures from the book
 //!

@@ -1,0 +1,16 @@
+//! Warnings and advice about a model, and mass scaling.
+
+pub(crate) mod amounts;
+pub(crate) mod parts;
+pub(crate) mod connected;
+pub(crate) mod joined;
+pub mod locking;
+pub(crate) mod slivers;
+pub(crate) mod quasi_static;
+pub(crate) mod plausible;
+pub(crate) mod equilibrium;
+pub(crate) mod warnings;
+pub(crate) mod differences;
+pub(crate) mod scaling;
+pub(crate) mod on_ranks;
+pub(crate) mod preflight;

@@ -1,0 +1,261 @@
+//! Keys and numbers of a model file that are allowed, and yet are probably not what is meant.
+
+use fdem_io::numbers::brief;
+use fdem_mesh::bounds;
+use fdem_simulation::{Load, Material, Model};
+
+use crate::text::document::{Document, Table};
+use crate::text::file::{Body, Boundary, Component, ModelFile, Piece, Stage};
+
+/// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name, and its size in that unit.
+struct Range {
+    key: &'static str,
+    unit: &'static str,
+    least: f64,
+    most: f64,
+    mistaken: [(&'static str, f64); 2],
+}
+
+/// Values of real solids, from gels to diamond, from aerated concrete to osmium.
+const RANGES: [Range; 6] = [
+    Range {
+        key: "youngs_modulus",
+        unit: "Pa",
+        least: 1e6,
+        most: 2e12,
+        mistaken: [("GPa", 1e9), ("MPa", 1e6)],
+    },
+    Range {
+        key: "density",
+        unit: "kg/m³",
+        least: 50.0,
+        most: 25_000.0,
+        mistaken: [("g/cm³", 1e3), ("t/mm³", 1e12)],
+    },
+    Range {
+        key: "tensile_strength",
+        unit: "Pa",
+        least: 500.0,
+        most: 2e10,
+        mistaken: [("MPa", 1e6), ("kPa", 1e3)],
+    },
+    Range { key: "cohesion", unit: "Pa", least: 0.0, most: 1e11, mistaken: [("MPa", 1e6), ("kPa", 1e3)] },
+    Range {
+        key: "fracture_energy_i",
+        unit: "J/m²",
+        least: 0.0,
+        most: 1e9,
+        mistaken: [("N/m", 1.0), ("N/mm", 1e3)],
+    },
+    Range {
+        key: "fracture_energy_ii",
+        unit: "J/m²",
+        least: 0.0,
+        most: 1e9,
+        mistaken: [("N/m", 1.0), ("N/mm", 1e3)],
+    },
+];
+
+/// Coefficient of friction beyond which it is hardly meant.
+const ROUGH: f64 = 10.0;
+
+/// Speed over that of waves, √(E/ρ), beyond which a run stops.
+const FAST: f64 = 10.0;
+
+/// Gravity beyond which it is hardly meant, even in a centrifuge, m/s².
+const HEAVY: f64 = 5000.0;
+
+/// Numbers of materials that look as if they were in other units, and gravity that does.
+pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    for material in &model.materials {
+        for range in &RANGES {
+            let value = match range.key {
+                "youngs_modulus" => Some(material.youngs_modulus),
+                "density" => Some(material.density),
+                "cohesion" => material.strength.map(|strength| strength.cohesion),
+                "fracture_energy_i" => material.strength.map(|strength| strength.energy_i),
+                "fracture_energy_ii" => material.strength.map(|strength| strength.energy_ii),
+                _ => material.strength.map(|strength| strength.tensile),
+            };
+            warnings.extend(value.and_then(|value| question(material, range, value)));
+        }
+        if material.friction > ROUGH {
+            warnings.push(format!(
+                "[[material]] \"{}\": friction = {} is much: coefficients of friction are mostly below 1",
+                material.name,
+                brief(material.friction)
+            ));
+        }
+    }
+    for interface in model.interfaces.iter().filter(|interface| interface.friction > ROUGH) {
+        // An interface that says nothing has the friction of a material, which is told above.
+        let names = interface.materials.map(|number| &model.materials[number as usize]);
+        if names.iter().all(|material| material.friction != interface.friction) {
+            warnings.push(format!(
+                "[[interface]] of \"{}\" and \"{}\": friction = {} is much: coefficients of friction are mostly below 1",
+                names[0].name,
+                names[1].name,
+                brief(interface.friction)
+            ));
+        }
+    }
+    let gravity = model.gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if gravity > HEAVY {
+        warnings.push(format!(
+            "[model] gravity = [{}] m/s² is {} times that of the earth: are the units m/s²?",
+            model.gravity.map(brief).join(", "),
+            brief((gravity / 9.81).round())
+        ));
+    }
+}
+
+/// Loads, stresses and speeds beyond all that the materials carry.
+pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let largest = |of: fn(&Material) -> f64| model.materials.iter().map(of).fold(0.0, f64::max);
+    let (stiffest, wave) =
+        (largest(|of| of.youngs_modulus), largest(|of| (of.youngs_modulus / of.density).sqrt()));
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let (section, product) = if D == 2 {
+        (width * model.thickness, "width of the model times its thickness")
+    } else {
+        (width * width, "width of the model squared")
+    };
+    let length = |vector: &[f64; D]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for boundary in &model.boundaries {
+        let title = format!("[[boundary]] \"{}\"", boundary.name);
+        let (what, stress) = match &boundary.load {
+            Load::Force(force) => ("force", length(force) / section),
+            Load::Traction(traction) => ("traction", length(traction)),
+            Load::Pressure(pressure) => ("pressure", pressure.abs()),
+            Load::Velocity(velocity) => {
+                let speed = length(&velocity.map(|component| component.unwrap_or(0.0)));
+                warnings.extend(too_fast(&title, speed, wave));
+                continue;
+            }
+            Load::Displacement(_) | Load::Absorbing | Load::Held => continue,
+        };
+        if stress > stiffest {
+            let over = if what == "force" { format!(" over the {product}") } else { String::new() };
+            warnings.push(format!(
+                "{title}: its {what}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
+                brief(stress),
+                brief(stiffest)
+            ));
+        }
+    }
+    let most = model.stresses.iter().flatten().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if most > stiffest {
+        warnings.push(format!(
+            "[initial] stress is up to {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
+            brief(most),
+            brief(stiffest)
+        ));
+    }
+    let fastest = model.velocities.iter().map(length).fold(0.0, f64::max);
+    warnings.extend(too_fast("at the start, a body", fastest, wave));
+}
+
+/// Tells of a speed at which a run stops.
+fn too_fast(title: &str, speed: f64, wave: f64) -> Option<String> {
+    (speed > FAST * wave).then(|| {
+        format!(
+            "{title} moves at {} m/s: a run stops where a node is faster than {FAST} times the speed of waves in the bodies, {} m/s",
+            brief(speed),
+            brief(wave)
+        )
+    })
+}
+
+fn question(material: &Material, range: &Range, value: f64) -> Option<String> {
+    let Range { key, unit, least, most, mistaken } = range;
+    if (*least..=*most).contains(&value) {
+        return None;
+    }
+    let what = if value < *least { "little" } else { "much" };
+    let meant = mistaken.iter().find(|(_, factor)| (*least..=*most).contains(&(value * factor)));
+    let meant = meant.map_or_else(String::new, |(unit, factor)| {
+        format!(": if {unit} are meant, write {:e}", value * factor)
+    });
+    Some(format!(
+        "[[material]] \"{}\": {key} = {} {unit} is {what} for a solid{meant}",
+        material.name,
+        brief(value)
+    ))
+}
+
+/// Keys that change nothing.
+pub(crate) fn without_effect<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    model: &Model<D, N>,
+    warnings: &mut Vec<String>,
+) {
+    for (index, body) in file.body.iter().enumerate() {
+        for key in idle_keys(body, D) {
+            if document.has(Table::of("body", index), key) {
+                warnings.push(format!("[[body]] \"{}\": {key} changes nothing here", body.name));
+            }
+        }
+    }
+    for boundary in &file.boundary {
+        warnings.extend(idle(boundary).map(|what| format!("[[boundary]] \"{}\": {what}", boundary.name)));
+    }
+    for (number, material) in (0..).zip(&file.material) {
+        let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);
+        if !model.mesh.materials.contains(&number) && !file.stage.iter().any(in_a_stage) {
+            warnings.push(format!("[[material]] \"{}\" is that of no element", material.name));
+        }
+    }
+}
+
+/// Keys that have no effect on a body of this kind.
+fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
+    let mut keys = Vec::new();
+    if body.angle == 0.0 {
+        keys.push("axis");
+    }
+    if dimensions == 3 {
+        keys.push("voronoi.rounds");
+    }
+    if body.mesh.is_some() {
+        keys.push("seed");
+    }
+    if let Some(packing) = &body.packing {
+        let has_corners = matches!(packing.shape, Some(Piece::Polygon | Piece::Polyhedron));
+        if !has_corners {
+            keys.push("packing.corners");
+        }
+        if packing.file.is_some() {
+            keys.push("packing.gap");
+            if !has_corners && packing.copies_of.is_none() {
+                keys.push("packing.seed");
+            }
+        }
+    }
+    keys
+}
+
+/// Describes a part of a boundary that has no effect, if there is one.
+fn idle(boundary: &Boundary) -> Option<String> {
+    let scheduled = match (&boundary.ramp, &boundary.table) {
+        (Some(_), _) => Some("ramp"),
+        (None, Some(_)) => Some("table"),
+        (None, None) => None,
+    };
+    let free = |components: &Option<Vec<Component>>| {
+        components
+            .as_ref()
+            .is_some_and(|components| components.iter().all(|component| component.prescribed().is_none()))
+    };
+    if let (Some(key), true) = (scheduled, boundary.fixed.is_some()) {
+        return Some(format!("{key} changes nothing where the body is fixed"));
+    }
+    if let (Some(key), true) = (scheduled, boundary.absorbing) {
+        return Some(format!("{key} changes nothing where waves are absorbed"));
+    }
+    if free(&boundary.velocity) || free(&boundary.displacement) {
+        return Some("all components are free, so that it does nothing".to_owned());
+    }
+    None
+}

@@ -1,0 +1,404 @@
+//! Estimates of the cost of a run, before it starts.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::Quality;
+use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
+use serde::Serialize;
+
+use crate::advice::amounts::{YEAR, duration, size};
+use crate::advice::on_ranks::OnRanks;
+use crate::advice::scaling;
+use crate::advice::slivers::Slivers;
+use crate::bodies::dimensions::Dimensions;
+use crate::prepared::{Joints, Prepared, Scaled};
+use crate::text::library::FromLibrary;
+
+/// Costs of an element.
+struct Cost {
+    /// Time in a step on one core of the machine on which these were measured, s.
+    seconds: f64,
+    /// Memory while the run writes a frame or a checkpoint and others wait to be written, bytes.
+    bytes: f64,
+}
+
+/// Costs of an element of a material that does not break.
+const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 900.0 };
+
+/// Costs of an element with joints on its edges from the beginning.
+const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
+
+/// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints
+/// are inserted, fragments touch.
+const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 2000.0 };
+
+/// Share of the forces of elements in [`WHOLE`].
+const BULK: f64 = 0.6;
+
+/// The run time is measured over one in `MEASURED_SHARE` steps, within these limits of their number, and for
+/// no longer than `PATIENCE`.
+const MEASURED_SHARE: u64 = 100;
+const MEASURED_LEAST: u64 = 10;
+const MEASURED_MOST: u64 = 2000;
+const PATIENCE: Duration = Duration::from_millis(250);
+
+/// Memory of the program without a model, including its drawing code, bytes.
+const PROGRAM: f64 = 28e6;
+
+/// Memory for an element of each frame when the report is made, bytes.
+const IN_REPORT: f64 = 16.0;
+
+/// Time between results over the time step below which it is hardly meant.
+const SHORT: f64 = 0.5;
+
+/// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
+const MOST: f64 = 9e15;
+
+/// The largest stable time step, and the part that sets it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Critical {
+    /// s.
+    pub step: f64,
+    /// The element that it belongs to.
+    pub element: u32,
+    /// The stiff part: "bulk", "joint" or "contact".
+    pub cause: String,
+}
+
+impl From<CriticalStep> for Critical {
+    fn from(critical: CriticalStep) -> Self {
+        Self { step: critical.step, element: critical.element, cause: critical.cause.to_string() }
+    }
+}
+
+/// Estimates of the cost of a run. Displays as lines of text.
+#[derive(Debug, Clone, Serialize)]
+pub struct Preflight {
+    /// Title of the model; empty if it has none.
+    pub title: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Names of the bodies; each piece of a packing has its own.
+    pub names: Vec<String>,
+    /// Sizes and shapes of elements.
+    pub quality: Quality,
+    /// Joints of each joint set in the mesh.
+    pub joint_sets: Vec<Joints>,
+    /// Materials that have keys from the library.
+    pub from_library: Vec<FromLibrary>,
+    /// Mass that has been added for a longer time step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_scaling: Option<Scaled>,
+    /// The critical time step; of a run in stages, that of the first.
+    pub critical: Critical,
+    /// Whether a later stage has a shorter one, which sets the step.
+    #[serde(skip)]
+    is_of_later: bool,
+    /// The time step that the run takes, s.
+    pub step: f64,
+    /// Number of steps until the end time.
+    pub steps: u64,
+    /// Run time on one core, s; of a model that can break, if it breaks to pieces.
+    pub seconds: f64,
+    /// Run time on one core if nothing breaks, s.
+    pub seconds_whole: f64,
+    /// Memory that the run takes, bytes.
+    pub memory: f64,
+    /// Estimates for a run on many ranks, if requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_ranks: Option<OnRanks>,
+    /// Warnings about settings that may not be meant.
+    pub warnings: Vec<String>,
+    /// Hash of the model.
+    pub hash: String,
+}
+
+impl Preflight {
+    /// Estimates for a model that is ready to run. The run time is measured: the first steps are computed,
+    /// for a quarter of a second at most, and forgotten.
+    ///
+    /// # Errors
+    /// Says why the model cannot be run.
+    pub fn of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<Self, String>
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
+        Self::with_ranks(prepared, None)
+    }
+
+    /// Like [`Preflight::of`], with the division of the run among `ranks` ranks.
+    ///
+    /// # Errors
+    /// The model cannot be run, or not on this number of ranks.
+    pub fn with_ranks<const D: usize, const N: usize>(
+        prepared: &Prepared<D, N>,
+        ranks: Option<usize>,
+    ) -> Result<Self, String>
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
+        let first;
+        let is_in_stages = !prepared.stages.is_empty()
+            && prepared.model.time.step.is_none()
+            && prepared.mass_scaling.is_none();
+        let prepared = if prepared.stages.is_empty() {
+            prepared
+        } else {
+            first = prepared.clone().in_stages()?.1.prepared;
+            &first
+        };
+        let model = &prepared.model;
+        // All errors that a run would find are found here.
+        let mut run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
+        let forecast = ranks.map(|ranks| Forecast::of(&mut run, ranks)).transpose();
+        let forecast = forecast.map_err(|error| error.to_string())?;
+        let critical = Critical::from(run.critical_step());
+        let (step, steps) = steps(prepared, critical.step)?;
+        let is_of_later = is_in_stages && step < 0.99 * model.time.safety * critical.step;
+        let pace = Pace::of(run, steps, model);
+        let mut warnings = prepared.warnings.clone();
+        if step > critical.step {
+            warnings.push(format!(
+                "the time step {} s is above the critical one, {} s: the run will not be stable",
+                brief(step),
+                brief(critical.step)
+            ));
+        }
+        let whole = pace.whole * steps as f64;
+        if whole > YEAR {
+            warnings.push(format!(
+                "the run would take {}: look at units, end_time, and what makes the time step {} s",
+                duration(whole),
+                brief(step)
+            ));
+        }
+        if step > prepared.end_time {
+            warnings.push(format!(
+                "the time step {} s is longer than end_time = {} s: the run has one step, and ends after it",
+                brief(step),
+                brief(prepared.end_time)
+            ));
+        }
+        for (key, interval) in prepared.output.given.iter().filter(|(_, interval)| *interval < SHORT * step) {
+            warnings.push(format!(
+                "{key} gives one result every {} s, but a step takes {} s: there will be one each step",
+                brief(*interval),
+                brief(step)
+            ));
+        }
+        let seconds = pace.breaking * steps as f64;
+        let slivers = Slivers::of(model).filter(|_| prepared.mass_scaling.is_none());
+        if let Some(slivers) = slivers.and_then(|slivers| scaling::weighed(slivers, model)) {
+            warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
+        }
+        warnings.extend(scaling::advice(prepared, step));
+        Ok(Self {
+            title: prepared.title.clone(),
+            bodies: prepared.bodies.len(),
+            names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
+            quality: prepared.quality.clone(),
+            joint_sets: prepared.joint_sets.clone(),
+            from_library: prepared.from_library.clone(),
+            mass_scaling: prepared.mass_scaling.clone(),
+            critical,
+            is_of_later,
+            step,
+            steps,
+            seconds,
+            seconds_whole: whole,
+            on_ranks: forecast
+                .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
+            memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
+            warnings,
+            hash: prepared.hash.clone(),
+        })
+    }
+}
+
+/// Finds all errors that a run would find before its first step.
+///
+/// # Errors
+/// Says why the model cannot be run.
+pub fn check<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<(), String>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let first;
+    let prepared = if prepared.stages.is_empty() {
+        prepared
+    } else {
+        first = prepared.clone().in_stages()?.1.prepared;
+        &first
+    };
+    let run = Simulation::new(prepared.model.clone(), 1).map_err(|error| error.to_string())?;
+    steps(prepared, run.critical_step().step).map(|_| ())
+}
+
+/// The time step of a run, s, and the number of steps until its end time.
+///
+/// # Errors
+/// Says that there are more steps than can be counted.
+pub fn steps<const D: usize, const N: usize>(
+    prepared: &Prepared<D, N>,
+    critical: f64,
+) -> Result<(f64, u64), String> {
+    let time = &prepared.model.time;
+    let step = time.step.unwrap_or(critical * time.safety);
+    let steps = (prepared.end_time / step).ceil();
+    if !(1.0..=MOST).contains(&steps) {
+        return Err(format!(
+            "it would take {steps:e} steps of {step:e} s: look at densities, moduli, penalties, damping and end time"
+        ));
+    }
+    Ok((step, steps as u64))
+}
+
+/// Time of a step on one core of this machine, s.
+struct Pace {
+    /// While nothing breaks.
+    whole: f64,
+    /// Mean over a run in which all breaks that can.
+    breaking: f64,
+}
+
+impl Pace {
+    /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first
+    /// step on; the cost of breaking is estimated.
+    fn of<const D: usize, const N: usize>(mut run: Simulation<D, N>, steps: u64, model: &Model<D, N>) -> Self
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
+        let expected = sum(model, |_| WHOLE.seconds);
+        let more = match model.fracture.insertion {
+            Insertion::Adaptive => sum(model, |cost| cost.seconds) - expected,
+            Insertion::Intrinsic => 0.0,
+        };
+        let wanted = (steps / MEASURED_SHARE).clamp(MEASURED_LEAST, MEASURED_MOST);
+        // The first step detects couples; few others do. A model that fails in the first step has no later
+        // step either.
+        let mut times = Vec::new();
+        let mut elements = Duration::ZERO;
+        if run.advance(1).is_ok() {
+            let start = Instant::now();
+            let before = run.timings();
+            while (times.len() as u64) < wanted && (times.is_empty() || start.elapsed() < PATIENCE) {
+                let begin = Instant::now();
+                if run.advance(1).is_err() {
+                    break;
+                }
+                times.push(begin.elapsed().as_secs_f64());
+            }
+            elements = run.timings().bulk.saturating_sub(before.bulk);
+        }
+        if times.is_empty() {
+            let seconds = sum(model, |cost| cost.seconds);
+            return Self { whole: seconds - more, breaking: seconds };
+        }
+        let slower = elements.as_secs_f64() / times.len() as f64 / (expected * BULK);
+        // Other work of the machine makes some steps longer, so their mean is not the one to take.
+        times.sort_unstable_by(f64::total_cmp);
+        let whole = times[times.len() / 2];
+        Self { whole, breaking: whole + slower * more }
+    }
+}
+
+/// A cost, added up over the elements.
+fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost) -> f64) -> f64 {
+    let of = |material: &u32| {
+        let breaks = model.materials[*material as usize].strength.is_some();
+        cost(match model.fracture.insertion {
+            _ if !breaks => &WHOLE,
+            Insertion::Adaptive => &BREAKING,
+            Insertion::Intrinsic => &JOINED,
+        })
+    };
+    model.mesh.materials.iter().map(of).sum()
+}
+
+/// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large
+/// meshes are samples. There is one frame a step at most.
+fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>, steps: u64) -> f64 {
+    let [most, sample] = prepared.output.shown;
+    let elements = prepared.quality.elements;
+    let shown = if elements > most { sample } else { elements };
+    let frames = (prepared.end_time / prepared.output.interval).ceil().min(steps as f64) + 1.0;
+    sum(&prepared.model, |cost| cost.bytes) / 2.0 + frames * shown as f64 * IN_REPORT
+}
+
+/// Names beyond which the rest is counted.
+const NAMES: usize = 6;
+
+impl fmt::Display for Preflight {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let quality = &self.quality;
+        if !self.title.is_empty() {
+            writeln!(out, "title            {}", self.title)?;
+        }
+        let mut names = self.names[..self.names.len().min(NAMES)].join(", ");
+        if self.names.len() > NAMES {
+            names.push_str(", …");
+        }
+        writeln!(out, "bodies           {}: {names}", grouped(self.bodies as u64))?;
+        writeln!(
+            out,
+            "mesh             {} elements, {} nodes",
+            grouped(quality.elements as u64),
+            grouped(quality.nodes as u64)
+        )?;
+        let [least, mean, most] = quality.edges.map(brief);
+        writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
+        self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
+        let from_library = self.from_library.iter();
+        from_library
+            .map(FromLibrary::in_words)
+            .try_for_each(|text| writeln!(out, "library          {text}"))?;
+        let at = quality.worst_at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
+        writeln!(
+            out,
+            "quality          smallest {} {:.1} degrees (element {} at [{at}]), in the mean {:.1}; below 25 degrees: {:.2} %",
+            if quality.worst_at.len() == 3 { "angle between faces" } else { "angle" },
+            quality.smallest_angle[0],
+            quality.worst,
+            quality.smallest_angle[1],
+            100.0 * quality.below_25
+        )?;
+        writeln!(
+            out,
+            "critical step    {} s, set by the {} of element {}",
+            brief(self.critical.step),
+            self.critical.cause,
+            self.critical.element
+        )?;
+        if self.is_of_later {
+            writeln!(
+                out,
+                "                 of the first stage; a later one has a shorter one, which sets the step"
+            )?;
+        }
+        if let Some(scaled) = &self.mass_scaling {
+            writeln!(out, "mass scaling     {}", scaled.in_words())?;
+        }
+        writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
+        let most = duration(self.seconds);
+        if self.seconds_whole < self.seconds {
+            let whole = duration(self.seconds_whole);
+            writeln!(
+                out,
+                "run time         about {most} on one core if it breaks to pieces, {whole} if nothing breaks"
+            )?;
+        } else {
+            writeln!(out, "run time         about {most} on one core")?;
+        }
+        writeln!(out, "memory           about {}", size(self.memory))?;
+        if let Some(on_ranks) = &self.on_ranks {
+            write!(out, "{on_ranks}")?;
+        }
+        writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
+        for warning in &self.warnings {
+            writeln!(out, "warning          {warning}")?;
+        }
+        Ok(())
+    }
+}

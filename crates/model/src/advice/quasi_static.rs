@@ -1,0 +1,263 @@
+//! Advice for runs that look for a state of rest: how long loads take to come, how fast boundaries move, and what calms the waves that they send.
+
+use fdem_io::numbers::brief;
+use fdem_mesh::bounds;
+use fdem_simulation::{Boundary, Load, Material, Model, Schedule};
+
+use crate::text::file::{ModelFile, Stage};
+
+/// Passages of a wave through the model in which a load comes slowly, and those below which it sends a wave.
+const SLOW: f64 = 20.0;
+const SUDDEN: f64 = 3.0;
+
+/// Stress of the wave of a moving boundary over the tensile strength, beyond which the wave breaks the body.
+const BREAKING: f64 = 2.0;
+
+/// The same, of a boundary that is slow.
+const CALM: f64 = 0.1;
+
+/// Damping of a material, as a share of critical damping, with which waves die out soon.
+const VISCOUS: f64 = 0.1;
+
+/// Local damping that is proposed.
+const DAMPING: f64 = 0.7;
+
+/// Whether a model is meant to be quasi-static: its motion is damped, or it is driven without weight and does not break, and nothing in it flies or rings.
+pub(crate) fn is_quasi_static<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    let is_damped = model.time.local_damping > 0.0 || model.time.dynamic_relaxation;
+    let is_driven = || model.gravity == [0.0; D] && !breaks(model) && model.boundaries.iter().any(lasts);
+    is_without_waves(model) && (is_damped || is_driven())
+}
+
+/// Whether no body has a velocity, and no waves are to leave.
+fn is_without_waves<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    let absorbs = |boundary: &Boundary<D>| boundary.load == Load::Absorbing;
+    let pulses = |boundary: &Boundary<D>| acts(boundary) && !lasts(boundary);
+    model.velocities.is_empty()
+        && !model.boundaries.iter().any(|boundary| absorbs(boundary) || pulses(boundary))
+}
+
+/// Whether a boundary moves or loads anything.
+fn acts<const D: usize>(boundary: &Boundary<D>) -> bool {
+    match boundary.load {
+        Load::Velocity(components) | Load::Displacement(components) => {
+            components.iter().flatten().any(|component| *component != 0.0)
+        }
+        Load::Force(components) | Load::Traction(components) => components != [0.0; D],
+        Load::Pressure(pressure) => pressure != 0.0,
+        Load::Absorbing | Load::Held => false,
+    }
+}
+
+/// Whether a boundary moves or loads anything, and does not become less with time, as a pulse does.
+fn lasts<const D: usize>(boundary: &Boundary<D>) -> bool {
+    acts(boundary) && stays(&boundary.schedule)
+}
+
+fn stays(schedule: &Schedule) -> bool {
+    match schedule {
+        Schedule::Constant | Schedule::Ramp(_) => true,
+        Schedule::Table(rows) => rows.windows(2).all(|pair| pair[1][1].abs() >= pair[0][1].abs()),
+        Schedule::From(_, inner) => stays(inner),
+    }
+}
+
+/// Time within which a factor gets from 0 to its full value, s; 0 if it is there at once, `None` if it is more than one ramp.
+fn duration(schedule: &Schedule) -> Option<f64> {
+    match schedule {
+        Schedule::Constant => Some(0.0),
+        Schedule::Ramp(duration) => Some(*duration),
+        Schedule::Table(rows) => match rows[..] {
+            [[start, 0.0], [end, _]] => Some(end - start),
+            [[_, first]] if first != 0.0 => Some(0.0),
+            _ => None,
+        },
+        Schedule::From(_, inner) => duration(inner),
+    }
+}
+
+/// Adds advice where a model is meant to come to rest, and does not.
+pub(crate) fn advice<const D: usize, const N: usize>(
+    file: &ModelFile,
+    model: &Model<D, N>,
+    warnings: &mut Vec<String>,
+) {
+    undamped_stages(file, model, warnings);
+    let relaxes = |stage: &Stage| stage.dynamic_relaxation == Some(true);
+    if !model.velocities.is_empty() && (model.time.dynamic_relaxation || file.stage.iter().any(relaxes)) {
+        warnings.push(
+            "a body begins with a velocity, and dynamic relaxation is for runs that look for a state of rest: it damps what follows an impact"
+                .to_owned(),
+        );
+    }
+    if !is_without_waves(model) {
+        return;
+    }
+    warnings.extend(fast(model));
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
+    let slowest = waves.fold(f64::INFINITY, f64::min);
+    let passage = length / slowest;
+    // Initial stress holds loads that are there from the beginning, a body that is not held has no state of rest, and what does not break comes to it by damping.
+    let is_damped = is_damped(file, model);
+    if model.stresses.is_empty() && is_held(model) && (breaks(model) || !is_damped) {
+        let damping = if is_damped {
+            String::new()
+        } else {
+            format!(
+                ", and local_damping = {DAMPING} or dynamic_relaxation = true in [model] if only that state counts"
+            )
+        };
+        let mut lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
+        warnings.extend(lasting.find_map(|boundary| sudden(boundary, passage, &damping)));
+        warnings.extend(sudden_gravity(model, passage, &damping));
+    }
+}
+
+/// Whether local damping or dynamic relaxation acts in any part of the run.
+fn is_damped<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, N>) -> bool {
+    let damps = |stage: &Stage| {
+        stage.local_damping.is_some_and(|damping| damping > 0.0) || stage.dynamic_relaxation == Some(true)
+    };
+    model.time.local_damping > 0.0 || model.time.dynamic_relaxation || file.stage.iter().any(damps)
+}
+
+/// Speed of a wave along a bar, m/s.
+fn wave(material: &Material) -> f64 {
+    (material.youngs_modulus / material.density).sqrt()
+}
+
+fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    model.materials.iter().any(|material| material.strength.is_some()) || !model.joint_sets.is_empty()
+}
+
+/// Advice on a load that comes within a few passages of a wave. Motions that begin at once are told elsewhere.
+fn sudden<const D: usize>(boundary: &Boundary<D>, passage: f64, damping: &str) -> Option<String> {
+    let what = match boundary.load {
+        Load::Displacement(_) => "displacement",
+        Load::Force(_) => "force",
+        Load::Traction(_) => "traction",
+        Load::Pressure(_) => "pressure",
+        Load::Velocity(_) | Load::Absorbing | Load::Held => return None,
+    };
+    let within = duration(&boundary.schedule)?;
+    if within >= SUDDEN * passage || (within == 0.0 && what == "displacement") {
+        return None;
+    }
+    let when = if within == 0.0 {
+        "is there at once, and stresses swing to twice their static values".to_owned()
+    } else {
+        format!(
+            "is there after {} passages of a wave through the model, and its wave stays",
+            brief(within / passage)
+        )
+    };
+    Some(format!(
+        "[[boundary]] \"{}\": its {what} {when}; if a state of rest is meant, write ramp = {}, which is {SLOW} passages{damping}",
+        boundary.name,
+        brief(SLOW * passage)
+    ))
+}
+
+/// Advice on gravity that comes within a few passages of a wave. That it acts at once on what can fail under it, or on bodies that rest on each other, is told elsewhere.
+fn sudden_gravity<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    passage: f64,
+    damping: &str,
+) -> Option<String> {
+    if model.gravity == [0.0; D] {
+        return None;
+    }
+    let within = duration(&model.gravity_schedule).filter(|within| *within < SUDDEN * passage)?;
+    let bodies = &model.mesh.bodies;
+    let when = match within {
+        0.0 if breaks(model) || bodies.iter().any(|body| *body != bodies[0]) => return None,
+        0.0 => "at once, and bodies swing about their state of rest".to_owned(),
+        within => {
+            format!(
+                "within {} passages of a wave through the model, and its wave stays",
+                brief(within / passage)
+            )
+        }
+    };
+    Some(format!(
+        "gravity comes {when}; if a state of rest is meant, write gravity_ramp = {}, which is {SLOW} passages{damping}",
+        brief(SLOW * passage)
+    ))
+}
+
+/// Advice on the fastest boundary, if its wave alone breaks what it meets: the stress of the wave is `ρ c v`.
+fn fast<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<String> {
+    let speed = |boundary: &Boundary<D>| match boundary.load {
+        Load::Velocity(components) => components.iter().flatten().map(|v| v * v).sum::<f64>().sqrt(),
+        _ => 0.0,
+    };
+    let lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
+    // The first of several that are as fast.
+    let fastest = lasting.reduce(|one, other| if speed(other) > speed(one) { other } else { one })?;
+    let mut worst: Option<(f64, &Material)> = None;
+    for material in &model.materials {
+        let Some(strength) = material.strength else { continue };
+        let share = material.density * wave(material) * speed(fastest) / strength.tensile;
+        if worst.is_none_or(|(most, _)| share > most) {
+            worst = Some((share, material));
+        }
+    }
+    let (share, material) = worst.filter(|(share, _)| *share > BREAKING)?;
+    Some(format!(
+        "[[boundary]] \"{}\" moves at {} m/s, {} % of the speed of waves in \"{}\": the stress of its wave, density times wave speed times velocity, is {} times the tensile strength, \
+         so that waves and not the load break the body; if a slow load is meant, take {} m/s",
+        fastest.name,
+        brief(speed(fastest)),
+        brief(100.0 * speed(fastest) / wave(material)),
+        material.name,
+        brief(share),
+        brief(speed(fastest) * CALM / share)
+    ))
+}
+
+/// Whether boundaries hold or move nodes of every body, so that none falls.
+fn is_held<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    let mut held = vec![false; model.mesh.nodes.len()];
+    for boundary in &model.boundaries {
+        if matches!(boundary.load, Load::Velocity(_) | Load::Displacement(_)) {
+            for node in boundary.target.nodes() {
+                held[node as usize] = true;
+            }
+        }
+    }
+    let count = model.mesh.bodies.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut of_bodies = vec![false; count];
+    for (nodes, &body) in model.mesh.elements.iter().zip(&model.mesh.bodies) {
+        of_bodies[body as usize] |= nodes.iter().any(|&node| held[node as usize]);
+    }
+    of_bodies.iter().all(|held| *held)
+}
+
+/// Advice on stages that end at an equilibrium and are not damped. Initial stress is in equilibrium until something changes.
+fn undamped_stages<const D: usize, const N: usize>(
+    file: &ModelFile,
+    model: &Model<D, N>,
+    warnings: &mut Vec<String>,
+) {
+    // The viscosity of all materials calms waves too.
+    if model.materials.iter().all(|material| material.damping >= VISCOUS) {
+        return;
+    }
+    let initial = &file.initial;
+    let rests = initial.ground.is_some() || initial.stress.is_some() || initial.stress_gradient.is_some();
+    for (number, stage) in file.stage.iter().enumerate() {
+        if rests && number == 0 {
+            continue;
+        }
+        let damping = stage.local_damping.unwrap_or(file.model.local_damping);
+        let relaxes = stage.dynamic_relaxation.unwrap_or(file.model.dynamic_relaxation);
+        if stage.equilibrium.is_some() && damping == 0.0 && !relaxes {
+            warnings.push(format!(
+                "[[stage]] \"{}\" ends at an equilibrium, and without damping waves need long to die out; write local_damping = {DAMPING} or dynamic_relaxation = true in it",
+                stage.name
+            ));
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! Warnings of settings that are possible, but probably not meant.
+
+mod gravity;
+
+use std::collections::BTreeMap;
+
+use fdem_contact::discretised::{self, MeshView};
+use fdem_contact::narrow::Measure;
+use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
+use fdem_mesh::{Simplex, bounds, edges};
+use fdem_simulation::{Boundary, Load, Model, Plane, Target};
+
+use crate::advice::differences::Ready;
+use crate::advice::{equilibrium, parts, quasi_static};
+use crate::bodies::dimensions::Dimensions;
+use crate::stages::resolve::lifetime;
+use crate::text::file;
+
+/// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
+const IN_PROCESS_ZONE: f64 = 3.0;
+
+/// Share of elements with equal angles from which a mesh is regular.
+const REGULAR: f64 = 0.5;
+
+/// Elements of a body up to which a boundary on one of its nodes is no wonder.
+const FEW: usize = 10;
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Penalty over Young's modulus below which bodies sink into each other.
+const SOFT: f64 = 0.5;
+
+/// Angle of a triangle, degrees, below which its stress is poor, and that of better meshes.
+const POOR: [f64; 2] = [10.0, 25.0];
+
+/// The same for the angle between two faces of a tetrahedron, degrees.
+const POOR_IN_SPACE: [f64; 2] = [8.0, 15.0];
+
+/// Returns the warnings of models in the plane.
+pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
+    let mut warnings = of_both(ready, POOR, String::new);
+    if breaks(ready.model) && ready.quality.regular > REGULAR {
+        warnings.push(format!(
+            "{:.0} % of the elements have the angles of a regular mesh: cracks follow its lines; take an unstructured one",
+            100.0 * ready.quality.regular
+        ));
+    }
+    of_start(ready, "m²", &mut warnings);
+    warnings
+}
+
+/// Returns the warnings of models in space.
+pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
+    let mut warnings = of_both(ready, POOR_IN_SPACE, || sharp_shape(ready).unwrap_or_default());
+    of_start(ready, "m³", &mut warnings);
+    warnings
+}
+
+/// Adds warnings about the initial state; areas or volumes have this unit.
+fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
+{
+    overlaps(ready, unit, warnings);
+    // Ground at rest carries its weight from the beginning.
+    if ready.file.initial.ground.is_none() {
+        gravity::sudden(ready.model, ready.bodies, warnings);
+    }
+    quasi_static::advice(ready.file, ready.model, warnings);
+    equilibrium::warnings(ready.model, ready.bodies, warnings);
+}
+
+/// Angle of a flat face at a corner, degrees, below which the elements there are flat.
+const SHARP_CORNER: f64 = 2.0;
+
+/// The sharp edge, or the sharp corner of a face, of a body that gives the smallest angle of the model, in
+/// words. A mesh has no larger angles than the edge, and hardly any better ones beside the corner, as its
+/// faces have that of the corner.
+fn sharp_shape(ready: &Ready<'_, 3, 4>) -> Option<String> {
+    let body = ready.model.mesh.bodies[ready.quality.worst as usize];
+    let piece = &ready.placed[body as usize].piece;
+    let name = &ready.bodies[body as usize].name;
+    let edge = sharpest_edge(&piece.nodes, &piece.outline).filter(|edge| edge.angle < 2.0 * POOR_IN_SPACE[0]);
+    if let Some(edge) = edge {
+        return Some(format!(
+            "; \"{name}\" has an edge of {:.1} degrees from {} to {}, which no mesh makes better: make the body blunter there",
+            edge.angle,
+            place(&edge.ends[0]),
+            place(&edge.ends[1])
+        ));
+    }
+    let corner = sharpest_corner(&piece.nodes, &piece.outline)?;
+    (corner.angle < SHARP_CORNER).then(|| {
+        format!(
+            "; \"{name}\" has a face that ends in an angle of {:.2} degrees at {}, beside which elements are flat: move the corners of this face away from the line between its ends",
+            corner.angle,
+            place(&corner.place)
+        )
+    })
+}
+
+fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    model.materials.iter().any(|material| material.strength.is_some())
+}
+
+/// Returns the warnings of models in any dimensions. Angles below `poor` degrees are poor; `cause` says why
+/// there are any.
+fn of_both<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    [poor, better]: [f64; 2],
+    cause: impl Fn() -> String,
+) -> Vec<String> {
+    let Ready { model, bodies, quality, .. } = *ready;
+    let mut warnings = Vec::new();
+    process_zone(model, &mut warnings);
+    platens(model, &mut warnings);
+    for boundary in &model.boundaries {
+        stepped(boundary, &mut warnings);
+        lone_node(ready, boundary, &mut warnings);
+    }
+    let breaks = breaks(model);
+    if quality.smallest_angle[0] < poor {
+        warnings.push(format!(
+            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have {better} degrees or more{}",
+            quality.worst,
+            place(&quality.worst_at),
+            quality.smallest_angle[0],
+            cause()
+        ));
+    }
+    if model.contact.penalty < SOFT && (bodies.len() > 1 || breaks) {
+        warnings.push(format!(
+            "[contact] penalty = {}: bodies are softer where they touch than inside, and sink into each other; 1 to 10 is usual",
+            brief(model.contact.penalty)
+        ));
+    }
+    if model.fracture.joint_penalty < 1.0 && breaks {
+        warnings.push(format!(
+            "[fracture] joint_penalty = {}: joints are softer than the elements beside them, and may store more than the energy that breaks them; 10 to 100 is usual",
+            brief(model.fracture.joint_penalty)
+        ));
+    }
+    apex(model, &mut warnings);
+    warnings
+}
+
+/// E' of a material, Pa.
+fn plane_modulus<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
+    let material = &model.materials[material];
+    match model.plane {
+        Plane::Stress if D == 2 => material.youngs_modulus,
+        _ => material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2)),
+    }
+}
+
+/// Warns of elements larger than a third of the fracture process zone, E' G/f².
+fn process_zone<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let mut longest = vec![0.0_f64; model.materials.len()];
+    let mut large = vec![0_usize; model.materials.len()];
+    let mut count = vec![0_usize; model.materials.len()];
+    let zone = |number: usize| {
+        let strength = model.materials[number].strength?;
+        Some(plane_modulus(model, number) * strength.energy_i / strength.tensile.powi(2))
+    };
+    for (nodes, &number) in model.mesh.elements.iter().zip(&model.mesh.materials) {
+        let number = number as usize;
+        let Some(zone) = zone(number) else { continue };
+        let edges = edges(&nodes.map(|node| model.mesh.nodes[node as usize]));
+        let mean = edges.iter().sum::<f64>() / edges.len() as f64;
+        longest[number] = longest[number].max(mean);
+        count[number] += 1;
+        // A tenth more is the scatter of a mesh whose size is the limit.
+        large[number] += usize::from(mean > 1.1 * zone / IN_PROCESS_ZONE);
+    }
+    for (number, material) in model.materials.iter().enumerate() {
+        if let (Some(zone), true) = (zone(number), 20 * large[number] > count[number]) {
+            warnings.push(format!(
+                "{} of {} elements of \"{}\" are larger than a third of its fracture process zone (E' G/f² = {} m; the largest has edges of {} m): \
+                 strength will depend on the mesh; take elements of {} m",
+                large[number],
+                count[number],
+                material.name,
+                brief(zone),
+                brief(longest[number]),
+                brief(zone / IN_PROCESS_ZONE)
+            ));
+        }
+    }
+}
+
+/// Warns of a tensile strength above that at which Mohr and Coulomb's strength in shear is 0, c/tan φ.
+fn apex<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    for material in &model.materials {
+        let Some(strength) = material.strength else { continue };
+        let apex = strength.cohesion / strength.friction;
+        if strength.tensile > apex {
+            warnings.push(format!(
+                "material \"{}\" cannot carry its tensile strength of {} Pa: by cohesion / tan(friction_angle) it fails in shear at a tension of {} Pa",
+                material.name,
+                brief(strength.tensile),
+                brief(apex)
+            ));
+        }
+    }
+}
+
+/// Warns of one side that is held while the opposite one is driven: stress waves load the two unequally.
+fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let components = |boundary: &Boundary<D>| match boundary.load {
+        Load::Velocity(components) | Load::Displacement(components) => components,
+        _ => [None; D],
+    };
+    let middle = |boundary: &Boundary<D>, axis: usize| {
+        let nodes = boundary.target.nodes();
+        let [low, high] = bounds(nodes.iter().map(|&node| model.mesh.nodes[node as usize]));
+        f64::midpoint(low[axis], high[axis])
+    };
+    for moving in &model.boundaries {
+        for (axis, name) in AXES.iter().enumerate().take(D) {
+            let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
+            // A boundary that is driven towards a held one, or away from it.
+            let held = model.boundaries.iter().find(|held| {
+                components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
+            });
+            if let Some(held) = held {
+                warnings.push(format!(
+                    "\"{}\" is fixed along {name} while \"{}\" moves: the two sides are not loaded alike; move both, with {} and {}",
+                    held.name,
+                    moving.name,
+                    brief(speed / 2.0),
+                    brief(-speed / 2.0)
+                ));
+                return;
+            }
+        }
+    }
+}
+
+/// Warns of a boundary on the side of a body, or in a box, that takes one node of a body alone: a sphere has
+/// one lowest node.
+fn lone_node<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    boundary: &Boundary<D>,
+    warnings: &mut Vec<String>,
+) {
+    let Target::Nodes(nodes) = &boundary.target else { return };
+    let in_place = |given: &&file::Boundary| given.side.is_some() || given.limits.is_some();
+    let given = ready.file.boundary.iter().filter(in_place);
+    if !given.into_iter().any(|given| given.name == boundary.name) {
+        return;
+    }
+    let what = match boundary.load {
+        Load::Force(_) => "loads",
+        Load::Velocity(components) if components.iter().flatten().all(|speed| *speed == 0.0) => "holds",
+        _ => "moves",
+    };
+    // Nodes of each body that has any.
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    for &node in nodes {
+        *counts.entry(ready.bodies.partition_point(|body| body.nodes.end <= node)).or_default() += 1;
+    }
+    let lone =
+        counts.into_iter().filter(|&(body, count)| count == 1 && ready.bodies[body].elements.len() > FEW);
+    let lone: Vec<usize> = lone.map(|(body, _)| body).collect();
+    let Some(&first) = lone.first() else { return };
+    let others = match lone.len() - 1 {
+        0 => String::new(),
+        others => format!(" (and of {} other bodies)", grouped(others as u64)),
+    };
+    let body = &ready.bodies[first];
+    warnings.push(format!(
+        "[[boundary]] \"{}\" {what} one node alone of the {} of \"{}\"{others}: its stress grows without limit as elements become smaller; take a box with more nodes, or a body that presses on it",
+        boundary.name,
+        grouped(body.nodes.len() as u64),
+        body.name
+    ));
+}
+
+/// Warns of velocities and displacements that start at full size.
+fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
+    let starts = boundary.schedule.factor(0.0) != 0.0;
+    let moves = |components: [Option<f64>; D]| components.iter().flatten().any(|speed| *speed != 0.0);
+    let what = match boundary.load {
+        Load::Velocity(velocity) if moves(velocity) => "velocity",
+        Load::Displacement(by) if moves(by) => "displacement",
+        _ => return,
+    };
+    if starts {
+        warnings.push(format!(
+            "\"{}\": its {what} is there at once, and sends a shock into the body; give it a ramp",
+            boundary.name
+        ));
+    }
+}
+
+/// Warns of bodies, and of parts of the mesh of a body, that overlap at the start.
+fn overlaps<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
+{
+    let mesh = &ready.model.mesh;
+    let parts = parts_of(ready);
+    if parts.iter().all(|part| *part == 0) {
+        return;
+    }
+    let found =
+        MeshView::new(&mesh.nodes, &mesh.elements, &parts).and_then(|mesh| discretised::contacts(&mesh));
+    // A model whose contacts cannot be detected cannot run; its preflight reports that.
+    let Ok(found) = found else { return };
+    let size =
+        |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]).measure().abs();
+    // For each pair of bodies: the sum, and the two elements that overlap most, with that overlap.
+    let mut pairs: BTreeMap<[u32; 2], (f64, [u32; 2], f64)> = BTreeMap::new();
+    for contact in found {
+        // Where tetrahedra touch in a face, the area of that is no overlap.
+        let common = match contact.contact.measure {
+            Measure::Area(area) if D == 2 => area,
+            Measure::Volume(volume) => volume,
+            _ => continue,
+        };
+        let elements = [contact.i, contact.j];
+        if common > 1e-4 * size(contact.i).min(size(contact.j)) {
+            let pair = elements.map(|element| mesh.bodies[element as usize]);
+            let of_pair = pairs.entry(pair).or_insert((0.0, elements, 0.0));
+            of_pair.0 += common;
+            if common > of_pair.2 {
+                (of_pair.1, of_pair.2) = (elements, common);
+            }
+        }
+    }
+    let name = |body: u32| &ready.bodies[body as usize].name;
+    if !ready.file.stage.is_empty() {
+        pairs.retain(|[a, b], _| {
+            let [a, b] = [a, b].map(|body| lifetime(ready.file, name(*body)));
+            a.start.max(b.start) < a.end.min(b.end)
+        });
+    }
+    let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
+    for ([body, _], (common, [one, other], _)) in inside {
+        let at: [f64; D] = middle(ready.model, *one);
+        warnings.push(format!(
+            "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} at the beginning, most of all elements {one} and {other} near {}: they will be driven apart",
+            name(*body),
+            brief(*common),
+            place(&at)
+        ));
+    }
+    let largest = between.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(a.0)));
+    if let Some(([a, b], (common, ..))) = largest {
+        let more = match between.len() {
+            1 => String::new(),
+            count => format!(" ({count} pairs of bodies do, these most)"),
+        };
+        warnings.push(format!(
+            "\"{}\" and \"{}\" overlap by {} {unit} at the beginning{more}: they will be driven apart",
+            name(*a),
+            name(*b),
+            brief(*common)
+        ));
+    }
+}
+
+/// The number of the body of each element; where a mesh comes from a file, parts that share no facet have
+/// separate numbers. All are 0 where there is nothing to overlap.
+fn parts_of<const D: usize, const N: usize>(ready: &Ready<'_, D, N>) -> Vec<u32>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let mut numbers = Vec::with_capacity(ready.model.mesh.elements.len());
+    let mut next = 0;
+    for body in ready.placed {
+        let elements = &body.piece.elements;
+        if ready.file.body[body.table].mesh.is_none() {
+            numbers.extend(std::iter::repeat_n(next, elements.len()));
+            next += 1;
+            continue;
+        }
+        // The least element of a part comes first.
+        let parts = parts::parts(elements);
+        let mut number_of = vec![0; elements.len()];
+        for (element, &part) in parts.iter().enumerate() {
+            if part as usize == element {
+                number_of[element] = next;
+                next += 1;
+            }
+            numbers.push(number_of[part as usize]);
+        }
+    }
+    numbers
+}
+
+/// Centroid of an element.
+fn middle<const D: usize, const N: usize>(model: &Model<D, N>, element: u32) -> [f64; D] {
+    let nodes = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
+    std::array::from_fn(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / N as f64)
+}
+
+fn place(at: &[f64]) -> String {
+    format!("[{}]", at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", "))
+}

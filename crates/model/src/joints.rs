@@ -1,0 +1,8 @@
+//! Joint sets: lines and planes that a mesh follows, and bonds between bodies.
+
+pub(crate) mod polylines;
+pub(crate) mod polygons;
+pub(crate) mod lines;
+pub(crate) mod planes;
+pub(crate) mod sets;
+pub(crate) mod bonds;

@@ -1,0 +1,357 @@
+//! Joint sets: their keys, their laws, and the facets on which they are.
+
+use std::collections::BTreeSet;
+
+use fdem_mesh::Simplex;
+use fdem_simulation::{Element, JointSet, Model, Strength};
+
+use crate::joints::lines::has_joints;
+use crate::joints::planes::PERSISTENT;
+use crate::joints::{polygons, polylines};
+use crate::prepared::Joints;
+use crate::shapes::placed::{self, Placed};
+use crate::text::document::{Document, Table};
+use crate::text::fault::Fault;
+use crate::text::file::{self, ModelFile};
+
+/// Keys of statistical sets.
+const STATISTICAL: [&str; 10] = [
+    "dip_direction",
+    "dip_direction_deviation",
+    "spacing",
+    "persistence",
+    "trace_length",
+    "dip_deviation",
+    "spacing_deviation",
+    "trace_deviation",
+    "origin",
+    "seed",
+];
+
+/// Checks the keys of all joint sets, and returns their laws.
+pub(crate) fn check(
+    file: &ModelFile,
+    document: &Document<'_>,
+    dimensions: u8,
+    faults: &mut Vec<Fault>,
+) -> Vec<JointSet> {
+    for (index, set) in file.joint_set.iter().enumerate() {
+        let check = Check { file, document, set, table: Table::of("joint_set", index), dimensions };
+        check.sources(faults);
+        check.numbers(faults);
+        check.fits(faults);
+        if set.dip.is_some() {
+            check.statistics(faults);
+        }
+        check.bodies(faults);
+        check.law(faults);
+    }
+    file.joint_set.iter().map(law).collect()
+}
+
+/// The law of a set.
+fn law(set: &file::JointSet) -> JointSet {
+    let tangent = |angle: f64| libm::tan(angle.to_radians());
+    JointSet {
+        name: set.name.clone(),
+        strength: Strength {
+            tensile: set.tensile_strength.unwrap_or(0.0),
+            cohesion: set.cohesion.unwrap_or(0.0),
+            friction: tangent(set.friction_angle),
+            energy_i: set.fracture_energy_i.unwrap_or(0.0),
+            energy_ii: set.fracture_energy_ii.unwrap_or(0.0),
+            weibull_modulus: None,
+            seed: 0,
+        },
+        residual_friction: tangent(set.residual_friction_angle.unwrap_or(set.friction_angle)),
+        dilation: tangent(set.dilation_angle),
+        dilation_slip: set.dilation_slip,
+        normal_stiffness: set.normal_stiffness,
+        shear_stiffness: set.shear_stiffness,
+        open: set.open,
+    }
+}
+
+struct Check<'a> {
+    file: &'a ModelFile,
+    document: &'a Document<'a>,
+    set: &'a file::JointSet,
+    table: Table,
+    dimensions: u8,
+}
+
+impl Check<'_> {
+    /// A fault at the value of a key.
+    fn fault(&self, key: &str, message: &str) -> Fault {
+        let message = format!("[[joint_set]] \"{}\": {message}", self.set.name);
+        Fault::at(self.document.value(self.table, key), message)
+    }
+
+    /// Where the joints come from.
+    fn sources(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        let sources = [
+            ("lines", set.lines.is_some()),
+            ("polygons", set.polygons.is_some()),
+            ("file", set.file.is_some()),
+            ("dip", set.dip.is_some()),
+            ("between", set.between.is_some()),
+        ];
+        let given: Vec<&str> = sources.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
+        match given[..] {
+            [_] => {}
+            [] => {
+                faults.push(
+                    self.fault("name", "it has no joints")
+                        .help(format!("give it one of {}, file, dip and between", self.list())),
+                );
+            }
+            [first, second, ..] => faults.push(
+                self.fault(second, &format!("its joints are given twice, by {first} and {second}"))
+                    .help("write a second [[joint_set]]"),
+            ),
+        }
+        if set.between.is_some() && set.bodies.is_some() {
+            faults.push(self.fault("bodies", "\"between\" names the bodies").label("take it out"));
+        }
+        if set.dip.is_none() {
+            for key in STATISTICAL.into_iter().filter(|key| self.document.has(self.table, key)) {
+                faults.push(
+                    self.fault(key, &format!("\"{key}\" is for statistical sets, which have a dip"))
+                        .label("take it out"),
+                );
+            }
+        }
+    }
+
+    /// The key of a list of joints.
+    fn list(&self) -> &'static str {
+        if self.dimensions == 2 { "lines" } else { "polygons" }
+    }
+
+    /// Keys that are for the other number of dimensions.
+    fn fits(&self, faults: &mut Vec<Fault>) {
+        let flat = self.dimensions == 2;
+        let in_space = ["polygons", "dip_direction", "dip_direction_deviation"];
+        let others = if flat { &in_space[..] } else { &["lines"][..] };
+        for key in others.iter().filter(|key| self.document.has(self.table, key)) {
+            let message =
+                format!("\"{key}\" is for models in {} dimensions", if flat { "three" } else { "two" });
+            let fault = self.fault(key, &message).label("not in this model");
+            let instead = format!("give the joints by \"{}\"", self.list());
+            let is_list = ["lines", "polygons"].contains(key);
+            faults.push(if is_list { fault.help(instead) } else { fault });
+        }
+        let found = self.set.origin.as_ref().map_or(usize::from(self.dimensions), |origin| origin.0.len());
+        if found != usize::from(self.dimensions) {
+            let message = format!(
+                "\"origin\" has {found} numbers, where a model in {0} dimensions has {0}",
+                self.dimensions
+            );
+            faults.push(self.fault("origin", &message).label(format!("{found} numbers")));
+        }
+    }
+
+    /// The numbers of lists.
+    fn numbers(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        if let Some(wrong) =
+            set.lines.iter().flatten().position(|numbers| polylines::points(numbers).is_none())
+        {
+            let fault = self.fault("lines", &format!("line {} is not [x1, y1, x2, y2, …]", wrong + 1));
+            let span = self.document.entry(self.table, "lines", wrong);
+            faults.push(Fault { span: Some(span), ..fault }.label("this line"));
+        }
+        if let Some(wrong) =
+            set.polygons.iter().flatten().position(|numbers| polygons::corners(numbers).is_none())
+        {
+            let message = format!("polygon {} is not [x1, y1, z1, x2, y2, z2, x3, y3, z3, …]", wrong + 1);
+            let span = self.document.entry(self.table, "polygons", wrong);
+            faults.push(Fault { span: Some(span), ..self.fault("polygons", &message) }.label("this polygon"));
+        }
+    }
+
+    /// The keys of a statistical set.
+    fn statistics(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        if self.dimensions == 3 && set.dip_direction.is_none() {
+            faults.push(
+                self.fault("dip", "in three dimensions a dip needs a dip_direction")
+                    .label("needs dip_direction"),
+            );
+        }
+        if self.dimensions == 3 && set.dip.is_some_and(|dip| dip < 0.0) {
+            let help = "turn the dip_direction by 180 degrees";
+            faults.push(
+                self.fault("dip", "in three dimensions a dip is 0 to 90 degrees").label("below 0").help(help),
+            );
+        }
+        let Some(spacing) = set.spacing else {
+            faults.push(self.fault("dip", "a set with a dip needs a spacing").label("needs spacing"));
+            return;
+        };
+        let bodies = self.file.body.iter().filter(|body| has_joints(set, body));
+        let coarse = bodies
+            .filter(|body| body.refine.is_empty())
+            .find_map(|body| body.mesh_size.filter(|size| *size > spacing).map(|size| (body, size)));
+        if let Some((body, size)) = coarse {
+            let message =
+                format!("the spacing is below the mesh_size of {size} m of the body \"{}\"", body.name);
+            faults.push(
+                self.fault("spacing", &message)
+                    .help("take a smaller mesh_size: some elements across a spacing"),
+            );
+        }
+        let persistence = set.persistence.unwrap_or(1.0);
+        match set.trace_length {
+            None if persistence < 1.0 => faults.push(
+                self.fault("persistence", "a persistence below 1 needs a trace_length")
+                    .label("needs trace_length"),
+            ),
+            Some(_) if self.dimensions == 3 && persistence > PERSISTENT && persistence < 1.0 => {
+                let message = format!("a persistence in three dimensions is at most {PERSISTENT}, or 1");
+                faults.push(self.fault("persistence", &message).label("too large"));
+            }
+            Some(_) if persistence >= 1.0 => faults.push(
+                self.fault("trace_length", "joints with a persistence of 1 have no end, and no trace_length")
+                    .help("give it a persistence below 1, or take trace_length out"),
+            ),
+            _ => {}
+        }
+        let length = set.trace_length.unwrap_or(0.0);
+        if set.trace_deviation.is_some_and(|most| most > 0.0 && most >= length) {
+            faults.push(self.fault("trace_deviation", "it is not below the trace_length").label("too large"));
+        }
+    }
+
+    /// The bodies that are named.
+    fn bodies(&self, faults: &mut Vec<Fault>) {
+        let mut all = self.file.body.iter();
+        let grains =
+            all.find(|body| self.dimensions == 3 && body.voronoi.is_some() && has_joints(self.set, body));
+        if let Some(body) = grains {
+            let key = if self.set.bodies.is_some() { "bodies" } else { "name" };
+            let message = format!(
+                "the body \"{}\" has grains, into which no joints can be put in three dimensions",
+                body.name
+            );
+            faults.push(
+                self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""),
+            );
+        }
+        for (place, name) in self.set.between.iter().flatten().enumerate() {
+            if !placed::is_body(self.file, name) {
+                let span = self.document.entry(self.table, "between", place);
+                faults.push(
+                    Fault::at(span, format!("there is no body \"{name}\""))
+                        .label("unknown body")
+                        .help(placed::suggestion(self.file, name)),
+                );
+            }
+        }
+        for (place, name) in self.set.bodies.iter().flatten().enumerate() {
+            let span = self.document.entry(self.table, "bodies", place);
+            match self.file.body.iter().find(|body| body.name == *name) {
+                None => faults.push(
+                    Fault::at(span, format!("there is no body \"{name}\""))
+                        .label("unknown body")
+                        .help(placed::suggestion(self.file, name)),
+                ),
+                Some(body) if body.mesh.is_some() => faults.push(
+                    Fault::at(
+                        span,
+                        format!(
+                            "[[joint_set]] \"{}\": the body \"{name}\" has a mesh from a file, into which no joints can be put",
+                            self.set.name
+                        ),
+                    )
+                    .help("give the body a shape; or give its parts materials of their own by groups, and the joints between them an [[interface]] with a strength"),
+                ),
+                Some(_) => {}
+            }
+        }
+    }
+
+    /// Strengths and energies.
+    fn law(&self, faults: &mut Vec<Fault>) {
+        let set = self.set;
+        for (strength_key, strength, energy_key, energy) in [
+            ("tensile_strength", set.tensile_strength, "fracture_energy_i", set.fracture_energy_i),
+            ("cohesion", set.cohesion, "fracture_energy_ii", set.fracture_energy_ii),
+        ] {
+            let has = strength.is_some_and(|strength| strength > 0.0);
+            if set.open && has {
+                faults.push(
+                    self.fault(strength_key, &format!("open joints have no {strength_key}"))
+                        .help("take it out, or open = true"),
+                );
+            } else if has && energy.is_none() {
+                faults.push(
+                    self.fault(strength_key, &format!("a {strength_key} needs a {energy_key}"))
+                        .label(format!("needs {energy_key}")),
+                );
+            } else if !has && energy.is_some() {
+                faults.push(
+                    self.fault(energy_key, &format!("\"{energy_key}\" is for sets with a {strength_key}"))
+                        .label("take it out"),
+                );
+            }
+        }
+        if set.dilation_angle > set.residual_friction_angle.unwrap_or(set.friction_angle) {
+            let message = "the dilation angle is above the residual friction angle: joints would give back more energy than they take";
+            faults.push(self.fault("dilation_angle", message).label("too large"));
+        }
+        if set.open && set.dilation_angle > 0.0 {
+            let message = "open joints leave their sides to contacts, which do not dilate";
+            faults.push(self.fault("dilation_angle", message).label("take it out"));
+        }
+        if set.dilation_slip.is_some() && set.dilation_angle == 0.0 {
+            let message = "\"dilation_slip\" goes with a dilation_angle";
+            faults.push(self.fault("dilation_slip", message).label("take it out"));
+        }
+        if set.residual_friction_angle.is_some_and(|residual| residual > set.friction_angle) {
+            faults.push(
+                self.fault(
+                    "residual_friction_angle",
+                    "the residual friction angle is above the friction angle",
+                )
+                .label("too large"),
+            );
+        }
+    }
+}
+
+/// Puts the joints of all bodies into the model. Returns how many each set has. `between`: whether the joints
+/// of a set are between bodies, which come later.
+pub(crate) fn put<const D: usize, const N: usize>(
+    model: &mut Model<D, N>,
+    placed: &[Placed<D, N>],
+    between: &[bool],
+    warnings: &mut Vec<String>,
+) -> Vec<Joints>
+where
+    [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+{
+    let mut all = Vec::new();
+    for number in 0..model.joint_sets.len() as u32 {
+        let mut traces = BTreeSet::new();
+        let (mut facets, mut measure) = (Vec::new(), 0.0);
+        for (body, Placed { piece, first, .. }) in placed.iter().enumerate() {
+            for joint in piece.joints.iter().filter(|joint| joint.set == number) {
+                traces.insert((body, joint.trace));
+                facets.push(joint.facet.map(|node| node + first[0]));
+                let corners = joint.facet.map(|node| piece.nodes[node as usize]);
+                measure += <[[f64; D]; N]>::facet_measure(&corners);
+            }
+        }
+        let name = model.joint_sets[number as usize].name.clone();
+        if facets.is_empty() && !between[number as usize] {
+            warnings.push(format!("[[joint_set]] \"{name}\" has no joint in any body"));
+        } else if !facets.is_empty() {
+            model.add_joints(number, &facets);
+        }
+        let [length, area] = if D == 2 { [Some(measure), None] } else { [None, Some(measure)] };
+        all.push(Joints { name, joints: traces.len(), facets: facets.len(), length, area });
+    }
+    all
+}

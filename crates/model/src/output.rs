@@ -1,0 +1,5 @@
+//! Quantities that a run records.
+
+pub(crate) mod probes;
+pub(crate) mod settings;
+pub(crate) mod curves;

@@ -1,0 +1,112 @@
+//! Columns of the history, and curves of one over another.
+
+use std::ops::Range;
+
+use fdem_results::{HistoryCurve, history_columns};
+use fdem_simulation::{Element, Probe};
+
+use crate::prepared::{History, Quantity};
+use crate::text::document::{Document, Table};
+use crate::text::fault::{Fault, suggestion};
+use crate::text::file::ModelFile;
+
+/// Names of the components of vectors.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The names of the columns of all `[[history]]` tables, with their units.
+pub fn columns<const D: usize, const N: usize>(histories: &[History], probes: &[Probe<D, N>]) -> Vec<String>
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let mut names = Vec::new();
+    for history in histories {
+        let parts: &[(&str, &str)] = match history.quantity {
+            Quantity::Probe(probe) => {
+                let columns = probes[probe].columns().into_iter();
+                names.extend(columns.map(|(part, unit)| format!("{} {part} [{unit}]", history.name)));
+                continue;
+            }
+            Quantity::Node(_) => &[("u", "m"), ("v", "m/s")],
+            Quantity::Force(_) => &[("f", "N"), ("u", "m")],
+            // The history has these columns in any case.
+            Quantity::Energy | Quantity::CrackLength => &[],
+        };
+        for (letter, unit) in parts {
+            names.extend(AXES[..D].iter().map(|axis| format!("{} {letter}{axis} [{unit}]", history.name)));
+        }
+    }
+    names
+}
+
+/// The columns of a history.
+#[derive(Clone, Copy)]
+pub(crate) struct Columns<'a> {
+    /// Columns of the `[[history]]` tables.
+    pub(crate) own: &'a [String],
+    /// Columns before them, which every history has.
+    pub(crate) every: &'a [String],
+}
+
+impl Columns<'_> {
+    /// The full name of a column, and its place among the columns of every history and, after them, those of
+    /// the tables. Its unit may be left out. `span`: where the name is in the model file.
+    pub(crate) fn find(
+        self,
+        span: Range<usize>,
+        name: &str,
+        faults: &mut Vec<Fault>,
+    ) -> Option<(String, usize)> {
+        let all: Vec<&str> = self.every.iter().chain(self.own).map(String::as_str).collect();
+        let without_unit = |name: &str| name.rsplit_once(" [").map_or(name, |(name, _)| name).to_owned();
+        let place = all.iter().position(|other| *other == name || without_unit(other) == name);
+        if place.is_none() {
+            let names: Vec<String> =
+                self.own.iter().chain(self.every).map(|name| without_unit(name)).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let help = if names.is_empty() {
+                "the model has no [[history]] with columns of its own".to_owned()
+            } else {
+                suggestion(name, &names, "[[history]]")
+            };
+            faults.push(
+                Fault::at(span, format!("the history has no column \"{name}\""))
+                    .label("unknown column")
+                    .help(help),
+            );
+        }
+        place.map(|place| (all[place].to_owned(), place))
+    }
+}
+
+/// The curves, with the full names of their columns. `own`: the columns of all histories.
+pub(crate) fn curves<const D: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    own: &[String],
+    faults: &mut Vec<Fault>,
+) -> Vec<HistoryCurve> {
+    let every = history_columns(D);
+    let columns = Columns { own, every: &every };
+    let mut curves = Vec::new();
+    for (index, curve) in file.curve.iter().enumerate() {
+        let table = Table::of("curve", index);
+        let mut column = |key: &str, name: &str| {
+            columns.find(document.value(table, key), name, faults).unwrap_or_default().0
+        };
+        let (x, y) = (column("x", &curve.x), column("y", &curve.y));
+        for (key, given, name, unit) in [("length", curve.length, &x, "[m]"), ("area", curve.area, &y, "[N]")]
+        {
+            if given.is_some() && !name.is_empty() && !name.ends_with(unit) {
+                faults.push(
+                    Fault::at(
+                        document.key(table, key),
+                        format!("\"{key}\" divides a column in {unit}, and \"{name}\" is none"),
+                    )
+                    .label("take it out"),
+                );
+            }
+        }
+        curves.push(HistoryCurve { name: curve.name.clone(), x, y, length: curve.length, area: curve.area });
+    }
+    curves
+}

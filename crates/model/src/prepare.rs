@@ -1,0 +1,508 @@
+//! A model file becomes a model that can be run.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use fdem_io::numbers::grouped;
+use fdem_mesh::Quality;
+use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOptions};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::advice::differences::{Advised, Ready};
+use crate::advice::{plausible, scaling};
+use crate::bodies::{build, dimensions, materials, sizes};
+use crate::joints::bonds::Bonds;
+use crate::joints::lines::JointLines;
+use crate::joints::sets;
+use crate::output::curves::{self, columns};
+use crate::output::{probes, settings};
+use crate::prepared::{AnyPrepared, Body, Group, Prepared};
+use crate::shapes::piece::Piece;
+use crate::shapes::placed::Placed;
+use crate::stages::conditions::{self, Resolved};
+use crate::stages::{boundaries, resolve};
+use crate::text::document::{Document, Table, line_of};
+use crate::text::fault::{Fault, ModelErrors};
+use crate::text::file::{self, ModelFile};
+use crate::text::included::{Load, Sources};
+use crate::text::library::{self, FromLibrary};
+use crate::text::partial::Partial;
+use crate::text::{schema, values};
+use crate::{initial, vectors};
+
+/// Reads, checks and meshes a model in two dimensions. [`prepare_any`] does the same for any model.
+///
+/// # Shapes
+/// `text`: a model file; `name`: its name, for messages. `load`: returns the bytes of a file under the name
+/// in the model, or the reason why it cannot be read.
+///
+/// # Cost
+/// Mostly that of the meshes: about 20 µs an element.
+///
+/// # Errors
+/// [`ModelErrors`]: everything that is wrong, also if the model is in three dimensions. If there is an error,
+/// large meshes are not made, and parts that depend on it are not checked.
+///
+/// # Example
+/// ```
+/// let model = r#"
+///     [model]
+///     end_time = 1e-3
+///     [[body]]
+///     name = "bar"
+///     material = "steel"
+///     rectangle = { min = [0, 0], max = [1.0, 0.1] }
+///     mesh_size = 0.05
+///     [[material]]
+///     name = "steel"
+///     density = 7800
+///     youngs_modulus = 210e9
+///     poissons_ratio = 0.3
+/// "#;
+/// let prepared = fdem_model::prepare(model, "bar.toml", &mut |_| Err("no files".into()))?;
+/// assert_eq!(prepared.bodies[0].name, "bar");
+///
+/// let wrong = model.replace("density", "densty");
+/// let errors = fdem_model::prepare(&wrong, "bar.toml", &mut |_| Err("no files".into())).unwrap_err();
+/// assert!(errors.to_string().contains("did you mean \"density\"?"));
+/// # Ok::<(), fdem_model::ModelErrors>(())
+/// ```
+pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, ModelErrors> {
+    prepare_within(text, name, load, None)
+}
+
+/// Like [`prepare`], and refuses meshes that need more than `memory` (bytes) before it makes them.
+///
+/// # Errors
+/// The errors of [`prepare`], and mesh sizes for which there is not enough memory.
+pub fn prepare_within(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<Prepared, ModelErrors> {
+    match prepare_any(text, name, load, memory)? {
+        AnyPrepared::Plane(prepared) => Ok(*prepared),
+        AnyPrepared::Space(_) => {
+            let end = text.len();
+            let fault =
+                Fault::at(end..end, "the model is in three dimensions, where one in two is asked for");
+            Err(ModelErrors::new(name, text, vec![fault]))
+        }
+    }
+}
+
+/// Reads, checks and meshes a model in two or three dimensions. `memory`: as for [`prepare_within`].
+///
+/// # Errors
+/// The errors of [`prepare_within`].
+///
+/// # Example
+/// ```
+/// use fdem_model::{AnyPrepared, prepare_any};
+///
+/// let model = r#"
+///     [model]
+///     end_time = 1e-3
+///     [[body]]
+///     name = "block"
+///     material = "granite"
+///     box = { min = [0, 0, 0], max = [0.1, 0.1, 0.2] }
+///     mesh_size = 0.05
+///     [[material]]
+///     name = "granite"
+///     density = 2700
+///     youngs_modulus = 50e9
+///     poissons_ratio = 0.25
+/// "#;
+/// let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()), None)? else {
+///     panic!("a box is a body in space");
+/// };
+/// assert!(prepared.quality.elements > 10);
+/// # Ok::<(), fdem_model::ModelErrors>(())
+/// ```
+pub fn prepare_any(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<AnyPrepared, ModelErrors> {
+    let sources = Sources::gather(text, load);
+    prepare_or_faults(&sources, load, memory)
+        .map_err(|faults| ModelErrors::new(name, &sources.text, faults).with_included(sources.included()))
+}
+
+/// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
+const SOON_MESHED: f64 = 1e5;
+
+fn prepare_or_faults(
+    sources: &Sources<'_>,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<AnyPrepared, Vec<Fault>> {
+    let mut document = parse(&sources.text, sources.parse())?;
+    let from_library = library::resolve(&mut document);
+    let evaluated = values::evaluate(&document, &sources.text, schema::evaluated());
+    let document = values::replace(document, &evaluated);
+    let mut faults = evaluated.faults.clone();
+    // An expression without a value is still a text, and needs no second fault.
+    let is_told = |fault: &Fault| evaluated.is_wrong(fault.span.as_ref());
+    faults.extend(schema::check(document.root()).into_iter().filter(|fault| !is_told(fault)));
+    let partial = if faults.is_empty() { None } else { Partial::read(&document, &faults) };
+    let file = match &partial {
+        Some(partial) => partial.file.clone(),
+        None if faults.is_empty() => deserialize(&document)?,
+        None => return Err(faults),
+    };
+    // A file that determines the dimensions is read once.
+    let mut read: Option<(String, Result<Vec<u8>, String>)> = None;
+    let dimensions = dimensions::of(&file, &mut |name| {
+        let bytes = load(name);
+        read = Some((name.to_owned(), bytes.clone()));
+        bytes
+    });
+    let mut load = |name: &str| match read.take_if(|(known, _)| known == name) {
+        Some((_, bytes)) => bytes,
+        None => load(name),
+    };
+    let is_news = |fault: &Fault| partial.as_ref().is_none_or(|partial| partial.is_news(fault));
+
+    let mut found = Vec::new();
+    vectors::check(&file, &document, dimensions, &mut found);
+    check_names(&file, &document, &mut found);
+    let materials = materials::materials(&file, &document, dimensions, &mut found);
+    let interfaces = materials::interfaces(&file, &document, &mut found);
+    let joint_sets = sets::check(&file, &document, dimensions, &mut found);
+    build::check(&file, &document, dimensions, &mut found);
+    boundaries::check(&file, &document, &mut found);
+    settings::check(&file, &document, &mut found);
+    resolve::check(&file, &document, &mut found);
+    scaling::check(&file, &document, &mut found);
+    conditions::check(&file, &document, &mut found);
+    initial::check(&file, &document, dimensions == 3, &mut found);
+    let elements = sizes::check(&file, &document, memory, &mut found);
+    faults.extend(found.into_iter().filter(is_news));
+
+    // Included files may have parameters for other models.
+    let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
+    let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
+    let document = &document;
+    let checked = Checked {
+        file: &file,
+        document,
+        elements,
+        materials,
+        interfaces,
+        joint_sets,
+        from_library,
+        warnings,
+    };
+    if dimensions == 3 {
+        let prepared = checked.prepared(&mut load, faults, &is_news)?;
+        Ok(AnyPrepared::Space(Box::new(prepared)))
+    } else {
+        let prepared = checked.prepared(&mut load, faults, &is_news)?;
+        Ok(AnyPrepared::Plane(Box::new(prepared)))
+    }
+}
+
+/// A file whose tables have been checked one by one.
+struct Checked<'a> {
+    file: &'a ModelFile,
+    document: &'a Document<'a>,
+    /// Number of elements of the bodies that are meshed here, about.
+    elements: f64,
+    materials: Vec<Material>,
+    interfaces: Vec<Interface>,
+    joint_sets: Vec<JointSet>,
+    from_library: Vec<FromLibrary>,
+    /// Warnings about the text of the file.
+    warnings: Vec<String>,
+}
+
+impl Checked<'_> {
+    /// Meshes the bodies, and puts the model together. `faults`: those of the tables.
+    fn prepared<const D: usize, const N: usize>(
+        self,
+        load: &mut Load<'_>,
+        mut faults: Vec<Fault>,
+        is_news: &dyn Fn(&Fault) -> bool,
+    ) -> Result<Prepared<D, N>, Vec<Fault>>
+    where
+        [[f64; D]; N]: Advised<D, N>,
+        Model<D, N>: Serialize,
+    {
+        let Self { file, document, elements, materials, interfaces, joint_sets, from_library, mut warnings } =
+            self;
+        // A file with faults is meshed only to find more faults: bodies without faults, and only if that
+        // takes little time.
+        let mut wrong = document.with_faults("body", file.body.len(), &faults);
+        for (wrong, body) in wrong.iter_mut().zip(&file.body) {
+            *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+        }
+        let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
+        let mut found = Vec::new();
+        let lines = JointLines::of(D, file, document, load, &mut found);
+        let (mesh, placed, missing) = build::build(file, document, (&lines, load), &wrong, &mut found);
+        let boundaries =
+            boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
+        let mut stages = if missing.is_empty() {
+            resolve::resolve(file, document, &mesh, &placed, &mut found)
+        } else {
+            Vec::new()
+        };
+        let bonds = if missing.is_empty() {
+            Bonds::find(file, document, &placed, &mut found)
+        } else {
+            Bonds::default()
+        };
+        faults.extend(found.into_iter().filter(is_news));
+        faults.extend(build::crowded(document, &placed));
+        none_or(faults)?;
+
+        let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
+        let mut lost = Vec::new();
+        let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
+        none_or(lost)?;
+        let mut unknown = Vec::new();
+        let own = columns::<D, N>(&histories, &probes);
+        let curves = curves::curves::<D>(file, document, &own, &mut unknown);
+        let Resolved { until, of_stages, servos } =
+            conditions::resolve::<D>(file, document, &own, &mut unknown);
+        for (stage, until) in stages.iter_mut().zip(of_stages) {
+            stage.until = until;
+        }
+        none_or(unknown)?;
+        let mut model = Model {
+            mass_factors: Vec::new(),
+            velocities: initial::velocities(file, &placed),
+            stresses: initial::stresses(file, &mesh, &placed),
+            mesh,
+            materials,
+            interfaces,
+            joint_sets,
+            joint_facets: Vec::new(),
+            boundaries,
+            plane: file.model.plane,
+            thickness: file.model.thickness,
+            gravity: match &file.model.gravity {
+                file::Gravity::Vector(gravity) => gravity.components(),
+                file::Gravity::None(_) => [0.0; D],
+            },
+            gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
+            contact: file.contact,
+            fracture: file.fracture,
+            time: time_options(file),
+        };
+        let between: Vec<bool> = file.joint_set.iter().map(|set| set.between.is_some()).collect();
+        let joint_sets = sets::put(&mut model, &placed, &between, &mut warnings);
+        let quality = Quality::of(&model.mesh);
+        let bodies = bodies_of(&placed);
+        for body in &placed {
+            let name = &file.body[body.table].name;
+            warnings.extend(body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")));
+        }
+        plausible::units(&model, &mut warnings);
+        plausible::loads(&model, &mut warnings);
+        conditions::warnings(&model, &servos, &own, &mut warnings);
+        plausible::without_effect(file, document, &model, &mut warnings);
+        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        warnings.extend(<[[f64; D]; N]>::warnings(&ready));
+        let mut prepared = Prepared {
+            title: file.model.title.clone(),
+            end_time: file.model.end_time,
+            groups: groups_of(&placed),
+            grains: grains_of(&placed),
+            joint_sets,
+            from_library,
+            output: settings::settings(file, &placed),
+            histories,
+            hash: String::new(),
+            stages,
+            until,
+            servos,
+            mass_scaling: None,
+            probes,
+            curves,
+            model,
+            quality,
+            bodies,
+            warnings,
+        };
+        let joined = bonds.join(&mut prepared);
+        joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
+        prepared.hash = hash_of(&prepared);
+        Ok(prepared)
+    }
+}
+
+/// Options of the integration in time.
+fn time_options(file: &ModelFile) -> TimeOptions {
+    TimeOptions {
+        step: match file.model.time_step {
+            file::TimeStep::Seconds(step) => Some(step),
+            file::TimeStep::Auto(_) => None,
+        },
+        safety: file.model.safety,
+        local_damping: file.model.local_damping,
+        dynamic_relaxation: file.model.dynamic_relaxation,
+        energy_bound: file.model.energy_bound,
+    }
+}
+
+/// The hash of a model, and of everything that changes it during a run.
+fn hash_of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> String
+where
+    Model<D, N>: Serialize,
+{
+    let Prepared { model, stages, until, servos, .. } = prepared;
+    if stages.is_empty() && until.is_none() && servos.is_empty() {
+        hash(model)
+    } else {
+        hash(&(model, stages, until, servos))
+    }
+}
+
+/// The document, if it is TOML. If not, also reports unknown keys and values out of range in the valid lines.
+fn parse<'a>(
+    text: &str,
+    (document, mut faults): (Document<'a>, Vec<Fault>),
+) -> Result<Document<'a>, Vec<Fault>> {
+    if faults.is_empty() {
+        return Ok(document);
+    }
+    let line = |fault: &Fault| fault.span.as_ref().map(|span| line_of(text, span.start));
+    let wrong: Vec<_> = faults.iter().map(line).collect();
+    let is_heading = |line: &Option<usize>| {
+        line.is_some_and(|line| text.lines().nth(line).is_some_and(|line| line.trim_start().starts_with('[')))
+    };
+    // Without its heading nobody knows which table a key is in.
+    if wrong.iter().any(is_heading) {
+        return Err(faults);
+    }
+    faults.extend(schema::check(document.root()).into_iter().filter(|fault| {
+        // A value that the parser made up for one that it could not read is nowhere in the text.
+        let is_written = fault.span.as_ref().is_some_and(|span| !span.is_empty());
+        is_written
+            && ["unknown key", "out of range"].contains(&fault.label.as_str())
+            && !wrong.contains(&line(fault))
+    }));
+    Err(faults)
+}
+
+/// The file as its types have it.
+fn deserialize(document: &Document<'_>) -> Result<ModelFile, Vec<Fault>> {
+    // The schema check finds the usual mistakes; the deserializer reports the others.
+    document.read().map_err(|error| {
+        let end = document.root().span().end;
+        vec![Fault::at(error.span().unwrap_or(end..end), error.message().to_owned())]
+    })
+}
+
+fn none_or(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// Refuses names that occur twice.
+fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    fn names<'f, T>(items: &'f [T], name: fn(&'f T) -> &'f str) -> Vec<&'f str> {
+        items.iter().map(name).collect()
+    }
+    for (table, names) in [
+        ("body", names(&file.body, |body| &body.name)),
+        ("material", names(&file.material, |material| &material.name)),
+        ("joint_set", names(&file.joint_set, |set| &set.name)),
+        ("boundary", names(&file.boundary, |boundary| &boundary.name)),
+        ("history", names(&file.history, |history| &history.name)),
+        ("stage", names(&file.stage, |stage| &stage.name)),
+        ("curve", names(&file.curve, |curve| &curve.name)),
+    ] {
+        let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (index, name) in names.iter().enumerate() {
+            again.entry(name).or_default().push(index);
+        }
+        for (name, places) in again {
+            let [_, second, more @ ..] = &places[..] else { continue };
+            let times = match more.len() {
+                0 => String::new(),
+                1 => ", and once more".to_owned(),
+                count => format!(", and {} times more", grouped(count as u64)),
+            };
+            faults.push(
+                Fault::at(
+                    document.value(Table::of(table, *second), "name"),
+                    format!("there is a [[{table}]] \"{name}\" already{times}"),
+                )
+                .label("again")
+                .help("names come once"),
+            );
+        }
+    }
+}
+
+fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Body> {
+    let range = |first: u32, count: usize| first..first + count as u32;
+    placed
+        .iter()
+        .map(|body| Body {
+            name: body.name.clone(),
+            nodes: range(body.first[0], body.piece.nodes.len()),
+            elements: range(body.first[1], body.piece.elements.len()),
+        })
+        .collect()
+}
+
+fn grains_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<u32> {
+    if placed.iter().all(|body| body.piece.grains.is_empty()) {
+        return Vec::new();
+    }
+    let of_body = |body: &Placed<D, N>| {
+        let Piece { grains, elements, .. } = &body.piece;
+        if grains.is_empty() { vec![0; elements.len()] } else { grains.clone() }
+    };
+    placed.iter().flat_map(of_body).collect()
+}
+
+fn groups_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Group<D>>
+where
+    [[f64; D]; N]: Advised<D, N>,
+{
+    let mut groups = Vec::new();
+    for (body, Placed { piece, first, .. }) in (0..).zip(placed) {
+        for (name, group) in &piece.groups {
+            groups.push(Group {
+                body,
+                name: name.clone(),
+                nodes: piece.nodes_of(group).into_iter().map(|node| node + first[0]).collect(),
+                facets: piece
+                    .facets_of(group)
+                    .into_iter()
+                    .map(|facet| facet.map(|node| node + first[0]))
+                    .collect(),
+            });
+        }
+    }
+    groups
+}
+
+/// SHA-256 of the model as JSON. JSON numbers are written so that they are read back exactly.
+fn hash(model: &impl Serialize) -> String {
+    struct Sink(Sha256);
+    impl io::Write for Sink {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.update(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let mut sink = io::BufWriter::new(Sink(Sha256::new()));
+    let written = serde_json::to_writer(&mut sink, model);
+    debug_assert!(written.is_ok(), "a model has no keys but text");
+    let digest = sink.into_inner().map(|sink| sink.0.finalize()).unwrap_or_default();
+    format!("{digest:x}")
+}

@@ -1,0 +1,351 @@
+//! Boundaries: finds the nodes and edges of the mesh that they act on.
+
+use std::collections::BTreeSet;
+
+use fdem_mesh::{Mesh, bounds};
+use fdem_simulation::{Boundary, Load, Schedule, Target};
+
+use crate::bodies::dimensions::Dimensions;
+use crate::shapes::placed::{self, Placed, is_piece};
+use crate::text::document::{Document, Table};
+use crate::text::fault::{Fault, suggestion};
+use crate::text::file::{self, Component, ModelFile, Side};
+
+/// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
+const SIDE: f64 = 1e-6;
+
+/// Checks boundaries before anything is meshed.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    for (index, boundary) in file.boundary.iter().enumerate() {
+        let table = Table::of("boundary", index);
+        let title = format!("[[boundary]] \"{}\"", boundary.name);
+        match loads(boundary)[..] {
+            [_] => {}
+            [] => faults.push(
+                Fault::at(document.key(table, "name"), format!("{title} does nothing"))
+                    .label("this boundary")
+                    .help(
+                        "give it one of fixed, velocity, displacement, force, traction, pressure, absorbing",
+                    ),
+            ),
+            [first, second, ..] => faults.push(
+                Fault::at(
+                    document.key(table, second),
+                    format!("{title} has two loads, {first} and {second}"),
+                )
+                .label("a second load")
+                .help("a boundary has one load; write a second [[boundary]]"),
+            ),
+        }
+        if let [first, second, ..] = places(boundary)[..] {
+            faults.push(
+                Fault::at(
+                    document.key(table, second),
+                    format!("{title} is in two places, {first} and {second}"),
+                )
+                .label("a second place")
+                .help("take one of side, box and group"),
+            );
+        }
+        if boundary.ramp.is_some() && boundary.table.is_some() {
+            faults.push(
+                Fault::at(document.key(table, "table"), format!("{title} has both ramp and table"))
+                    .label("a second schedule"),
+            );
+        }
+        let ascending = |times: &[[f64; 2]]| times.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        if boundary.table.as_deref().is_some_and(|times| !ascending(times)) {
+            faults.push(
+                Fault::at(
+                    document.value(table, "table"),
+                    format!("{title}: the times of its table do not ascend"),
+                )
+                .label("out of order"),
+            );
+        }
+        let inverted = |limits: &Vec<f64>| {
+            let (least, most) = limits.split_at(limits.len() / 2);
+            least.iter().zip(most).any(|(least, most)| most < least)
+        };
+        if boundary.limits.as_ref().is_some_and(inverted) {
+            faults.push(
+                Fault::at(document.value(table, "box"), format!("{title}: its box is turned inside out"))
+                    .help("a box is [xmin, ymin, xmax, ymax], in three dimensions [xmin, ymin, zmin, xmax, ymax, zmax]"),
+            );
+        }
+    }
+}
+
+/// The keys of loads that are given.
+fn loads(boundary: &file::Boundary) -> Vec<&'static str> {
+    [
+        ("fixed", boundary.fixed.is_some()),
+        ("velocity", boundary.velocity.is_some()),
+        ("displacement", boundary.displacement.is_some()),
+        ("force", boundary.force.is_some()),
+        ("traction", boundary.traction.is_some()),
+        ("pressure", boundary.pressure.is_some()),
+        ("absorbing", boundary.absorbing),
+    ]
+    .into_iter()
+    .filter(|(_, given)| *given)
+    .map(|(key, _)| key)
+    .collect()
+}
+
+/// The keys of places that are given.
+fn places(boundary: &file::Boundary) -> Vec<&'static str> {
+    [
+        ("side", boundary.side.is_some()),
+        ("box", boundary.limits.is_some()),
+        ("group", boundary.group.is_some()),
+    ]
+    .into_iter()
+    .filter(|(_, given)| *given)
+    .map(|(key, _)| key)
+    .collect()
+}
+
+/// The boundaries with the nodes and edges that they act on. Boundaries of missing bodies, by their tables,
+/// and boundaries with known errors are left out.
+pub(crate) fn resolve<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    mesh: &Mesh<D, N>,
+    placed: &[Placed<D, N>],
+    (missing, wrong): (&BTreeSet<usize>, &[bool]),
+    faults: &mut Vec<Fault>,
+) -> Vec<Boundary<D>>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let mut boundaries = Vec::with_capacity(file.boundary.len());
+    for (index, boundary) in file.boundary.iter().enumerate() {
+        let table = Table::of("boundary", index);
+        let Some(load) = load(boundary) else { continue };
+        let mut lacking = missing.iter().map(|&table| &file.body[table].name);
+        let lacks = match &boundary.body {
+            None => !missing.is_empty(),
+            Some(name) => lacking.any(|body| body == name || is_piece(body, name)),
+        };
+        if lacks || wrong[index] {
+            continue;
+        }
+        let bodies = match &boundary.body {
+            None => (0..placed.len()).collect(),
+            Some(name) => placed::named(placed, file, name),
+        };
+        if let (Some(name), []) = (&boundary.body, &bodies[..]) {
+            faults.push(
+                Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
+                    .label("unknown body")
+                    .help(placed::suggestion(file, name)),
+            );
+            continue;
+        }
+        let place = Place { boundary, mesh, placed, bodies: &bodies };
+        if let Err(help) = place.check_group() {
+            let group = boundary.group.as_deref().unwrap_or("");
+            faults.push(
+                Fault::at(document.value(table, "group"), format!("no body here has a group \"{group}\""))
+                    .label("unknown group")
+                    .help(help),
+            );
+            continue;
+        }
+        let on_facets = matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Absorbing);
+        let (target, count, what) = if on_facets {
+            let facets = place.facets();
+            let count = facets.len();
+            (Target::Facets(facets), count, <[[f64; D]; N]>::OUTER_FACET)
+        } else {
+            let nodes = place.nodes();
+            let count = nodes.len();
+            (Target::Nodes(nodes), count, "node")
+        };
+        if count == 0 {
+            let key = places(boundary).first().copied().unwrap_or("body");
+            faults.push(
+                Fault::at(
+                    document.value(table, key),
+                    format!("[[boundary]] \"{}\" is in a place where there is no {what}", boundary.name),
+                )
+                .label("nothing there"),
+            );
+            continue;
+        }
+        // Boundaries that act in different stages do not meet.
+        let meets = |other: &&Boundary<D>| {
+            let other = file.boundary.iter().find(|of_file| of_file.name == other.name);
+            other.is_none_or(|other| act_together(boundary, other))
+        };
+        if let Some((other, node, axis)) = prescribed_twice(&boundaries.iter().filter(meets), load, &target) {
+            let axis = ["x", "y", "z"][axis];
+            faults.push(
+                Fault::at(
+                    document.value(table, "name"),
+                    format!(
+                        "\"{}\" and \"{other}\" both prescribe how node {node} moves along {axis}",
+                        boundary.name
+                    ),
+                )
+                .label("the second of the two")
+                .help(
+                    "leave that component \"free\" in one of them, or take two places without common nodes",
+                ),
+            );
+            continue;
+        }
+        boundaries.push(Boundary { name: boundary.name.clone(), target, load, schedule: schedule(boundary) });
+    }
+    boundaries
+}
+
+/// Whether two boundaries act in one stage.
+fn act_together(one: &file::Boundary, other: &file::Boundary) -> bool {
+    match (&one.stages, &other.stages) {
+        (Some(one), Some(other)) => one.iter().any(|stage| other.contains(stage)),
+        _ => true,
+    }
+}
+
+/// The name of a boundary that moves a node along the same axis as this load does. Two may both hold a node
+/// still.
+fn prescribed_twice<'a, const D: usize>(
+    boundaries: &(impl Iterator<Item = &'a Boundary<D>> + Clone),
+    load: Load<D>,
+    target: &Target<D>,
+) -> Option<(String, u32, usize)> {
+    let components = |load: Load<D>| match load {
+        Load::Velocity(components) | Load::Displacement(components) => components,
+        _ => [None; D],
+    };
+    let still = |load: Load<D>, axis: usize| matches!(load, Load::Velocity(of) if of[axis] == Some(0.0));
+    let Target::Nodes(nodes) = target else { return None };
+    for axis in (0..D).filter(|&axis| components(load)[axis].is_some()) {
+        for other in boundaries.clone().filter(|other| components(other.load)[axis].is_some()) {
+            let Target::Nodes(own) = &other.target else { continue };
+            if still(load, axis) && still(other.load, axis) {
+                continue;
+            }
+            let own: BTreeSet<u32> = own.iter().copied().collect();
+            if let Some(&node) = nodes.iter().find(|node| own.contains(node)) {
+                return Some((other.name.clone(), node, axis));
+            }
+        }
+    }
+    None
+}
+
+/// The place where a boundary acts.
+struct Place<'a, const D: usize, const N: usize> {
+    boundary: &'a file::Boundary,
+    mesh: &'a Mesh<D, N>,
+    placed: &'a [Placed<D, N>],
+    /// Numbers of the bodies that it may act on.
+    bodies: &'a [usize],
+}
+
+impl<const D: usize, const N: usize> Place<'_, D, N>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    /// Checks that a body has the group; the error is advice.
+    fn check_group(&self) -> Result<(), String> {
+        let Some(group) = &self.boundary.group else { return Ok(()) };
+        let mut names: Vec<&str> = Vec::new();
+        for &body in self.bodies {
+            let piece = &self.placed[body].piece;
+            names.extend(piece.groups.keys().map(String::as_str));
+        }
+        names.sort_unstable();
+        names.dedup();
+        if names.contains(&group.as_str()) { Ok(()) } else { Err(suggestion(group, &names, "group")) }
+    }
+
+    fn nodes(&self) -> Vec<u32> {
+        let mut nodes = Vec::new();
+        for &body in self.bodies {
+            let Placed { piece, first, .. } = &self.placed[body];
+            match &self.boundary.group {
+                None => nodes.extend((0..piece.nodes.len() as u32).map(|node| node + first[0])),
+                Some(name) => {
+                    let found = piece.groups.get(name).map(|group| piece.nodes_of(group)).unwrap_or_default();
+                    nodes.extend(found.into_iter().map(|node| node + first[0]));
+                }
+            }
+        }
+        let limits = self.limits();
+        nodes.retain(|&node| within(self.mesh.nodes[node as usize], limits));
+        nodes
+    }
+
+    fn facets(&self) -> Vec<[u32; D]> {
+        let mut facets = Vec::new();
+        for &body in self.bodies {
+            let Placed { piece, first, .. } = &self.placed[body];
+            let found = match &self.boundary.group {
+                None => piece.outline.clone(),
+                Some(name) => piece.groups.get(name).map(|group| piece.facets_of(group)).unwrap_or_default(),
+            };
+            facets.extend(found.into_iter().map(|facet| facet.map(|node| node + first[0])));
+        }
+        let limits = self.limits();
+        facets.retain(|facet| facet.iter().all(|&node| within(self.mesh.nodes[node as usize], limits)));
+        facets
+    }
+
+    /// The box that nodes have to be in.
+    fn limits(&self) -> [[f64; D]; 2] {
+        let mut limits = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
+        if let Some(given) = &self.boundary.limits {
+            let (least, most) = given.split_at(given.len() / 2);
+            for (limit, given) in limits.iter_mut().zip([least, most]) {
+                *limit = given.try_into().unwrap_or(*limit);
+            }
+            return limits;
+        }
+        let Some(side) = self.boundary.side else { return limits };
+        let points = self.bodies.iter().flat_map(|&body| self.placed[body].piece.nodes.iter().copied());
+        let [low, high] = bounds(points);
+        let reach = SIDE * (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        match side {
+            Side::Left => limits[1][0] = low[0] + reach,
+            Side::Right => limits[0][0] = high[0] - reach,
+            Side::Front => limits[1][1] = low[1] + reach,
+            Side::Back => limits[0][1] = high[1] - reach,
+            Side::Bottom => limits[1][D - 1] = low[D - 1] + reach,
+            Side::Top => limits[0][D - 1] = high[D - 1] - reach,
+        }
+        limits
+    }
+}
+
+fn within<const D: usize>(point: [f64; D], [low, high]: [[f64; D]; 2]) -> bool {
+    (0..D).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
+}
+
+fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>> {
+    let prescribed = |components: &Vec<Component>| {
+        std::array::from_fn(|axis| components.get(axis).and_then(|component| component.prescribed()))
+    };
+    if let Some(fixed) = boundary.fixed {
+        let held = fixed.axes();
+        return Some(Load::Velocity(std::array::from_fn(|axis| held[axis].then_some(0.0))));
+    }
+    let velocity = boundary.velocity.as_ref().map(|velocity| Load::Velocity(prescribed(velocity)));
+    velocity
+        .or_else(|| boundary.displacement.as_ref().map(|by| Load::Displacement(prescribed(by))))
+        .or_else(|| boundary.force.as_ref().map(|force| Load::Force(force.components())))
+        .or_else(|| boundary.traction.as_ref().map(|traction| Load::Traction(traction.components())))
+        .or_else(|| boundary.pressure.map(Load::Pressure))
+        .or_else(|| boundary.absorbing.then_some(Load::Absorbing))
+}
+
+fn schedule(boundary: &file::Boundary) -> Schedule {
+    match (boundary.ramp, &boundary.table) {
+        (Some(ramp), _) => Schedule::Ramp(ramp),
+        (None, Some(table)) => Schedule::Table(table.clone()),
+        (None, None) => Schedule::Constant,
+    }
+}

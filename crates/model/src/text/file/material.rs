@@ -1,0 +1,117 @@
+//! `[[material]]` and `[[interface]]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`,
+/// `fracture_energy_i` and `fracture_energy_ii`, and does not break without them.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Name of the material for bodies and interfaces.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Name of a material of the library, which gives all keys that this table does not give: "granite", for
+    /// instance. `fdem materials` lists them. Default: none, and `density`, `youngs_modulus` and
+    /// `poissons_ratio` must be there.
+    #[serde(default)]
+    #[schemars(schema_with = "crate::text::library::names")]
+    pub library: Option<String>,
+    /// Density, kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "kg/m³"))]
+    pub density: f64,
+    /// Young's modulus, Pa.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub youngs_modulus: f64,
+    /// Poisson's ratio, from above -1 to 0.5; in plane strain and in three dimensions below 0.5.
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5, "x-unit" = "1"))]
+    pub poissons_ratio: f64,
+    /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 1000, "x-unit" = "1"))]
+    pub damping: f64,
+    /// Coefficient of friction of contacts, unless an `[[interface]]` says otherwise. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub friction: f64,
+    /// Tensile strength, Pa.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub tensile_strength: Option<f64>,
+    /// Shear strength without normal stress, Pa.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub cohesion: Option<f64>,
+    /// Angle of internal friction, degrees.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 90, "x-unit" = "deg"))]
+    pub friction_angle: Option<f64>,
+    /// Fracture energy of opening (mode I), J/m².
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_i: Option<f64>,
+    /// Fracture energy of sliding (mode II), beyond friction, J/m².
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_ii: Option<f64>,
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its
+    /// value. At least 1; rock has 2 to 30. Default: no scatter.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 1, "x-unit" = "1"))]
+    pub weibull_modulus: Option<f64>,
+    /// Seed of that scatter. Default: 1.
+    #[serde(default = "seed")]
+    pub weibull_seed: u64,
+}
+
+/// Contacts between two materials, and the joints between their elements inside one body. Different bodies
+/// touch; no interface bonds them.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interface {
+    /// Names of the two. For a material with itself: its contacts with other bodies of it, and all joints
+    /// inside of it, in place of the strength of the material.
+    pub materials: [String; 2],
+    /// Coefficient of friction of contacts. Default: that of the material with less friction.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub friction: Option<f64>,
+    /// Penalty of contacts, Pa. Default: from the `penalty` of `[contact]`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub penalty: Option<f64>,
+    /// Tensile strength of joints between the two, inside bodies, Pa; needs the four keys below. With 0 here
+    /// and for `cohesion` the joint is open and has friction only; then it needs no fracture energies.
+    /// Default: the strength of the weaker material.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
+    pub tensile_strength: Option<f64>,
+    /// Shear strength of these joints without normal stress, Pa; may be 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
+    pub cohesion: Option<f64>,
+    /// Angle of friction of these joints, degrees.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 90, "x-unit" = "deg"))]
+    pub friction_angle: Option<f64>,
+    /// Fracture energy of opening (mode I), J/m². Not needed where the tensile strength is 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_i: Option<f64>,
+    /// Fracture energy of sliding (mode II), beyond friction, J/m². Not needed where the cohesion is 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_ii: Option<f64>,
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its
+    /// value. At least 1; rock has 2 to 30. Default: no scatter.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 1, "x-unit" = "1"))]
+    pub weibull_modulus: Option<f64>,
+    /// Seed of that scatter. Default: 1.
+    #[serde(default = "seed")]
+    pub weibull_seed: u64,
+}
+
+fn seed() -> u64 {
+    1
+}

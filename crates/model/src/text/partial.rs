@@ -1,0 +1,169 @@
+//! Reads the valid parts of a model file with errors, so that users see all errors together.
+//!
+//! A table that cannot be read is replaced by one that has its name and nothing to complain of. Faults that
+//! are found in such a table later, or that follow from it, are no news.
+
+use std::ops::Range;
+
+use fdem_simulation::{ContactOptions, FractureOptions};
+use serde::de::DeserializeOwned;
+use toml::{Table as Toml, Value};
+
+use crate::text::document::{Document, Table};
+use crate::text::fault::Fault;
+use crate::text::file::{
+    Body, Boundary, Curve, General, History, Initial, Interface, JointSet, Material, ModelFile, Output,
+    SHAPES, Stage,
+};
+
+/// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
+/// escape.
+const NAMELESS: &str = "\u{1}";
+
+/// A file with faults.
+pub(crate) struct Partial {
+    pub(crate) file: ModelFile,
+    /// The parts of the text that have faults.
+    broken: Vec<Range<usize>>,
+    /// Tables of which one has no name that can be read.
+    nameless: Vec<&'static str>,
+}
+
+impl Partial {
+    /// Reads the valid parts. `faults`: the errors that the schema found.
+    pub(crate) fn read(document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
+        let mut root: Toml = document.read().ok()?;
+        root.retain(|key, _| ModelFile::TABLES.contains(&key));
+        let mut reader = Reader { document, broken: Vec::new(), nameless: Vec::new(), faults };
+        reader.list::<Material>(&mut root, "material", |_| {
+            [("density", Value::from(1.0)), ("youngs_modulus", 1.0.into()), ("poissons_ratio", 0.0.into())]
+                .into()
+        });
+        reader.list::<Body>(&mut root, "body", |body| {
+            let material = body.get("material").filter(|name| name.is_str()).cloned();
+            let mut instead = vec![("material", material.unwrap_or_else(|| NAMELESS.into()))];
+            if let Some(mesh) = body.get("mesh").filter(|name| name.is_str()) {
+                instead.push(("mesh", mesh.clone()));
+            } else {
+                // A shape of the same dimensions, or all that fits the body would be faults.
+                let round: Toml = [("radius".to_owned(), Value::from(1.0))].into_iter().collect();
+                instead.push((if is_in_space(body) { "sphere" } else { "disc" }, round.into()));
+                instead.push(("mesh_size", 1.0.into()));
+            }
+            instead
+        });
+        reader.list::<Interface>(&mut root, "interface", |_| {
+            vec![("materials", Value::Array(vec![NAMELESS.into(), NAMELESS.into()]))]
+        });
+        reader.list::<JointSet>(&mut root, "joint_set", |_| {
+            let line: Vec<Value> = [0.0, 0.0, 1.0, 0.0].map(Value::from).into();
+            vec![("lines", Value::Array(vec![Value::Array(line)])), ("friction_angle", 0.0.into())]
+        });
+        reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
+        reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
+        reader.list::<Stage>(&mut root, "stage", |_| vec![("equilibrium", 1.0.into())]);
+        reader.list::<Curve>(&mut root, "curve", |_| vec![("x", "time".into()), ("y", "time".into())]);
+        reader.one::<General>(&mut root, "model");
+        reader.one::<Initial>(&mut root, "initial");
+        reader.one::<ContactOptions>(&mut root, "contact");
+        reader.one::<FractureOptions>(&mut root, "fracture");
+        reader.one::<Output>(&mut root, "output");
+        if !root.contains_key("model") {
+            root.insert(
+                "model".to_owned(),
+                [("end_time".to_owned(), Value::from(1.0))].into_iter().collect::<Toml>().into(),
+            );
+        }
+        for list in ["material", "body"] {
+            if !root.contains_key(list) {
+                reader.nameless.push(list);
+                root.insert(list.to_owned(), Value::Array(Vec::new()));
+            }
+        }
+        let Reader { broken, nameless, .. } = reader;
+        let file = Value::Table(root).try_into().ok()?;
+        Some(Self { file, broken, nameless })
+    }
+
+    /// Whether a fault that was found later is news.
+    pub(crate) fn is_news(&self, fault: &Fault) -> bool {
+        let unknown = fault.label.strip_prefix("unknown ");
+        let follows =
+            fault.message.contains(NAMELESS) || unknown.is_some_and(|table| self.nameless.contains(&table));
+        !follows && (unknown.is_some() || !self.is_broken(fault.span.as_ref()))
+    }
+
+    /// Whether a part of the text has faults.
+    fn is_broken(&self, span: Option<&Range<usize>>) -> bool {
+        span.is_some_and(|span| {
+            self.broken.iter().any(|broken| broken.start <= span.start && span.end <= broken.end)
+        })
+    }
+}
+
+/// Whether a body, or its outline, has a shape in three dimensions.
+fn is_in_space(body: &Toml) -> bool {
+    let is_solid = |key: &str| SHAPES.iter().any(|(shape, of)| *shape == key && **of == [3]);
+    body.iter().any(|(key, value)| is_solid(key) || value.as_table().is_some_and(is_in_space))
+}
+
+struct Reader<'d, 'f> {
+    document: &'d Document<'d>,
+    faults: &'f [Fault],
+    broken: Vec<Range<usize>>,
+    nameless: Vec<&'static str>,
+}
+
+impl Reader<'_, '_> {
+    /// Replaces entries of a list of tables that cannot be read. `rest`: keys of the table to put in its
+    /// place, beside its name.
+    fn list<T: DeserializeOwned>(
+        &mut self,
+        root: &mut Toml,
+        name: &'static str,
+        rest: impl Fn(&Toml) -> Vec<(&'static str, Value)>,
+    ) {
+        let Some(value) = root.get_mut(name) else { return };
+        let Value::Array(list) = value else {
+            self.nameless.push(name);
+            root.remove(name);
+            return;
+        };
+        for (index, item) in list.iter_mut().enumerate() {
+            self.look(Table::of(name, index));
+            if item.clone().try_into::<T>().is_ok() {
+                continue;
+            }
+            let empty = Toml::new();
+            let table = item.as_table().unwrap_or(&empty);
+            let title = table.get("name").filter(|name| name.is_str()).cloned();
+            if title.is_none() {
+                self.nameless.push(name);
+            }
+            let mut instead: Toml =
+                rest(table).into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+            if name != "interface" {
+                instead.insert("name".to_owned(), title.unwrap_or_else(|| NAMELESS.into()));
+            }
+            *item = instead.into();
+        }
+    }
+
+    /// Removes a table that cannot be read.
+    fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str) {
+        let Some(value) = root.get(name) else { return };
+        self.look(Table::one(name));
+        if value.clone().try_into::<T>().is_err() {
+            root.remove(name);
+        }
+    }
+
+    /// Notes whether a table has faults.
+    fn look(&mut self, table: Table) {
+        let extent = self.document.extent(table);
+        let within = |span: &Range<usize>| extent.start <= span.start && span.end <= extent.end;
+        if self.faults.iter().any(|fault| fault.span.as_ref().is_some_and(within)) {
+            self.broken.push(extent);
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Vectors, boxes and stresses of a model file have as many components as its model has dimensions.
+
+use std::fmt::Write;
+
+use crate::output::probes;
+use crate::text::document::{Document, Table};
+use crate::text::fault::Fault;
+use crate::text::file::{self, Gravity, ModelFile, Side};
+
+/// Finds vectors, boxes and stresses whose number of components is not that of the model.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
+    let d = usize::from(dimensions);
+    let mut vectors: Vec<(Table, String, usize, usize)> = Vec::new();
+    let general = Table::one("model");
+    if let Gravity::Vector(gravity) = &file.model.gravity {
+        vectors.push((general, "gravity".to_owned(), gravity.0.len(), d));
+    }
+    for key in ["plane", "thickness"].into_iter().filter(|key| d == 3 && document.has(general, key)) {
+        faults.push(
+            Fault::at(document.key(general, key), format!("\"{key}\" is for models in two dimensions"))
+                .label("take it out"),
+        );
+    }
+    let initial = Table::one("initial");
+    for (name, velocity) in &file.initial.velocity {
+        vectors.push((initial, format!("velocity.{name}"), velocity.0.len(), d));
+    }
+    let components = d * (d + 1) / 2;
+    for (key, stress) in
+        [("stress", &file.initial.stress), ("stress_gradient", &file.initial.stress_gradient)]
+    {
+        vectors.extend(stress.as_ref().map(|stress| (initial, key.to_owned(), stress.len(), components)));
+    }
+    for (index, body) in file.body.iter().enumerate() {
+        let table = Table::of("body", index);
+        let within = body.packing.as_ref().and_then(|packing| packing.within.as_ref());
+        for (key, vector) in [
+            ("translate", body.translate.as_ref()),
+            ("velocity", body.velocity.as_ref()),
+            ("spacing", body.spacing.as_ref()),
+            ("packing.within.min", within.and_then(|within| within.min.as_ref())),
+            ("packing.within.max", within.and_then(|within| within.max.as_ref())),
+        ] {
+            vectors.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
+        }
+        vectors.extend(body.repeat.as_ref().map(|repeat| (table, "repeat".to_owned(), repeat.len(), d)));
+        if body.axis.is_some() && d == 2 {
+            faults.push(
+                Fault::at(document.key(table, "axis"), "\"axis\" is for models in three dimensions")
+                    .label("take it out"),
+            );
+        }
+        if body.axis == Some([0.0; 3]) {
+            faults.push(
+                Fault::at(document.value(table, "axis"), "\"axis\" has no direction").label("all zeros"),
+            );
+        }
+    }
+    for (index, boundary) in file.boundary.iter().enumerate() {
+        let table = Table::of("boundary", index);
+        let lengths = [
+            ("box", boundary.limits.as_ref().map(Vec::len), 2 * d),
+            ("velocity", boundary.velocity.as_ref().map(Vec::len), d),
+            ("displacement", boundary.displacement.as_ref().map(Vec::len), d),
+            ("force", boundary.force.as_ref().map(|force| force.0.len()), d),
+            ("traction", boundary.traction.as_ref().map(|traction| traction.0.len()), d),
+        ];
+        for (key, found, wanted) in lengths {
+            vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
+        }
+        if d == 2 && matches!(boundary.side, Some(Side::Front | Side::Back)) {
+            faults.push(
+                Fault::at(document.value(table, "side"), "a flat body has no front and no back")
+                    .label("not in two dimensions")
+                    .help("its sides are left, right, bottom and top"),
+            );
+        }
+        if d == 2 && boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
+            faults.push(
+                Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
+                    .label("not in two dimensions")
+                    .help("take \"x\", \"y\" or \"xy\""),
+            );
+        }
+    }
+    for (index, history) in file.history.iter().enumerate() {
+        let node = history.node.as_ref().map(|node| node.0.len());
+        vectors.extend(node.map(|found| (Table::of("history", index), "node".to_owned(), found, d)));
+        for (key, found, wanted) in probes::lengths(history, d) {
+            vectors.push((Table::of("history", index), key.to_owned(), found, wanted));
+        }
+    }
+    for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
+        faults.push(wrong_length(file, document, dimensions, (table, &key), [found, wanted]));
+    }
+}
+
+/// The error of a key whose number of entries fits other dimensions.
+fn wrong_length(
+    file: &ModelFile,
+    document: &Document<'_>,
+    dimensions: u8,
+    (table, key): (Table, &str),
+    [found, wanted]: [usize; 2],
+) -> Fault {
+    let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
+    let shape = body.and_then(|body| body.packing.as_ref()?.shape);
+    let mut message = String::new();
+    // Writing to a string does not fail.
+    let _ = write!(
+        message,
+        "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
+    );
+    Fault::at(document.value(table, key), message).label(format!("{found} numbers")).help(match shape {
+        Some(file::Piece::Disc) => "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned(),
+        Some(file::Piece::Polygon) => {
+            "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
+        }
+        Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => {
+            form(if table.name == "history" && key == "stress" { "point" } else { key }, dimensions)
+        }
+    })
+}
+
+/// How a key is written.
+fn form(key: &str, dimensions: u8) -> String {
+    let components = match (key, dimensions) {
+        ("box", 2) => "[xmin, ymin, xmax, ymax]",
+        ("box", _) => "[xmin, ymin, zmin, xmax, ymax, zmax]",
+        ("gauge", 2) => "[[x, y], [x, y]]",
+        ("gauge", _) => "[[x, y, z], [x, y, z]]",
+        ("stress" | "stress_gradient", 2) => "[xx, yy, xy]",
+        ("stress" | "stress_gradient", _) => "[xx, yy, zz, xy, yz, xz]",
+        (_, 2) => "[x, y]",
+        _ => "[x, y, z]",
+    };
+    format!("write {components}, or give [model] the dimensions that are meant")
+}
