@@ -7,6 +7,10 @@ use thiserror::Error;
 
 use crate::excerpt;
 
+/// Largest number of columns. A table of elements does not have more, and their names might not fit in
+/// memory.
+pub(crate) const MOST_COLUMNS: usize = 10_000;
+
 /// The meaning of a column of a packing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {

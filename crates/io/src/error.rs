@@ -2,12 +2,11 @@
 
 use thiserror::Error;
 
-use crate::columns::Role;
+use crate::columns::{MOST_COLUMNS, Role};
+use crate::compression::Compression;
 use crate::excerpt;
-use crate::kind::PackingFormat;
-use crate::mesh::error::Place;
-use crate::table::MOST_COLUMNS;
-use crate::unpack::Compression;
+use crate::packing_format::PackingFormat;
+use crate::place::Place;
 
 /// The reason why a file could not be read: the problem, its place, and the expected content.
 ///

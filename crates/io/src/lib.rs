@@ -30,7 +30,7 @@
 //!
 //! # How it is built
 //!
-//! Everything that is written is a `Table` (`src/written.rs`): named, typed columns whose values are computed
+//! Everything that is written is a `Table` (`src/written/table.rs`): named, typed columns whose values are computed
 //! while they are written. Nothing is stored, and every format can write every table. Columnar formats
 //! request column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the tables of
 //! couples and elements.
@@ -41,17 +41,22 @@
 //! |---|---|
 //! | formats of labelled images | `src/labels.rs`, `src/labels/npy.rs`, `src/labels/tiff.rs` |
 //! | formats of text and arrays | `src/text.rs`, `src/columns.rs`, `src/npy.rs` |
-//! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
+//! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`, `src/packing_format.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
 //! | comparison with how other libraries read the same files | `tests/python/test_formats.py` |
-//! | formats of meshes; nodes, elements and bodies from files | `src/mesh.rs`; a format: its file in `src/mesh`; rules for all formats: `src/mesh/build.rs` |
+//! | formats of meshes; nodes, elements and bodies from files | `src/mesh/file.rs`, `src/mesh/recognise.rs`; a format: its file in `src/mesh`; rules for all formats: `src/mesh/build.rs` |
 //! | the column that holds the body of an element | `src/table.rs`, `crates/fdem/src/command/input.rs` |
 
 mod packing;
+mod options;
 mod read;
 mod series;
 mod kind;
+mod packing_format;
+mod foreign;
+mod compression;
 mod unpack;
 
+mod column_values;
 mod columns;
 mod elements;
 mod lines;
@@ -68,23 +73,30 @@ pub mod numbers;
 mod written;
 mod results;
 mod error;
+mod place;
 mod excerpt;
 mod write_packing;
 
 pub use columns::{Columns, ColumnsError, Role};
+pub use compression::Compression;
 pub use error::ReadError;
-pub use kind::{FileKind, PackingFormat};
+pub use kind::FileKind;
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
-pub use mesh::error::{MeshError, MeshProblem, Place};
-pub use mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource, read_mesh};
+pub use mesh::error::{MeshError, MeshProblem};
+pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshSource};
+pub use mesh::format::MeshFormat;
+pub use mesh::read_mesh;
 pub use npy::NpyRows;
+pub use options::ReadOptions;
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
-pub use read::{ReadOptions, read};
+pub use packing_format::PackingFormat;
+pub use place::Place;
+pub use read::read;
 pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::{Series, read_packing};
-pub use unpack::{Compression, unpack};
+pub use unpack::unpack;
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
     Spool, Table, Values, write_csv, write_csv_header, write_csv_rows, write_graphml, write_node_link,

@@ -1,7 +1,14 @@
 //! The lines of a text.
 
 use crate::row::content;
-use crate::series::Start;
+
+/// The start of a frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Start {
+    pub(crate) byte: usize,
+    /// Number of lines before it.
+    pub(crate) lines: u64,
+}
 
 /// The lines of a text with their numbers, counted from 1.
 #[derive(Debug, Clone)]

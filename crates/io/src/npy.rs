@@ -3,14 +3,14 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::{Name, Role};
+use crate::columns::{MOST_COLUMNS, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::npy_header::{Dtype, Header, Scalar};
+use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
-use crate::read::ReadOptions;
 use crate::row::{Row, SIZE, check_size, whole};
-use crate::table::{MOST_COLUMNS, Table};
+use crate::table::Table;
 
 /// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;

@@ -2,27 +2,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::Columns;
 use crate::error::ReadError;
+use crate::foreign::{BYTE_ORDER_MARK, foreign};
 use crate::npy::read_npy;
+use crate::options::ReadOptions;
 use crate::packing::Packing;
 use crate::text::read_text;
-
-/// Options for reading a file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct ReadOptions {
-    /// The roles of the columns; `None` derives them from the header, or from the number of columns.
-    pub columns: Option<Columns>,
-    /// Skips lines that cannot be read and lists them in [`Source::skipped`](crate::Source), instead of
-    /// stopping at the first one. The elements keep the numbers of their rows in [`Packing::row_numbers`].
-    pub skip_bad_lines: bool,
-    /// Ignores the id column, so that elements are numbered by row.
-    pub ignore_ids: bool,
-    /// The column that holds the body of each element, for [`Packing::bodies`]: its name in the header, or
-    /// its number counted from 1. It has no other role. In a file without names, the other columns keep the
-    /// roles that they would have without it.
-    pub bodies: Option<String>,
-}
 
 /// Reads a packing from a table: delimited text or a NumPy array. [`read_packing`](crate::read_packing) and
 /// [`Series`](crate::Series) read these and all other formats.
@@ -81,44 +66,3 @@ pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result
     progress.store(bytes.len() as u64, Ordering::Relaxed);
     Ok(packing)
 }
-
-/// The error for a file that starts like one of another format.
-pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
-    let (_, format, advice) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
-    Some(ReadError::Foreign { format, advice })
-}
-
-/// The byte order mark that some programs write before text in UTF-8.
-pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-const UNPACK: &str = "unpack it first";
-const AS_UTF_8: &str = "save it as UTF-8";
-const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
-
-/// Other formats that users pass by mistake: first bytes, name, advice. The first match counts.
-pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
-    (b"\x1f\x8b", "gzip-compressed data", UNPACK),
-    (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
-    (b"\xfd7zXZ\x00", "xz-compressed data", UNPACK),
-    (b"BZh", "bzip2-compressed data", UNPACK),
-    (
-        b"PK\x03\x04",
-        "a zip archive (perhaps .npz or .xlsx)",
-        "save one array with numpy.save, or a CSV table",
-    ),
-    (b"%PDF", "a PDF document", AS_TABLE),
-    (b"\x89HDF", "an HDF5 file", AS_TABLE),
-    (b"# vtk DataFile", "a VTK file", AS_TABLE),
-    (b"<VTKFile", "a VTK file", AS_TABLE),
-    (b"<?xml", "an XML file", AS_TABLE),
-    (
-        b"ITEM: TIMESTEP",
-        "a LAMMPS dump",
-        "keep the rows of one time step, under a line with the column names",
-    ),
-    // Must come before UTF-16, because its mark starts with that of UTF-16.
-    (b"\xff\xfe\x00\x00", "UTF-32 text", AS_UTF_8),
-    (b"\xff\xfe", "UTF-16 text", AS_UTF_8),
-    (b"\xfe\xff", "UTF-16 text", AS_UTF_8),
-    (b"\x00\x00\xfe\xff", "UTF-32 text", AS_UTF_8),
-];

@@ -3,10 +3,9 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use crate::columns::Role;
+use crate::columns::{MOST_COLUMNS, Role};
 use crate::excerpt;
 use crate::packing::Delimiter;
-use crate::table::MOST_COLUMNS;
 
 /// Up to this number, 2^53, every integer is an `f64`.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;

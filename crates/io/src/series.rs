@@ -4,12 +4,14 @@ use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::ReadError;
-use crate::kind::{FileKind, PackingFormat};
-use crate::lines::Lines;
-use crate::mesh::error::Place;
+use crate::foreign::{BYTE_ORDER_MARK, foreign};
+use crate::kind::FileKind;
+use crate::lines::{Lines, Start};
 use crate::npy::read_npy;
+use crate::options::ReadOptions;
 use crate::packing::Packing;
-use crate::read::{BYTE_ORDER_MARK, ReadOptions};
+use crate::packing_format::PackingFormat;
+use crate::place::Place;
 use crate::text::{check_text, read_text};
 
 pub(crate) mod dump;
@@ -49,14 +51,6 @@ pub struct Series<'a> {
     promised: Option<(PackingFormat, &'static str)>,
     /// The start of each frame; one for formats without frames.
     starts: Vec<Start>,
-}
-
-/// The start of a frame.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Start {
-    pub(crate) byte: usize,
-    /// Number of lines before it.
-    pub(crate) lines: u64,
 }
 
 impl<'a> Series<'a> {
@@ -180,7 +174,7 @@ impl<'a> Series<'a> {
     }
 
     fn read_text(&self, options: &ReadOptions, progress: &AtomicU64) -> Result<Packing, ReadError> {
-        let read = match crate::read::foreign(self.bytes) {
+        let read = match foreign(self.bytes) {
             Some(error) => Err(error),
             None => read_text(self.bytes, options, progress),
         };

@@ -3,11 +3,7 @@
 use crate::columns::{Choice, Columns, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
-use crate::read::ReadOptions;
-
-/// Largest number of columns. A table of elements does not have more, and their names might not fit in
-/// memory.
-pub(crate) const MOST_COLUMNS: usize = 10_000;
+use crate::options::ReadOptions;
 
 /// The columns of one file before roles are assigned.
 pub(crate) struct Table<'a> {

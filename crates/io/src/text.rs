@@ -2,15 +2,16 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::{Columns, Name, Role};
+use crate::columns::{Columns, MOST_COLUMNS, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
+use crate::foreign::BYTE_ORDER_MARK;
 use crate::lines::Lines;
+use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, Source};
-use crate::read::{BYTE_ORDER_MARK, ReadOptions};
 use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
-use crate::table::{MOST_COLUMNS, Table};
+use crate::table::Table;
 
 /// Number of lines between two reports of progress: some microseconds of work.
 const LINES_PER_REPORT: u64 = 1024;

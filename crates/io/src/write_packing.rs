@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::npy_header::header;
 use crate::packing::Centres;
-use crate::written::CHUNK;
+use crate::written::table::CHUNK;
 
 /// Upper bound on the bytes of a row: four floats of 24 characters and delimiters.
 const LONGEST_ROW: usize = 160;

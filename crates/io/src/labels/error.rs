@@ -5,7 +5,7 @@ use std::io;
 use thiserror::Error;
 
 use crate::excerpt;
-use crate::labels::LabelKind;
+use crate::labels::kind::LabelKind;
 
 /// The reason why a labelled image could not be read: the problem, its place, and the expected content.
 ///

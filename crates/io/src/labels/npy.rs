@@ -6,8 +6,13 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use crate::excerpt;
-use crate::labels::{LabelError, LabelImage, NPY, Planes, kind_of, size_of_array};
-use crate::npy_header::{Dtype, Header};
+use crate::labels::error::LabelError;
+use crate::labels::image::{LabelImage, Planes};
+use crate::labels::kind::kind_of;
+use crate::npy_header::{Dtype, Header, Scalar};
+
+/// The first bytes of a NumPy file.
+pub(super) const NPY: &[u8] = b"\x93NUMPY";
 
 /// Number of bytes of magic, version, and the longer of the two forms of length.
 const PREFIX: usize = 12;
@@ -49,6 +54,15 @@ pub(super) fn open(input: &mut dyn Read, size: Option<u64>) -> Result<LabelImage
     let format = format!("NumPy array of {}{order}", header.descr);
     let reversed = header.fortran_order;
     Ok(LabelImage { planes: Planes::Stream(input), scalar, kind, shape, reversed, format, position: 0 })
+}
+
+/// The number of bytes of an array, if such an array can exist.
+fn size_of_array(shape: &[usize], scalar: &Scalar) -> Option<u64> {
+    let squares = shape.iter().try_fold(1_usize, |squares, &length| squares.checked_mul(length))?;
+    // A length of 0 must not hide an overflow of the other lengths.
+    let planes = shape.iter().try_fold(1_usize, |squares, &length| squares.checked_mul(length.max(1)))?;
+    planes.checked_mul(scalar.size)?;
+    Some(squares as u64 * scalar.size as u64)
 }
 
 /// Reads exactly the bytes of the header.

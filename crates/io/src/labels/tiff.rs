@@ -7,14 +7,10 @@ use tiff::tags::{CompressionMethod, PhotometricInterpretation, Tag};
 use tiff::{ColorType, TiffError};
 
 use crate::excerpt;
-use crate::labels::{LabelError, LabelImage, LabelKind, Planes, kind_of};
+use crate::labels::error::LabelError;
+use crate::labels::image::{LabelImage, Pages, Planes};
+use crate::labels::kind::{LabelKind, kind_of};
 use crate::npy_header::Scalar;
-
-/// The pages of a file, each a plane.
-pub(super) trait Pages {
-    /// The bytes of a page in native byte order; pages must be requested in order.
-    fn read(&mut self, page: usize) -> Result<&[u8], LabelError>;
-}
 
 /// A file whose pages have been checked.
 pub(super) struct Stack<R: Read + Seek> {

@@ -1,10 +1,10 @@
 //! The types of labels.
 
-use crate::labels::LabelKind;
+use crate::labels::kind::LabelKind;
 use crate::npy_header::Scalar;
 
 mod sealed {
-    use super::Scalar;
+    use crate::npy_header::Scalar;
 
     pub trait Sealed: Sized {
         /// Appends the numbers in `bytes`, which contains only complete ones.

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Lookup, Numbering, Raw, Shape, check_finite};
 use crate::mesh::cursor::{Cursor, float, integer, name};
-use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
-use crate::mesh::{BodiesFrom, MeshBody};
+use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
+use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::place::Place;
 
 /// Keywords that create or move nodes and elements in ways that are not supported.
 const REFUSED: [&str; 11] = [

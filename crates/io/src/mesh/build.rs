@@ -1,8 +1,10 @@
 //! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and
 //! bodies are counted.
 
-use crate::mesh::error::{Fault, MeshProblem, Place, unsupported};
-use crate::mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource};
+use crate::mesh::error::{Fault, MeshProblem, unsupported};
+use crate::mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshSource};
+use crate::mesh::format::MeshFormat;
+use crate::place::Place;
 
 /// Shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 use memchr::memchr;
 
 use crate::excerpt;
-use crate::mesh::error::{Fault, MeshProblem, Place, malformed};
+use crate::mesh::error::{Fault, MeshProblem, malformed};
+use crate::place::Place;
 
 /// Order of the bytes of a binary number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

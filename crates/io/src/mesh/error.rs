@@ -5,18 +5,8 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::excerpt;
-use crate::mesh::MeshFormat;
-
-/// A place in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
-    /// Line of text, counted from 1.
-    Line(u64),
-    /// Offset in bytes, counted from 0, in a file or a part of a file that is not text.
-    Byte(u64),
-    /// The file as a whole.
-    File,
-}
+use crate::mesh::format::MeshFormat;
+use crate::place::Place;
 
 /// The reason why a mesh could not be read: the problem, the file, and the place.
 ///

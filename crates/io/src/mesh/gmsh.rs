@@ -8,7 +8,7 @@ use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape, refused};
 use crate::mesh::cursor::{Cursor, Endian, Scalar, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
-use crate::mesh::{BodiesFrom, MeshBody};
+use crate::mesh::file::{BodiesFrom, MeshBody};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut reader = Reader::new(bytes);

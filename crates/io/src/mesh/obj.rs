@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape};
 use crate::mesh::cursor::{Cursor, float, integer, name, words};
-use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
-use crate::mesh::{BodiesFrom, MeshBody};
+use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
+use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::place::Place;
 
 /// Statements that do not affect elements.
 const IGNORED: [&[u8]; 14] = [

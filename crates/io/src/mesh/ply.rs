@@ -3,7 +3,8 @@
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape};
 use crate::mesh::cursor::{Cursor, Endian, Scalar, float, integer, words};
-use crate::mesh::error::{Fault, Place, malformed, unsupported};
+use crate::mesh::error::{Fault, malformed, unsupported};
+use crate::place::Place;
 
 /// How the values of an element are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

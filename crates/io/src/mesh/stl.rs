@@ -1,10 +1,10 @@
 //! STL: solids of facets; equal corners are merged.
 
-use crate::mesh::BodiesFrom;
-use crate::mesh::MeshBody;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape, check_finite};
 use crate::mesh::cursor::{Cursor, Endian, Scalar, float, name, words};
-use crate::mesh::error::{Fault, Place, malformed};
+use crate::mesh::error::{Fault, malformed};
+use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::place::Place;
 
 /// Number of bytes before the first facet of a binary file.
 const HEADER: usize = 84;

@@ -4,8 +4,8 @@ use crate::excerpt;
 use crate::mesh::build::Draft;
 use crate::mesh::cursor::{Cursor, float, words};
 use crate::mesh::error::{Fault, malformed};
+use crate::mesh::file::{BodiesFrom, MeshBody};
 use crate::mesh::stl::{Facet, weld};
-use crate::mesh::{BodiesFrom, MeshBody};
 
 /// The column names of the DEM round robin of 2024, without units in brackets, in lower case.
 const COLUMNS: [&str; 9] = [

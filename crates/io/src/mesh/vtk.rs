@@ -1,14 +1,15 @@
 //! Legacy VTK: unstructured grids and poly data, ASCII and binary.
 
+use crate::column_values::ColumnValues;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering};
 use crate::mesh::cursor::{Cursor, Endian, Scalar, integer, name, words};
-use crate::mesh::error::{Fault, Place, malformed, unsupported};
+use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
 };
 use crate::mesh::vtk_points::{PointCloud, is_time};
-use crate::series::values::Values;
+use crate::place::Place;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     Reader::new(bytes, Want::Mesh)?.read_all()?.finish()
@@ -359,12 +360,16 @@ impl<'a> Reader<'a> {
         let values = if is_real || self.of.is_none() {
             let values: Result<Vec<f64>, Fault> =
                 (0..rows).map(|_| self.real(kind, "value of point data")).collect();
-            Values::Real(values?)
+            ColumnValues::Real(values?)
         } else {
-            Values::Whole(self.integers(rows, kind, "value of point data")?)
+            ColumnValues::Whole(self.integers(rows, kind, "value of point data")?)
         };
         match (self.of, &values) {
-            (None, Values::Real(values)) => values.iter().for_each(|&value| self.cloud.note(name, value)),
+            (None, ColumnValues::Real(values)) => {
+                for &value in values {
+                    self.cloud.note(name, value);
+                }
+            }
             _ if self.cloud.arrays.iter().any(|(known, _)| known == name) => {
                 return Err((place, malformed(format!("point data {name} for the second time"))));
             }

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use crate::excerpt;
 use crate::mesh::build::{Draft, Raw, Shape, refused};
-use crate::mesh::error::{Fault, MeshProblem, Place, malformed};
-use crate::mesh::{BodiesFrom, MeshBody};
+use crate::mesh::error::{Fault, MeshProblem, malformed};
+use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::place::Place;
 
 /// Names of cell data that distinguish bodies, in lower case; the first one that exists is used.
 const BODIES: [&str; 8] =

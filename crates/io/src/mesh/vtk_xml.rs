@@ -7,15 +7,16 @@ use base64::engine::general_purpose::STANDARD;
 use memchr::memmem;
 use roxmltree::{Document, Node};
 
+use crate::column_values::ColumnValues;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering};
 use crate::mesh::cursor::{Endian, Scalar, float, integer, name, words};
-use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
+use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
 };
 use crate::mesh::vtk_points::{PointCloud, is_time};
-use crate::series::values::Values;
+use crate::place::Place;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     with_file(bytes, |file| {
@@ -57,8 +58,10 @@ pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
                 && let Ok(values) = file.array(array)
             {
                 match values {
-                    Values::Real(values) => values.iter().take(1).for_each(|&value| cloud.note(label, value)),
-                    Values::Whole(values) => {
+                    ColumnValues::Real(values) => {
+                        values.iter().take(1).for_each(|&value| cloud.note(label, value));
+                    }
+                    ColumnValues::Whole(values) => {
                         values.iter().take(1).for_each(|&value| cloud.note(label, value as f64));
                     }
                 }
@@ -184,7 +187,7 @@ impl<'a, 'input> File<'a, 'input> {
     fn types(&self, piece: Node<'a, 'input>) -> Result<CellList, Fault> {
         let mut list = CellList::default();
         for array in children(child(piece, "Cells")).filter(|node| node.attribute("Name") == Some("types")) {
-            if let Values::Whole(types) = self.array(array)? {
+            if let ColumnValues::Whole(types) = self.array(array)? {
                 list.types = types;
             }
         }
@@ -261,8 +264,10 @@ impl<'a, 'input> File<'a, 'input> {
                 continue;
             }
             let values = match self.array(array)? {
-                Values::Whole(values) => values,
-                Values::Real(values) => whole(&values, label).map_err(|problem| (place(array), problem))?,
+                ColumnValues::Whole(values) => values,
+                ColumnValues::Real(values) => {
+                    whole(&values, label).map_err(|problem| (place(array), problem))?
+                }
             };
             check(array, "values of cell data", (number - first) as usize, values.len())?;
             bodies.push(&name(label.as_bytes()), place(array), &values);
@@ -289,8 +294,8 @@ impl<'a, 'input> File<'a, 'input> {
             return Err((place(array), malformed("expected points of 3 components")));
         }
         let coordinates = match self.array(array)? {
-            Values::Real(values) => values,
-            Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
+            ColumnValues::Real(values) => values,
+            ColumnValues::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
         };
         check(array, "coordinates", expected.saturating_mul(3), coordinates.len())?;
         // Finding a place takes a count of the lines from the start.
@@ -314,8 +319,8 @@ impl<'a, 'input> File<'a, 'input> {
                 _ => continue,
             };
             match self.array(array)? {
-                Values::Whole(values) => *to = values,
-                Values::Real(_) => return Err((place(array), malformed("cells of floats"))),
+                ColumnValues::Whole(values) => *to = values,
+                ColumnValues::Real(_) => return Err((place(array), malformed("cells of floats"))),
             }
         }
         if let Some(kind) = kind {
@@ -324,7 +329,7 @@ impl<'a, 'input> File<'a, 'input> {
         Ok(list)
     }
 
-    fn array(&self, array: Node<'a, 'input>) -> Result<Values, Fault> {
+    fn array(&self, array: Node<'a, 'input>) -> Result<ColumnValues, Fault> {
         let fault = |problem: MeshProblem| (place(array), problem);
         let kind = array.attribute("type").unwrap_or("");
         let scalar = scalar(kind).ok_or_else(|| {
@@ -361,10 +366,10 @@ impl<'a, 'input> File<'a, 'input> {
             return Err(fault(malformed(format!("{} bytes are no whole number of values", bytes.len()))));
         }
         if scalar.is_float() {
-            return Ok(Values::Real(values.map(|value| scalar.float(value, self.endian)).collect()));
+            return Ok(ColumnValues::Real(values.map(|value| scalar.float(value, self.endian)).collect()));
         }
         let integers: Option<Vec<i64>> = values.map(|value| scalar.integer(value, self.endian)).collect();
-        integers.map(Values::Whole).ok_or_else(|| fault(malformed("a number beyond 63 bits")))
+        integers.map(ColumnValues::Whole).ok_or_else(|| fault(malformed("a number beyond 63 bits")))
     }
 
     /// The bytes of an array, decompressed and without headers.
@@ -441,11 +446,11 @@ fn bytes_of(coding: Coding, data: &[u8], count: usize) -> Result<Vec<u8>, String
     Ok(bytes)
 }
 
-fn ascii(text: &[u8], scalar: Scalar) -> Result<Values, String> {
+fn ascii(text: &[u8], scalar: Scalar) -> Result<ColumnValues, String> {
     if scalar.is_float() {
-        return words(text).map(float).collect::<Result<_, _>>().map(Values::Real);
+        return words(text).map(float).collect::<Result<_, _>>().map(ColumnValues::Real);
     }
-    words(text).map(integer).collect::<Result<_, _>>().map(Values::Whole)
+    words(text).map(integer).collect::<Result<_, _>>().map(ColumnValues::Whole)
 }
 
 fn scalar(name: &str) -> Option<Scalar> {

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use crate::written::{Column, Values};
+use crate::written::table::{Column, Values};
 
 /// Number of bytes compressed at a time: a multiple of the size of every value.
 const BLOCK: usize = 1 << 20;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::appended::Appended;
-use crate::written::{Column, Table, Values};
+use crate::written::table::{Column, Table, Values};
 
 /// Writes points, and lines or triangles between them if there are `cells`, as a VTK file of `PolyData`:
 /// binary, compressed. Without cells every point is a vertex.

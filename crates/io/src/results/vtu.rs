@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::appended::Appended;
-use crate::written::{Column, Table, Values};
+use crate::written::table::{Column, Table, Values};
 
 /// The number of corners and the type, `VTK_TRIANGLE` and `VTK_TETRA`, of each kind of cell.
 const KINDS: [(usize, u8); 2] = [(3, 5), (4, 10)];

@@ -7,8 +7,8 @@ use crate::error::ReadError;
 use crate::excerpt;
 use crate::lines::Lines;
 use crate::mesh::cursor::words;
+use crate::options::ReadOptions;
 use crate::packing::{Centres, Format, Frame, Packing, SimulationBox};
-use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, numbers, whole};
 
 const ITEM: &[u8] = b"ITEM:";
@@ -36,7 +36,7 @@ pub(crate) fn read(
     let Some(cell) = head.cell else {
         return broken(head.line, "ITEM: ATOMS comes before ITEM: BOX BOUNDS");
     };
-    let fields: Vec<&[u8]> = words(head.columns).take(crate::table::MOST_COLUMNS + 1).collect();
+    let fields: Vec<&[u8]> = words(head.columns).take(crate::columns::MOST_COLUMNS + 1).collect();
     let names = names(&fields);
     let table = RowTable::new(&names, head.line, head.columns, options)?;
     let scaled = scaled(&names, &table.roles);

@@ -7,8 +7,8 @@ use crate::error::ReadError;
 use crate::excerpt;
 use crate::lines::Lines;
 use crate::mesh::cursor::words;
+use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing, SimulationBox};
-use crate::read::ReadOptions;
 use crate::series::dump::{ascend, tilted};
 use crate::series::rows::{RowTable, broken, number, whole};
 
@@ -78,7 +78,7 @@ pub(crate) fn read(
     while lines.clone().next().is_some_and(|(_, line)| bare(line).is_empty()) && lines.more() {
         lines.next();
     }
-    let columns = row.map(|(_, row)| words(row).take(crate::table::MOST_COLUMNS + 1).count());
+    let columns = row.map(|(_, row)| words(row).take(crate::columns::MOST_COLUMNS + 1).count());
     let names = names(&head, columns, options)?;
     let (line, shown) = row.unwrap_or((head.line, b""));
     let table = RowTable::new(&names, line, shown, options)?;

@@ -7,8 +7,8 @@ use crate::error::ReadError;
 use crate::excerpt;
 use crate::lines::Lines;
 use crate::mesh::cursor::words;
+use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing, SimulationBox};
-use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, whole};
 
 /// Number of bytes that contain the first two lines of any such file.

@@ -4,15 +4,16 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
+use crate::column_values::ColumnValues;
 use crate::columns::Name;
 use crate::error::ReadError;
 use crate::excerpt;
-use crate::mesh::error::Place;
 use crate::npy::{number, read_npy, whole_number};
 use crate::npy_header::{Dtype, Header, Scalar};
+use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing, SimulationBox};
-use crate::read::ReadOptions;
-use crate::series::values::{self, Values};
+use crate::place::Place;
+use crate::series::values;
 
 /// Number of bytes read between two checks of the memory.
 const PIECE: usize = 1 << 18;
@@ -103,8 +104,8 @@ fn simulation_box(archive: &mut Archive<'_>, dimensions: usize) -> Result<Option
         let columns: Vec<Vec<f64>> = (0..width)
             .map(|component| {
                 Ok(match decode(&header, &array, component, wanted, dimensions)? {
-                    Values::Real(values) => values,
-                    Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
+                    ColumnValues::Real(values) => values,
+                    ColumnValues::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
                 })
             })
             .collect::<Result<_, ReadError>>()?;
@@ -224,7 +225,7 @@ fn decode(
     component: usize,
     label: &str,
     rows: usize,
-) -> Result<Values, ReadError> {
+) -> Result<ColumnValues, ReadError> {
     let Dtype::Plain(scalar) = &header.dtype else {
         return Err(broken(format!("array {label} has fields")));
     };
@@ -246,11 +247,11 @@ fn decode(
         broken(format!("array {label}, row {row} (counted from 0): the value {problem}"))
     };
     if scalar.kind == 'f' {
-        return Ok(Values::Real((0..rows).map(|row| real(of(row), scalar)).collect()));
+        return Ok(ColumnValues::Real((0..rows).map(|row| real(of(row), scalar)).collect()));
     }
     let whole = |row| whole_number(of(row), scalar).map_err(|problem| located(row, problem));
     let values = (0..rows).map(whole).collect::<Result<Vec<i64>, ReadError>>()?;
-    Ok(Values::Whole(values))
+    Ok(ColumnValues::Whole(values))
 }
 
 fn real(bytes: &[u8], scalar: &Scalar) -> f64 {

@@ -2,17 +2,17 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::{Name, Role};
+use crate::columns::{MOST_COLUMNS, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
 use crate::lines::Lines;
 use crate::mesh::cursor::words;
-use crate::mesh::error::Place;
+use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, SimulationBox, Source};
-use crate::read::ReadOptions;
+use crate::place::Place;
 use crate::row::RowReader;
-use crate::table::{MOST_COLUMNS, Table};
+use crate::table::Table;
 
 /// Number of lines between two reports of progress.
 const LINES_PER_REPORT: u64 = 1024;

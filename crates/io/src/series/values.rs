@@ -1,50 +1,20 @@
 //! Makes elements from arrays of numbers, one array per column.
 
+use crate::column_values::ColumnValues;
 use crate::columns::{Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
+use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
-use crate::read::ReadOptions;
-use crate::row::{Row, SIZE, check_size, whole};
+use crate::row::{Row, SIZE, check_size};
 use crate::table::Table;
-
-/// The values of one column.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Values {
-    Whole(Vec<i64>),
-    Real(Vec<f64>),
-}
-
-impl Values {
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::Whole(values) => values.len(),
-            Self::Real(values) => values.len(),
-        }
-    }
-
-    fn real(&self, row: usize) -> f64 {
-        match self {
-            Self::Whole(values) => values[row] as f64,
-            Self::Real(values) => values[row],
-        }
-    }
-
-    /// An id or a body.
-    fn whole(&self, row: usize) -> Option<i64> {
-        match self {
-            Self::Whole(values) => Some(values[row]),
-            Self::Real(values) => whole(values[row]),
-        }
-    }
-}
 
 /// Makes a packing of `rows` elements from columns with these names; only columns with a role are requested.
 pub(super) fn packing(
     names: &[Name],
     rows: usize,
-    mut column: impl FnMut(usize) -> Result<Values, ReadError>,
+    mut column: impl FnMut(usize) -> Result<ColumnValues, ReadError>,
     format: Format,
     frame: Frame,
     options: &ReadOptions,
@@ -91,7 +61,7 @@ pub(super) fn packing(
     }))
 }
 
-fn row(chosen: &[(Role, &Name, Values)], at: usize) -> Result<Row, String> {
+fn row(chosen: &[(Role, &Name, ColumnValues)], at: usize) -> Result<Row, String> {
     let mut row = Row::default();
     for (role, name, values) in chosen {
         let value = values.real(at);
@@ -111,7 +81,7 @@ fn row(chosen: &[(Role, &Name, Values)], at: usize) -> Result<Row, String> {
         if !value.is_finite() {
             return Err(format!("{role} (column {}) is {value}, not a finite number", name.shown()));
         }
-        if let Values::Whole(values) = values
+        if let ColumnValues::Whole(values) = values
             && value as i128 != i128::from(values[at])
         {
             return Err(format!(

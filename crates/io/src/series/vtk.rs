@@ -1,22 +1,25 @@
 //! Points of VTK files, with a radius from their data.
 
+use crate::column_values::ColumnValues;
 use crate::columns::{Name, Role};
 use crate::error::ReadError;
 use crate::mesh::error::Fault;
-use crate::mesh::vtk_points::{PointCloud, points, xml_points};
+use crate::mesh::vtk_points::PointCloud;
+use crate::mesh::{vtk, vtk_xml};
+use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing};
-use crate::read::ReadOptions;
-use crate::series::values::{self, Values};
+use crate::place::Place;
+use crate::series::values;
 
 /// Names that mean diameters here only: `ParaView` draws spheres of this diameter.
 const DIAMETERS: [&str; 3] = ["scale", "glyphscale", "diameters"];
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadError> {
-    packing(points(bytes).map_err(fault)?, Format::Vtk, options)
+    packing(vtk::points(bytes).map_err(fault)?, Format::Vtk, options)
 }
 
 pub(super) fn read_xml(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadError> {
-    packing(xml_points(bytes).map_err(fault)?, Format::VtkXml, options)
+    packing(vtk_xml::points(bytes).map_err(fault)?, Format::VtkXml, options)
 }
 
 fn fault((place, problem): Fault) -> ReadError {
@@ -34,16 +37,16 @@ fn packing(cloud: PointCloud, format: Format, options: &ReadOptions) -> Result<P
     let names: Vec<Name> = axes.chain(arrays.iter().map(|(label, _)| name(label))).collect();
     let column = |place: usize| {
         let Some(array) = place.checked_sub(3) else {
-            return Ok(Values::Real(points.iter().map(|point| point[place]).collect()));
+            return Ok(ColumnValues::Real(points.iter().map(|point| point[place]).collect()));
         };
         let (label, values) = &mut arrays[array];
         // Each column is requested once.
-        let values = std::mem::replace(values, Values::Whole(Vec::new()));
+        let values = std::mem::replace(values, ColumnValues::Whole(Vec::new()));
         if values.len() == rows {
             return Ok(values);
         }
         let problem = format!("point data {label} has {} values for {rows} points", values.len());
-        Err(ReadError::Broken { place: crate::mesh::error::Place::File, problem })
+        Err(ReadError::Broken { place: Place::File, problem })
     };
     values::packing(&names, rows, column, format, Frame { index: 0, step, time }, options)
 }

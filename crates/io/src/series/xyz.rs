@@ -2,15 +2,14 @@
 
 use std::sync::atomic::AtomicU64;
 
-use crate::columns::{Name, Role};
+use crate::columns::{MOST_COLUMNS, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
 use crate::lines::Lines;
 use crate::mesh::cursor::words;
+use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing, SimulationBox};
-use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, whole};
-use crate::table::MOST_COLUMNS;
 
 /// Whether the content is such a file; no table starts with a line of a single integer.
 pub(crate) fn is(bytes: &[u8]) -> bool {

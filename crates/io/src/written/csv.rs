@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::written::{CHUNK, Plain, Table, Values};
+use crate::written::table::{CHUNK, Plain, Table, Values};
 
 /// Writes a table as text under a header with the names of its columns; components become separate columns.
 ///

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crate::written::csv::write_text;
-use crate::written::{CHUNK, Plain, Table, Values};
+use crate::written::table::{CHUNK, Plain, Table, Values};
 
 /// Writes elements and couples as an undirected GraphML graph.
 ///

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crate::npy_header::header;
-use crate::written::{CHUNK, Plain, Table};
+use crate::written::table::{CHUNK, Plain, Table};
 
 /// Writes a table as a NumPy array with the columns of [`write_csv`](crate::write_csv) as fields: integers as
 /// `<i4`, `<i8` or `<u8`, floats as `<f8`, texts as `|S` with their width.

@@ -6,7 +6,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::npy_header::header;
-use crate::written::Table;
+use crate::written::table::Table;
 
 /// Writes tables as an uncompressed archive of NumPy arrays, one for each column, like `numpy.savez`.
 ///

@@ -12,7 +12,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
-use crate::written::{Plain, Table, Values};
+use crate::written::table::{Plain, Table, Values};
 
 /// Number of rows per group. Readers load a group at a time, and a column of a group is kept in memory until
 /// it is complete.

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::fmt;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
-use crate::written::{CHUNK, Table, Values};
+use crate::written::table::{CHUNK, Table, Values};
 
 /// Rows of several tables with the same columns, each column in a separate file.
 ///
