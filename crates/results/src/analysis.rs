@@ -1,4 +1,5 @@
-//! Analysis of contact networks: coordination, rattlers, directions, clusters, overlaps, packing fraction, radial distribution.
+//! Analysis of contact networks: coordination, rattlers, directions, clusters, overlaps, packing fraction,
+//! radial distribution.
 //!
 //! ```text
 //! Network ── analyse ──> Analysis
@@ -10,8 +11,9 @@
 //!                          └─ radial                            distances between centres
 //! ```
 //!
-//! All sums run over the couples in their order, so that the result does not depend on threads. The network does not include contacts with walls: elements that
-//! rest on a wall have fewer contacts here than in the experiment.
+//! All sums run over the couples in their order, so that the result does not depend on threads. The network
+//! does not include contacts with walls: elements that rest on a wall have fewer contacts here than in the
+//! experiment.
 
 mod clusters;
 mod coordination;
@@ -43,11 +45,12 @@ use crate::network::Network;
 /// Lengths in the unit of the centres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options<const D: usize> {
-    /// Elements with fewer contacts are rattlers. By default the number is chosen from the data ([`WithoutRattlers`]): `D + 1`, the fewest contacts that hold an
-    /// element without friction, or 2, the fewest that hold one with friction.
+    /// Elements with fewer contacts are rattlers. By default the number is chosen from the data
+    /// ([`WithoutRattlers`]): `D + 1`, the fewest contacts that hold an element without friction, or 2, the
+    /// fewest that hold one with friction.
     pub min_contacts: Option<u32>,
-    /// Region in which the packing fraction is measured, `[min, max]` of each axis. By default the whole box along periodic axes, and along the other axes the domain
-    /// shrunk by the largest diameter on both sides.
+    /// Region in which the packing fraction is measured, `[min, max]` of each axis. By default the whole box
+    /// along periodic axes, and along the other axes the domain shrunk by the largest diameter on both sides.
     pub inner: Option<[[f64; 2]; D]>,
     /// Options of the radial distribution.
     pub radial: RadialOptions,
@@ -83,11 +86,13 @@ pub struct Analysis {
 /// Analyses a network.
 ///
 /// # Cost
-/// Linear in the couples, some 100 ns each, and one search for the pairs of centres within the largest distance of the radial distribution, by default some 150
-/// pairs per element in a dense packing in 3D. Memory: some 50 bytes per element.
+/// Linear in the couples, some 100 ns each, and one search for the pairs of centres within the largest
+/// distance of the radial distribution, by default some 150 pairs per element in a dense packing in 3D.
+/// Memory: some 50 bytes per element.
 ///
 /// # Errors
-/// [`AnalysisError`]. A result that has no meaning for the network, such as the packing fraction of points, is no error: it is `None`, with a reason.
+/// [`AnalysisError`]. A result that has no meaning for the network, such as the packing fraction of points,
+/// is no error: it is `None`, with a reason.
 ///
 /// # Panics
 /// If the couples were not found among these elements.
@@ -138,7 +143,7 @@ pub fn analyse<const D: usize>(
     })
 }
 
-/// Splits a result into its value and the reason why there is none.
+/// Splits a result into its value and the reason why it is missing.
 fn told<T>(found: Result<T, String>) -> (Option<T>, Option<String>) {
     match found {
         Ok(found) => (Some(found), None),

@@ -2,8 +2,8 @@
 
 /// The array with the value `f(k)` at each place `k`.
 ///
-/// As [`std::array::from_fn`], for code that runs for every couple or pixel: a crate that is compiled in several units calls parts of the latter, where this is a
-/// loop that is unrolled.
+/// Like [`std::array::from_fn`], for code that runs for every couple or pixel: a crate that is compiled in
+/// several units calls parts of the latter, where this is a loop that is unrolled.
 #[inline]
 pub(crate) fn each<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
     const { assert!(N > 0, "the first value fills the array") };

@@ -61,8 +61,8 @@ pub struct Space<'a, const D: usize> {
 }
 
 impl<const D: usize> Space<'_, D> {
-    /// Distance of the first element of a couple to the image of the second, between the points that the library compares, so that
-    /// couples that touch by its comparison overlap by at least zero.
+    /// Distance of the first element of a couple to the image of the second, between the points that the
+    /// library compares, so that couples that touch by its comparison overlap by at least zero.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -87,7 +87,8 @@ impl<const D: usize> Space<'_, D> {
         each(|axis| b[axis] - a[axis])
     }
 
-    /// Position of the first element of a couple, wrapped into the box if there is one, and of the image of the second that touches it there.
+    /// Position of the first element of a couple, wrapped into the box if there is one, and of the image of
+    /// the second that touches it there.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -107,7 +108,8 @@ impl<const D: usize> Space<'_, D> {
         [a, cell.displaced(&b, &shift)]
     }
 
-    /// Overlap of the elements of a couple: the distance at which they touch minus their distance. Negative for a gap within the tolerance.
+    /// Overlap of the elements of a couple: the distance at which they touch minus their distance. Negative
+    /// for a gap within the tolerance.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -175,7 +177,7 @@ pub fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
 /// A packing and its couples.
 ///
 /// # Shapes
-/// Couples contain indices of `space.centres`; [`Sizes::Each`] has as many radii as there are centres.
+/// Couples contain indices of `space.centres`; [`Sizes::Each`] has one radius for each centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Network<'a, const D: usize> {
     /// Positions of the elements.

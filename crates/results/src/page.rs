@@ -1,6 +1,7 @@
 //! Pages for a browser: one file each, which loads nothing over the network.
 //!
-//! The content security policy of a page allows only its own script and style, by their hashes. Texts from outside, such as the name of a file, are escaped.
+//! The content security policy of a page allows only its own script and style, by their hashes. Texts from
+//! outside, such as the name of a file, are escaped.
 
 pub mod network;
 pub(crate) mod run;
@@ -20,12 +21,14 @@ pub const STYLE: &str = include_str!("page/style.css");
 /// Script of all pages that have one.
 pub(crate) const SHARED: &str = include_str!("page/shared.js");
 
-/// What all pages with a script have: head, heading, footer. The places for the parts of a kind of page are filled by [`Parts::page`].
+/// The common parts of all pages with a script: head, heading, footer. The places for the parts of a kind of
+/// page are filled by [`Parts::page`].
 const SHELL: &str = include_str!("page/shell.html");
 
-/// The parts in which kinds of pages differ. All but the style and the script are templates, in which `{{names}}` are replaced.
+/// The parts in which kinds of pages differ. All but the style and the script are templates, in which
+/// `{{names}}` are replaced.
 pub(crate) struct Parts<'a> {
-    /// What the title says after the title of the page.
+    /// Suffix of the title after the title of the page.
     pub(crate) kind: &'a str,
     /// The command that makes such pages.
     pub(crate) command: &'a str,
@@ -39,7 +42,8 @@ pub(crate) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Returns a page. `value` returns the texts of places but those of the policy, the style, the script and the version.
+    /// Returns a page. `value` returns the texts of places but those of the policy, the style, the script and
+    /// the version.
     pub(crate) fn page<E>(&self, value: impl Fn(&str) -> Result<String, E>) -> Result<String, E> {
         let mut template = SHELL.to_owned();
         for (name, part) in [
@@ -76,7 +80,7 @@ pub(crate) fn filled<E>(template: &str, value: impl Fn(&str) -> Result<String, E
     for part in parts {
         let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
         let value = value(name)?;
-        // Reserves what is needed and no more: a growing string could take twice as much.
+        // Reserves only the necessary memory: a growing string could take twice as much.
         page.reserve_exact(value.len() + rest.len());
         page += &value;
         page += rest;

@@ -1,22 +1,24 @@
 //! The stress in an element: isotropic, exact under finite rotations, derived from an energy.
 //!
-//! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area or volume, each with its modulus. It does not follow
-//! from an energy, so that a cycle of large strains gains or loses energy. Here both parts follow from an energy per undeformed area or volume,
+//! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area or
+//! volume, each with its modulus. It does not follow from an energy, so that a cycle of large strains gains
+//! or loses energy. Here both parts follow from an energy per undeformed area or volume,
 //!
 //! ```text
 //! W = G/2 (I₁ J^(−2/D) − D) + K/2 (J − 1)²,    I₁ = F:F,  J = det F,
 //! ```
-//! whose stress `P = ∂W/∂F` equals his to first order in the strain and vanishes under any rotation (`simplex/triangle/elastic.rs` and
-//! `simplex/tetrahedron/elastic.rs`).
+//! whose stress `P = ∂W/∂F` equals his to first order in the strain and vanishes under any rotation
+//! (`simplex/triangle/elastic.rs` and `simplex/tetrahedron/elastic.rs`).
 //!
 //! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
 //!
 //! ```text
 //! U = σ:C⁻¹:σ / 2 + S:E + W,    E = (FᵀF - 1)/2,    σ = S at the beginning.
 //! ```
-//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the deformation. The first term of `U` is the energy
-//! that the stress stored by Hooke's law before the run. With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It
-//! is positive, and 0 where the element has lost all of its stress.
+//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the
+//! deformation. The first term of `U` is the energy that the stress stored by Hooke's law before the run.
+//! With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It is
+//! positive, and 0 where the element has lost all of its stress.
 
 use crate::simplex::Simplex;
 use crate::vector::{Matrix, matrix, product, symmetric};
@@ -33,7 +35,8 @@ pub(crate) struct Moduli {
     pub(crate) out_of_plane: f64,
 }
 
-/// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the symmetric part of `rate F⁻¹`.
+/// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the
+/// symmetric part of `rate F⁻¹`.
 #[inline(always)]
 pub(crate) fn viscous_stress<const D: usize, const N: usize>(
     viscosity: f64,

@@ -1,15 +1,17 @@
 //! Mass scaling: mass that is added to elements so that a longer time step is stable.
 //!
-//! In a quasi-static run nothing depends on mass but the time step and how fast waves die out. Where a few small or stiff elements alone set the time step, some more mass on them makes all steps
-//! longer. The added mass has inertia and kinetic energy, and no weight: forces in equilibrium are those of the true masses.
+//! In a quasi-static run nothing depends on mass but the time step and how fast waves die out. Where a few
+//! small or stiff elements alone set the time step, some more mass on them makes all steps longer. The added
+//! mass has inertia and kinetic energy, and no weight: forces in equilibrium are those of the true masses.
 //!
-//! The bound of `critical.rs` says how much mass each node needs. A node gets what it lacks on the stiffest of its elements: with stiffnesses `kₑ` and masses `mₑ` of the elements at the node,
-//! a limit `λ` of the square of the frequency, and the least `t` for which the sum is enough,
+//! The bound of `critical.rs` says how much mass each node needs. A node gets the missing mass on the
+//! stiffest of its elements: with stiffnesses `kₑ` and masses `mₑ` of the elements at the node, a limit `λ`
+//! of the square of the frequency, and the least `t` for which the sum is enough,
 //!
 //! ```text
 //! Σ max(mₑ, t kₑ/λ) = Σ kₑ/λ
 //! ```
-//! Each element takes the largest factor that any of its nodes asks for.
+//! Each element takes the largest factor that one of its nodes requires.
 
 use crate::critical::{least_nodes, reduction};
 use crate::error::ModelError;
@@ -20,7 +22,7 @@ use crate::simplex::Simplex;
 use crate::solid::corners_of;
 use crate::topology::Topology;
 
-/// Relative margin against rounding, so that the critical step is not below the one that was asked for.
+/// Relative margin against rounding, so that the critical step is not below the requested one.
 const MARGIN: f64 = 1e-12;
 
 /// Mass scaling of a model: the factors of the masses of its elements for any time step.
@@ -76,7 +78,8 @@ impl MassScaling {
         })
     }
 
-    /// Factors of the masses of all elements with which the critical time step is at least `step`, s: for [`Model::mass_factors`]. Empty if all are 1.
+    /// Factors of the masses of all elements with which the critical time step is at least `step`, s: for
+    /// [`Model::mass_factors`]. Empty if all are 1.
     pub fn factors(&self, step: f64) -> Vec<f64> {
         let exact = (2.0 * self.reduction / step).powi(2);
         let (limit, bound) = (exact * (1.0 - MARGIN), exact * (1.0 - 0.5 * MARGIN));
@@ -129,7 +132,8 @@ where
     }
 }
 
-/// The share `t` of the stiffness of each element over the limit that is its mass at least, where a node has too little mass. Sorts its elements.
+/// The share `t` of the stiffness of each element over the limit that is its mass at least, where a node has
+/// too little mass. Sorts its elements.
 fn share(at: &mut [AtNode], limit: f64) -> f64 {
     let ratio = |at: &AtNode| at.stiffness / at.mass;
     at.sort_by(|a, b| ratio(b).total_cmp(&ratio(a)).then(a.element.cmp(&b.element)));
@@ -155,7 +159,8 @@ mod tests {
     #[test]
     fn a_node_gets_what_it_lacks_on_its_stiffest_elements() {
         let at = |element, stiffness, mass| AtNode { element, stiffness, mass };
-        // The limit is 1: 12 kg are needed, and 6 are there. The first two share the 6 others as their stiffnesses.
+        // The limit is 1: 12 kg are needed, and 6 are there. The first two share the 6 others as their
+        // stiffnesses.
         let mut node = [at(0, 1.0, 3.0), at(1, 3.0, 1.0), at(2, 8.0, 2.0)];
         let share = share(&mut node, 1.0);
         assert!((share - 9.0 / 11.0).abs() < 1e-15, "{share}");

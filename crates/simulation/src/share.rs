@@ -1,7 +1,9 @@
 //! The share of a run that one rank computes and counts.
 //!
-//! A rank owns corners of elements, and moves their nodes. It holds every element that acts on them. Some of these have corners of other ranks: their nodes are moved there. What several
-//! ranks hold is counted by one of them: an element, and a couple by its first element, by the owner of the first corner; a joint by the owner of its first corner.
+//! A rank owns corners of elements, and moves their nodes. It holds every element that acts on them. Some of
+//! these have corners of other ranks: their nodes are moved there. Parts that several ranks hold are counted
+//! by one of them: an element, and a couple by its first element, by the owner of the first corner; a joint
+//! by the owner of its first corner.
 
 /// The corners and nodes of a run that belong to this rank: all of them, if all lists are empty.
 #[derive(Clone, Debug, Default)]
@@ -46,7 +48,8 @@ impl Share {
         self.is_whole() || self.corners[first..first + self.of_element].contains(&true)
     }
 
-    /// Selects the corners of a vertex that are owned, with their groups. Corners of one group have one owner.
+    /// Selects the corners of a vertex that are owned, with their groups. Corners of one group have one
+    /// owner.
     pub(crate) fn owned(&self, corners: &[u32], groups: &[u32]) -> (Vec<u32>, Vec<u32>) {
         if self.is_whole() {
             return (corners.to_vec(), groups.to_vec());

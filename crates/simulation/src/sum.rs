@@ -1,7 +1,8 @@
 //! Sums that do not depend on the order of their numbers.
 //!
-//! The energies of a run are sums over all its elements, nodes, joints and couples. Rounded one by one they would depend on their order, and so on what else a run holds: couples that
-//! do not touch, or parts on other ranks. A [`Sum`] is exact. It is rounded once, when it is read.
+//! The energies of a run are sums over all its elements, nodes, joints and couples. Rounded one by one they
+//! would depend on their order, and therefore on other contents of a run: couples that do not touch, or parts
+//! on other ranks. A [`Sum`] is exact. It is rounded once, when it is read.
 
 use std::fmt;
 
@@ -13,8 +14,9 @@ pub(crate) const LIMBS: usize = 67;
 /// Number of additions until limbs must be carried: each adds less than 2^32 to a limb.
 const MOST: u32 = 1 << 30;
 
-/// The exact sum of any finite numbers: a fixed-point number, in limbs of 32 bits that are carried later (U. W. Kulisch and W. L. Miranker, *Computer Arithmetic in Theory and Practice*,
-/// Academic Press, 1981; R. M. Neal, arXiv:1505.05571).
+/// The exact sum of any finite numbers: a fixed-point number, in limbs of 32 bits that are carried later (U.
+/// W. Kulisch and W. L. Miranker, *Computer Arithmetic in Theory and Practice*, Academic Press, 1981; R. M.
+/// Neal, arXiv:1505.05571).
 #[derive(Clone)]
 pub(crate) struct Sum {
     /// Limb `k` counts 2^(32 k - 1074).
@@ -109,7 +111,8 @@ impl Sum {
         self.add_sum(&other);
     }
 
-    /// Carries what limbs have beyond 32 bits. Afterwards all are in 0 to 2^32 - 1 but the last, which has the sign: equal sums have equal limbs.
+    /// Carries the parts of limbs beyond 32 bits. Afterwards all are in 0 to 2^32 - 1 but the last, which has
+    /// the sign: equal sums have equal limbs.
     fn carry(&mut self) {
         let mut more = 0;
         let [limbs @ .., last] = &mut self.limbs;
@@ -136,7 +139,8 @@ impl Sum {
         }
         let limbs = &magnitude.limbs;
         let Some(top) = limbs.iter().rposition(|&limb| limb != 0) else { return 0.0 };
-        // Three limbs and a bit for all below are enough to round once; only the last limb may have more than 32 bits.
+        // Three limbs and a bit for all below are enough to round once; only the last limb may have more than
+        // 32 bits.
         let first = top.saturating_sub(3);
         let mut wide =
             limbs[first..=top].iter().rev().fold(0_u128, |wide, &limb| (wide << 32) | limb as u128);
@@ -148,7 +152,7 @@ impl Sum {
         if negative { -value } else { value }
     }
 
-    /// All numbers that make up the sum: those of two sums, added one by one, are those of both together.
+    /// Numbers that represent the sum: the numbers of two sums, added one by one, represent the sum of both.
     pub(crate) fn parts(&self) -> [i64; LIMBS + 1] {
         let mut carried = self.clone();
         carried.carry();
@@ -167,17 +171,20 @@ impl Sum {
     }
 }
 
-/// Rounds numbers of about one size to grains, so that plain additions of them are exact: the two parts of each number are multiples of the two grains, and so are their sums (J. Demmel and
-/// H. D. Nguyen, *Parallel Reproducible Summation*, IEEE Trans. Comput. 64 (2015) 2060-2070). What is less than the small grain is dropped.
+/// Rounds numbers of about one size to grains, so that plain additions of them are exact: the two parts of
+/// each number are multiples of the two grains, and so are their sums (J. Demmel and H. D. Nguyen, *Parallel
+/// Reproducible Summation*, IEEE Trans. Comput. 64 (2015) 2060-2070). Parts smaller than the small grain are
+/// dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grains {
-    /// 1.5 × 2^52 times the large and the small grain: what is added to these is rounded to a grain.
+    /// 1.5 × 2^52 times the large and the small grain: a number added to these is rounded to a grain.
     large: f64,
     small: f64,
 }
 
 impl Grains {
-    /// Grains for numbers up to a hundred times `size`, with 88 bits below it. Plain sums of 512 parts are exact up to that size.
+    /// Grains for numbers up to a hundred times `size`, with 88 bits below it. Plain sums of 512 parts are
+    /// exact up to that size.
     pub(crate) fn of(size: f64) -> Self {
         let exponent = if size > 0.0 && size.is_finite() { libm::ilogb(size) } else { 0 };
         let grain = |below: i32| 1.5 * libm::ldexp(1.0, (exponent - below).max(-1000) + 52);

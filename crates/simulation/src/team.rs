@@ -11,13 +11,15 @@ use rayon::{Scope, Yield};
 
 use crate::error::ModelError;
 
-/// Number of items in a chunk: so few that all threads get some, so many that a task is worth its cost.
+/// Number of items in a chunk: small enough that all threads get some, large enough that a task is worth its
+/// cost.
 pub(crate) const CHUNK: usize = 512;
 
 /// Number of items below which one thread does the work. A pass takes about 1 µs more on several threads.
 const WORTH_IT: usize = 2 * CHUNK;
 
-/// Time for which a thread without work looks for some without a pause. Then it leaves the processor to other threads between two looks.
+/// Time for which a thread without work looks for some without a pause. Then it leaves the processor to other
+/// threads between two looks.
 const IMPATIENT: Duration = Duration::from_micros(100);
 
 /// Notes the end of work, also when it panics.
@@ -51,7 +53,7 @@ pub(crate) struct Team {
 }
 
 impl Team {
-    /// A team of so many threads; 0 for one on each processor.
+    /// A team of the given number of threads; 0 for one on each processor.
     pub(crate) fn new(threads: usize) -> Result<Self, ModelError> {
         if threads == 1 {
             return Ok(Self { pool: None });
@@ -68,7 +70,8 @@ impl Team {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// Calls `work` on a thread of the team, and keeps the others awake until it ends: most passes of a step are shorter than it takes to wake a thread.
+    /// Calls `work` on a thread of the team, and keeps the others awake until it ends: most passes of a step
+    /// are shorter than it takes to wake a thread.
     pub(crate) fn keep_awake<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         let Some(pool) = &self.pool else { return work() };
         let (awake, ended) = (AtomicUsize::new(1), AtomicBool::new(false));
@@ -81,7 +84,8 @@ impl Team {
                     wait(ended);
                 }
             });
-            // Until all wait, no work may begin: a thread that waited for a part of it could otherwise begin to wait for its end.
+            // Until all wait, no work may begin: a thread that waited for a part of it could otherwise begin
+            // to wait for its end.
             while awake.load(Ordering::Relaxed) < pool.current_num_threads() {
                 std::thread::yield_now();
             }
@@ -107,7 +111,8 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of `items`, with the number of the first item. Returns the results in the order of the chunks.
+    /// Calls `work` on chunks of `items`, with the number of the first item. Returns the results in the order
+    /// of the chunks.
     pub(crate) fn change<T: Send, R: Send>(
         &self,
         items: &mut [T],
@@ -121,7 +126,7 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of two lists of the same length, likewise.
+    /// Calls `work` on chunks of two lists of the same length, in the same way.
     pub(crate) fn change_both<A: Send, B: Send, R: Send>(
         &self,
         first: &mut [A],
@@ -160,8 +165,8 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of a list of batches of `LANES` items, of the items themselves, and of another list of batches, likewise. The third list may be empty;
-    /// then its chunks are.
+    /// Calls `work` on chunks of a list of batches of `LANES` items, of the items themselves, and of another
+    /// list of batches, in the same way. The third list may be empty; then its chunks are.
     pub(crate) fn change_batches<const LANES: usize, A: Send, B: Send, C: Send, R: Send>(
         &self,
         batches: &mut [A],
@@ -184,7 +189,7 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of the numbers below `count`, likewise.
+    /// Calls `work` on chunks of the numbers below `count`, in the same way.
     pub(crate) fn look<R: Send>(
         &self,
         count: usize,

@@ -33,14 +33,16 @@ pub struct ClusterSize {
 
 /// Percolation along an axis.
 ///
-/// Along a periodic edge, a cluster percolates if it winds around the box: a path along its couples leads from an element to another image of this element,
-/// displaced along this edge (and perhaps along others). This test is exact, because shifts are integers. Along any other axis, a cluster percolates if it
-/// reaches both faces of the domain, which is the box around all elements. An element reaches a face if its surface is no farther from the face than the largest
-/// radius. In a sheared box, distances are measured at right angles to its faces.
+/// Along a periodic edge, a cluster percolates if it winds around the box: a path along its couples leads
+/// from an element to another image of this element, displaced along this edge (and perhaps along others).
+/// This test is exact, because shifts are integers. Along any other axis, a cluster percolates if it reaches
+/// both faces of the domain, which is the box around all elements. An element reaches a face if its surface
+/// is no farther from the face than the largest radius. In a sheared box, distances are measured at right
+/// angles to its faces.
 ///
 /// # Source
-/// M.E.J. Newman, R.M. Ziff, "Fast Monte Carlo algorithm for site or bond percolation", Phys. Rev. E 64 (2001) 016706; winding by displacements: J. Machta et al.,
-/// Phys. Rev. E 54 (1996) 1332.
+/// M.E.J. Newman, R.M. Ziff, "Fast Monte Carlo algorithm for site or bond percolation", Phys. Rev. E 64
+/// (2001) 016706; winding by displacements: J. Machta et al., Phys. Rev. E 54 (1996) 1332.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Percolation {
     /// Number of the axis: 0 is x, or the first edge.
@@ -67,7 +69,8 @@ impl Clusters {
         let mut percolates: Vec<[bool; D]> = vec![[false; D]; sizes.len()];
         let periodic = network.space.cell.map_or([false; D], |cell| cell.periodic());
         for couple in network.couples.iter() {
-            // The tree gives each element one displacement. If a couple leads to another one, the cluster winds around the box.
+            // The tree gives each element one displacement. If a couple leads to another one, the cluster
+            // winds around the box.
             let (from, to) = (forest.find(couple.i).1, forest.find(couple.j).1);
             for axis in 0..D {
                 if from[axis] + i64::from(couple.shift[axis]) != to[axis] {
@@ -123,7 +126,8 @@ fn reach_faces<const D: usize>(
     }
 }
 
-/// Trees of connected elements (union-find). Each element has its displacement from its parent, in edges of the box.
+/// Trees of connected elements (union-find). Each element has its displacement from its parent, in edges of
+/// the box.
 struct Forest<const D: usize> {
     above: Vec<u32>,
     displaced: Vec<[i64; D]>,
@@ -173,7 +177,8 @@ impl<const D: usize> Forest<D> {
         self.sizes[top as usize] += self.sizes[below as usize];
     }
 
-    /// Returns the number of the tree of each element, and the sizes of the trees. Trees are numbered in the order of their first elements.
+    /// Returns the number of the tree of each element, and the sizes of the trees. Trees are numbered in the
+    /// order of their first elements.
     fn numbers(&mut self) -> (Vec<u32>, Vec<u64>) {
         let n = self.above.len();
         let mut of_top = vec![u32::MAX; n];

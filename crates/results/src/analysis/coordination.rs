@@ -6,7 +6,8 @@ use crate::network::Network;
 
 /// Contacts of the elements.
 ///
-/// A couple counts for both of its elements, so that an element that touches its own image has two contacts by it.
+/// A couple counts for both of its elements, so that an element that touches its own image has two contacts
+/// by it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coordination {
     /// Mean number of contacts, `2 m / n` for `m` couples and `n` elements; 0 without elements.
@@ -34,15 +35,18 @@ impl Coordination {
     }
 }
 
-/// The elements that can carry load: rattlers, elements with too few contacts, are removed repeatedly until none is left.
+/// The elements that can carry load: rattlers, elements with too few contacts, are removed repeatedly until
+/// none is left.
 ///
-/// By default the number of contacts is chosen from the data: `D + 1`, as without friction, or 2, as with friction, if `D + 1` would remove more than half of the
-/// elements that 2 leaves. With `D + 1`, a packing that friction holds would lose most of its elements, because each removed element makes rattlers of its
+/// By default the number of contacts is chosen from the data: `D + 1`, as without friction, or 2, as with
+/// friction, if `D + 1` would remove more than half of the elements that 2 leaves. With `D + 1`, a packing
+/// that friction holds would lose most of its elements, because each removed element makes rattlers of its
 /// neighbours.
 ///
 /// # Source
-/// C.S. O'Hern, L.E. Silbert, A.J. Liu, S.R. Nagel, "Jamming at zero temperature and zero applied stress", Phys. Rev. E 68 (2003) 011306: frictionless elements
-/// with fewer than `D + 1` contacts. With friction: K. Shundyak, M. van Hecke, W. van Saarloos, Phys. Rev. E 75 (2007) 010301: fewer than 2.
+/// C.S. O'Hern, L.E. Silbert, A.J. Liu, S.R. Nagel, "Jamming at zero temperature and zero applied stress",
+/// Phys. Rev. E 68 (2003) 011306: frictionless elements with fewer than `D + 1` contacts. With friction: K.
+/// Shundyak, M. van Hecke, W. van Saarloos, Phys. Rev. E 75 (2007) 010301: fewer than 2.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WithoutRattlers {
     /// Elements with fewer contacts are rattlers.

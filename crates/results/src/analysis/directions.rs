@@ -17,18 +17,21 @@ const BANDS: usize = 9;
 /// Contacts this close to z count as vertical, so that rounding errors do not decide their sector.
 const ALONG_Z: f64 = 1e-9;
 
-/// Histogram of the directions from centre to centre of the couples: a rose in 2D, cells of equal solid angle in 3D.
+/// Histogram of the directions from centre to centre of the couples: a rose in 2D, cells of equal solid angle
+/// in 3D.
 ///
-/// Each couple counts in its direction and in the opposite one. The sectors are centred on multiples of their width, the first on the axis x, so that the
-/// directions of lattices lie inside of sectors. In 3D, bands of equal height in z have equal areas (Archimedes); each band is divided into sectors by the angle
-/// from x towards y. Contacts along z, up to `1e-9`, have no such angle and count as angle 0.
+/// Each couple counts in its direction and in the opposite one. The sectors are centred on multiples of their
+/// width, the first on the axis x, so that the directions of lattices lie inside of sectors. In 3D, bands of
+/// equal height in z have equal areas (Archimedes); each band is divided into sectors by the angle from x
+/// towards y. Contacts along z, up to `1e-9`, have no such angle and count as angle 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directions {
     /// Number of bands in z from -1 to 1; 1 in 2D.
     pub bands: usize,
     /// Number of sectors of each band.
     pub sectors: usize,
-    /// Counts of the `bands * sectors` cells, band by band from the lowest z. Their sum is twice the number of couples with a direction.
+    /// Counts of the `bands * sectors` cells, band by band from the lowest z. Their sum is twice the number
+    /// of couples with a direction.
     pub counts: Vec<u64>,
     /// Number of couples whose centres coincide, which have no direction.
     pub without_direction: u64,
@@ -62,7 +65,8 @@ impl Directions {
     }
 }
 
-/// Returns the unit vector of a vector, also of an extremely short or long one; `None` if it has no direction.
+/// Returns the unit vector of a vector, also of an extremely short or long one; `None` if it has no
+/// direction.
 pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> Option<[f64; D]> {
     let largest = vector.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {

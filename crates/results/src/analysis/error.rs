@@ -8,14 +8,14 @@ use std::fmt;
 pub enum AnalysisError {
     /// The network is neither 2D nor 3D.
     Dimensions {
-        /// Its number of dimensions.
+        /// Number of dimensions of the network.
         dimensions: usize,
     },
     /// The inner region is empty, or its limits are not finite.
     Region {
         /// The axis.
         axis: usize,
-        /// Its limits.
+        /// Limits of the region on the axis.
         limits: [f64; 2],
     },
     /// The box is sheared, but an inner region has faces at right angles to the axes.

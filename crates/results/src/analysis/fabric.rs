@@ -6,15 +6,18 @@ use crate::analysis::directions::unit;
 use crate::arrays::each;
 use crate::network::Network;
 
-/// Fabric tensor `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, where `n` is the unit vector from centre to centre.
+/// Fabric tensor `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, where `n` is the unit vector from
+/// centre to centre.
 ///
-/// Its trace is 1. For isotropic contacts, `F = 1/D` in every direction. The second-order density of directions with this fabric is
-/// `E(n) = (1 + a n·F'n) / (area of the unit sphere)` with `F' = F - 1/D` and `a = D (D + 2) / 2`; in 2D this is `(1 + a_c cos 2(θ - θ_1)) / 2π`.
+/// Its trace is 1. For isotropic contacts, `F = 1/D` in every direction. The second-order density of
+/// directions with this fabric is `E(n) = (1 + a n·F'n) / (area of the unit sphere)` with `F' = F - 1/D` and
+/// `a = D (D + 2) / 2`; in 2D this is `(1 + a_c cos 2(θ - θ_1)) / 2π`.
 ///
 /// # Source
-/// M. Satake, "Fabric tensor in granular materials", IUTAM Conf. on Deformation and Failure of Granular Materials (1982) 63–68; M. Oda, Soils Found. 22 (4)
-/// (1982) 96–108; K. Kanatani, Int. J. Engng Sci. 22 (1984) 149–164. `a_c`: L. Rothenburg, R.J. Bathurst, Géotechnique 39 (1989) 601–614 in 2D; N. Guo, J. Zhao,
-/// Comput. Geotech. 47 (2013) 1–15 in 3D, `√(3/2 a:a)` of `a = 15/2 F'`.
+/// M. Satake, "Fabric tensor in granular materials", IUTAM Conf. on Deformation and Failure of Granular
+/// Materials (1982) 63–68; M. Oda, Soils Found. 22 (4) (1982) 96–108; K. Kanatani, Int. J. Engng Sci. 22
+/// (1984) 149–164. `a_c`: L. Rothenburg, R.J. Bathurst, Géotechnique 39 (1989) 601–614 in 2D; N. Guo, J.
+/// Zhao, Comput. Geotech. 47 (2013) 1–15 in 3D, `√(3/2 a:a)` of `a = 15/2 F'`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fabric {
     /// `F`, row by row.
@@ -23,7 +26,8 @@ pub struct Fabric {
     pub eigenvalues: Vec<f64>,
     /// Principal directions in the same order, as unit vectors whose largest component is positive.
     pub principal_directions: Vec<Vec<f64>>,
-    /// Size of the deviator, `√(D / (D - 1) F':F')`: 0 for isotropic contacts, 1 for contacts in one direction. In 2D it is the difference of the eigenvalues.
+    /// Size of the deviator, `√(D / (D - 1) F':F')`: 0 for isotropic contacts, 1 for contacts in one
+    /// direction. In 2D it is the difference of the eigenvalues.
     pub deviator: f64,
     /// Anisotropy `a_c`: `2 deviator` in 2D, `15/2 deviator` in 3D.
     pub anisotropy: f64,
@@ -68,7 +72,8 @@ impl Fabric {
     }
 }
 
-/// Returns the eigenvalues of a symmetric matrix, the largest first, and its unit eigenvectors, by Jacobi rotations (1846).
+/// Returns the eigenvalues of a symmetric matrix, the largest first, and its unit eigenvectors, by Jacobi
+/// rotations (1846).
 fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
     /// Convergence is quadratic: 3 x 3 matrices take some 6 sweeps.
     const MOST_SWEEPS: usize = 50;

@@ -10,7 +10,8 @@ use crate::network::{Network, Sizes};
 /// The length unit of the centres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// Overlaps of the couples that touch: sum of radii minus distance, at least 0. `None` if no couple touches.
+    /// Overlaps of the couples that touch: sum of radii minus distance, at least 0. `None` if no couple
+    /// touches.
     pub overlaps: Option<Spread>,
     /// Gaps of the other couples: distance minus sum of radii, above 0. `None` if there are no others.
     pub gaps: Option<Spread>,
@@ -40,7 +41,8 @@ pub struct Spread {
 pub struct Histogram {
     /// Width of a bin. The first bin starts at 0.
     pub width: f64,
-    /// Number of lengths in each bin. A bin includes its lower limit; the last bin also includes its upper limit.
+    /// Number of lengths in each bin. A bin includes its lower limit; the last bin also includes its upper
+    /// limit.
     pub counts: Vec<u64>,
 }
 

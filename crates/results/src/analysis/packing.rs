@@ -11,18 +11,22 @@ use crate::network::{Network, Sizes};
 
 /// Filled fraction of a region: of its area in 2D, of its volume in 3D.
 ///
-/// The parts of elements inside the region are computed in closed form ([`sphere_in_box`](crate::analysis::sphere_in_box)) and summed, with all images in a
-/// periodic box. Space shared by two elements is in this sum twice. `overlap` is the space shared by the couples, the lenses of two discs or spheres, and
-/// `fraction_without_overlap` counts it once. Space shared by three elements is then subtracted too often: if there is any, the covered fraction lies between
-/// the two fractions. If overlaps are small, as in packings of hard grains, the covered fraction is `fraction_without_overlap`.
+/// The parts of elements inside the region are computed in closed form
+/// ([`sphere_in_box`](crate::analysis::sphere_in_box)) and summed, with all images in a periodic box. Space
+/// shared by two elements is in this sum twice. `overlap` is the space shared by the couples, the lenses of
+/// two discs or spheres, and `fraction_without_overlap` counts it once. Space shared by three elements is
+/// then subtracted too often: if there is any, the covered fraction lies between the two fractions. If
+/// overlaps are small, as in packings of hard grains, the covered fraction is `fraction_without_overlap`.
 ///
-/// A lens at the border of the region is counted in proportion to the part of its bounding ball that is inside. `overlap_error` bounds the error of this.
+/// A lens at the border of the region is counted in proportion to the part of its bounding ball that is
+/// inside. `overlap_error` bounds the error of this.
 ///
 /// # Units
 /// The length unit of the centres, squared in 2D, cubed in 3D.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PackingFraction {
-    /// Limits `[min, max]` along each axis. In a sheared box they are distances at right angles to its faces, from the face with the origin.
+    /// Limits `[min, max]` along each axis. In a sheared box they are distances at right angles to its faces,
+    /// from the face with the origin.
     pub region: Vec<[f64; 2]>,
     /// Area or volume of the region.
     pub measure: f64,
@@ -34,15 +38,18 @@ pub struct PackingFraction {
     pub overlap: f64,
     /// Upper bound of the error of `overlap`.
     pub overlap_error: f64,
-    /// `(solid - overlap) / measure`, at least 0. It is a lower bound of the covered fraction, and equal to it if no three elements overlap in one place.
+    /// `(solid - overlap) / measure`, at least 0. It is a lower bound of the covered fraction, and equal to
+    /// it if no three elements overlap in one place.
     pub fraction_without_overlap: f64,
 }
 
-/// Coordinates whose axes are at right angles to the faces of the domain: the coordinates of the centres, or in a sheared box the distances from its faces.
+/// Coordinates whose axes are at right angles to the faces of the domain: the coordinates of the centres, or
+/// in a sheared box the distances from its faces.
 pub(crate) struct Frame<const D: usize> {
     /// Period along each periodic axis.
     pub(crate) periods: [Option<f64>; D],
-    /// Limits of the box along periodic axes, and of the box around all elements with their radii along the others; empty without elements.
+    /// Limits of the box along periodic axes, and of the box around all elements with their radii along the
+    /// others; empty without elements.
     pub(crate) domain: [[f64; 2]; D],
     pub(crate) largest_radius: f64,
     /// Whether the coordinates are those of the centres.
@@ -110,7 +117,7 @@ impl<const D: usize> Frame<D> {
     }
 }
 
-/// Returns the packing fraction in `inner`, or in the default region, or the reason why there is none.
+/// Returns the packing fraction in `inner`, or in the default region, or the reason why it cannot be given.
 pub(crate) fn fraction<const D: usize>(
     network: &Network<'_, D>,
     inner: Option<[[f64; 2]; D]>,
@@ -249,7 +256,8 @@ fn ball_in_box<const D: usize>(centre: [f64; D], radius: f64, limits: [[f64; 2];
     }
 }
 
-/// Area of a disc or volume of a sphere, rounded in the same way as in [`disc_in_rectangle`] and [`sphere_in_box`].
+/// Area of a disc or volume of a sphere, rounded in the same way as in [`disc_in_rectangle`] and
+/// [`sphere_in_box`].
 pub(crate) fn ball<const D: usize>(radius: f64) -> f64 {
     if D == 2 { PI * radius * radius } else { 4.0 * PI / 3.0 * radius.powi(3) }
 }
@@ -275,7 +283,8 @@ impl<const D: usize> Lens<D> {
             return Some(Self { measure, at: if a < b { 0.0 } else { 1.0 }, radius: smaller });
         }
         let d = distance;
-        // Distance of the plane of the rim from the first centre, and radius of the rim by Heron's formula, whose factors lose no digits.
+        // Distance of the plane of the rim from the first centre, and radius of the rim by Heron's formula,
+        // whose factors lose no digits.
         let to_plane = (d * d + (a - b) * (a + b)) / (2.0 * d);
         let rim = ((a + b + d) * (a + b - d) * (d + a - b) * (d - a + b)).max(0.0).sqrt() / (2.0 * d);
         let measure = if D == 2 {

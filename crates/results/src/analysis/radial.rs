@@ -17,12 +17,15 @@ pub struct RadialOptions {
     pub bins: Option<usize>,
 }
 
-/// Radial distribution function `g(r)`: number of pairs of centres at a distance `r`, over the number expected for uniformly random centres.
+/// Radial distribution function `g(r)`: number of pairs of centres at a distance `r`, over the number
+/// expected for uniformly random centres.
 ///
-/// `g_k = counts_k / (references * density * V_k)`, where `V_k` is the area or volume of the shell of bin `k`. Along periodic axes every element is a reference
-/// and all images count, also an element's own; in a box that is periodic along all axes, the density is the number of elements over the volume of the box, and
-/// the result is exact for any distance. Along other axes, the references are the centres at least `r_max` from the faces of the box around all centres, so
-/// that all shells are inside, and the density is that of the references.
+/// `g_k = counts_k / (references * density * V_k)`, where `V_k` is the area or volume of the shell of bin
+/// `k`. Along periodic axes every element is a reference and all images count, also an element's own; in a
+/// box that is periodic along all axes, the density is the number of elements over the volume of the box, and
+/// the result is exact for any distance. Along other axes, the references are the centres at least `r_max`
+/// from the faces of the box around all centres, so that all shells are inside, and the density is that of
+/// the references.
 ///
 /// For independent random centres in a periodic box, the mean of `g` is `1 - 1/n`.
 ///
@@ -39,7 +42,8 @@ pub struct Radial {
     pub r: Vec<f64>,
     /// Value of the function in each bin.
     pub g: Vec<f64>,
-    /// Number of centres in the shell of a reference, summed over all references. A bin includes its lower limit; the last bin also includes `r_max`.
+    /// Number of centres in the shell of a reference, summed over all references. A bin includes its lower
+    /// limit; the last bin also includes `r_max`.
     pub counts: Vec<u64>,
     /// Number of reference elements.
     pub references: u64,
@@ -50,7 +54,7 @@ pub struct Radial {
 const DEFAULT_BINS: usize = 150;
 const MOST_BINS: usize = 1_000_000;
 
-/// Returns the distribution, or the reason why there is none.
+/// Returns the distribution, or the reason why it cannot be given.
 pub(crate) fn distribution<const D: usize>(
     network: &Network<'_, D>,
     options: RadialOptions,
@@ -78,7 +82,8 @@ pub(crate) fn distribution<const D: usize>(
         let [low, high] = frame.domain[axis];
         if frame.periods[axis].is_some() { [low, high] } else { [low + r_max, high - r_max] }
     });
-    // The lower limit is included and the upper one is not, so that equidistant layers have the right density.
+    // The lower limit is included and the upper one is not, so that equidistant layers have the right
+    // density.
     let is_reference: Vec<_> = (0..n)
         .map(|element| {
             let x = frame.coordinates(network, element);
@@ -121,7 +126,8 @@ fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>
     }
 }
 
-/// Default largest distance: three mean diameters, but at most half of a periodic box and a quarter of an open domain.
+/// Default largest distance: three mean diameters, but at most half of a periodic box and a quarter of an
+/// open domain.
 fn usual_distance<const D: usize>(frame: &Frame<D>, network: &Network<'_, D>) -> f64 {
     let n = network.space.centres.len();
     let mean = (0..n).fold(0.0, |sum, element| sum + network.sizes.radius(element)) / n as f64;

@@ -6,8 +6,8 @@ use crate::arrays::each;
 
 /// Area of the part of a disc inside a rectangle with sides along the axes. Limits may be infinite.
 ///
-/// The area follows by inclusion and exclusion over the corners: each corner bounds a quadrant of the plane, and the part of a disc in a quadrant has a closed
-/// form.
+/// The area follows by inclusion and exclusion over the corners: each corner bounds a quadrant of the plane,
+/// and the part of a disc in a quadrant has a closed form.
 ///
 /// # Errors in the last digits
 /// Some `1e-15` of the area of the disc.
@@ -24,15 +24,17 @@ pub fn disc_in_rectangle(centre: [f64; 2], radius: f64, limits: [[f64; 2]; 2]) -
 
 /// Volume of the part of a sphere inside a box with edges along the axes. Limits may be infinite.
 ///
-/// The volume follows by inclusion and exclusion over the corners: each corner bounds an octant, and the part of a sphere in an octant has a closed form.
+/// The volume follows by inclusion and exclusion over the corners: each corner bounds an octant, and the part
+/// of a sphere in an octant has a closed form.
 ///
 /// # Errors in the last digits
 /// Some `1e-14` of the volume of the sphere.
 ///
 /// # Source
-/// The divergence theorem over the plane faces, which are parts of discs, and the spherical face, whose area follows from the theorem of Gauss and Bonnet.
-/// Other ways to the same volumes: B. Freireich, M. Kodam, C. Wassgren, AIChE J. 56 (2010) 3036–3048; S. Strobl, A. Formella, T. Pöschel, J. Comput. Phys. 311
-/// (2016) 158–172.
+/// The divergence theorem over the plane faces, which are parts of discs, and the spherical face, whose area
+/// follows from the theorem of Gauss and Bonnet. Other ways to the same volumes: B. Freireich, M. Kodam, C.
+/// Wassgren, AIChE J. 56 (2010) 3036–3048; S. Strobl, A. Formella, T. Pöschel, J. Comput. Phys. 311 (2016)
+/// 158–172.
 ///
 /// # Example
 /// ```
@@ -44,7 +46,8 @@ pub fn sphere_in_box(centre: [f64; 3], radius: f64, limits: [[f64; 2]; 3]) -> f6
     in_box(centre, radius, limits, 4.0 * PI / 3.0, |[a, b, c]| octant(a, b, c)) * radius.powi(3)
 }
 
-/// Area or volume of the part of a ball inside a box, in units of `radius^D`. `whole`: that of the unit ball; `beyond`: that of its part beyond a corner.
+/// Area or volume of the part of a ball inside a box, in units of `radius^D`. `whole`: that of the unit ball;
+/// `beyond`: that of its part beyond a corner.
 fn in_box<const D: usize>(
     centre: [f64; D],
     radius: f64,
@@ -134,13 +137,15 @@ fn cap(a: f64) -> f64 {
     PI * (1.0 - a) * (1.0 - a) * (2.0 + a) / 3.0
 }
 
-/// As [`octant`] for limits that are not negative: the sum over the faces of a third of their area times their outward distance from the centre.
+/// Like [`octant`], for limits that are not negative: the sum over the faces of a third of their area times
+/// their outward distance from the centre.
 fn corner_volume(a: f64, b: f64, c: f64) -> f64 {
     if a * a + b * b + c * c >= 1.0 {
         return 0.0;
     }
     let mut flat = 0.0;
-    // The spherical face is a triangle of arcs: its area is 2π minus the turning angles along its sides and at its corners.
+    // The spherical face is a triangle of arcs: its area is 2π minus the turning angles along its sides and
+    // at its corners.
     let mut round = 2.0 * PI;
     for [x, y, z] in [[a, b, c], [b, c, a], [c, a, b]] {
         let radius_squared = 1.0 - x * x;

@@ -5,8 +5,8 @@
 //!                     ├─> distributions as SVG ─────┼─> page.html with style.css and the scripts
 //! facts ──────────────┴─> text and tables ──────────┘
 //! ```
-//! The page loads nothing over the network. Its content security policy allows only its own script and style, by their hashes. Texts from outside, such as
-//! the name of a file, are also escaped.
+//! The page loads nothing over the network. Its content security policy allows only its own script and style,
+//! by their hashes. Texts from outside, such as the name of a file, are also escaped.
 
 mod arrays;
 
@@ -44,8 +44,8 @@ const SCRIPTS: [&str; 4] = [
 /// Contents of a report.
 ///
 /// # Shapes
-/// `ids`: one per element, or `None` if elements are numbered from 0. `facts`: rows of the summary, each with a name and a text. A row without a name continues
-/// the row before.
+/// `ids`: one per element, or `None` if elements are numbered from 0. `facts`: rows of the summary, each with
+/// a name and a text. A row without a name continues the row before.
 #[derive(Clone, Copy, Debug)]
 pub struct Report<'a, const D: usize> {
     /// Elements and contacts.
@@ -63,7 +63,8 @@ pub struct Report<'a, const D: usize> {
 /// Values of single elements and contacts are shown with all digits of their 64 bits.
 ///
 /// # Errors
-/// [`PictureError::TooMany`] for more than [`MOST_ELEMENTS`] or [`MOST_CONTACTS`], and those of [`crate::picture::png()`].
+/// [`PictureError::TooMany`] for more than [`MOST_ELEMENTS`] or [`MOST_CONTACTS`], and those of
+/// [`crate::picture::png()`].
 ///
 /// # Panics
 /// If a couple was not found among these elements, or the number of ids is not that of the elements.
@@ -118,7 +119,8 @@ pub struct BodiesReport<'a> {
     pub caption: Caption<'a>,
     /// Ids of the bodies; `None` if they are numbered from 0.
     pub ids: Option<&'a [i64]>,
-    /// Columns of the contacts, at most four: a name, and a value per contact. The values of the first column colour the contacts.
+    /// Columns of the contacts, at most four: a name, and a value per contact. The values of the first column
+    /// colour the contacts.
     pub columns: &'a [(&'a str, &'a [f64])],
     /// The summary.
     pub facts: &'a [(&'a str, &'a str)],
@@ -127,10 +129,11 @@ pub struct BodiesReport<'a> {
 /// Writes the report of bodies as HTML: meshes, spheres with walls, or bodies of an image.
 ///
 /// # Errors
-/// As [`html`]; [`PictureError::TooMany`] also for more than [`crate::picture::MOST_FACETS`] triangles.
+/// Like [`html`]; [`PictureError::TooMany`] also for more than [`crate::picture::MOST_FACETS`] triangles.
 ///
 /// # Panics
-/// If the number of ids is not that of the bodies, the length of a column is not the number of contacts, or an index of a contact or a triangle is out of range.
+/// If the number of ids is not that of the bodies, the length of a column is not the number of contacts, or
+/// an index of a contact or a triangle is out of range.
 ///
 /// # Example
 /// ```
@@ -240,7 +243,7 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
     packed(scene, &arrays, ids.is_some(), json!({ "cutoff": cutoff, "bodies": null, "facets": 0 }))
 }
 
-/// As [`data`], for bodies.
+/// Like [`data`], for bodies.
 fn data_of_bodies(scene: &Scene, columns: &[(&str, &[f64])], ids: Option<&[i64]>) -> (String, String) {
     const NAMES: [&str; 4] = ["overlap", "second", "third", "fourth"];
     let d = scene.dimensions;
@@ -274,7 +277,8 @@ fn data_of_bodies(scene: &Scene, columns: &[(&str, &[f64])], ids: Option<&[i64]>
     packed(scene, &arrays, ids.is_some(), json!({ "cutoff": null, "bodies": bodies, "facets": facets }))
 }
 
-/// Width of the lines of the contacts of bodies: a part of the mean radius of the spheres, or without spheres of the diagonal of all triangles.
+/// Width of the lines of the contacts of bodies: a part of the mean radius of the spheres, or without spheres
+/// of the diagonal of all triangles.
 fn rod(scene: &Scene) -> f64 {
     let spheres = || scene.radii.iter().copied().filter(|&radius| radius > 0.0);
     let count = spheres().count();

@@ -1,6 +1,8 @@
-//! The page of a sweep, which compares its runs: the table of results, a plot of any result over any parameter, and the histories of all runs over each other.
+//! The page of a sweep, which compares its runs: the table of results, a plot of any result over any
+//! parameter, and the histories of all runs over each other.
 //!
-//! Like the other pages it is one file, which loads nothing over the network. Without a script the table is there.
+//! Like the other pages it is one file, which loads nothing over the network. Without a script the table is
+//! there.
 
 use std::fmt::Write;
 
@@ -167,7 +169,8 @@ fn heading(name: &str) -> String {
     format!("<th scope=\"col\">{}</th>", escape(name))
 }
 
-/// The columns of a history by their names, with at most so many rows: of each part of it the first, and the last of all.
+/// The columns of a history by their names, with at most `most` rows: the first of each part of it, and the
+/// last of all.
 fn thinned(history: &History, most: usize) -> Value {
     let mut columns = serde_json::Map::new();
     for name in history.names() {

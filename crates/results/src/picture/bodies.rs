@@ -1,4 +1,5 @@
-//! Pictures of bodies of any shape and their contacts: meshes in 3D, spheres and walls, bodies of a labelled image.
+//! Pictures of bodies of any shape and their contacts: meshes in 3D, spheres and walls, bodies of a labelled
+//! image.
 
 use crate::picture::caption::Caption;
 use crate::picture::error::PictureError;
@@ -12,8 +13,8 @@ pub const MOST_FACETS: usize = 1_000_000;
 /// Bodies and the contacts between them.
 ///
 /// # Shapes
-/// `centres` and `radii` have one entry per body. `facets` and `owners` have one entry per triangle: its corners, as indices of `points`, and its body. In 2D,
-/// `z` is 0.
+/// `centres` and `radii` have one entry per body. `facets` and `owners` have one entry per triangle: its
+/// corners, as indices of `points`, and its body. In 2D, `z` is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
     /// Number of dimensions, 2 or 3.
@@ -43,7 +44,7 @@ pub struct BodyJoint {
     pub bodies: [u32; 2],
     /// Point of contact.
     pub point: [f64; 3],
-    /// Direction from the first to the second body; zeros if there is none.
+    /// Direction from the first to the second body; zeros if it is undefined.
     pub normal: [f64; 3],
     /// Value that colours the contact. Larger values are drawn on top.
     pub value: f64,
@@ -52,7 +53,8 @@ pub struct BodyJoint {
 /// Draws bodies and their contacts as SVG.
 ///
 /// # Errors
-/// The errors of [`svg`](crate::picture::svg), and [`PictureError::TooMany`] if there are more than [`MOST_FACETS`] triangles.
+/// The errors of [`svg`](crate::picture::svg), and [`PictureError::TooMany`] if there are more than
+/// [`MOST_FACETS`] triangles.
 ///
 /// # Panics
 /// If an index of a contact or a triangle is out of range.
@@ -60,7 +62,7 @@ pub fn bodies_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<String, 
     drawing::svg(&scene(bodies, caption)?)
 }
 
-/// As [`bodies_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
+/// Like [`bodies_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// The errors of [`bodies_svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -86,7 +88,7 @@ pub fn bodies_plots_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<St
     Ok(plots::svg(&scene(bodies, caption)?, &no_radial()))
 }
 
-/// As [`bodies_plots_svg`], as a PNG file. `width`: as for [`bodies_png`].
+/// Like [`bodies_plots_svg`], as a PNG file. `width`: as for [`bodies_png`].
 ///
 /// # Errors
 /// The errors of [`bodies_png`].

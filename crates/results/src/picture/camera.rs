@@ -18,7 +18,8 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// Shows all elements and the box in an area of `least` to `most` pixels. `None` if the extent is not finite.
+    /// Shows all elements and the box in an area of `least` to `most` pixels. `None` if the extent is not
+    /// finite.
     pub(crate) fn new(scene: &Scene, least: [f64; 2], most: [f64; 2]) -> Option<Self> {
         let flat = scene.dimensions == 2;
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -48,7 +49,7 @@ impl Camera {
             return None;
         }
         let scale = (0..2).map(|axis| most[axis] / extent[axis]).fold(f64::INFINITY, f64::min);
-        // For points in one place, any scale will do.
+        // For points in one place, the scale is arbitrary.
         let scale = if scale.is_normal() { scale } else { 1.0 };
         Some(Self {
             flat,

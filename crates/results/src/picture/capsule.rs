@@ -1,4 +1,5 @@
-//! Pixels of a thick line with round ends, row by row, so that the cost is that of the covered pixels and not of the bounding box.
+//! Pixels of a thick line with round ends, row by row, so that the cost is that of the covered pixels and not
+//! of the bounding box.
 
 /// All points within `radius` of the line from `a` to `b`.
 pub(crate) struct Capsule {
@@ -21,7 +22,8 @@ impl Capsule {
         clipped(low, high, height)
     }
 
-    /// Columns of a row whose middle may be covered, among `width` columns: all that are covered, and a few others.
+    /// Columns of a row whose middle may be covered, among `width` columns: all that are covered, and a few
+    /// others.
     pub(crate) fn columns(&self, row: usize, width: usize) -> std::ops::Range<usize> {
         let v = row as f64 + 0.5;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -5,7 +5,8 @@ use crate::arrays::each;
 /// Red, green and blue.
 pub(crate) type Rgb = [u8; 3];
 
-/// Ramp for overlaps, pale to dark. Both ramps have equal steps of lightness and hue in OKLCH, so that equal steps of a value look equal, also in grey.
+/// Ramp for overlaps, pale to dark. Both ramps have equal steps of lightness and hue in OKLCH, so that equal
+/// steps of a value look equal, also in grey.
 pub(crate) const HEAT: [Rgb; 17] = [
     [242, 204, 122],
     [245, 185, 92],

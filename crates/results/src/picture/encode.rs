@@ -17,13 +17,14 @@ pub(crate) struct Layer {
     pub(crate) pixels: Vec<u8>,
 }
 
-/// Draws SVG over layers over a white background as a PNG file. Its texts are above everything else. `scale`: pixels per unit of the drawing.
+/// Draws SVG over layers over a white background as a PNG file. Its texts are above everything else. `scale`:
+/// pixels per unit of the drawing.
 pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, PictureError> {
     let (size, pixels) = pixels(svg, layers, scale)?;
     file(size, &pixels)
 }
 
-/// As [`png`], but returns width and height and the red, green and blue of each pixel, row by row.
+/// Like [`png`], but returns width and height and the red, green and blue of each pixel, row by row.
 pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2], Vec<u8>), PictureError> {
     let failed = |message: String| PictureError::Png { message };
     let (tree, labels) = parsed(svg).map_err(|error| failed(error.to_string()))?;
@@ -116,7 +117,7 @@ mod tests {
         pixels
     }
 
-    /// Left, top, right and bottom of what is not white.
+    /// Left, top, right and bottom of the pixels that are not white.
     fn ink(pixels: &[u8]) -> [usize; 4] {
         let places: Vec<[usize; 2]> =
             (0..pixels.len() / 3).filter(|k| pixels[3 * k] < 200).map(|k| [k % 200, k / 200]).collect();
@@ -126,7 +127,8 @@ mod tests {
 
     #[test]
     fn labels_are_drawn_where_they_are() {
-        // An "L" reaches from 201 to 1130 of 2048 units to the right, and is 1493 high. A unit is 0.02 pixels.
+        // An "L" reaches from 201 to 1130 of 2048 units to the right, and is 1493 high. A unit is 0.02
+        // pixels.
         let letter = drawn(|svg| svg.label([10.0, 40.0], 20.48, Anchor::Start, INK, "L"));
         assert_eq!(ink(&letter), [24, 50, 42, 79]);
         let at = |x: usize, y: usize| letter[3 * (200 * y + x)];

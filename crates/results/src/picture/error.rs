@@ -20,7 +20,7 @@ pub enum PictureError {
     TooWide,
     /// The width of a PNG is out of range.
     Width {
-        /// Width that was asked for, pixels.
+        /// Requested width, pixels.
         found: u32,
         /// Smallest width, pixels.
         least: u32,
@@ -31,7 +31,7 @@ pub enum PictureError {
     TooMany {
         /// Name of the objects.
         what: &'static str,
-        /// Their number.
+        /// Number of the objects.
         found: usize,
         /// Largest number that can be shown.
         most: usize,

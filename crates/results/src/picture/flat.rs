@@ -76,7 +76,8 @@ impl Flat {
         self.pixels
     }
 
-    /// Blends a colour over the pixels of a rectangle. `paint` returns colour and opacity at the middle of a pixel.
+    /// Blends a colour over the pixels of a rectangle. `paint` returns colour and opacity at the middle of a
+    /// pixel.
     fn cover(&mut self, low: [f64; 2], high: [f64; 2], paint: impl Fn(f64, f64) -> ([f64; 3], f64)) {
         for row in range(low[1], high[1], self.height) {
             for column in range(low[0], high[0], self.width) {

@@ -23,7 +23,8 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Ends the colours at the number that 99.5 % of the elements do not exceed, because a few large elements would leave the others with nearly one colour.
+    /// Ends the colours at the number that 99.5 % of the elements do not exceed, because a few large elements
+    /// would leave the others with nearly one colour.
     pub(crate) fn new(coordination: &[u32]) -> Self {
         let mut sorted = coordination.to_vec();
         let Some(last) = sorted.len().checked_sub(1) else { return Self { high: 1, largest: 0 } };
@@ -113,7 +114,8 @@ pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right,
     }
 }
 
-/// Draws the colour bar of the numbers of contacts, aligned to the right. `noun`: element or body, with its article.
+/// Draws the colour bar of the numbers of contacts, aligned to the right. `noun`: element or body, with its
+/// article.
 pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right, y]: [f64; 2]) {
     let x = right - BAR;
     svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("contacts of {noun}"));

@@ -15,11 +15,11 @@ pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
     lay(text, bold, |_, _, _| ()) / EM * size
 }
 
-/// Returns the outlines of the letters of a text, to be filled by the nonzero rule, or `None` if there are none. `x` and `y` are the place of its anchor on the
-/// base line, `y` downwards.
+/// Returns the outlines of the letters of a text, to be filled by the nonzero rule, or `None` for a text
+/// without letters. `x` and `y` are the place of its anchor on the base line, `y` downwards.
 ///
-/// Letters stand from left to right, one glyph for each character: scripts that run to the left, and marks that combine, are not shaped. A character that the
-/// font lacks is drawn as an empty box.
+/// Letters are placed from left to right, one glyph for each character: scripts that run to the left, and
+/// marks that combine, are not shaped. A character that the font lacks is drawn as an empty box.
 pub(crate) fn outline(text: &str, [x, y]: [f64; 2], anchor: Anchor, size: f64, bold: bool) -> Option<Path> {
     let mut pen = Pen { path: PathBuilder::new(), left: 0.0 };
     let width = lay(text, bold, |face, glyph, left| {
@@ -38,7 +38,8 @@ pub(crate) fn outline(text: &str, [x, y]: [f64; 2], anchor: Anchor, size: f64, b
     pen.path.finish()?.transform(Transform::from_row(unit, 0.0, 0.0, -unit, (x - before) as f32, y as f32))
 }
 
-/// Calls `put` for the glyph of each character, with its left end in units of the font. Returns the right end of the last.
+/// Calls `put` for the glyph of each character, with its left end in units of the font. Returns the right end
+/// of the last.
 fn lay(text: &str, bold: bool, mut put: impl FnMut(&Face<'_>, GlyphId, f64)) -> f64 {
     let face = &faces()[usize::from(bold)];
     let (mut x, mut last) = (0.0, None);
@@ -133,7 +134,8 @@ mod tests {
             // A letter has a gap of at most a tenth of its size on each side.
             assert!((0.0..2.0).contains(&(ink.left() - left)), "{ink:?}");
             assert!((0.0..2.0).contains(&(left + wide - ink.right())), "{ink:?}");
-            // Letters are about three quarters of their size high, and these do not reach below the base line by more than their curves do.
+            // Letters are about three quarters of their size high, and these do not reach below the base line
+            // by more than their curves do.
             assert!((33.0..37.0).contains(&ink.top()) && (50.0..51.0).contains(&ink.bottom()), "{ink:?}");
         }
         let below = outline("p", [0.0, 50.0], Anchor::Start, 20.0, false).unwrap().bounds();

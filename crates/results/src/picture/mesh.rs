@@ -23,7 +23,7 @@ const NARROWEST: f64 = 520.0;
 /// Largest number of triangles: more could not be distinguished, nor opened by a browser.
 const MOST_TRIANGLES: usize = 300_000;
 
-/// Colours of the bodies in turn. They are pale so that contacts stand out.
+/// Colours of the bodies in turn. They are pale so that contacts are prominent.
 const BODIES: [Rgb; 8] = [
     [200, 220, 240],
     [222, 213, 238],
@@ -57,11 +57,13 @@ pub struct MeshDrawing<'a> {
     pub contacts: &'a [BodyContact<2>],
 }
 
-/// Draws meshed bodies as SVG: triangles coloured by body, and for each two bodies that touch a line from centroid to centroid through the contact point. The
-/// lines are coloured by the area of overlap, or by the length of the shared boundary if nothing overlaps.
+/// Draws meshed bodies as SVG: triangles coloured by body, and for each two bodies that touch a line from
+/// centroid to centroid through the contact point. The lines are coloured by the area of overlap, or by the
+/// length of the shared boundary if nothing overlaps.
 ///
 /// # Errors
-/// [`PictureError::NotFinite`] with the number of a node; [`PictureError::TooWide`]; [`PictureError::TooMany`] for more than 300,000 triangles.
+/// [`PictureError::NotFinite`] with the number of a node; [`PictureError::TooWide`];
+/// [`PictureError::TooMany`] for more than 300,000 triangles.
 ///
 /// # Panics
 /// If a node of a triangle or a body of a contact is out of range.
@@ -84,7 +86,7 @@ pub fn mesh_svg(drawing: &MeshDrawing<'_>, caption: &Caption<'_>) -> Result<Stri
     Ok(page.svg(drawing, caption))
 }
 
-/// As [`mesh_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
+/// Like [`mesh_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// The errors of [`mesh_svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -248,7 +250,8 @@ impl Page {
     }
 }
 
-/// Centroid of each body that has triangles, weighted by area. Without any area, it is the mean of the centroids of the triangles.
+/// Centroid of each body that has triangles, weighted by area. Without any area, it is the mean of the
+/// centroids of the triangles.
 fn centroids(drawing: &MeshDrawing<'_>) -> Vec<Option<[f64; 2]>> {
     let count = drawing.bodies.iter().max().map_or(0, |&last| last as usize + 1);
     let mut sums = vec![[0.0; 3]; count];
@@ -306,7 +309,8 @@ mod tests {
         };
         let svg = mesh_svg(&drawing, &Caption::default()).unwrap();
         let path = svg.split("class=\"bodies\" d=\"").nth(1).unwrap().split('"').next().unwrap();
-        // Four sides of the square and three of the triangle: the common side belongs to both outlines, the diagonal to none.
+        // Four sides of the square and three of the triangle: the common side belongs to both outlines, the
+        // diagonal to none.
         assert_eq!(path.matches('M').count(), 7, "{path}");
     }
 

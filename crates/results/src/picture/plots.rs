@@ -41,7 +41,8 @@ enum Kind {
         colour: Rgb,
         whole: bool,
     },
-    /// Sectors of equal angle over half a turn, counter-clockwise from the right. With `both_sides`, they are repeated in the other half.
+    /// Sectors of equal angle over half a turn, counter-clockwise from the right. With `both_sides`, they are
+    /// repeated in the other half.
     Rose {
         radii: Vec<f64>,
         names: [&'static str; 2],
@@ -230,11 +231,12 @@ fn curve(svg: &mut Svg, [x, y]: [f64; 2], distances: &[f64], values: &[f64]) {
     }
 }
 
-/// Returns the radial distribution of a network with the default options of `--analyse`, or the reason why there is none.
+/// Returns the radial distribution of a network with the default options of `--analyse`, or the reason why it
+/// cannot be given.
 pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial, String> {
     /// Most pairs of centres: more would take longer than everything else.
     const MOST_PAIRS: f64 = 2e9;
-    // There are about 3^D times as many pairs within 3 mean diameters as within one.
+    // The number of pairs within 3 mean diameters is about 3^D times the number within one.
     let (elements, contacts) = (network.space.centres.len() as f64, network.couples.len() as f64);
     if (contacts + elements / 2.0) * 3_f64.powf(D as f64) > MOST_PAIRS {
         return Err("too many pairs of centres".to_owned());
@@ -314,7 +316,7 @@ fn coordination(scene: &Scene) -> Panel {
     let Some(largest) = scene.coordination.iter().copied().max() else {
         return Panel { name, description: format!("No {many}."), kind: Kind::Nothing(format!("no {many}")) };
     };
-    // A few large elements may have thousands of contacts; a bar then stands for several numbers.
+    // A few large elements may have thousands of contacts; a bar then covers several numbers.
     let step = (largest / 60 + 1) as usize;
     let mut heights = vec![0_u64; largest as usize / step + 1];
     for &contacts in &scene.coordination {
@@ -447,7 +449,8 @@ fn azimuth(scene: &Scene, name: &str) -> Panel {
     }
 }
 
-/// Plot of the angle of the contacts to the plane of x and y, in bands of equal angle, each relative to isotropic contacts.
+/// Plot of the angle of the contacts to the plane of x and y, in bands of equal angle, each relative to
+/// isotropic contacts.
 fn inclination(scene: &Scene) -> Panel {
     const BANDS: usize = SECTORS / 2;
     let mut counts = [0_u64; BANDS];
@@ -471,7 +474,8 @@ fn inclination(scene: &Scene) -> Panel {
     let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / BANDS as f64;
     let density = |k: usize| counts[k] as f64 / total as f64 / (angle(k + 1).sin() - angle(k).sin());
     let bands: Vec<f64> = (0..BANDS).map(density).collect();
-    // The other quarter is its mirror image, because opposite directions are the same and the azimuth has a plot of its own.
+    // The other quarter is its mirror image, because opposite directions are the same and the azimuth has a
+    // separate plot.
     let radii: Vec<f64> = bands.iter().chain(bands.iter().rev()).copied().collect();
     let description = format!(
         "Relative to isotropic contacts: {:.2} near the plane of x and y, {:.2} near z.",

@@ -10,7 +10,8 @@ const PER_CONTACT: usize = 152;
 /// Bytes for the letters, the text of a drawing and its compression.
 const REST: usize = 32 << 20;
 
-/// Bytes per pixel of a drawing in 3D: samples with their depths, layers, pixels with and without opacity, the file.
+/// Bytes per pixel of a drawing in 3D: samples with their depths, layers, pixels with and without opacity,
+/// the file.
 const PER_PIXEL: f64 = 26.0;
 
 /// Largest size of the drawing of a network with its margins, in its own units.

@@ -4,10 +4,12 @@ use crate::network::{Network, Sizes};
 use crate::picture::caption::Caption;
 use crate::picture::error::PictureError;
 
-/// Radius at which points are drawn, over half of their cut-off. At half of the cut-off, neighbours would hide each other.
+/// Radius at which points are drawn, over half of their cut-off. At half of the cut-off, neighbours would
+/// hide each other.
 const POINT: f64 = 0.35;
 
-/// Share of the overlaps that the colours cover, because a few larger overlaps would leave the others with nearly one colour.
+/// Share of the overlaps that the colours cover, because a few larger overlaps would leave the others with
+/// nearly one colour.
 const SHOWN: f64 = 0.99;
 
 /// Elements and contacts in three dimensions; in 2D, `z` is 0.
@@ -18,7 +20,8 @@ pub(crate) struct Scene {
     pub(crate) centres: Vec<[f64; 3]>,
     /// Radii as drawn.
     pub(crate) radii: Vec<f64>,
-    /// Number of contacts of each element. A contact of an element with its own image counts twice, a contact of a body with itself once.
+    /// Number of contacts of each element. A contact of an element with its own image counts twice, a contact
+    /// of a body with itself once.
     pub(crate) coordination: Vec<u32>,
     pub(crate) bonds: Vec<Bond>,
     /// Range of the overlaps; `None` without contacts.
@@ -89,7 +92,8 @@ impl Overlaps {
         let (_, &mut high, _) = values.select_nth_unstable_by((last as f64 * SHOWN) as usize, f64::total_cmp);
         let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        // The colours start at 0, or at the largest gap within a tolerance. They end at the largest overlap, unless it is far above the others.
+        // The colours start at 0, or at the largest gap within a tolerance. They end at the largest overlap,
+        // unless it is far above the others.
         let low = smallest.min(0.0);
         let high = if largest <= high * 1.25 { largest } else { high };
         Some(Self { low, high, largest })
@@ -199,7 +203,8 @@ impl Scene {
         self.shapes.as_ref().map_or("overlap", |shapes| shapes.value.as_str())
     }
 
-    /// Name of the value that colours the contacts, with its unit. For bodies the unit is left out, because it depends on the value.
+    /// Name of the value that colours the contacts, with its unit. For bodies the unit is left out, because
+    /// it depends on the value.
     pub(crate) fn value_and_unit(&self) -> String {
         if self.shapes.is_some() { self.value().to_owned() } else { format!("overlap{}", self.after_name()) }
     }

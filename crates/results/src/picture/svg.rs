@@ -95,7 +95,8 @@ impl Svg {
     }
 }
 
-/// Escapes a text for XML and HTML, inside or outside of quotes. Characters that are invalid in XML become U+FFFD.
+/// Escapes a text for XML and HTML, inside or outside of quotes. Characters that are invalid in XML become
+/// U+FFFD.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

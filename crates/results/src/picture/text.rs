@@ -6,7 +6,8 @@ use crate::picture::svg::shortened;
 /// Font size of titles, and the smallest size of long titles.
 pub(crate) const OF_TITLES: [f64; 2] = [17.0, 11.0];
 
-/// Fits a text into the width `room`. Returns the text and its font size: a long text gets a smaller size, down to `least`, and beyond that loses its middle.
+/// Fits a text into the width `room`. Returns the text and its font size: a long text gets a smaller size,
+/// down to `least`, and beyond that loses its middle.
 pub(crate) fn fitting(text: &str, room: f64, [size, least]: [f64; 2], bold: bool) -> (String, f64) {
     let wide = width(text, 1.0, bold);
     if size * wide <= room {

@@ -2,12 +2,14 @@
 
 use fdem_io::numbers::brief;
 
-/// Largest number of the form 1, 2 or 5 times a power of ten that is not above `x`; 0 if `x` is not above 0 or not finite.
+/// Largest number of the form 1, 2 or 5 times a power of ten that is not above `x`; 0 if `x` is not above 0
+/// or not finite.
 pub(crate) fn round_below(x: f64) -> f64 {
     if x.is_nan() || x <= 0.0 || x.is_infinite() {
         return 0.0;
     }
-    // The number is parsed from its digits: computed powers of ten are not exactly rounded, and differ between machines.
+    // The number is parsed from its digits: computed powers of ten are not exactly rounded, and differ
+    // between machines.
     let text = format!("{x:e}");
     let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));
     let first = match digits.as_bytes().first() {
@@ -39,7 +41,8 @@ pub(crate) fn tick_text(x: f64) -> String {
     brief(x)
 }
 
-/// Texts of the ticks of an axis, all with the same number of decimals, and with the same power of ten if they need one.
+/// Texts of the ticks of an axis, all with the same number of decimals, and with the same power of ten if
+/// they need one.
 pub(crate) fn tick_texts(ticks: &[f64]) -> Vec<String> {
     let largest = ticks.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let apart = ticks.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|apart| *apart > 0.0);

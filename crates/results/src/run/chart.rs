@@ -25,10 +25,11 @@ const OF_TITLES: [f64; 2] = [13.5, 10.0];
 const OF_AXES: [f64; 2] = [12.0, 9.0];
 const RIGHT: f64 = 20.0;
 
-/// Maximum number of points drawn of a curve: about as many as a picture has pixels across.
+/// Maximum number of points drawn of a curve: about the number of pixels across a picture.
 const MOST_POINTS: usize = 1600;
 
-/// Colours of the curves, used in turn. They are distinct on white and on black; dashes distinguish the curves, too.
+/// Colours of the curves, used in turn. They are distinct on white and on black; dashes distinguish the
+/// curves, too.
 const COLOURS: [Rgb; 8] = [
     [31, 119, 190],
     [226, 105, 30],
@@ -117,7 +118,8 @@ impl Scale {
         }
     }
 
-    /// A logarithmic axis, with a margin beyond the least and the greatest value. Its ticks are at 1, 2 and 5 times powers of ten; it has at least two of them.
+    /// A logarithmic axis, with a margin beyond the least and the greatest value. Its ticks are at 1, 2 and 5
+    /// times powers of ten; it has at least two of them.
     fn logarithmic(values: impl Iterator<Item = f64>, unit: &str) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for value in values.filter(|&value| value > 0.0 && value.is_finite()) {
@@ -207,7 +209,8 @@ impl Chart<'_> {
         svg.label([middle, HEIGHT - 12.0], size, Anchor::Middle, PALE, &name);
 
         if self.across.unit == "s" {
-            // Pages move it to the time of the frame that they show, and make it visible: x is that of 0 s, and `data-rate` the way in a second.
+            // Pages move it to the time of the frame that they show, and make it visible: x is that of 0 s,
+            // and `data-rate` the way in a second.
             let [[zero, _], [one, _]] = [0.0, 1.0].map(|time| place([time, 0.0]));
             svg.put(format_args!(
                 r#"<line class="cursor" x1="{zero:.1}" y1="{TOP:.1}" x2="{zero:.1}" y2="{:.1}" stroke="{}" stroke-width="1" visibility="hidden" data-zero="{zero}" data-rate="{}"/>"#,
@@ -263,8 +266,8 @@ fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> Str
     path
 }
 
-/// Returns the indices of the points of a curve that are drawn. A long curve is divided into stretches. The first, the last, the least and the greatest
-/// value of each stretch are drawn, so that no peak is lost.
+/// Returns the indices of the points of a curve that are drawn. A long curve is divided into stretches. The
+/// first, the last, the least and the greatest value of each stretch are drawn, so that no peak is lost.
 fn shown(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST_POINTS {
         return (0..values.len()).collect();

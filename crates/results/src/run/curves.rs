@@ -6,17 +6,18 @@ use crate::run::noise::mean;
 use crate::run::plots::Plot;
 use crate::run::unit::split;
 
-/// Shares of the peak between which the modulus is the slope of a curve: below, bodies settle; above, they yield.
+/// Shares of the peak between which the modulus is the slope of a curve: below, bodies settle; above, they
+/// yield.
 const SLOPE: [f64; 2] = [0.1, 0.5];
 
-/// A curve that is asked for.
+/// The request for a curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryCurve {
     /// Name.
     pub name: String,
     /// Column across, with its unit: `axial strain [m/m]`.
     pub x: String,
-    /// Column upwards, likewise.
+    /// Column upwards, with its unit.
     pub y: String,
     /// Length by which a displacement across is divided, m: it becomes a strain.
     pub length: Option<f64>,
@@ -24,7 +25,7 @@ pub struct HistoryCurve {
     pub area: Option<f64>,
 }
 
-/// What a curve tells.
+/// Figures of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveFigures {
     /// Name of the curve.
@@ -35,8 +36,9 @@ pub struct CurveFigures {
     pub at: f64,
     /// Time of the peak, s.
     pub time: f64,
-    /// Slope of the straight line with the least squares through the rows between 10 % and 50 % of the peak, the first time that the curve rises through these. `None` if fewer than three rows
-    /// are there, or if nothing changes across.
+    /// Slope of the straight line with the least squares through the rows between 10 % and 50 % of the peak,
+    /// the first time that the curve rises through these. `None` if fewer than three rows are there, or if
+    /// nothing changes across.
     pub modulus: Option<f64>,
     /// Units across and upwards.
     pub units: [String; 2],
@@ -148,7 +150,7 @@ impl HistoryCurve {
     }
 }
 
-/// The unit of a column. Those of every history have none in their names.
+/// The unit of a column. Columns of every history have no unit in their names.
 fn unit_of(name: &str) -> &str {
     let energies = ["kinetic", "strain", "contact", "friction", "cohesive", "damping", "external", "balance"];
     match split(name).1 {
@@ -160,7 +162,8 @@ fn unit_of(name: &str) -> &str {
     }
 }
 
-/// The slope of the straight line with the least squares. `None` for fewer than three points, or if they are one above the other.
+/// The slope of the straight line with the least squares. `None` for fewer than three points, or if they are
+/// one above the other.
 fn slope(points: &[[f64; 2]]) -> Option<f64> {
     let count = points.len() as f64;
     let middle = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;

@@ -1,13 +1,18 @@
-//! Acoustic emission: breaks of joints that are near in space and time are one event; magnitudes, and the b-value of their frequencies.
+//! Acoustic emission: breaks of joints that are near in space and time are one event; magnitudes, and the
+//! b-value of their frequencies.
 //!
-//! Two joints that break are linked if their middles, in the undeformed mesh, are no farther apart than a distance, and their times no more than a window. All joints that links connect are
-//! one event. Its time is that of its first break, its place the mean of the middles, weighted by their lengths or areas. Its energy is the fracture energy of its joints, and its magnitude that of
-//! Gutenberg and Richter, `M = (log₁₀ E - 4.8) · 2/3`, E in J.
+//! Two joints that break are linked if their middles, in the undeformed mesh, are no farther apart than a
+//! distance, and their times no more than a window. All joints that links connect are one event. Its time is
+//! that of its first break, its place the mean of the middles, weighted by their lengths or areas. Its energy
+//! is the fracture energy of its joints, and its magnitude that of Gutenberg and Richter,
+//! `M = (log₁₀ E - 4.8) · 2/3`, E in J.
 //!
 //! # Source
-//! J. F. Hazzard, R. P. Young, "Dynamic modelling of induced seismicity", Int. J. Rock Mech. Min. Sci. 41 (2004) 1365-1376, put cracks that are near in space and time together to one event;
-//! their magnitudes follow from the moments of contact forces instead. B. Gutenberg, C. F. Richter, "Magnitude and energy of earthquakes", Ann. Geofis. 9 (1956) 1-15. K. Aki, "Maximum
-//! likelihood estimate of b in the formula log N = a - bM and its confidence limits", Bull. Earthq. Res. Inst. 43 (1965) 237-239.
+//! J. F. Hazzard, R. P. Young, "Dynamic modelling of induced seismicity", Int. J. Rock Mech. Min. Sci. 41
+//! (2004) 1365-1376, put cracks that are near in space and time together to one event; their magnitudes
+//! follow from the moments of contact forces instead. B. Gutenberg, C. F. Richter, "Magnitude and energy of
+//! earthquakes", Ann. Geofis. 9 (1956) 1-15. K. Aki, "Maximum likelihood estimate of b in the formula log N =
+//! a - bM and its confidence limits", Bull. Earthq. Res. Inst. 43 (1965) 237-239.
 
 use std::f64::consts::LOG10_E;
 use std::fmt::Write;
@@ -21,7 +26,7 @@ use crate::run::plots::Plot;
 /// Width of the classes in which magnitudes are counted.
 const CLASS: f64 = 0.1;
 
-/// Fewest events for which a b-value is told.
+/// Fewest events for which a b-value is given.
 const FEWEST: usize = 50;
 
 /// Default distance of linked breaks, over the mean size of all facets that broke.
@@ -194,16 +199,18 @@ pub fn events_csv<const D: usize>(events: &[Event<D>]) -> String {
 pub struct BValue {
     /// The maximum-likelihood estimate `b = log₁₀ e / (mean M - M_c)`.
     pub b: f64,
-    /// Its standard error, `b/√n`.
+    /// Standard error of the estimate, `b/√n`.
     pub error: f64,
-    /// Magnitude of completeness `M_c`: the lower end of the class of a tenth of a magnitude with most events, the lowest of equal ones.
+    /// Magnitude of completeness `M_c`: the lower end of the class of a tenth of a magnitude with most
+    /// events, the lowest of equal ones.
     pub completeness: f64,
     /// Number of events from there on.
     pub count: usize,
 }
 
 impl BValue {
-    /// The b-value of some magnitudes. `None` for fewer than 50 from the magnitude of completeness on, or if they are all alike.
+    /// The b-value of some magnitudes. `None` for fewer than 50 from the magnitude of completeness on, or if
+    /// they are all alike.
     pub fn of(magnitudes: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> =
             magnitudes.iter().copied().filter(|magnitude| magnitude.is_finite()).collect();
@@ -221,7 +228,8 @@ impl BValue {
     }
 }
 
-/// Plots how many events have at least a magnitude, as a decimal logarithm, and the line of the b-value if there is one. `None` for fewer than two events.
+/// Plots how many events have at least a magnitude, as a decimal logarithm, and the line of the b-value if
+/// there is one. `None` for fewer than two events.
 pub fn magnitude_frequency<const D: usize>(events: &[Event<D>]) -> Option<Plot> {
     let mut magnitudes: Vec<f64> =
         events.iter().map(|event| event.magnitude).filter(|m| m.is_finite()).collect();

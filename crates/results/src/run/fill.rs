@@ -20,8 +20,8 @@ impl Fill {
         Self { width, height, samples: vec![[255; 3]; width * height] }
     }
 
-    /// Fills a triangle. Its corners are in pixels from the upper left. A sample belongs to the triangle that contains its centre, so it belongs to only one
-    /// of two adjacent triangles.
+    /// Fills a triangle. Its corners are in pixels from the upper left. A sample belongs to the triangle that
+    /// contains its centre, so it belongs to only one of two adjacent triangles.
     pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
         self.convex(&corners, colour);
     }

@@ -9,8 +9,8 @@ use crate::run::csv::{push_number, quoted};
 use crate::run::fragments::FragmentCount;
 use crate::run::frame::code;
 
-/// Columns of every history after step, time and the energies. Energies are in J, lengths in m, times in s; the largest fragment has a share of the mass. In three dimensions
-/// cracks have an area, m².
+/// Columns of every history after step, time and the energies. Energies are in J, lengths in m, times in s;
+/// the largest fragment has a share of the mass. In three dimensions cracks have an area, m².
 const COLUMNS: [&str; 9] = [
     "balance",
     "error",
@@ -23,7 +23,7 @@ const COLUMNS: [&str; 9] = [
     "largest_fragment",
 ];
 
-/// Names of the columns of every history, in so many dimensions.
+/// Names of the columns of every history, in the given number of dimensions.
 pub fn history_columns(dimensions: usize) -> Vec<String> {
     let energies = Energies::default();
     let first = ["step", "time"].into_iter().chain(energies.changing().map(|term| term.key));
@@ -51,7 +51,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// The numbers of the row, in the order of the columns: those of [`history_columns`], and those of the user.
+    /// The numbers of the row, in the order of the columns: the columns of [`history_columns`], then those of
+    /// the user.
     pub fn numbers(&self) -> Vec<f64> {
         let Self { energies, lengths: [tension, shear, mixed], fragments, .. } = self;
         let mut numbers = vec![self.step as f64, self.time];
@@ -63,7 +64,8 @@ impl Row {
         numbers
     }
 
-    /// Returns the number of broken joints, and their total lengths in tension, in shear and in mixed mode, m: [`Row::broken`] and [`Row::lengths`].
+    /// Returns the number of broken joints, and their total lengths in tension, in shear and in mixed mode,
+    /// m: [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints<const D: usize>(cracks: &[Crack<D>]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
         for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
@@ -74,7 +76,8 @@ impl Row {
     }
 }
 
-/// Writes a history as delimited text: one line of names, then the rows. Numbers have the shortest form that reads back as the same number.
+/// Writes a history as delimited text: one line of names, then the rows. Numbers have the shortest form that
+/// reads back as the same number.
 ///
 /// Names of the user's columns end with their unit in brackets: `load [N]`.
 ///
@@ -112,7 +115,8 @@ impl<W: Write> HistoryWriter<W> {
         Ok(Self { out, width: names.len(), line })
     }
 
-    /// Creates a writer that continues a text, without writing names. `width` is the number of the user's columns.
+    /// Creates a writer that continues a text, without writing names. `width` is the number of the user's
+    /// columns.
     pub fn going_on(out: W, width: usize) -> Self {
         Self { out, width, line: String::new() }
     }
@@ -120,7 +124,8 @@ impl<W: Write> HistoryWriter<W> {
     /// Writes a row in one piece.
     ///
     /// # Errors
-    /// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the number of values differs from that of the user's columns.
+    /// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the number of values differs from that of the
+    /// user's columns.
     pub fn row(&mut self, row: &Row) -> io::Result<()> {
         if row.values.len() != self.width {
             let problem = format!("the row has {} values for {} names", row.values.len(), self.width);
@@ -224,7 +229,8 @@ impl HistoryError {
     }
 }
 
-/// Returns the number of bytes of a history to keep for a run that resumes at `step`: all but later rows and an incomplete last line.
+/// Returns the number of bytes of a history to keep for a run that resumes at `step`: all but later rows and
+/// an incomplete last line.
 ///
 /// # Errors
 /// [`HistoryError`] for the first line whose step cannot be read.

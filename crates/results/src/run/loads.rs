@@ -30,7 +30,8 @@ struct Vectors<'a> {
     values: Vec<&'a [f64]>,
 }
 
-/// Returns forces and the displacements along them; `None` if the history has no force and displacement that belong together.
+/// Returns forces and the displacements along them; `None` if the history has no force and displacement that
+/// belong together.
 pub(crate) fn loading(history: &History) -> Option<Loading> {
     let forces = vectors(history, 'f', "N");
     let displacements = vectors(history, 'u', "m");
@@ -57,7 +58,8 @@ fn vectors<'a>(history: &'a History, letter: char, unit: &str) -> Vec<Vectors<'a
     columns.collect()
 }
 
-/// Returns the load of a boundary over its own displacement, along the axis on which it does most work; `None` if it does no work.
+/// Returns the load of a boundary over its own displacement, along the axis on which it does most work;
+/// `None` if it does no work.
 fn moved_load(force: &Vectors<'_>, moved: &Vectors<'_>) -> Option<Load> {
     let along = moved.values.iter().zip(&force.values);
     let work: Vec<f64> = along.map(|(moved, force)| work(moved, force).abs()).collect();
@@ -75,7 +77,8 @@ fn moved_load(force: &Vectors<'_>, moved: &Vectors<'_>) -> Option<Load> {
     })
 }
 
-/// Returns the forces of boundaries that do not move over the displacement of the node that moves farthest, along the axis of the largest force.
+/// Returns the forces of boundaries that do not move over the displacement of the node that moves farthest,
+/// along the axis of the largest force.
 fn supported(forces: &[Vectors<'_>], nodes: &[&Vectors<'_>]) -> Option<Loading> {
     let peak = |vectors: &Vectors<'_>, axis: usize| farthest(vectors.values[axis]).abs();
     let largest = |axis: usize| forces.iter().map(|force| peak(force, axis)).fold(0.0, f64::max);

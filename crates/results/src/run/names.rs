@@ -10,7 +10,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// Returns the names with the numbers that have them: `body: floor` with 0, `bodies: stones-1 to stones-60` with 1 and 60, `material: rock` with 0.
+    /// Returns the names with the numbers that have them: `body: floor` with 0,
+    /// `bodies: stones-1 to stones-60` with 1 and 60, `material: rock` with 0.
     ///
     /// The pieces of a packing are one entry, because thousands of entries would fill the lists of ParaView.
     pub(crate) fn numbered(&self) -> Vec<(String, Vec<i64>)> {
@@ -32,7 +33,8 @@ impl Names {
         entries
     }
 
-    /// Returns the number of bodies after this one that continue its numbering: `heap-2`, `heap-3`, … after `heap-1`.
+    /// Returns the number of bodies after this one that continue its numbering: `heap-2`, `heap-3`, … after
+    /// `heap-1`.
     fn row(&self, first: usize) -> usize {
         let Some(base) = self.bodies[first].strip_suffix("-1") else { return 0 };
         let continues = |&(k, name): &(usize, &String)| {

@@ -13,7 +13,8 @@ const RESTLESS: f64 = 4.0;
 /// ... and the root mean square of its deviations from the mean is more than this share of its range.
 const AWAY: f64 = 0.01;
 
-/// Returns the running mean of a curve, or `None` if the curve is not noisy. Each mean covers equally many rows before and after its own, fewer at the ends.
+/// Returns the running mean of a curve, or `None` if the curve is not noisy. Each mean covers equally many
+/// rows before and after its own, fewer at the ends.
 pub(crate) fn mean(across: &[f64], up: &[f64]) -> Option<Mean> {
     if up.len() < FEWEST || across.iter().chain(up).any(|value| !value.is_finite()) {
         return None;

@@ -2,7 +2,8 @@
 
 use fdem_simulation::Mesh;
 
-/// The edges of the undeformed mesh that are outlines of bodies, or of grains and materials within the bodies. Outlines move with their elements.
+/// The edges of the undeformed mesh that are outlines of bodies, or of grains and materials within the
+/// bodies. Outlines move with their elements.
 ///
 /// # Example
 /// ```
@@ -20,7 +21,8 @@ use fdem_simulation::Mesh;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Outlines {
-    /// Bits of each element, for the edges between corners `k` and `k + 1`: `1 << k` on the outline of its body, `8 << k` between grains or materials.
+    /// Bits of each element, for the edges between corners `k` and `k + 1`: `1 << k` on the outline of its
+    /// body, `8 << k` between grains or materials.
     pub(crate) bits: Vec<u8>,
 }
 
@@ -29,10 +31,12 @@ pub(crate) const OF_BODIES: u8 = 0b111;
 pub(crate) const OF_GRAINS: u8 = 0b11_1000;
 
 impl Outlines {
-    /// Finds the outlines of a mesh. Edges of one element only are outlines of bodies; edges between two grains or two materials are outlines of grains.
+    /// Finds the outlines of a mesh. Edges of one element only are outlines of bodies; edges between two
+    /// grains or two materials are outlines of grains.
     ///
     /// # Shapes
-    /// `grains`: a number for each element, different for two grains that have an edge in common; empty if there are no grains.
+    /// `grains`: a number for each element, different for two grains that have an edge in common; empty if
+    /// there are no grains.
     ///
     /// # Cost
     /// Sorts the edges of the mesh: about 0.3 µs an element.
@@ -63,12 +67,14 @@ impl Outlines {
         Self { bits }
     }
 
-    /// Returns the edges on the outlines of bodies: the element, and the corner (0, 1 or 2) at which the edge begins.
+    /// Returns the edges on the outlines of bodies: the element, and the corner (0, 1 or 2) at which the edge
+    /// begins.
     pub fn bodies(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         edges(&self.bits, OF_BODIES)
     }
 
-    /// Returns the edges between grains and between materials, from both sides: the element, and the corner at which the edge begins.
+    /// Returns the edges between grains and between materials, from both sides: the element, and the corner
+    /// at which the edge begins.
     pub fn grains(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         edges(&self.bits, OF_GRAINS)
     }

@@ -4,7 +4,8 @@
 const NONE: u16 = u16::MAX;
 const STEPS: f64 = 65_534.0;
 
-/// Arrays of 16-bit numbers. Each array has all upper bytes first, because they differ little and are easy to compress, then all lower bytes.
+/// Arrays of 16-bit numbers. Each array has all upper bytes first, because they differ little and are easy to
+/// compress, then all lower bytes.
 #[derive(Default)]
 pub(crate) struct Packed {
     pub(crate) bytes: Vec<u8>,
@@ -75,7 +76,8 @@ impl<'a> Unpacked<'a> {
         )
     }
 
-    /// Reads the next array of positions between `low` and `high`. Values that were not finite or beyond the limits are NaN.
+    /// Reads the next array of positions between `low` and `high`. Values that were not finite or beyond the
+    /// limits are NaN.
     pub(crate) fn places(&mut self, count: usize, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
         let value = |place: u16| match place {
             NONE => f64::NAN,

@@ -13,7 +13,8 @@ use crate::run::unit::split;
 /// Maximum number of curves in a plot: more could not be distinguished.
 const MOST_CURVES: usize = 8;
 
-/// If the first row has more than this share of the largest strain energy, there is an initial stress; less is rounding.
+/// If the first row has more than this share of the largest strain energy, there is an initial stress; less
+/// is rounding.
 const INITIAL: f64 = 1e-6;
 
 /// A plot of a history.
@@ -26,7 +27,8 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// Returns the plot as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is twice as wide as the SVG.
+    /// Returns the plot as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is twice as
+    /// wide as the SVG.
     ///
     /// # Errors
     /// [`PictureError::Width`], [`PictureError::Png`].
@@ -35,12 +37,13 @@ impl Plot {
     }
 }
 
-/// Plots a history: energies, the error of their balance, the growth of cracks, the number of fragments if it changes, the user's columns over
-/// time by unit, and forces over displacements.
+/// Plots a history: energies, the error of their balance, the growth of cracks, the number of fragments if it
+/// changes, the user's columns over time by unit, and forces over displacements.
 ///
-/// The last plot shows the force of each boundary over its own displacement. Both are along the axis on which the force does most work, positive in the
-/// direction of motion. If no boundary with a force moves, the plot shows the forces over the displacement of a node, along the axis of the largest force.
-/// A noisy force is drawn pale, with its running mean over it.
+/// The last plot shows the force of each boundary over its own displacement. Both are along the axis on which
+/// the force does most work, positive in the direction of motion. If no boundary with a force moves, the plot
+/// shows the forces over the displacement of a node, along the axis of the largest force. A noisy force is
+/// drawn pale, with its running mean over it.
 ///
 /// # Cost
 /// At most 1,600 points of a curve are drawn, however long the history is. Peaks are always drawn.
@@ -120,10 +123,10 @@ pub fn plots(history: &History) -> Vec<Plot> {
     plots
 }
 
-/// Plots the distribution of the sizes of fragments: the share of the mass that passes a size, over the size on a logarithmic axis. `None` if there are not two
-/// fragments.
+/// Plots the distribution of the sizes of fragments: the share of the mass that passes a size, over the size
+/// on a logarithmic axis. `None` if there are not two fragments.
 pub fn fragment_sizes(sizes: &SizeDistribution) -> Option<Plot> {
-    // The first point stands for no fragment.
+    // The first point means no fragment.
     if sizes.sizes().len() < 3 {
         return None;
     }
@@ -185,7 +188,8 @@ pub fn rank_loads(ranks: &[RankLoad]) -> [Plot; 2] {
     ]
 }
 
-/// Sizes, m, and passing shares, %, of a curve that is linear between its points. Such a curve is bent on a logarithmic axis: wide stretches get points in between.
+/// Sizes, m, and passing shares, %, of a curve that is linear between its points. Such a curve is bent on a
+/// logarithmic axis: wide stretches get points in between.
 fn bent(sizes: &[f64], shares: &[f64]) -> (Vec<f64>, Vec<f64>) {
     const STRETCHES: u8 = 32;
     const WIDE: f64 = 1.05;
@@ -204,8 +208,8 @@ fn bent(sizes: &[f64], shares: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (across, percent)
 }
 
-/// Returns the change of the strain energy since the beginning, or `None` if the bodies begin without stress. The energy of an initial stress would hide all
-/// other curves.
+/// Returns the change of the strain energy since the beginning, or `None` if the bodies begin without stress.
+/// The energy of an initial stress would hide all other curves.
 fn change_of_strain(history: &History) -> Option<Vec<f64>> {
     let strain = history.column("strain")?;
     let most = strain.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
@@ -261,7 +265,8 @@ fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
     plots
 }
 
-/// Whether a column is the displacement of a boundary that does not move. It is not plotted, because the plot of the force suffices.
+/// Whether a column is the displacement of a boundary that does not move. It is not plotted, because the plot
+/// of the force suffices.
 fn at_rest(history: &History, name: &str, values: &[f64]) -> bool {
     let boundary = [" ux [m]", " uy [m]", " uz [m]"].iter().find_map(|axis| name.strip_suffix(axis));
     let has_force = |boundary: &str| history.column(&format!("{boundary} fx [N]")).is_some();

@@ -1,14 +1,16 @@
 //! Coarser meshes, drawn in place of meshes that have too many elements for a page.
 //!
-//! A grid is laid over the frame, and all corners of a body that lie in one cell move to one of these corners. An element stays if its corners move to three
-//! different places; it is drawn as the triangle between these. The other elements have become lines or points and are left out. The triangles that stay
-//! cover the area of the mesh, up to the width of a cell. If no part of a body would stay in a cell, one of its elements stays as it is, so that fragments
-//! smaller than a cell are visible, too.
+//! A grid is laid over the frame, and all corners of a body that lie in one cell move to one of these
+//! corners. An element stays if its corners move to three different places; it is drawn as the triangle
+//! between these. The other elements have become lines or points and are left out. The triangles that stay
+//! cover the area of the mesh, up to the width of a cell. If no part of a body would stay in a cell, one of
+//! its elements stays unchanged, so that fragments smaller than a cell are visible, too.
 
 /// Bits of a key for the place of the cell on each axis. The other bits are for the body.
 const AXIS: u32 = 20;
 
-/// Number of attempts that keep bodies apart. Further attempts do not, because bodies cannot be kept apart if there are more of them than triangles.
+/// Number of attempts that keep bodies apart. Further attempts do not, because bodies cannot be kept apart if
+/// there are more of them than triangles.
 const APART: u32 = 4;
 
 /// A part of the elements of a mesh, drawn in place of the mesh.
@@ -40,7 +42,8 @@ impl Sample {
     /// Makes a sample of at most `most` elements; 0 means 1.
     ///
     /// # Shapes
-    /// `corners` and `bodies`: one entry for each element. `bounds`: the least and the greatest coordinate that is drawn, on each axis.
+    /// `corners` and `bodies`: one entry for each element. `bounds`: the least and the greatest coordinate
+    /// that is drawn, on each axis.
     pub(super) fn new(corners: &[[[f64; 2]; 3]], bodies: &[u32], bounds: [[f64; 2]; 2], most: usize) -> Self {
         let most = most.max(1);
         let extent = bounds.map(|[low, high]| high - low).into_iter().fold(f64::MIN_POSITIVE, f64::max);
@@ -64,7 +67,7 @@ impl Sample {
         }
     }
 
-    /// Makes the sample of a grid. `apart` tells whether bodies are kept apart.
+    /// Makes the sample of a grid. `apart`: whether bodies are kept apart.
     fn on(grid: Grid, corners: &[[[f64; 2]; 3]], bodies: &[u32], apart: bool) -> Self {
         // Keys and numbers of the corners, sorted by key. Corner k of element e has the number 3 e + k.
         let mut keys: Vec<(u64, u32)> = Vec::with_capacity(3 * corners.len());
@@ -119,7 +122,8 @@ impl Sample {
         Self { elements, corners, grid }
     }
 
-    /// Removes cracks that could not be distinguished: only the first crack of each mode in each cell stays. `ends` and `mode` are those of a crack.
+    /// Removes cracks that could not be distinguished: only the first crack of each mode in each cell stays.
+    /// `ends` and `mode` are those of a crack.
     pub(super) fn cracks<T>(
         &self,
         cracks: &mut Vec<T>,

@@ -1,6 +1,7 @@
 //! Units with SI prefixes.
 
-/// Returns the factor and the prefixed unit with which numbers are short. Units that take no prefix stay as they are.
+/// Returns the factor and the prefixed unit with which numbers are short. Units that take no prefix stay as
+/// they are.
 ///
 /// `largest` is the greatest magnitude of the numbers.
 pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
@@ -19,12 +20,13 @@ pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
     }
     // Lengths, velocities and times have no prefix above 1, such as megametres.
     let most = if unit.starts_with('m') || unit == "s" { 1.0 } else { f64::INFINITY };
-    // With the tolerance, an axis that ends slightly below 1 by rounding does not show 999.9 of the smaller unit.
+    // With the tolerance, an axis that ends slightly below 1 by rounding does not show 999.9 of the smaller
+    // unit.
     let found = PREFIXES.iter().find(|(size, ..)| *size <= most && largest * 1.000_001 >= *size);
     found.map_or_else(|| (1.0, unit.to_owned()), |(_, factor, prefix)| (*factor, format!("{prefix}{unit}")))
 }
 
-/// Splits `load [N]` into `load` and `N`. The unit is empty if there is none.
+/// Splits `load [N]` into `load` and `N`. The unit is empty if the column has none.
 pub(crate) fn split(name: &str) -> (&str, &str) {
     let parts = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
     parts.map_or((name, ""), |(name, unit)| (name.trim_end(), unit))

@@ -15,8 +15,9 @@ pub(crate) fn edge(a: usize, b: usize) -> usize {
     }
 }
 
-/// What is seen of an element: its facets, and the lines on its edges. Bits: facets `k` that are seen in `1 << k`; edges where the surface has an angle in
-/// `16 << k`; edges between grains or materials in `1024 << k`.
+/// The visible parts of an element: its facets, and the lines on its edges. Bits: facets `k` that are seen in
+/// `1 << k`; edges where the surface has an angle in `16 << k`; edges between grains or materials in
+/// `1024 << k`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Marks(pub(crate) u16);
 

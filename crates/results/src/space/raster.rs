@@ -1,9 +1,10 @@
-//! Triangles drawn into pixels, the nearer ones over those behind, without a graphics card. The pixels are the same on every machine, and in every order of the
-//! triangles.
+//! Triangles drawn into pixels, the nearer ones over those behind, without a graphics card. The pixels are
+//! the same on every machine, and in every order of the triangles.
 //!
-//! A pixel has 16 samples. A sample belongs to a triangle if it is inside its three edges, computed exactly on a grid of 1/256 of a pixel; on an edge it belongs to
-//! one of the two neighbours. Of the triangles at a sample the one nearest to the eye is kept; at equal depths that with the smaller number of a colour. The picture
-//! is drawn in bands of a few rows, so that the samples fit into a cache.
+//! A pixel has 16 samples. A sample belongs to a triangle if it is inside its three edges, computed exactly
+//! on a grid of 1/256 of a pixel; on an edge it belongs to one of the two neighbours. Of the triangles at a
+//! sample the one nearest to the eye is kept; at equal depths the one with the smaller number of a colour.
+//! The picture is drawn in bands of a few rows, so that the samples fit into a cache.
 
 use crate::arrays::each;
 use crate::picture::colour::Rgb;
@@ -14,8 +15,8 @@ const PARTS: f64 = 256.0;
 /// Samples in a pixel.
 const SAMPLES: usize = 16;
 
-/// Places of the samples, parts of a pixel from its upper left corner. No two are in one of 16 columns or in one of 16 rows, and there is one in each of 4 × 4
-/// squares, so that edges in all directions are smooth.
+/// Places of the samples, parts of a pixel from its upper left corner. No two are in one of 16 columns or in
+/// one of 16 rows, and there is one in each of 4 × 4 squares, so that edges in all directions are smooth.
 const PLACES: [[f64; SAMPLES]; 2] = {
     let mut places = [[0.0; SAMPLES]; 2];
     let mut k = 0;
@@ -34,7 +35,8 @@ const BAND: usize = 16;
 /// A triangle to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Triangle {
-    /// Corners in pixels: x to the right and y down from the upper left corner of the picture, z towards the eye.
+    /// Corners in pixels: x to the right and y down from the upper left corner of the picture, z towards the
+    /// eye.
     pub(crate) corners: [[f64; 3]; 3],
     pub(crate) paint: Paint,
     /// Lines along the edges from corner `k` to corner `k + 1`, inside the triangle.
@@ -71,15 +73,16 @@ impl Stroke {
     pub(crate) const NONE: Self = Self { width: 0.0, paint: Paint { cover: 0, colour: [0; 3] } };
 }
 
-/// Draws layers of triangles on white. A later layer is drawn over an earlier one where it is nearer to the eye, and only the nearest triangle of each layer is
-/// seen. Triangles with corners that are not finite are not drawn.
+/// Draws layers of triangles on white. A later layer is drawn over an earlier one where it is nearer to the
+/// eye, and only the nearest triangle of each layer is seen. Triangles with corners that are not finite are
+/// not drawn.
 ///
 /// # Returns
 /// Red, green and blue of each pixel, row by row from the top.
 ///
 /// # Cost
-/// 132 bytes for each layer and each pixel of 16 rows, and 8 to 24 bytes for each triangle. Time proportional to the triangles and to the pixels of the boxes around
-/// them.
+/// 132 bytes for each layer and each pixel of 16 rows, and 8 to 24 bytes for each triangle. Time proportional
+/// to the triangles and to the pixels of the boxes around them.
 pub(crate) fn draw([width, height]: [usize; 2], layers: &[Vec<Triangle>]) -> Vec<u8> {
     let mut pixels = Vec::with_capacity(3 * width * height);
     let mut sweeps: Vec<Sweep<'_>> =
@@ -118,7 +121,7 @@ impl<'a> Sweep<'a> {
         Self { triangles, size, starts, started: 0, active: Vec::new() }
     }
 
-    /// Draws the triangles in a band with so many rows.
+    /// Draws the triangles in a band with `rows` rows.
     fn draw(&mut self, band: &mut Band, rows: usize) {
         let end = band.top + rows;
         while let Some(&(_, number)) =
@@ -146,7 +149,8 @@ fn nearest(corners: &[[f64; 3]; 3]) -> f32 {
     corners[0][2].max(corners[1][2]).max(corners[2][2]) as f32
 }
 
-/// Returns the first and the end of the columns and of the rows of pixels that have parts of a triangle; `None` if there are none.
+/// Returns the first and the end of the columns and of the rows of pixels that have parts of a triangle;
+/// `None` if the triangle is outside.
 fn box_of(corners: &[[f64; 3]; 3], size: [usize; 2]) -> Option<[[usize; 2]; 2]> {
     for corner in corners {
         if !(corner[0].is_finite() && corner[1].is_finite() && corner[2].is_finite()) {
@@ -156,7 +160,8 @@ fn box_of(corners: &[[f64; 3]; 3], size: [usize; 2]) -> Option<[[usize; 2]; 2]> 
     let mut around = [[0; 2]; 2];
     for axis in 0..2 {
         let [a, b, c] = [corners[0][axis], corners[1][axis], corners[2][axis]];
-        // One part more on each side, because corners are moved onto the grid. Negative numbers are cast to 0.
+        // One part more on each side, because corners are moved onto the grid. Negative numbers are cast
+        // to 0.
         let first = (a.min(b).min(c) - 1.0 / PARTS) as usize;
         let end = ((a.max(b).max(c) + 1.0 / PARTS).ceil() as usize).min(size[axis]);
         if first >= end {
@@ -167,29 +172,32 @@ fn box_of(corners: &[[f64; 3]; 3], size: [usize; 2]) -> Option<[[usize; 2]; 2]> 
     Some(around)
 }
 
-/// What is computed once for a triangle.
+/// Values that are computed once for a triangle.
 struct Setup {
     /// Corner at which each edge begins, in parts of a pixel.
     begins: [[f64; 2]; 3],
     /// Change of the function of each edge, which is above 0 inside, along x and y.
     slopes: [[f64; 2]; 3],
-    /// What it is more at the samples than at the upper left corner of the pixel, and less by what makes it negative at samples on edges of the neighbour.
+    /// Its excess at the samples over its value at the upper left corner of the pixel, minus the amount that
+    /// makes it negative at samples on edges of the neighbour.
     inner: [[i32; SAMPLES]; 3],
     /// Numbers that are not above and not below any of these.
     ends: [[f64; 2]; 3],
-    /// Value of the function up to which the line on an edge reaches, and its colour; those with a line only, in the order in which they cover each other.
+    /// Value of the function up to which the line on an edge reaches, and its colour; those with a line only,
+    /// in the order in which they cover each other.
     lines: [Option<(usize, f64, u32)>; 3],
     /// Depth at the first corner, and its change along x and y.
     depth: f64,
     deeper: [f64; 2],
-    /// What the depth is more at the samples.
+    /// Excess of the depth at the samples.
     depths: [f32; SAMPLES],
     /// The least and the greatest depth of a corner.
     range: [f32; 2],
     colour: u32,
 }
 
-/// Bound on the sum of the slopes of an edge, with which functions at the samples of a pixel that the edge crosses have 31 bits: a triangle 16,000 pixels wide.
+/// Bound on the sum of the slopes of an edge, with which functions at the samples of a pixel that the edge
+/// crosses have 31 bits: a triangle 16,000 pixels wide.
 const STEEPEST: f64 = 4_194_304.0;
 
 impl Setup {
@@ -222,7 +230,8 @@ impl Setup {
         let mut ends = [[0.0; 2]; 3];
         for edge in 0..3 {
             let [x, y] = slopes[edge];
-            // An edge has opposite directions in its two triangles: one of them has the samples on it. All numbers are integers.
+            // An edge has opposite directions in its two triangles: one of them has the samples on it. All
+            // numbers are integers.
             let strict = if x < 0.0 || (x == 0.0 && y > 0.0) { 0.0 } else { 1.0 };
             inner[edge] = each(|k| (x * PLACES[0][k] + y * PLACES[1][k] - strict) as i32);
             ends[edge] = [(x.min(0.0) + y.min(0.0)) * PARTS - 1.0, (x.max(0.0) + y.max(0.0)) * PARTS];
@@ -281,7 +290,8 @@ impl Setup {
         }
     }
 
-    /// Draws one pixel. `at`: functions of the edges at its upper left corner. Returns the least depth of the samples.
+    /// Draws one pixel. `at`: functions of the edges at its upper left corner. Returns the least depth of the
+    /// samples.
     #[inline]
     fn pixel(
         &self,
@@ -341,7 +351,8 @@ struct Band {
     hidden: Vec<f32>,
 }
 
-/// A sample where nothing is drawn. No colour of a triangle is less, so that nothing is drawn at samples that are outside of it, whose depth is infinite.
+/// A sample where nothing is drawn. No colour of a triangle is less, so that nothing is drawn at samples that
+/// are outside of it, whose depth is infinite.
 const NOTHING: u32 = 0;
 
 impl Band {
@@ -384,7 +395,7 @@ fn append(pixels: &mut Vec<u8>, layers: &[Band], count: usize) {
             pixels.extend_from_slice(&one.to_be_bytes()[1..]);
             continue;
         }
-        // Two channels are summed at once: neither sum exceeds 16 bits.
+        // Two channels are summed together: neither sum exceeds 16 bits.
         let (mut outer, mut middle) = (0_u32, 0_u32);
         for colour in colours {
             outer += colour & 0x00ff_00ff;

@@ -1,4 +1,4 @@
-//! What a plane cuts off facets, and the section through tetrahedra.
+//! Facets clipped by a plane, and the section through tetrahedra.
 
 use crate::space::facets::WITHOUT;
 
@@ -14,7 +14,7 @@ pub(crate) struct Plane {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Polygon<S> {
     corners: [[f64; 3]; 4],
-    /// What the sides from corner `k` to the next corner are.
+    /// Kinds of the sides from corner `k` to the next corner.
     sides: [S; 4],
     count: usize,
 }
@@ -52,7 +52,8 @@ impl Plane {
         self.normal[0] * point[0] + self.normal[1] * point[1] + self.normal[2] * point[2] - self.offset
     }
 
-    /// Returns what the plane leaves of a triangle; `None` if nothing is left. `cut` is the new side, in the plane.
+    /// Returns the part of a triangle that the plane leaves; `None` if nothing is left. `cut` is the new
+    /// side, in the plane.
     pub(crate) fn clipped<S: Copy>(
         &self,
         corners: [[f64; 3]; 3],
@@ -86,8 +87,8 @@ impl Plane {
         if count == 0 { None } else { Polygon::new(&kept[..count]) }
     }
 
-    /// Returns the section through a tetrahedron. `sides`: of the lines in which its facets cross the plane. A facet that lies in the plane is a section of the element
-    /// that is taken away, unless it is `outside`.
+    /// Returns the section through a tetrahedron. `sides`: of the lines in which its facets cross the plane.
+    /// A facet that lies in the plane is a section of the element that is taken away, unless it is `outside`.
     pub(crate) fn section<S: Copy>(
         &self,
         corners: [[f64; 3]; 4],
@@ -116,7 +117,8 @@ impl Plane {
             return None;
         }
         let across = |a: usize, b: usize| crossing([corners[a], corners[b]], [beyond[a], beyond[b]]);
-        // Two neighbouring corners of the section are on edges of one facet, which is without the fourth corner of the element.
+        // Two neighbouring corners of the section are on edges of one facet, which is without the fourth
+        // corner of the element.
         let side = |missing: usize| sides[WITHOUT[missing]];
         match (&kept[..left], &taken[..away]) {
             (&[a], &[b, c, d]) => {
@@ -136,7 +138,8 @@ impl Plane {
     }
 }
 
-/// Returns where a line crosses the plane, from the end that is left to the end that is taken away: neighbours find the same point.
+/// Returns where a line crosses the plane, from the end that is left to the end that is taken away:
+/// neighbours find the same point.
 fn crossing([from, to]: [[f64; 3]; 2], [before, beyond]: [f64; 2]) -> [f64; 3] {
     let share = before / (before - beyond);
     [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))

@@ -11,11 +11,13 @@ const NONE: u32 = u32::MAX;
 /// Cosine of the angle between two facets, 30°, above which the edge between them is drawn.
 const EVEN: f64 = 0.866_025_403_784_438_6;
 
-/// More elements do not meet at an edge of a mesh. The limit ends the walk around an edge of a mesh that contradicts itself.
+/// More elements do not meet at an edge of a mesh. The limit ends the walk around an edge of a mesh that
+/// contradicts itself.
 const MOST_AROUND: usize = 10_000;
 
-/// Which facets of a mesh two elements share, and which are on the outside. It is made once for a mesh; with the cracks of a [`Snapshot`] it tells the facets that
-/// are seen: those outside, and both sides of those whose joint has broken.
+/// Which facets of a mesh two elements share, and which are on the outside. It is made once for a mesh; with
+/// the cracks of a [`Snapshot`] it gives the visible facets: those outside, and both sides of those whose
+/// joint has broken.
 ///
 /// # Example
 /// ```
@@ -40,7 +42,7 @@ pub struct Shell {
     across: Vec<[u32; 4]>,
 }
 
-/// What is seen of a snapshot.
+/// The visible parts of a snapshot.
 pub(crate) struct Seen {
     /// Facets that are seen, and lines on edges, of each element.
     pub(crate) marks: Vec<Marks>,
@@ -56,7 +58,8 @@ pub(crate) struct SeenCrack {
     pub(crate) facets: [u32; 2],
     /// Corners of both facets in their elements. Equal places are the same vertex.
     pub(crate) corners: [[usize; 3]; 2],
-    /// Edges at which the crack ends on the outside: `1 << k` for the edge between places `k` and `k + 1` of side 0, `8 << k` of side 1.
+    /// Edges at which the crack ends on the outside: `1 << k` for the edge between places `k` and `k + 1` of
+    /// side 0, `8 << k` of side 1.
     pub(crate) traces: u16,
 }
 
@@ -64,8 +67,8 @@ impl Shell {
     /// Sorts the facets of a mesh.
     ///
     /// # Shapes
-    /// `grains`: a number for each element, different for two grains that have a facet in common; empty if there are no grains. Edges of the surface between grains
-    /// and between materials are drawn.
+    /// `grains`: a number for each element, different for two grains that have a facet in common; empty if
+    /// there are no grains. Edges of the surface between grains and between materials are drawn.
     ///
     /// # Cost
     /// About 0.5 µs and 40 bytes an element.
@@ -106,8 +109,8 @@ impl Shell {
         self.across.iter().flatten().filter(|&&facet| facet == NONE).count()
     }
 
-    /// Finds what is seen of a snapshot of this mesh: facets outside, facets beside elements that are not drawn, and both sides of broken joints. Nothing is seen of
-    /// elements that are not drawn.
+    /// Finds the visible parts of a snapshot of this mesh: facets outside, facets beside elements that are
+    /// not drawn, and both sides of broken joints. Nothing is seen of elements that are not drawn.
     pub(crate) fn seen(&self, snapshot: &Snapshot<3, 4>, drawn: &[bool]) -> Result<Seen, SnapshotError> {
         let mut marks = vec![Marks::default(); self.elements.len()];
         for (element, across) in self.across.iter().enumerate() {
@@ -152,7 +155,8 @@ impl Shell {
         Ok(Seen { marks, cracks })
     }
 
-    /// Marks the edges of facets that are seen at which the surface has an angle, or the grain or the material changes.
+    /// Marks the edges of facets that are seen at which the surface has an angle, or the grain or the
+    /// material changes.
     fn lines(&self, snapshot: &Snapshot<3, 4>, marks: &mut [Marks]) {
         for element in 0..marks.len() {
             for k in (0..4).filter(|&k| marks[element].seen(k)).collect::<Vec<_>>() {
@@ -177,8 +181,9 @@ impl Shell {
         }
     }
 
-    /// Goes around an edge from a facet that is seen, through the body, to the next facet that is seen. Returns it with the corners of the edge in its element; `None`
-    /// if there is none, which is so in a mesh that contradicts itself only.
+    /// Goes around an edge from a facet that is seen, through the body, to the next facet that is seen.
+    /// Returns it with the corners of the edge in its element; `None` if it does not exist, which happens
+    /// only in an inconsistent mesh.
     fn around(&self, marks: &[Marks], facet: u32, ends: [usize; 2]) -> Option<(u32, [usize; 2])> {
         let (mut facet, mut ends) = (facet, ends);
         for _ in 0..MOST_AROUND {

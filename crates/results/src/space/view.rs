@@ -4,7 +4,8 @@ use crate::arrays::each;
 use crate::run::pictures::extent;
 use crate::space::frame::SpaceFrame;
 
-/// What all pictures of a series in three dimensions show, and from where: in parallel projection, with z upwards.
+/// The visible parts of all pictures of a series in three dimensions, and the direction of view: in parallel
+/// projection, with z upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceView {
     pub(crate) low: [f64; 3],
@@ -20,8 +21,8 @@ const AZIMUTH: f64 = 30.0;
 const ELEVATION: f64 = 25.0;
 
 impl SpaceView {
-    /// Returns a view of all frames from the front right above. It reaches beyond the first frame by at most half of the longest side of that frame. Fragments that fly
-    /// farther leave the picture.
+    /// Returns a view of all frames from the front right above. It reaches beyond the first frame by at most
+    /// half of the longest side of that frame. Fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>) -> Self {
         let (bounds, times): (Vec<_>, Vec<f64>) =
             frames.into_iter().map(|frame| (frame.bounds, frame.time)).unzip();
@@ -39,8 +40,9 @@ impl SpaceView {
     /// Returns the same part of space, seen from another direction.
     ///
     /// # Arguments
-    /// Both in degrees. `azimuth`: 0 from the front, against the direction of y; 90 from the right, against that of x. `elevation`: 0 from the side, 90 from above, -90
-    /// from below. Angles that are not finite are 0.
+    /// Both in degrees. `azimuth`: 0 from the front, against the direction of y; 90 from the right, against
+    /// that of x. `elevation`: 0 from the side, 90 from above, -90 from below. Angles that are not finite
+    /// are 0.
     #[must_use]
     pub fn seen_from(self, azimuth: f64, elevation: f64) -> Self {
         Self { axes: axes(azimuth, elevation), ..self }
@@ -59,7 +61,8 @@ impl SpaceView {
         })
     }
 
-    /// Returns the least and the greatest coordinates of the box around what is shown, to the right, upwards and to the eye.
+    /// Returns the least and the greatest coordinates of the box around the visible parts, to the right,
+    /// upwards and to the eye.
     pub(crate) fn extent(&self) -> [[f64; 2]; 3] {
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for bits in 0..8 {
@@ -72,7 +75,8 @@ impl SpaceView {
         extent
     }
 
-    /// Returns the names of the axes and their directions in a drawing, with y downwards. An axis that points to the eye is left out.
+    /// Returns the names of the axes and their directions in a drawing, with y downwards. An axis that points
+    /// to the eye is left out.
     pub(crate) fn triad(&self) -> Vec<(&'static str, [f64; 2])> {
         let axis = |k: usize| {
             let [x, y, _] = self.turned(std::array::from_fn(|axis| f64::from(u8::from(axis == k))));
@@ -88,7 +92,8 @@ fn axes(azimuth: f64, elevation: f64) -> [[f64; 3]; 3] {
     [[cos, sin, 0.0], [-sin * above, cos * above, level], [sin * level, -cos * level, above]]
 }
 
-/// Returns sine and cosine of an angle in degrees, by their series: those of the standard library differ between machines. The error is below 1e-15.
+/// Returns sine and cosine of an angle in degrees, by their series: those of the standard library differ
+/// between machines. The error is below 1e-15.
 fn sine_and_cosine(degrees: f64) -> [f64; 2] {
     if !degrees.is_finite() {
         return [0.0, 1.0];

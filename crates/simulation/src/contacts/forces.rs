@@ -1,7 +1,8 @@
 //! Forces between two elements in contact.
 //!
-//! Couples are computed in batches. Those that did not touch and that no facet parts now get a place among the histories; then the forces of all couples with a place are computed: those of
-//! their potentials, and friction and damping.
+//! Couples are computed in batches. Couples that did not touch and that no facet parts now get a place among
+//! the histories; then the forces of all couples with a place are computed: the gradient of their potentials,
+//! and friction and damping.
 
 use std::ops::Range;
 
@@ -26,7 +27,7 @@ const GROUP: usize = 4;
 pub(super) struct Pressed<const D: usize, const N: usize> {
     /// Forces of potential, friction and damping, in batches. Each couple has the place of its history.
     found: Vec<Interactions<D, N>>,
-    /// The numbers of [`Works`], likewise.
+    /// The numbers of [`Works`] of each couple, in the same places.
     works: Vec<[Lanes; 4]>,
     /// Couples of the chunk that have separated in this pass, ascending, with the works of their last forces.
     pub(super) separated: Vec<(u32, Works)>,
@@ -39,7 +40,8 @@ impl<const D: usize, const N: usize> Default for Pressed<D, N> {
 }
 
 impl<const D: usize, const N: usize> Pressed<D, N> {
-    /// Adds the forces of the couple in a place to those of its elements, N. Returns its works, and whether one element reaches the centroid of the other.
+    /// Adds the forces of the couple in a place to those of its elements, N. Returns its works, and whether
+    /// one element reaches the centroid of the other.
     #[inline]
     pub(super) fn add_to(
         &self,
@@ -60,7 +62,7 @@ impl<const D: usize, const N: usize> Pressed<D, N> {
     }
 }
 
-/// What the forces of all couples depend on in this pass.
+/// The state on which the forces of all couples depend in this pass.
 pub(super) struct Pass<'a, const D: usize, const N: usize> {
     pub(super) solid: &'a Solid<D, N>,
     pub(super) joints: &'a Joints<D>,
@@ -121,12 +123,14 @@ where
             if !couple.touches && couple.elements.iter().any(|&element| !self.bare[element as usize]) {
                 continue;
             }
-            // A detached joint did not press its elements apart: their overlap now must not count at once.
+            // A detached joint did not press its elements apart: their present overlap must not count
+            // immediately.
             let joint = self.joints.all.get(couple.joint as usize);
             couple.initial_overlap |=
                 joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
             if self.weight(couple)[0] <= 0.0 {
-                // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
+                // While the joint carries the whole load, the gap says nothing about when contact begins: the
+                // couple must not be skipped.
                 if couple.touches {
                     let works = self.last_works(couple, histories);
                     separated.push((number as u32, works));
@@ -221,7 +225,8 @@ where
         }
     }
 
-    /// Prefetches what the couples ahead need: the numbers of the nodes, and then the nodes. The first element is often that of the couple before.
+    /// Prefetches the data of the couples ahead: the numbers of the nodes, and then the nodes. The first
+    /// element is often that of the couple before.
     #[inline]
     fn prefetch<'a>(&self, ahead: impl Fn(usize) -> Option<&'a Couple>) {
         if let Some(Couple { elements: [_, next], .. }) = ahead(2 * AHEAD) {
@@ -235,7 +240,7 @@ where
         }
     }
 
-    /// Puts what the forces of a couple depend on into a lane.
+    /// Puts the input of the forces of a couple into a lane.
     #[inline]
     fn gather(&self, couple: &Couple, lane: usize, shapes: &mut Shapes<D, N>, given: &mut Given<D, N>) {
         let solid = self.solid;
@@ -261,7 +266,8 @@ where
         given.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
     }
 
-    /// Share of the forces of a couple that acts, while a joint between its elements carries the rest, and the increase of this share in the last step.
+    /// Share of the forces of a couple that acts, while a joint between its elements carries the rest, and
+    /// the increase of this share in the last step.
     #[inline]
     fn weight(&self, couple: &Couple) -> [f64; 2] {
         let joint = self.joints.all.get(couple.joint as usize);
@@ -315,7 +321,8 @@ where
 compiled_for_vectors!(fn distances_of = all_distances<const D: usize, const N: usize>(shapes: &Shapes<D, N>, distances: &mut Lanes)
     where [[f64; D]; N]: Simplex<D, N>);
 
-/// Points where the forces of couples act: the middle of their boundary in contact, or of their corners if they do not overlap any more.
+/// Points where the forces of couples act: the middle of their boundary in contact, or of their corners if
+/// they do not overlap any more.
 pub(super) fn points<const D: usize, const N: usize>(
     couples: &[[u32; 2]],
     solid: &Solid<D, N>,
@@ -352,7 +359,8 @@ where
     points
 }
 
-/// A lower bound of the distance of two elements, m; `None` if no facet parts them: they overlap, or are near each other. The bound need not be sharp beyond `most`.
+/// A lower bound of the distance of two elements, m; `None` if no facet parts them: they overlap, or are near
+/// each other. The bound need not be sharp beyond `most`.
 pub(super) fn distance<const D: usize, const N: usize>(
     a: &[Point<D>; N],
     b: &[Point<D>; N],
@@ -373,7 +381,7 @@ where
     Some(if told > most { told } else { a.distance(b, told) })
 }
 
-/// Gap, m, between two elements along the line between their centroids; negative if there is none.
+/// Gap, m, between two elements along the line between their centroids; negative if they overlap.
 #[inline]
 fn gap_between_middles<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
     let line: Point<D> = std::array::from_fn(|axis| {

@@ -1,17 +1,22 @@
-//! Finds the elements whose stress is near the strength of their edges in any direction. Only the edges of these elements are checked one by one.
+//! Finds the elements whose stress is near the strength of their edges in any direction. Only the edges of
+//! these elements are checked one by one.
 //!
-//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≤ 0` and `|τ| + µ σ ≥ c`, or if `σ > 0` and the traction is beyond
-//! the ellipse with the half axes `f_t` and `c`. The mean reaches a limit that is convex in the traction only if one of the two elements reaches it. Such limits,
-//! of which every traction that fails reaches one, are `|τ| + µ σ ≥ c` and, where that line is beyond the ellipse, the chord from their intersection to `(f_t, 0)`:
-//! `|τ| + m σ ≥ m f_t`. The largest value of `|τ| + µ σ` over all directions is `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
+//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≤ 0` and
+//! `|τ| + µ σ ≥ c`, or if `σ > 0` and the traction is beyond the ellipse with the half axes `f_t` and `c`.
+//! The mean reaches a limit that is convex in the traction only if one of the two elements reaches it. Such
+//! limits, of which every traction that fails reaches one, are `|τ| + µ σ ≥ c` and, where that line is beyond
+//! the ellipse, the chord from their intersection to `(f_t, 0)`: `|τ| + m σ ≥ m f_t`. The largest value of
+//! `|τ| + µ σ` over all directions is `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of
+//! Mohr's circle.
 
 use crate::lanes::{Available, LANES, Lanes, compiled_for_vectors, larger};
 use crate::model::Strength;
 use crate::simplex::Simplex;
 use crate::solid::batch::Deformed;
 
-/// Edges at a free surface or a crack tip are checked if the mean traction of their elements reaches this share of their strength. The traction at the node
-/// exceeds that of the elements around it: by a factor of 1.6 ahead of a crack, where stress is proportional to 1/√r, and by less elsewhere.
+/// Edges at a free surface or a crack tip are checked if the mean traction of their elements reaches this
+/// share of their strength. The traction at the node exceeds that of the elements around it: by a factor
+/// of 1.6 ahead of a crack, where stress is proportional to 1/√r, and by less elsewhere.
 pub(crate) const SUSPECT: f64 = 0.25;
 
 /// Relative tolerance for rounding: the bounds are not computed by the same formulas as the tractions.
@@ -35,7 +40,7 @@ pub(crate) struct Weakest {
 }
 
 impl Weakest {
-    /// The weakest of the given strengths, or infinity if there are none.
+    /// The weakest of the given strengths, or infinity without any.
     pub(crate) fn of(strengths: impl Iterator<Item = Strength>) -> Self {
         let none = Self { tensile: f64::INFINITY, cohesion: f64::INFINITY };
         strengths.fold(none, |weakest, strength| Self {
@@ -48,8 +53,8 @@ impl Weakest {
 /// The slopes of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slopes {
-    /// The smallest and the largest tangent µ of the angle of internal friction, each with `√(1 + µ²)`. The bound for shear is convex in µ, so it is largest at
-    /// one of the two.
+    /// The smallest and the largest tangent µ of the angle of internal friction, each with `√(1 + µ²)`. The
+    /// bound for shear is convex in µ, so it is largest at one of the two.
     friction: [[f64; 2]; 2],
     /// `√(1 + 1/m²)` of the flattest chord: the bound for tension falls with m.
     chord: f64,
@@ -67,7 +72,8 @@ impl Slopes {
         }
     }
 
-    /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an element's edges.
+    /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an
+    /// element's edges.
     #[inline]
     pub(crate) fn near(&self, weakest: Weakest, circle: [f64; 2]) -> Near {
         Near::of(self.level(weakest, circle))
@@ -140,7 +146,8 @@ fn all_levels<const D: usize, const N: usize>(
     }
 }
 
-/// Slope m of the chord of a strength. Infinite where the line `|τ| + µ σ = c` is within the ellipse up to the axis: there no chord is needed.
+/// Slope m of the chord of a strength. Infinite where the line `|τ| + µ σ = c` is within the ellipse up to
+/// the axis: there no chord is needed.
 fn chord(strength: &Strength) -> f64 {
     let steepness = strength.friction * strength.tensile / strength.cohesion;
     if strength.tensile > 0.0 && steepness < 1.0 {
@@ -169,7 +176,8 @@ mod tests {
         }
     }
 
-    /// Every edge that fails by the mean of two stresses is found, and so is every edge that reaches [`SUSPECT`] of its strength.
+    /// Every edge that fails by the mean of two stresses is found, and so is every edge that reaches
+    /// [`SUSPECT`] of its strength.
     #[test]
     fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
         let (strong, weak) = (strength(1.5, 0.2), strength(1.0, 0.7));

@@ -1,9 +1,11 @@
-//! Tractions on edges and on planes near them, and the plane for which a joint stands.
+//! Tractions on edges and on planes near them, and the plane that a joint represents.
 //!
-//! Material fails on the plane that its stress uses most. An unstructured mesh has edges near that plane, not on it. An edge that had to reach the strength by
-//! its own traction would fail later than the material: a tension by 1/cos² of the angle between the two, a compression by more, because facets aslant to a
-//! shear plane interlock. So an edge fails as soon as a plane within [`REACH`] of it does, and its joint stands for that plane: it begins with the traction that
-//! acts, which is then its strength, and its fracture energy is that of its projection on the plane.
+//! Material fails on the plane that its stress uses most. An unstructured mesh has edges near that plane, not
+//! on it. An edge that had to reach the strength by its own traction would fail later than the material: a
+//! tension by 1/cos² of the angle between the two, a compression by more, because facets aslant to a shear
+//! plane interlock. Therefore an edge fails as soon as a plane within [`REACH`] of it does, and its joint
+//! represents that plane: it begins with the acting traction, which is then its strength, and its fracture
+//! energy is that of its projection on the plane.
 
 use crate::cohesive::{Plane, use_of};
 use crate::model::Strength;
@@ -12,8 +14,9 @@ use crate::solid::Solid;
 use crate::topology::Facet;
 use crate::vector::{Matrix, Point, matrix};
 
-/// Largest angle between an edge and the plane for which its joint stands. Six edges meet at a vertex on average, so the nearest one is 15° off on average, and
-/// at most 30°. With a larger reach edges fail that the crack does not take; `bench/NOTES.md` has the table.
+/// Largest angle between an edge and the plane that its joint represents. Six edges meet at a vertex on
+/// average, so the nearest one is 15° off on average, and at most 30°. With a larger reach edges fail that
+/// the crack does not take; `bench/NOTES.md` has the table.
 const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
 /// Largest ratio of the uses of the strength on the plane and on the edge.
@@ -42,7 +45,8 @@ where
     if used > own && used.is_finite() { Plane { excess, area } } else { Plane::OWN }
 }
 
-/// Whether a use of the strength of an edge breaks it or a plane near it. `plane`: that plane; it is found only if it can decide.
+/// Whether a use of the strength of an edge breaks it or a plane near it. `plane`: that plane; it is found
+/// only if it can decide.
 pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> Plane) -> bool {
     used >= 1.0 || (MOST * used >= 1.0 && used * plane().excess >= 1.0)
 }
@@ -102,7 +106,8 @@ mod tests {
         }
     }
 
-    /// In compression, edges near the plane of Mohr and Coulomb fail under its strength, 2 c cos φ/(1 - sin φ).
+    /// In compression, edges near the plane of Mohr and Coulomb fail under its strength, 2 c cos φ/(1 - sin
+    /// φ).
     #[test]
     fn edges_near_the_plane_of_shear_fail_with_it() {
         let angle = ROCK.friction.atan();

@@ -14,7 +14,8 @@ impl<const D: usize> Joints<D> {
         self.sets.get(self.class[facet as usize] as usize).copied().filter(|&set| set != NONE)
     }
 
-    /// Inserts undamaged joints on all facets that can break. [`Joints::part`] gives them the traction of the initial stress.
+    /// Inserts undamaged joints on all facets that can break. [`Joints::part`] gives them the traction of the
+    /// initial stress.
     pub(crate) fn everywhere<const N: usize>(
         &mut self,
         model: &Model<D, N>,

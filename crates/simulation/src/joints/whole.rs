@@ -1,7 +1,8 @@
 //! Whole joints, a batch of them side by side: see `lanes.rs`.
 //!
-//! Where nothing has broken yet, nearly all joints are whole and stay so. Of such a joint a step reads a [`Link`] only, a quarter of the whole record, and its tractions have no branch,
-//! unlike those of joints that soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
+//! Where nothing has broken yet, nearly all joints are whole and stay so. A step reads only a [`Link`] of
+//! such a joint, a quarter of the whole record, and its tractions have no branch, unlike those of joints that
+//! soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
 
 use fdem_contact::prefetch;
 
@@ -19,7 +20,7 @@ const WORTH_IT: usize = 4;
 /// Number of joints between one that is taken and the one whose nodes are prefetched.
 const AHEAD: usize = 6;
 
-/// What a step does with a joint.
+/// How a step treats a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// It is whole, and has no traction where its sides lie on each other.
@@ -32,7 +33,7 @@ enum Kind {
     Gone,
 }
 
-/// What the forces of a joint depend on while it is whole.
+/// The data that the forces of a whole joint depend on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link<const D: usize> {
     nodes: [[u32; 2]; D],
@@ -48,7 +49,7 @@ pub(super) struct Link<const D: usize> {
 }
 
 impl<const D: usize> Link<D> {
-    /// The link of a joint as it is now.
+    /// The link of a joint in its present state.
     pub(super) fn of(joint: &Joint<D>, thickness: f64) -> Self {
         // A batch has one stiffness for all directions of a joint.
         let whole = joint.law.shear == 1.0
@@ -92,7 +93,7 @@ impl<const D: usize> Link<D> {
     }
 }
 
-/// What the forces of a batch depend on. The first index of tensors is the end of a joint.
+/// The data that the forces of a batch depend on. The first index of tensors is the end of a joint.
 #[derive(Clone, Debug)]
 pub(super) struct Batch<const D: usize> {
     /// Sums of the positions of both sides, m.
@@ -102,7 +103,7 @@ pub(super) struct Batch<const D: usize> {
     rates: Tensors<D>,
     /// Openings and slidings without traction, m.
     origins: Tensors<D>,
-    /// Forces on side 0, N: those of the last step, then those of this one.
+    /// Forces on side 0, N: of the last step, then of this one.
     forces: Tensors<D>,
     /// Unit vectors across the facet and along it.
     axes: Tensors<D>,
@@ -146,7 +147,8 @@ impl<const D: usize> Batch<D> {
         holds: Lanes::ZERO,
     };
 
-    /// Computes those of up to [`LANES`] joints that are whole. Returns whether they are worth it. `links`: those of these joints, and of the next ones.
+    /// Computes those of up to [`LANES`] joints that are whole. Returns whether they are worth it. `links`:
+    /// those of these joints, and of the next ones.
     #[inline]
     pub(super) fn pull<const N: usize>(
         &mut self,

@@ -3,8 +3,8 @@
 use crate::simplex::tetrahedron::{EDGES, FACES, Tetrahedron, cross3};
 use crate::vector::{Point, dot, minus};
 
-/// Distance of two tetrahedra that do not overlap, m. The points of both that are nearest to each other are either on an edge of each, or one is a corner and the other is
-/// inside a face.
+/// Distance of two tetrahedra that do not overlap, m. The points of both that are nearest to each other are
+/// either on an edge of each, or one is a corner and the other is inside a face.
 pub(super) fn between(a: &Tetrahedron, b: &Tetrahedron) -> f64 {
     let edges = |shape: &Tetrahedron| EDGES.map(|[from, to]| [shape[from], minus(shape[to], shape[from])]);
     let (of_a, of_b) = (edges(a), edges(b));
@@ -32,7 +32,8 @@ fn between_edges([p, u]: &[Point<3>; 2], [q, v]: &[Point<3>; 2]) -> f64 {
     dot(apart, apart)
 }
 
-/// Square of the least distance of a corner of one tetrahedron from a face of the other inside of which it has its foot, m²; infinite if there is none.
+/// Square of the least distance of a corner of one tetrahedron from a face of the other inside of which it
+/// has its foot, m²; infinite if no corner has such a face.
 fn above_faces(corners: &Tetrahedron, faces: &Tetrahedron) -> f64 {
     let mut least = f64::INFINITY;
     for face in FACES {

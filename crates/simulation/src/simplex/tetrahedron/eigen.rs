@@ -1,4 +1,5 @@
-//! Eigenvalues and eigenvectors of symmetric matrices, by Jacobi's rotations: square roots are their only functions, so that they are the same on every platform.
+//! Eigenvalues and eigenvectors of symmetric matrices, by Jacobi's rotations: square roots are their only
+//! functions, so that they are the same on every platform.
 
 use crate::vector::{Matrix, matrix};
 

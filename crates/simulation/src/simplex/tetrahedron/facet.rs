@@ -75,8 +75,8 @@ pub(super) fn common(
 
 /// Forces on the vertices of a face because its axes turn with it.
 ///
-/// The normal turns by `−Σ ∇β (n·u)`, the directions along the face by the same towards the normal, and about it as the edge from vertex 0 to vertex 1, which is along the first
-/// of them.
+/// The normal turns by `−Σ ∇β (n·u)`, the directions along the face by the same towards the normal, and about
+/// it as the edge from vertex 0 to vertex 1, which is along the first of them.
 pub(super) fn turning(
     face: &[Point<3>; 3],
     axes: &Matrix<3>,
@@ -106,7 +106,8 @@ mod tests {
     use crate::simplex::Simplex;
     use crate::simplex::tetrahedron::Tetrahedron;
 
-    /// The points of the common part of two faces in one plane have its area and its centroid, from both faces.
+    /// The points of the common part of two faces in one plane have its area and its centroid, from both
+    /// faces.
     #[test]
     fn the_common_part_of_two_faces() {
         let one = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
@@ -130,7 +131,8 @@ mod tests {
         assert!(common(&one, &beside, 1e-9, 1e-9).is_empty());
     }
 
-    /// The forces are the gradient of the energy of a pressure along the normal and a traction against the directions of a face, on a point that does not move.
+    /// The forces are the gradient of the energy of a pressure along the normal and a traction against the
+    /// directions of a face, on a point that does not move.
     #[test]
     fn turning_is_a_gradient() {
         for seed in 0..50 {

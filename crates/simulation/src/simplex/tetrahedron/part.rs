@@ -1,8 +1,11 @@
-//! Parts of faces, a batch of them side by side: a triangle, cut by up to four lines, and integrals over what is left.
+//! Parts of faces, a batch of them side by side: a triangle, cut by up to four lines, and integrals over the
+//! rest.
 //!
-//! A cut without a branch: a convex polygon is a list of so many corners, some of which may be the same point. A line takes away one run of corners, around the polygon. It ends where the
-//! outline leaves the kept side and begins again where it enters it: these two points are found by comparing each corner with the next. In the list that is left, which has one corner
-//! more, the first of the run becomes the point where the outline leaves, all others the point where it enters.
+//! A cut without a branch: a convex polygon is a list of a fixed number of corners, some of which may be the
+//! same point. A line takes away one run of corners, around the polygon. It ends where the outline leaves the
+//! kept side and begins again where it enters it: these two points are found by comparing each corner with
+//! the next. In the list that is left, which has one corner more, the first of the run becomes the point
+//! where the outline leaves, all others the point where it enters.
 
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, row, set_row};
 use crate::vector::cross;
@@ -13,8 +16,8 @@ pub(super) const CUTS: usize = 4;
 /// Most corners: each line adds one to the triangle.
 const MOST: usize = 3 + CUTS;
 
-/// Numbers that are integrated over a part. The area of the face counts as 1: area, ∫ φ, ∫ φ β with the last two barycentric coordinates β on the face, ∫ h with C = −1/12, and the
-/// largest φ.
+/// Numbers that are integrated over a part. The area of the face counts as 1: area, ∫ φ, ∫ φ β with the last
+/// two barycentric coordinates β on the face, ∫ h with C = −1/12, and the largest φ.
 pub(super) const NUMBERS: usize = 6;
 
 /// A batch of parts.
@@ -66,7 +69,7 @@ impl Parts {
         last.set(own, larger(last.get(own), self.numbers[NUMBERS - 1].get(lane)));
     }
 
-    /// Computes parts that are cut by so many lines.
+    /// Computes parts that are cut by `cuts` lines.
     pub(super) fn compute(&mut self, available: Available, cuts: usize) {
         for (corner, place) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
             self.places[0][corner] = place.map(Lanes::all);
@@ -105,7 +108,8 @@ impl Parts {
         let [one, other] = places;
         let (from, to) = if FROM == 0 { (&*one, other) } else { (&*other, one) };
         find_signs::<M>(available, &lines[M - 3], from, signs, left);
-        // A line crosses the outline of a convex polygon twice. Rounding can let it cross more often, near corners that coincide: the longest run is kept.
+        // A line crosses the outline of a convex polygon twice. Rounding can let it cross more often, near
+        // corners that coincide: the longest run is kept.
         for lane in 0..LANES {
             if signs.exits[lane] > 1 {
                 keep_longest_run(&mut signs.kept[..M], lane);
@@ -222,7 +226,7 @@ fn all_cuts<const M: usize>(from: &Rows<2, MOST>, signs: &Signs, to: &mut Rows<2
         let [from, moved] = [&from[here], &from[before]];
         for lane in 0..LANES {
             let (own, before) = (kept[here][lane] & is_there, kept[before][lane] & has_before);
-            // Where the first corner is kept, what follows the run moves by one place.
+            // Where the first corner is kept, the corners after the run move by one place.
             let turns = kept[0][lane];
             let keeps = own & (all[lane] | !turns);
             let leaves = !own & ((turns & all[lane]) | (!turns & some[lane]));
@@ -332,7 +336,8 @@ mod tests {
     use crate::random::uniform;
     use crate::simplex::tetrahedron::piece::{Piece, Pieces, share_of};
 
-    /// Values of four functions at the corners of a triangle, by seed. Every fourth triangle has values that are multiples of a fifth: lines through corners, and along edges.
+    /// Values of four functions at the corners of a triangle, by seed. Every fourth triangle has values that
+    /// are multiples of a fifth: lines through corners, and along edges.
     fn values(seed: u64) -> [[f64; 4]; 3] {
         std::array::from_fn(|corner| {
             std::array::from_fn(|k| {

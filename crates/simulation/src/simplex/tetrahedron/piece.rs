@@ -69,7 +69,7 @@ impl Pieces {
         pieces
     }
 
-    /// Begins anew with another triangle.
+    /// Begins again with another triangle.
     #[inline]
     pub(super) fn begin(&mut self, values: &[[f64; 4]; 3]) {
         for (corner, (place, values)) in
@@ -93,7 +93,8 @@ impl Pieces {
 
     /// The part of a piece where a linear function of the values is not negative.
     ///
-    /// The signs at the corners are bits of a mask, and its runs say what is kept: with a branch for each corner, a step of a heap took a third longer.
+    /// The signs at the corners are bits of a mask, and its runs give the kept corners: with a branch for
+    /// each corner, a step of a heap took a third longer.
     #[inline]
     pub(super) fn cut(&mut self, piece: &Piece, function: impl Fn(&[f64; 4]) -> f64) -> Piece {
         let mut at = [0.0; MOST];
@@ -112,7 +113,8 @@ impl Pieces {
         }
         let before = (kept << 1 | kept >> (count - 1)) & all;
         let mut begins = kept & !before;
-        // A line crosses the outline of a convex piece twice. Rounding can let it cross more often, near corners that coincide: the longest run is kept.
+        // A line crosses the outline of a convex piece twice. Rounding can let it cross more often, near
+        // corners that coincide: the longest run is kept.
         if begins.count_ones() > 1 {
             begins = longest_run(begins, kept, count);
         }
@@ -142,7 +144,8 @@ impl Pieces {
     }
 }
 
-/// The beginning of the longest run of bits that are set, of which the bits `begins` are the beginnings, around a circle of so many bits.
+/// The beginning of the longest run of bits that are set, of which the bits `begins` are the beginnings,
+/// around a circle of `count` bits.
 #[cold]
 fn longest_run(begins: u32, kept: u32, count: u32) -> u32 {
     let length = |first: u32| (kept >> first | kept << (count - first)).trailing_ones();

@@ -9,7 +9,8 @@ pub(super) fn traction_in(axes: &Matrix<3>, stress: &Matrix<3>) -> [f64; 3] {
     axes.map(|axis| dot(traction, axis))
 }
 
-/// Tractions on the critical planes, or as near to them as a plane with these axes comes when it turns by at most `reach`, with the cosines of the angles.
+/// Tractions on the critical planes, or as near to them as a plane with these axes comes when it turns by at
+/// most `reach`, with the cosines of the angles.
 pub(super) fn tractions_near(
     axes: &Matrix<3>,
     stress: &Matrix<3>,
@@ -32,7 +33,8 @@ pub(super) fn tractions_near(
     })
 }
 
-/// Unit normals of the plane across the largest tension and of the two on which Mohr and Coulomb's strength is used most.
+/// Unit normals of the plane across the largest tension and of the two on which Mohr and Coulomb's strength
+/// is used most.
 fn critical_normals(stress: &Matrix<3>, friction: f64) -> Matrix<3> {
     let (values, vectors) = eigen::values_and_vectors(*stress);
     let by = |better: fn(&f64, &f64) -> bool| {
@@ -71,7 +73,8 @@ mod tests {
     use crate::simplex::tetrahedron::Tetrahedron;
     use crate::vector::{add, length, matrix, symmetric};
 
-    /// No plane uses a strength more than the critical planes do, if these are within reach. With no reach, all tractions are those on the facet.
+    /// No plane uses a strength more than the critical planes do, if these are within reach. With no reach,
+    /// all tractions are those on the facet.
     #[test]
     fn no_plane_uses_the_strength_more_than_the_critical_ones() {
         let strength = crate::model::Strength { friction: 0.6, ..ROCK };

@@ -1,24 +1,29 @@
 //! The potential contact force of two tetrahedra.
 //!
-//! Each tetrahedron carries a potential φ that is 1 at its centroid, 0 on its boundary and linear in between (φ = 4 min λ, with λ the barycentric coordinates).
-//! Two tetrahedra A and B that overlap store the energy `U = p ∫ (φ_A + φ_B) dV` over the overlap, and the forces are the exact gradient of this energy: the same
+//! Each tetrahedron carries a potential φ that is 1 at its centroid, 0 on its boundary and linear in between
+//! (φ = 4 min λ, with λ the barycentric coordinates). Two tetrahedra A and B that overlap store the energy
+//! `U = p ∫ (φ_A + φ_B) dV` over the overlap, and the forces are the exact gradient of this energy: the same
 //! as of two triangles (`triangle/potential.rs`).
 //!
-//! Everything follows from φ on the faces of A alone; no polyhedron is ever built. Let c be the centroid of B, and `w = 1 − φ`. The field `(x − c) h` with
-//! `h = 1/3 − w/4 + C/w³` has the divergence φ for any C. With C = −1/12 the field vanishes on the boundary of B, and its flux out of the faces of A is the
-//! integral over the overlap, less a quarter of the volume of B if c is in A. A face of A is cut into the pieces on which one λ of B is the least. There φ is linear,
-//! and so is w, and `(x − c)·n` is a constant on the face. Over a triangle of unit area with the values φ₁ φ₂ φ₃ at its corners, the mean of h is then
+//! Everything follows from φ on the faces of A alone; no polyhedron is ever built. Let c be the centroid of
+//! B, and `w = 1 − φ`. The field `(x − c) h` with `h = 1/3 − w/4 + C/w³` has the divergence φ for any C. With
+//! C = −1/12 the field vanishes on the boundary of B, and its flux out of the faces of A is the integral over
+//! the overlap, less a quarter of the volume of B if c is in A. A face of A is cut into the pieces on which
+//! one λ of B is the least. There φ is linear, and so is w, and `(x − c)·n` is a constant on the face. Over a
+//! triangle of unit area with the values φ₁ φ₂ φ₃ at its corners, the mean of h is then
 //!
 //! ```text
 //! 1/3 − (w₁ + w₂ + w₃)/12 − 1/(12 w₁ w₂ w₃) = −(e₁² − e₂ − e₁ e₂ + e₃ + e₁ e₃)/(12 w₁ w₂ w₃)
 //! ```
-//! with `e₁ = Σ φᵢ`, `e₂ = Σ φᵢ φⱼ`, `e₃ = φ₁ φ₂ φ₃`, which has no cancellation where φ is small. Near c the flux is nearly 0/0. If a face of A passes near c, C = 0 is
-//! used instead, and the flux out of the faces of B inside A, where h = 1/12, is added.
+//! with `e₁ = Σ φᵢ`, `e₂ = Σ φᵢ φⱼ`, `e₃ = φ₁ φ₂ φ₃`, which has no cancellation where φ is small. Near c the
+//! flux is nearly 0/0. If a face of A passes near c, C = 0 is used instead, and the flux out of the faces of
+//! B inside A, where h = 1/12, is added.
 //!
-//! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and other forces, which are not its gradient.
+//! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and
+//! other forces, which are not its gradient.
 //!
-//! Couples are computed in batches. Pieces of faces differ in what has to be cut off, so each piece is a task of its own, and tasks with the same number of cuts are computed
-//! side by side: see `part.rs` and `lanes.rs`.
+//! Couples are computed in batches. Pieces of faces differ in the necessary cuts, so each piece is a separate
+//! task, and tasks with the same number of cuts are computed side by side: see `part.rs` and `lanes.rs`.
 
 #![allow(
     clippy::needless_bitwise_bool,
@@ -71,7 +76,8 @@ pub(super) fn interactions(
 /// Number of batches whose tasks are computed together.
 const TOGETHER: usize = 4;
 
-/// Computes the forces and the energy of the potential of one tetrahedron, that on the other: that of the second for `OF` = 0.
+/// Computes the forces and the energy of the potential of one tetrahedron, that on the other: that of the
+/// second for `OF` = 0.
 fn side<const OF: usize>(
     available: Available,
     shapes: &Shapes<3, 4>,
@@ -89,7 +95,8 @@ fn side<const OF: usize>(
     energies::<OF>(available, between, found);
 }
 
-/// What is kept of a batch between the loops over its couples. The first of two is that of the first tetrahedron on the second, the other the reverse.
+/// Values of a batch that are kept between the loops over its couples. The first of two is that of the first
+/// tetrahedron on the second, the other the reverse.
 #[derive(Clone)]
 struct Between {
     /// Gradients of the barycentric coordinates, six times the volume, and the centroid of the target.
@@ -100,7 +107,8 @@ struct Between {
     at: [Rows<4, 4>; 2],
     /// The numbers of [`Parts`], summed over the parts of each face of the contactor that the target covers.
     covered: [Rows<NUMBERS, 4>; 2],
-    /// Sums over the faces of one contactor: the flux of both fields, and whether the centroid of the target is inside, and near a face: 1 or 0.
+    /// Sums over the faces of one contactor: the flux of both fields, and whether the centroid of the target
+    /// is inside, and near a face: 1 or 0.
     outside: Lanes,
     near: Lanes,
     inside: Lanes,
@@ -150,13 +158,14 @@ fn all_frames(shapes: &Shapes<3, 4>, between: &mut Between) {
     between.moment = [Lanes::ZERO; 3];
 }
 
-/// Bits of the word of a corner: coordinate k is positive; it is negative, from 4 on; coordinate k is more than j, at 4 k + j from 8 on; it is less, from 24 on.
+/// Bits of the word of a corner: coordinate k is positive; it is negative, from 4 on; coordinate k is more
+/// than j, at 4 k + j from 8 on; it is less, from 24 on.
 const NEGATIVE: u32 = 4;
 const MORE: u32 = 8;
 const LESS: u32 = 24;
 
-/// The parts of the faces on each side. Part 4 f + k is that of face f on which coordinate k of the target is the least. `parts`: those that are there, as bits. `lines`: what cuts
-/// each, four bits for each.
+/// The parts of the faces on each side. Part 4 f + k is that of face f on which coordinate k of the target is
+/// the least. `parts`: those that are there, as bits. `lines`: the lines that cut each, four bits for each.
 struct Codes {
     parts: [[u64; LANES]; 2],
     lines: [[u64; LANES]; 2],
@@ -209,15 +218,16 @@ fn word(at: &[f64; 4]) -> u64 {
     word
 }
 
-/// Whether there is a part of a face on which coordinate `least` is the least, and the lines that cut it, as bits: bit j stands for the line where it is the same as coordinate j, bit `least` for the line
-/// where it is zero. `word`: the words of the corners of the face.
+/// Whether there is a part of a face on which coordinate `least` is the least, and the lines that cut it, as
+/// bits: bit j means the line where it is the same as coordinate j, bit `least` the line where it is zero.
+/// `word`: the words of the corners of the face.
 #[inline(always)]
 fn code(word: u64, least: u32) -> (bool, u64) {
     // Beyond a face of the other one: most faces are.
     let beyond = word & 0b1111 != 0b1111;
     let more = word >> (MORE + 4 * least) & 0b1111;
     let less = word >> (LESS + 4 * least) & 0b1111;
-    // If another is nowhere more, there is no part. Of two that are the same on the face, the first counts.
+    // If another is nowhere more, there is no part. If two are the same on the face, the first counts.
     let none = !less & (more | ((1 << least) - 1)) & (0b1111 ^ 1 << least) != 0;
     let zero = (word >> (NEGATIVE + least) & 1) << least;
     (!(beyond | none), more | zero)
@@ -269,8 +279,8 @@ impl Tasks {
         }
     }
 
-    /// Computes all parts, and adds their numbers to those of their faces: first those with no cut, then those with one and more, so that the order for each couple does not
-    /// depend on the others.
+    /// Computes all parts, and adds their numbers to those of their faces: first those with no cut, then
+    /// those with one and more, so that the order for each couple does not depend on the others.
     fn compute(&mut self, available: Available, frames: &mut [Between]) {
         let Self { lists, parts, .. } = self;
         for (cuts, list) in lists.iter().enumerate() {
@@ -337,7 +347,7 @@ fn all_faces<const OF: usize, const F: usize>(
         // The normal has twice the area of the face as its length.
         let normal = cross3(minus(q, p), minus(r, p));
         let beyond = 0.5 * dot(minus(p, row(&between.centroids[OF], lane)), normal);
-        // Without pressure, what is near the centroid may not be a number.
+        // Without pressure, values near the centroid may be NaN.
         let presses = potential != 0.0;
         let add_to = |sum: &mut Lanes, more: f64| sum.set(lane, sum.get(lane) + more);
         // Means over the face become integrals by its area, half of the length of the normal.
@@ -414,7 +424,8 @@ impl Coordinates {
     }
 }
 
-/// The square of the distance, m², by which the face of `target` that does so most parts it from the other tetrahedron; negative if none does.
+/// The square of the distance, m², by which a face of `target` parts it from the other tetrahedron, for the
+/// face that does so most; negative if no face does.
 #[inline(always)]
 pub(super) fn parted(contactor: &Tetrahedron, target: &Tetrahedron) -> f64 {
     let coordinates = Coordinates::of(target);
@@ -520,13 +531,15 @@ mod tests {
         }
     }
 
-    /// The potential of a tetrahedron has a quarter of its volume as its integral, also where another covers all of it.
+    /// The potential of a tetrahedron has a quarter of its volume as its integral, also where another covers
+    /// all of it.
     #[test]
     fn one_inside_another() {
         let small = [[0.1, 0.1, 0.1], [0.2, 0.1, 0.1], [0.1, 0.2, 0.1], [0.1, 0.1, 0.2]];
         let large = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let found = interaction(&small, &large).expect("they overlap");
-        // In the large one φ = 4 min(x, y, z) over the small one; 0.1 plus a quarter of 0.1 is the mean of each coordinate.
+        // In the large one φ = 4 min(x, y, z) over the small one; 0.1 plus a quarter of 0.1 is the mean of
+        // each coordinate.
         let [inside, error] = sampled(&small, &large, 1);
         assert!(
             (found.energy - inside - 1e-3 / 24.0).abs() < 4.0 * error,
@@ -538,7 +551,8 @@ mod tests {
         assert!((same.energy - 2.0 / 24.0).abs() < 1e-15, "{}", same.energy);
     }
 
-    /// Both forms of the integral agree where both are accurate, and the one for faces near the centroid is continuous where a face goes through it.
+    /// Both forms of the integral agree where both are accurate, and the one for faces near the centroid is
+    /// continuous where a face goes through it.
     #[test]
     fn a_face_through_the_centroid_is_as_one_that_passes_near() {
         let target = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
@@ -563,7 +577,8 @@ mod tests {
         }
     }
 
-    /// On a face in the plane where two coordinates of the other tetrahedron are the same, each part counts once.
+    /// On a face in the plane where two coordinates of the other tetrahedron are the same, each part counts
+    /// once.
     #[test]
     fn a_face_in_the_middle_plane_of_an_edge_is_as_one_beside_it() {
         let target = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
@@ -602,7 +617,8 @@ mod tests {
         assert!(matches!(interaction(&one, &far), Err(distance) if (distance - 0.25).abs() < 1e-15));
     }
 
-    /// No face parts two tetrahedra whose edges cross at a distance. What is told is never more than the distance, and it tells all that are apart.
+    /// No face parts two tetrahedra whose edges cross at a distance. The function returns a lower bound of
+    /// the distance, positive whenever the tetrahedra are apart.
     #[test]
     fn the_distance_of_tetrahedra_whose_edges_cross() {
         let below = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [0.0, -1.0, -1.0]];

@@ -12,7 +12,8 @@ pub(super) fn traction_along(along: Point, [[xx, xy], [_, yy]]: &Matrix) -> [f64
     [normal, tangential]
 }
 
-/// Tractions on the critical planes, or as near to them as a plane along a vector comes when it turns by at most `reach`, with the cosines of the angles.
+/// Tractions on the critical planes, or as near to them as a plane along a vector comes when it turns by at
+/// most `reach`, with the cosines of the angles.
 pub(super) fn tractions_near(
     along: Point,
     stress: &Matrix,
@@ -26,7 +27,8 @@ pub(super) fn tractions_near(
     })
 }
 
-/// Angles from an edge to the plane across the largest tension and to the two on which Mohr and Coulomb's strength is used most, between -90° and 90°.
+/// Angles from an edge to the plane across the largest tension and to the two on which Mohr and Coulomb's
+/// strength is used most, between -90° and 90°.
 fn critical_angles(along: Point, [[xx, xy], [_, yy]]: &Matrix, friction: f64) -> [f64; 3] {
     use std::f64::consts::{FRAC_PI_2, PI};
     // Directions of normals; that of an edge along t is (t_y, -t_x).

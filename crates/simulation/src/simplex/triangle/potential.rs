@@ -1,20 +1,23 @@
 //! The distributed potential contact force of two triangles (book, 2.4 and 2.5).
 //!
-//! Each triangle carries a potential φ that is 1 at its centroid, 0 on its boundary and linear in between (φ = 3 min λ, with λ the area coordinates). Two
-//! triangles A and B that overlap store the energy
+//! Each triangle carries a potential φ that is 1 at its centroid, 0 on its boundary and linear in between
+//! (φ = 3 min λ, with λ the area coordinates). Two triangles A and B that overlap store the energy
 //!
 //! ```text
 //! U = p ∫ (φ_A + φ_B) dA    over the overlap,
 //! ```
-//! and the forces are the exact gradient of this energy. With B as the target, a pressure `p φ_B` acts on the boundary of A inside B, against its normal n
-//! (2.25). The nodes b of B take the reaction in the shares `λ_b`. They also take the forces `−U_B ∇λ_b`, because `φ_B` moves with them. These forces sum to
-//! zero, but without them, bodies whose elements deform while they touch would gain or lose energy.
+//! and the forces are the exact gradient of this energy. With B as the target, a pressure `p φ_B` acts on the
+//! boundary of A inside B, against its normal n (2.25). The nodes b of B take the reaction in the shares
+//! `λ_b`. They also take the forces `−U_B ∇λ_b`, because `φ_B` moves with them. These forces sum to zero, but
+//! without them, bodies whose elements deform while they touch would gain or lose energy.
 //!
-//! Everything follows from φ along the edges of A alone, where φ is linear between a few points. This includes the integral over the overlap. Let c be the
-//! centroid of B, and let `w = 1 − φ` be the distance from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
-//! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of B, and its flux out of the edges of A is the
-//! integral, less a third of the area of B if c is in A. Without cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A
-//! passes near c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
+//! Everything follows from φ along the edges of A alone, where φ is linear between a few points. This
+//! includes the integral over the overlap. Let c be the centroid of B, and let `w = 1 − φ` be the distance
+//! from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
+//! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of
+//! B, and its flux out of the edges of A is the integral, less a third of the area of B if c is in A. Without
+//! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A passes near
+//! c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
 //!
 //! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`.
 
@@ -55,7 +58,8 @@ pub(super) fn interactions(
     }
 }
 
-/// Computes the forces and the energy of the potential of one triangle, that on the other: that of the second for `OF` = 0.
+/// Computes the forces and the energy of the potential of one triangle, that on the other: that of the second
+/// for `OF` = 0.
 fn side<const OF: usize>(
     available: Available,
     shapes: &Shapes<2, 3>,
@@ -72,7 +76,8 @@ fn side<const OF: usize>(
     energies::<OF>(available, between, found);
 }
 
-/// What is kept of a batch between the loops over its couples. The first of two is that of the first triangle on the second, the other the reverse.
+/// Values of a batch that are kept between the loops over its couples. The first of two is that of the first
+/// triangle on the second, the other the reverse.
 pub(crate) struct Between {
     /// Gradients of the area coordinates, twice the area, and the centroid of the target.
     gradients: [Rows<2, 3>; 2],
@@ -82,7 +87,8 @@ pub(crate) struct Between {
     at: [Rows<3, 3>; 2],
     /// The numbers of a [`Chord`] for each edge of the contactor.
     chords: [Rows<6, 3>; 2],
-    /// Sums over the edges of one contactor: the flux of both fields, and whether the centroid of the target is inside, and near an edge: 1 or 0.
+    /// Sums over the edges of one contactor: the flux of both fields, and whether the centroid of the target
+    /// is inside, and near an edge: 1 or 0.
     outside: Lanes,
     near: Lanes,
     inside: Lanes,
@@ -165,7 +171,7 @@ fn all_edges<const OF: usize, const K: usize>(
         let normal = [along[1], -along[0]];
         let beyond = dot(minus(here, row(&between.centroids[OF], lane)), normal);
         let pressure = chord.at_start + chord.at_end;
-        // Without pressure, what is near the centroid may not be a number.
+        // Without pressure, values near the centroid may be NaN.
         let presses = pressure != 0.0;
         let add_to = |sum: &mut Lanes, more: f64| sum.set(lane, sum.get(lane) + more);
         add_to(&mut between.outside, if presses { beyond * chord.outside } else { 0.0 });
@@ -236,14 +242,16 @@ impl Coordinates {
     }
 }
 
-/// The square of the distance, m², by which the edge of `target` that does so most parts it from the other triangle; negative if none does.
+/// The square of the distance, m², by which an edge of `target` parts it from the other triangle, for the
+/// edge that does so most; negative if no edge does.
 #[inline(always)]
 pub(super) fn parted(contactor: &Triangle, target: &Triangle) -> f64 {
     let coordinates = Coordinates::of(target);
     furthest(&coordinates.gradients, &contactor.map(|corner| coordinates.at(corner)))
 }
 
-/// The part of an edge that lies in another triangle, with integrals over this part. The length of the edge counts as 1.
+/// The part of an edge that lies in another triangle, with integrals over this part. The length of the edge
+/// counts as 1.
 #[derive(Clone, Copy)]
 struct Chord {
     /// Length of the part.
@@ -284,7 +292,8 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
     }
     // A part without length.
     to = if beyond { from } else { larger(to, from) };
-    // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there. Those that are not needed are at the end.
+    // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there. Unused
+    // ones are at the end.
     let cut = |k: usize, l: usize| {
         let (x, y) = (start[k] - start[l], end[k] - end[l]);
         let cut = x / (x - y);
@@ -301,7 +310,7 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
     let at = [from, a, b, c, to];
     let phi = at.map(potential);
     let w = phi.map(|phi| 1.0 - phi);
-    // Of each piece: twice ∫ φ, six times ∫ φ s, and six times ∫ φ² (3 - 2 φ) over the w² of its ends.
+    // For each piece: twice ∫ φ, six times ∫ φ s, and six times ∫ φ² (3 - 2 φ) over the w² of its ends.
     let pieces: [[f64; 3]; 4] = std::array::from_fn(|k| {
         let (s, t, a, b) = (at[k], at[k + 1], phi[k], phi[k + 1]);
         let (long, both) = (t - s, a + b);
@@ -378,7 +387,8 @@ mod tests {
         assert!(overlapping > 1000, "{overlapping}");
     }
 
-    /// Integral of the potential of `target` over the part that `contactor` covers, summed over many small triangles.
+    /// Integral of the potential of `target` over the part that `contactor` covers, summed over many small
+    /// triangles.
     fn summed(contactor: &Triangle, target: &Triangle) -> f64 {
         let (n, mut sum) = (120_u32, 0.0);
         let coordinates = Coordinates::of(contactor);
@@ -412,7 +422,8 @@ mod tests {
         assert!(deep > 30, "{deep}");
     }
 
-    /// Both forms of the integral agree where both are accurate. The form for edges near the centroid is continuous where an edge goes through the centroid.
+    /// Both forms of the integral agree where both are accurate. The form for edges near the centroid is
+    /// continuous where an edge goes through the centroid.
     #[test]
     fn an_edge_through_the_centroid_is_as_one_that_passes_near() {
         let target = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
