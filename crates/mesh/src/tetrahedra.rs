@@ -18,6 +18,7 @@ pub(crate) mod delaunay;
 mod error;
 mod fill;
 mod improve;
+mod mesh;
 mod numbering;
 pub(crate) mod order;
 pub(crate) mod plane;
@@ -28,11 +29,16 @@ mod regions;
 mod sharpest;
 mod sizes;
 mod skin;
+mod surface;
 pub(crate) mod vector;
 
-pub use error::MeshError;
+pub(crate) use check::{finite, positive};
+pub use error::{MeshError, THICK};
+pub use mesh::Tetrahedra;
 pub use polygons::{PolygonError, add_polygons};
 pub use sharpest::{SharpCorner, SharpEdge, sharpest_corner, sharpest_edge};
+pub use surface::{INNER, OUTSIDE, Surface};
+pub(crate) use vector::bounds;
 
 use std::collections::BTreeMap;
 
@@ -44,18 +50,8 @@ use sizes::Sizes;
 use skin::Skin;
 use vector::{Point, minus, plus, times};
 
-/// The region outside of all bodies.
-pub const OUTSIDE: u32 = u32::MAX;
-
-/// The region on both sides of a facet inside of any region: such a facet becomes facets of the mesh, and
-/// separates nothing.
-pub const INNER: u32 = u32::MAX - 1;
-
 /// Volume of a tetrahedron over the cube of the mean edge, in a large mesh.
 const VOLUME: f64 = 0.1;
-
-/// Size over the mean thickness of a body that still gives good angles.
-pub const THICK: f64 = 3.0;
 
 /// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
 pub(crate) const FLAT: f64 = 12.0;
@@ -76,51 +72,6 @@ const PEELS: usize = 8;
 
 /// Length of edges at each place, in the unit of the coordinates.
 pub type Size<'a> = dyn Fn([f64; 3]) -> f64 + Sync + 'a;
-
-/// Closed surfaces that bound one or several regions.
-///
-/// Facets of one face need not be in one plane. Facets meet in common nodes and edges only. Regions may share
-/// facets.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
-    /// Coordinates `[n]`, in any unit of length.
-    pub nodes: Vec<[f64; 3]>,
-    /// Corners of the triangles `[m]`.
-    pub facets: Vec<[u32; 3]>,
-    /// Face of each facet `[m]`.
-    pub faces: Vec<u32>,
-    /// Regions behind and before each facet `[m]`, or [`OUTSIDE`], or [`INNER`] on both sides: its corners
-    /// are counter-clockwise seen from before.
-    pub sides: Vec<[u32; 2]>,
-    /// Names of the first faces; faces beyond have none.
-    pub names: Vec<String>,
-}
-
-impl Surface {
-    pub(crate) fn corners(&self, facet: usize) -> [Point; 3] {
-        self.facets[facet].map(|node| self.nodes[node as usize])
-    }
-}
-
-/// A mesh of tetrahedra. Every facet belongs to two elements of one region, or is listed in `facets`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tetrahedra {
-    /// Coordinates `[n]`, in the unit of the surface.
-    pub nodes: Vec<[f64; 3]>,
-    /// Corners of the elements `[m]`: the first three are counter-clockwise seen from the last.
-    pub elements: Vec<[u32; 4]>,
-    /// Region of each element `[m]`.
-    pub regions: Vec<u32>,
-    /// Outer facets and facets between regions `[k]`, once each: counter-clockwise seen from outside, or from
-    /// the region of the higher number.
-    pub facets: Vec<[u32; 3]>,
-    /// Face of each of those facets `[k]`.
-    pub faces: Vec<u32>,
-    /// Facets on those of the surface that are inside of a region `[l]`, once each.
-    pub inner: Vec<[u32; 3]>,
-    /// Face of each of those facets `[l]`.
-    pub inner_faces: Vec<u32>,
-}
 
 /// Meshes the inside of a surface with edges of the length `size`.
 ///
@@ -335,30 +286,6 @@ fn expect(surface: &Surface, sizes: &Sizes<'_>) -> Result<(), MeshError> {
     let elements = if let Sizes::Even(size) = sizes { volume / (VOLUME * size * size * size) } else { 0.0 };
     let elements = elements.max(triangles);
     if elements > MOST as f64 { Err(MeshError::TooMany { elements }) } else { Ok(()) }
-}
-
-/// The corners of the box around points.
-pub(crate) fn bounds(nodes: &[Point]) -> (Point, Point) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for node in nodes {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(node[axis]);
-            high[axis] = high[axis].max(node[axis]);
-        }
-    }
-    (low, high)
-}
-
-/// Largest coordinate: the fifth power of a length still is a number.
-const FARTHEST: f64 = 1e60;
-
-/// Checks that all coordinates are numbers, and not too large.
-pub(crate) fn finite(points: &[Point]) -> Result<(), MeshError> {
-    match points.iter().position(|point| !point.iter().all(|x| x.abs() <= FARTHEST)) {
-        Some(node) => Err(MeshError::NotFinite { node }),
-        None => Ok(()),
-    }
 }
 
 /// Coordinates in which a body is around the origin and about 1 large.

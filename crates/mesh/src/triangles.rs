@@ -17,11 +17,13 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 mod error;
 mod grains;
+mod mesh;
 mod network;
 pub mod outline;
 
 pub use error::OutlineError;
 pub use grains::{Grains, colours};
+pub use mesh::Triangles;
 pub use network::{SNAP, Tangled, add_lines};
 
 use outline::{Domain, Inside, Point, distance, twice_area};
@@ -43,21 +45,6 @@ const ATTEMPTS: usize = 16;
 
 /// Rounds of smoothing.
 const ROUNDS: usize = 8;
-
-/// A meshed domain.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Triangles {
-    /// Coordinates `[n]`.
-    pub nodes: Vec<Point>,
-    /// Corners of the elements `[m]`, counter-clockwise.
-    pub elements: Vec<[u32; 3]>,
-    /// The loop of each node `[n]`, or [`INSIDE`].
-    pub loops: Vec<u32>,
-    /// Edges along the lines of the domain.
-    pub lines: Vec<[u32; 2]>,
-    /// For each of these edges the number of its line in the domain.
-    pub line_of: Vec<u32>,
-}
 
 /// Meshes a domain with edges as long as `size` says.
 ///

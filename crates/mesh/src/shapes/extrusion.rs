@@ -2,8 +2,7 @@
 
 use robust::{Coord, orient2d};
 
-use super::positive;
-use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite};
+use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite, positive};
 use crate::triangles::holes_are_inside;
 use crate::triangles::outline::Domain;
 

@@ -1,6 +1,5 @@
 //! Bodies of grains.
 
-mod ball;
 mod cell;
 
 use std::collections::BTreeMap;
@@ -10,8 +9,7 @@ use fdem_scenes::random::Random;
 use super::hull::number_faces;
 use crate::tetrahedra::vector::{Point, cross, distance, dot, length, minus, plus, times};
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface};
-pub use ball::{grains_of_sphere, onto_sphere};
-use cell::{Behind, Cell};
+pub(super) use cell::{Behind, Cell};
 
 /// Rounds in which seeds of grains move to the centres of their grains.
 const ROUNDS: usize = 12;
@@ -24,7 +22,7 @@ const SHORT: f64 = 0.2;
 const ATTEMPTS: usize = 6;
 
 /// Distance over the size of the body below which points are one.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 
 /// Cuts a convex body into grains: the regions `0..count` of one surface, whose meshes share nodes.
 ///
@@ -61,7 +59,10 @@ pub fn grains(body: &Surface, count: usize, seed: u64) -> Result<Surface, MeshEr
 
 /// The first surface that can be meshed, of those made with a length below which edges are contracted, with
 /// half of it, and so on.
-fn with_lengths(short: f64, make: &dyn Fn(f64) -> Result<Surface, MeshError>) -> Result<Surface, MeshError> {
+pub(super) fn with_lengths(
+    short: f64,
+    make: &dyn Fn(f64) -> Result<Surface, MeshError>,
+) -> Result<Surface, MeshError> {
     let mut last = MeshError::Empty;
     let halved = (0..ATTEMPTS).scan(short, |short, _| {
         let now = *short;
@@ -78,7 +79,7 @@ fn with_lengths(short: f64, make: &dyn Fn(f64) -> Result<Surface, MeshError>) ->
 }
 
 /// Points of a body after the given number of moves to the centres of their Voronoi cells.
-fn spread(whole: &Cell, count: usize, rounds: usize, seed: u64) -> Vec<Point> {
+pub(super) fn spread(whole: &Cell, count: usize, rounds: usize, seed: u64) -> Vec<Point> {
     let mut random = Random::new(seed);
     let mut seeds = Vec::with_capacity(count);
     let (low, high) = crate::tetrahedra::bounds(&whole.points);
@@ -95,7 +96,7 @@ fn spread(whole: &Cell, count: usize, rounds: usize, seed: u64) -> Vec<Point> {
 }
 
 /// A convex body with one polygon for all facets in a plane; facets of a polygon are of one face.
-fn convex(body: &Surface) -> Result<Cell, MeshError> {
+pub(super) fn convex(body: &Surface) -> Result<Cell, MeshError> {
     let size = distance_across(&body.nodes);
     for facet in 0..body.facets.len() {
         let [a, b, c] = body.corners(facet);
@@ -140,7 +141,7 @@ fn distance_across(points: &[Point]) -> f64 {
 }
 
 /// The Voronoi cell of a seed.
-fn cell_of(whole: &Cell, seeds: &[Point], grain: usize) -> Cell {
+pub(super) fn cell_of(whole: &Cell, seeds: &[Point], grain: usize) -> Cell {
     let here = seeds[grain];
     let mut others: Vec<(f64, usize)> = (0..seeds.len())
         .filter(|&other| other != grain)
@@ -240,7 +241,7 @@ impl Complex {
 ///
 /// A point becomes one that is in all of its planes. If two points are in the same planes, `middle` has the
 /// place between them, and one of them.
-fn contract<'a>(
+pub(super) fn contract<'a>(
     points: &[Point],
     on: &[Vec<u32>],
     polygons: impl Iterator<Item = &'a [u32]>,
@@ -292,7 +293,7 @@ fn contract<'a>(
 }
 
 /// Leaves out nodes without facets.
-fn leave_out_unused(surface: &mut Surface) {
+pub(super) fn leave_out_unused(surface: &mut Surface) {
     let mut used: Vec<u32> = surface.facets.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
@@ -304,7 +305,7 @@ fn leave_out_unused(surface: &mut Surface) {
 
 /// Cuts a polygon that is nearly flat and nearly convex into triangles, ear by ear: that with the largest
 /// smallest angle first.
-fn cut(points: &[Point], mut polygon: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn cut(points: &[Point], mut polygon: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshError> {
     let at = |node: u32| points[node as usize];
     let origin = at(polygon[0]);
     let normal = (0..polygon.len())
@@ -340,7 +341,7 @@ fn cut(points: &[Point], mut polygon: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshErr
 }
 
 /// Points of which none are nearer to each other than `same`, and which of them each point is.
-fn merge(all: &[Point], same: f64) -> (Vec<Point>, Vec<u32>) {
+pub(super) fn merge(all: &[Point], same: f64) -> (Vec<Point>, Vec<u32>) {
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
     order.sort_unstable_by(|&one, &other| {
         all[one as usize][0].total_cmp(&all[other as usize][0]).then(one.cmp(&other))

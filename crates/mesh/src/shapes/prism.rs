@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::positive;
 use super::round::Axis;
 use crate::tetrahedra::vector::{Point, dot, length, minus, plus, times};
-use crate::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra};
+use crate::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra, positive};
 
 /// Number of sides. With fewer, moved elements are too oblique; with more, sides are narrow, and grains meet
 /// their edges at small angles. In 24 bodies of 12 grains the least angle between facets was 2.4° with 8

@@ -5,14 +5,13 @@ use std::f64::consts::TAU;
 
 use fdem_scenes::random::Random;
 
-use super::positive;
 use crate::tetrahedra::delaunay::{Delaunay, FACETS, GHOST};
 use crate::tetrahedra::order;
 use crate::tetrahedra::plane::Plane;
 use crate::tetrahedra::vector::{
     Point, circle, cross, distance, dot, in_ball, length, minus, plus, times, unit,
 };
-use crate::tetrahedra::{FLAT, MOST, MeshError, OUTSIDE, Size, Surface, finite};
+use crate::tetrahedra::{FLAT, MOST, MeshError, OUTSIDE, Size, Surface, finite, positive};
 
 /// Fewest edges around a circle.
 const FEWEST: usize = 8;

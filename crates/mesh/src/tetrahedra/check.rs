@@ -1,10 +1,27 @@
-//! Whether a surface can be meshed.
+//! Whether numbers and surfaces can be meshed.
 
 use super::delaunay::in_line;
+use super::error::MeshError;
 use super::predicates::side;
+use super::surface::{INNER, Surface};
 use super::vector::{Point, cross, dot, minus};
-use super::{INNER, MeshError, Surface};
 use crate::simplex::sorted;
+
+/// Largest coordinate: the fifth power of a length still is a number.
+const FARTHEST: f64 = 1e60;
+
+/// Checks that all coordinates are numbers, and not too large.
+pub(crate) fn finite(points: &[Point]) -> Result<(), MeshError> {
+    match points.iter().position(|point| !point.iter().all(|x| x.abs() <= FARTHEST)) {
+        Some(node) => Err(MeshError::NotFinite { node }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a length is positive.
+pub(crate) fn positive(length: f64) -> Result<(), MeshError> {
+    if length > 0.0 && length.is_finite() { Ok(()) } else { Err(MeshError::Length { length }) }
+}
 
 impl Surface {
     /// Checks that the surface is closed around each region, has its outside outside, and does not cross
@@ -27,7 +44,7 @@ impl Surface {
                 sides: self.sides.len(),
             });
         }
-        super::finite(&self.nodes)?;
+        finite(&self.nodes)?;
         for facet in 0..count {
             let nodes = self.facets[facet];
             if nodes.iter().any(|&node| node as usize >= self.nodes.len()) {
@@ -125,7 +142,7 @@ impl Surface {
     fn crosses_nothing(&self) -> Result<(), MeshError> {
         let boxes: Vec<[Point; 2]> = (0..self.facets.len())
             .map(|facet| {
-                let (low, high) = super::bounds(&self.corners(facet));
+                let (low, high) = super::vector::bounds(&self.corners(facet));
                 [low, high]
             })
             .collect();
@@ -167,7 +184,7 @@ impl Surface {
 
     /// Width of the columns, and where the first starts.
     fn columns(&self, boxes: &[[Point; 2]]) -> [f64; 2] {
-        let (low, high) = super::bounds(&self.nodes);
+        let (low, high) = super::vector::bounds(&self.nodes);
         let mean = boxes.iter().map(|[low, high]| high[1] - low[1]).sum::<f64>() / boxes.len() as f64;
         let span = high[1] - low[1];
         [(2.0 * mean).max(span / 1e4).max(f64::MIN_POSITIVE), low[1]]

@@ -12,8 +12,8 @@
 //! weighted Delaunay 3D triangulations", Comput. Geom. 44 (2011), for the ties; O. Devillers, S. Pion, M.
 //! Teillaud, "Walking in a triangulation", Int. J. Found. Comput. Sci. 13 (2002).
 
-use super::OUTSIDE;
 use super::predicates::{side, within};
+use super::surface::OUTSIDE;
 use super::vector::Point;
 
 /// The corner of ghosts: the point at infinity.

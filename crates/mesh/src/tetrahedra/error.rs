@@ -3,8 +3,11 @@
 use std::error::Error;
 use std::fmt;
 
-use super::{MOST, THICK};
+use crate::mesh::MOST_ELEMENTS as MOST;
 use crate::triangles::OutlineError;
+
+/// Size over the mean thickness of a body that still gives good angles.
+pub const THICK: f64 = 3.0;
 
 /// Why a surface could not be made or meshed. Places are coordinates of the surface; numbers count from 0.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,11 +13,14 @@ use std::collections::VecDeque;
 use fdem_scenes::random::Random;
 
 use super::delaunay::{Delaunay, FACETS};
+use super::error::MeshError;
 use super::recover::{self, Hits};
 use super::sizes::Sizes;
 use super::skin::Skin;
+use super::surface::OUTSIDE;
 use super::vector::{Point, circle, cross, dot, in_ball, length, minus, normal, plus, sphere, times};
-use super::{MOST, MeshError, OUTSIDE, order, regions};
+use super::{order, regions};
+use crate::mesh::MOST_ELEMENTS as MOST;
 
 /// A sphere is too large if its radius is above this times the size; chosen such that the mean edge is the
 /// size.

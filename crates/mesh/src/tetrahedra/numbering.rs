@@ -2,10 +2,11 @@
 
 use super::delaunay::{FACETS, NONE};
 use super::improve::body::{BORDER, Body};
+use super::mesh::Tetrahedra;
 use super::order;
 use super::skin::Skin;
+use super::surface::{INNER, OUTSIDE};
 use super::vector::{Point, plus, times};
-use super::{INNER, OUTSIDE, Tetrahedra};
 
 /// The mesh without unused nodes and elements, in order along a space-filling curve.
 pub(super) fn number(body: &Body, skin: &Skin) -> Tetrahedra {

@@ -13,31 +13,25 @@
 //! - `arrange`: all segments are cut by each other; the areas between them are triangulated plane by plane.
 
 mod arrange;
+mod error;
 mod sheet;
 mod snap;
 mod warp;
 
-use std::error::Error;
-use std::fmt;
+pub use error::PolygonError;
 
+use super::check::finite;
 use super::skin::{FlatFaces, flat_faces};
+use super::surface::Surface;
+use super::vector::bounds;
 use super::vector::{Point, distance};
-use super::{MeshError, Surface, bounds, finite};
 use crate::grading::Grading;
 use arrange::Arrangement;
+use error::{MOST, SNAP};
 use fdem_scenes::random::Random;
 use sheet::Sheet;
 use snap::{Snapping, sheets_of};
 use warp::RoundNodes;
-
-/// Distance over mesh size up to which polygons are moved.
-const SNAP: f64 = 0.35;
-
-/// Length over mesh size below which an edge, or a gap beside one, is refused.
-const LEAST: f64 = 0.03;
-
-/// Smallest angle between polygons and faces, and between edges in a plane, degrees.
-const SHARP: f64 = 3.0;
 
 /// Distance over the width of a body up to which points are the same.
 const SAME: f64 = 1e-9;
@@ -51,97 +45,6 @@ const ATTEMPTS: usize = 30;
 
 /// The square of the number of polygons times the attempts, at most, if there are more than three.
 const WORK: usize = 500_000;
-
-/// Most polygons.
-const MOST: usize = 20_000;
-
-/// Why polygons cannot be put into a surface. Numbers of polygons count from 0.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum PolygonError {
-    /// The surface itself is wrong.
-    Surface(MeshError),
-    /// A corner is not finite.
-    NotFinite {
-        /// The polygon.
-        polygon: usize,
-    },
-    /// A polygon has less than three corners, or they are in a line.
-    NoArea {
-        /// The polygon.
-        polygon: usize,
-    },
-    /// The corners of a polygon are in no plane.
-    NotFlat {
-        /// The polygon.
-        polygon: usize,
-        /// Largest distance of a corner from the mean plane.
-        distance: f64,
-    },
-    /// A polygon crosses itself.
-    Crossed {
-        /// The polygon.
-        polygon: usize,
-    },
-    /// Polygons, or a polygon and the surface, are too close to each other.
-    Close {
-        /// The two polygons nearest to the place; once the same where there is only one.
-        polygons: [usize; 2],
-        /// The place.
-        place: Point,
-    },
-    /// Polygons, or a polygon and the surface, meet at a small angle.
-    Sharp {
-        /// The two polygons nearest to the place; once the same where there is only one.
-        polygons: [usize; 2],
-        /// The angle, degrees.
-        angle: f64,
-        /// The place.
-        place: Point,
-    },
-    /// There are too many polygons.
-    TooMany {
-        /// Number of polygons.
-        polygons: usize,
-    },
-}
-
-impl fmt::Display for PolygonError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let beside = |[a, b]: [usize; 2]| {
-            if a == b { format!("polygon {a} and the surface") } else { format!("polygons {a} and {b}") }
-        };
-        match self {
-            Self::Surface(error) => error.fmt(out),
-            Self::NotFinite { polygon } => {
-                write!(out, "polygon {polygon} has a coordinate that is not finite or above 1e60")
-            }
-            Self::NoArea { polygon } => write!(out, "polygon {polygon} has no area"),
-            Self::NotFlat { polygon, distance } => {
-                write!(
-                    out,
-                    "polygon {polygon} is not flat: a corner is {distance:.2e} beside the plane of the others"
-                )
-            }
-            Self::Crossed { polygon } => write!(out, "polygon {polygon} crosses itself"),
-            Self::Close { polygons, place } => {
-                write!(
-                    out,
-                    "{} are too close to each other for the mesh size near {place:?}",
-                    beside(*polygons)
-                )
-            }
-            Self::Sharp { polygons, angle, place } => write!(
-                out,
-                "{} meet at an angle of {angle:.1} degrees near {place:?}, below {SHARP}",
-                beside(*polygons)
-            ),
-            Self::TooMany { polygons } => write!(out, "{polygons} polygons are more than {MOST}"),
-        }
-    }
-}
-
-impl Error for PolygonError {}
 
 /// Puts polygons, by their corners in order, into a surface as facets with [`INNER`](super::INNER) on both
 /// sides. Returns the face of the facets of the first polygon; those of the others follow. Where polygons

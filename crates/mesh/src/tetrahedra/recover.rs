@@ -10,11 +10,12 @@
 //! Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998.
 
 use super::delaunay::{Delaunay, FACETS, GHOST, NONE};
+use super::error::MeshError;
 use super::order;
 use super::plane::{Plane, Point2};
 use super::skin::Skin;
+use super::surface::INNER;
 use super::vector::{distance, dot, minus, plus, times};
-use super::{INNER, MeshError};
 
 /// Rounds of splitting.
 const ROUNDS: usize = 60;

@@ -1,11 +1,12 @@
 //! Which tetrahedra are in which region: found from facet to facet, so that no rounding decides.
 
 use super::delaunay::{Delaunay, FACETS, NONE};
+use super::error::MeshError;
 use super::predicates::side;
 use super::recover::Hits;
 use super::skin::Skin;
+use super::surface::{INNER, OUTSIDE};
 use super::vector::{Point, distance, plus, times};
-use super::{INNER, MeshError, OUTSIDE};
 
 /// Not yet known.
 const UNKNOWN: u32 = NONE - 1;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::surface::{INNER, Surface};
 use super::vector::{Point, cross, dot, length, minus, normal, times, unit};
-use super::{INNER, Surface};
 
 /// An edge of a closed surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,10 @@
 
 use fdem_scenes::random::Random;
 
-use super::Surface;
 use super::delaunay::NONE;
 use super::plane::{Plane, Point2};
 use super::sizes::Sizes;
+use super::surface::Surface;
 use super::vector::{Point, circle, cross, distance, dot, length, minus, normal, plus, times, unit};
 use crate::grading::stations;
 

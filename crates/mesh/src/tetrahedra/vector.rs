@@ -87,6 +87,19 @@ pub(crate) fn in_ball(random: &mut fdem_scenes::random::Random) -> Point {
     }
 }
 
+/// The corners of the box around points.
+pub(crate) fn bounds(nodes: &[Point]) -> (Point, Point) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for node in nodes {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(node[axis]);
+            high[axis] = high[axis].max(node[axis]);
+        }
+    }
+    (low, high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,8 +6,9 @@ use fdem_scenes::random::Random;
 use spade::handles::VoronoiVertex;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
+use super::error::OutlineError;
+use super::mesh::Triangles;
 use super::outline::{Domain, Inside, Point, distance, twice_area};
-use super::{OutlineError, Triangles};
 use crate::{Simplex, facets_of, sorted};
 
 /// Length over mesh size below which lines are removed, because they would give elements as small.

@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::MOST;
-use crate::bounds;
 use crate::grading::{Grading, stations};
+use crate::mesh::{MOST_ELEMENTS, bounds};
 
 /// A point or vector.
 pub type Point = [f64; 2];
@@ -85,7 +84,8 @@ pub fn distance(a: Point, b: Point) -> f64 {
 /// one between two such points at least.
 pub fn circle(centre: Point, radius: f64, size: &Grading<2>) -> Vec<Point> {
     let quarters: [Vec<f64>; 4] = if size.near.is_empty() {
-        let count = ((TAU * radius / size.size / 4.0).round() * 4.0).clamp(8.0, MOST) as usize;
+        let count =
+            ((TAU * radius / size.size / 4.0).round() * 4.0).clamp(8.0, MOST_ELEMENTS as f64) as usize;
         let quarter: Vec<f64> = (0..count / 4).map(|k| TAU * k as f64 / count as f64).collect();
         std::array::from_fn(|_| quarter.clone())
     } else {

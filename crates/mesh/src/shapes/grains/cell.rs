@@ -6,7 +6,7 @@ use crate::tetrahedra::vector::{Point, cross, distance, dot, minus, plus, times}
 
 /// The neighbour behind a face of a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Behind {
+pub(crate) enum Behind {
     /// The outside, beyond a plane of the body.
     Body(u32),
     /// Another grain.
@@ -15,15 +15,15 @@ pub(super) enum Behind {
 
 /// A convex polyhedron.
 #[derive(Clone)]
-pub(super) struct Cell {
-    pub(super) points: Vec<Point>,
+pub(crate) struct Cell {
+    pub(crate) points: Vec<Point>,
     /// The neighbour behind each face, and its corners, counter-clockwise seen from outside.
-    pub(super) faces: Vec<(Behind, Vec<u32>)>,
+    pub(crate) faces: Vec<(Behind, Vec<u32>)>,
 }
 
 impl Cell {
     /// Removes the part beyond the plane through a point, in the direction of a normal.
-    pub(super) fn cut(&mut self, normal: Point, through: Point, behind: Behind) {
+    pub(crate) fn cut(&mut self, normal: Point, through: Point, behind: Behind) {
         let heights: Vec<f64> = self.points.iter().map(|&point| dot(normal, minus(point, through))).collect();
         let is_gone = |node: u32| heights[node as usize] > 0.0;
         if !self.faces.iter().flat_map(|(_, corners)| corners).any(|&node| is_gone(node)) {
@@ -94,12 +94,12 @@ impl Cell {
     }
 
     /// Distance of the farthest corner from a point.
-    pub(super) fn reach(&self, from: Point) -> f64 {
+    pub(crate) fn reach(&self, from: Point) -> f64 {
         self.points.iter().map(|&point| distance(point, from)).fold(0.0, f64::max)
     }
 
     /// Whether a point is inside.
-    pub(super) fn contains(&self, point: Point) -> bool {
+    pub(crate) fn contains(&self, point: Point) -> bool {
         self.pyramids(point).all(|(volume, _)| volume > 0.0)
     }
 
@@ -114,12 +114,12 @@ impl Cell {
         })
     }
 
-    pub(super) fn volume(&self) -> f64 {
+    pub(crate) fn volume(&self) -> f64 {
         self.points.first().map_or(0.0, |&tip| self.pyramids(tip).map(|(volume, _)| volume).sum())
     }
 
     /// The centre of the volume.
-    pub(super) fn centre(&self) -> Point {
+    pub(crate) fn centre(&self) -> Point {
         let tip = self.points.first().copied().unwrap_or([0.0; 3]);
         let (mut sum, mut whole) = ([0.0; 3], 0.0);
         for (volume, centre) in self.pyramids(tip) {

@@ -4,8 +4,8 @@ use super::quality::quality;
 use crate::tetrahedra::delaunay::{Delaunay, FACETS, NONE};
 use crate::tetrahedra::recover::Hits;
 use crate::tetrahedra::skin::Skin;
+use crate::tetrahedra::surface::{INNER, OUTSIDE};
 use crate::tetrahedra::vector::Point;
-use crate::tetrahedra::{INNER, OUTSIDE};
 
 /// Beyond a facet of the outer surface there is this plus the number of its patch, instead of a neighbour.
 pub(crate) const BORDER: u32 = 1 << 31;

@@ -2,14 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::error::{LEAST, PolygonError, SHARP};
 use super::sheet::{Sheet, triangulate};
-use super::{LEAST, PolygonError, SHARP};
 use crate::grading::Grading;
 use crate::tetrahedra::plane::Point2;
 use crate::tetrahedra::sharpest::beside_inner;
 use crate::tetrahedra::skin::FlatFaces;
+use crate::tetrahedra::surface::{INNER, OUTSIDE, Surface};
 use crate::tetrahedra::vector::{Point, cross, distance, dot, length, minus, plus, times};
-use crate::tetrahedra::{INNER, OUTSIDE, Surface};
 
 /// Rounds of cutting.
 const ROUNDS: usize = 8;

@@ -1,11 +1,11 @@
 //! Moves of planes and corners that keep small gaps out of the mesh.
 
-use super::SNAP;
+use super::error::SNAP;
 use super::sheet::Sheet;
 use super::warp::RoundNodes;
 use crate::grading::Grading;
-use crate::tetrahedra::Surface;
 use crate::tetrahedra::skin::FlatFaces;
+use crate::tetrahedra::surface::Surface;
 use crate::tetrahedra::vector::{Point, cross, distance, dot, length, minus, normal, plus, times, unit};
 
 /// Sine of the angle up to which a piece that is near another becomes one with it.

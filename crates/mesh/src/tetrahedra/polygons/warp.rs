@@ -1,10 +1,10 @@
 //! Round faces: their nodes are moved, along the face, onto polygons that nearly pass them.
 
-use super::SNAP;
+use super::error::SNAP;
 use super::sheet::Sheet;
 use crate::grading::Grading;
-use crate::tetrahedra::Surface;
 use crate::tetrahedra::skin::FlatFaces;
+use crate::tetrahedra::surface::Surface;
 use crate::tetrahedra::vector::{Point, cross, dot, length, minus, normal, plus, times, unit};
 
 /// Sine of the smallest angle between a polygon and a round face at which nodes are moved.

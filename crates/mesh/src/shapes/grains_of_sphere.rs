@@ -9,15 +9,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use fdem_scenes::random::Random;
 
-use super::{
-    Behind, Cell, Point, SAME, cell_of, contract, convex, cut, leave_out_unused, merge, spread, with_lengths,
-};
 use crate::grading::stations;
-use crate::shapes::cuboid;
+use crate::shapes::cuboid::cuboid;
 use crate::shapes::extrusion::{ears, join, no_crossing, twice_area};
+use crate::shapes::grains::{
+    Behind, Cell, SAME, cell_of, contract, convex, cut, leave_out_unused, merge, spread, with_lengths,
+};
 use crate::shapes::round::{sphere, square_axes};
 use crate::tetrahedra::plane::{Plane, Point2};
-use crate::tetrahedra::vector::{cross, dot, length, minus, normal, plus, times, unit};
+use crate::tetrahedra::vector::{Point, cross, dot, length, minus, normal, plus, times, unit};
 use crate::tetrahedra::{MeshError, OUTSIDE, Size, Surface, Tetrahedra};
 
 /// Rounds in which seeds move to the centres of their grains, and length of edges over the cube root of the
@@ -42,7 +42,7 @@ const COARSE: f64 = 0.3;
 
 /// Cuts a sphere into grains: the regions `0..count` of one surface, whose meshes share nodes.
 ///
-/// The grains are made as by [`grains`](super::grains). All nodes of the outer surface are on the sphere.
+/// The grains are made as by [`grains`](crate::shapes::grains()). All nodes of the outer surface are on the sphere.
 /// Face 0 is the `surface`, and each face between two grains has another number.
 ///
 /// Angles of a mesh are good if it has two or more elements across a grain: 9° or more in 550 spheres of 2 to
