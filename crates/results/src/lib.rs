@@ -31,7 +31,7 @@
 //! | the page of a run | both dimensions: `src/page/run.rs`, `src/page/run/main.js`; two: `src/page/run/flat.rs`; three: `src/page/run/space.rs`, `src/page/run/space/view.js` |
 //! | the page of a sweep | `src/page/sweep.rs`, `src/page/sweep/main.js`, `src/page/sweep/plot.js` |
 //! | compressed frames | in two dimensions `src/run/frame.rs`; in three `src/space/frame.rs`, what is seen `src/space/shell.rs` |
-//! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/space/raster.rs` |
+//! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/picture/raster.rs` |
 
 mod arrays;
 pub mod network;

@@ -21,7 +21,7 @@ pub(crate) mod drawing;
 pub(crate) mod letters;
 mod mesh;
 mod plots;
-mod raster;
+pub(crate) mod raster;
 pub(crate) mod room;
 pub(crate) mod scene;
 pub(crate) mod svg;

@@ -13,7 +13,6 @@ pub(crate) mod facets;
 pub(crate) mod frame;
 mod opened;
 mod pictures;
-mod raster;
 mod section;
 mod shell;
 mod view;

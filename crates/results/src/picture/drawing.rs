@@ -8,7 +8,7 @@ use crate::picture::encode::{self, Layer};
 use crate::picture::error::PictureError;
 use crate::picture::flat::Flat;
 use crate::picture::furniture::{self, Counts, FOOT, HEAD};
-use crate::picture::raster::{Raster, SAMPLES};
+use crate::picture::raster::{GRID, Raster};
 use crate::picture::room;
 use crate::picture::scene::{Bond, Joint, Scene};
 use crate::picture::svg::Svg;
@@ -195,8 +195,7 @@ impl<'a> Page<'a> {
         if self.scene.dimensions == 2 {
             vec![layer(0, self.discs(size, scale))]
         } else {
-            let zoom = scale * SAMPLES as f64;
-            vec![layer(0, self.spheres(size, zoom)), layer(1, self.rods(size, zoom))]
+            vec![layer(0, self.spheres(size, scale)), layer(1, self.rods(size, scale))]
         }
     }
 
@@ -237,7 +236,7 @@ impl<'a> Page<'a> {
 
     /// Draws the elements in 3D.
     fn spheres(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
-        let mut raster = Raster::new(size);
+        let mut raster = Raster::new(&GRID, size);
         self.draw_box(&mut raster, zoom);
         self.draw_facets(&mut raster, zoom, true);
         for (index, centre) in self.scene.centres.iter().enumerate() {
@@ -255,7 +254,7 @@ impl<'a> Page<'a> {
     /// Draws the contacts in 3D, with small spheres at the centres of elements.
     fn rods(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
         let Self { scene, camera, .. } = self;
-        let mut raster = Raster::new(size);
+        let mut raster = Raster::new(&GRID, size);
         self.draw_box(&mut raster, zoom);
         self.draw_facets(&mut raster, zoom, false);
         let place = |point: [f64; 3]| camera.place(point).map(|x| x * zoom);
@@ -276,12 +275,12 @@ impl<'a> Page<'a> {
     }
 
     /// Draws surfaces. Only the edges of triangles are drawn for walls and unless `solid`.
-    fn draw_facets(&self, raster: &mut Raster, zoom: f64, solid: bool) {
+    fn draw_facets(&self, raster: &mut Raster<4>, zoom: f64, solid: bool) {
         let Some(shapes) = &self.scene.shapes else { return };
         for (corners, owner) in self.scene.facets() {
             let corners = corners.map(|corner| self.camera.place(corner).map(|x| x * zoom));
             if solid && !shapes.walls {
-                raster.triangle(corners, self.counts.colour(self.scene.coordination[owner as usize]));
+                raster.facet(corners, self.counts.colour(self.scene.coordination[owner as usize]));
             } else {
                 for k in 0..3 {
                     raster.rod([corners[k], corners[(k + 1) % 3]], 0.3 * zoom, NODE);
@@ -290,7 +289,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    fn draw_box(&self, raster: &mut Raster, zoom: f64) {
+    fn draw_box(&self, raster: &mut Raster<4>, zoom: f64) {
         for ends in outline(self.scene) {
             raster.rod(ends.map(|end| self.camera.place(end).map(|x| x * zoom)), 0.7 * zoom, BOX);
         }

@@ -12,7 +12,7 @@ const REST: usize = 32 << 20;
 
 /// Bytes per pixel of a drawing in 3D: samples with their depths, layers, pixels with and without opacity,
 /// the file.
-const PER_PIXEL: f64 = 26.0;
+const PER_PIXEL: f64 = 30.0;
 
 /// Largest size of the drawing of a network with its margins, in its own units.
 pub(crate) const LARGEST_PAGE: [f64; 2] = [1320.0, 800.0];

@@ -4,8 +4,8 @@ use fdem_simulation::Mode;
 
 use crate::arrays::each;
 use crate::picture::colour::{Rgb, mix};
+use crate::picture::raster::{Paint, Stroke, Triangle};
 use crate::run::pictures::crack_colour;
-use crate::space::raster::{Paint, Stroke, Triangle};
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
 
@@ -401,8 +401,8 @@ fn key(point: [f64; 3]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::raster::draw;
     use crate::space::facets::FACETS;
-    use crate::space::raster::draw;
 
     const SIZE: usize = 120;
     const BLUE: Rgb = [60, 120, 200];

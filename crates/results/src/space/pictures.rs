@@ -10,14 +10,13 @@ use crate::picture::encode::{self, Layer};
 use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
-use crate::picture::{PictureError, drawing::scale};
+use crate::picture::{PictureError, drawing::scale, raster};
 use crate::run::field::{Field, Range, numbered_colour};
 use crate::run::pictures::{colour_bar, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, Camera, CrackFacet, Edge, Facet, Scene, Tetrahedron};
 use crate::space::frame::SpaceFrame;
 use crate::space::opened::OpenedSpace;
-use crate::space::raster;
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
 
