@@ -1,16 +1,21 @@
-//! Looking at contact networks and at runs: analysis, pictures, plots, animations, files for ParaView, and pages for a browser.
+//! Looking at contact networks and at runs: analysis, pictures, plots, animations, files for ParaView, and
+//! pages for a browser.
 //!
-//! [`network`] is what [`analysis`] measures and [`picture`] draws; what a run leaves ([`Frame`], [`History`], [`Pictures`]) is made from snapshots of
-//! `fdem-simulation`. [`page`] makes both into pages. This crate makes text and bytes, and knows no paths.
+//! [`network`] is the input of [`analysis`] and [`picture`]; the results of a run ([`Frame`], [`History`],
+//! [`Pictures`]) are made from snapshots of `fdem-simulation`. [`page`] makes both into pages. This crate
+//! makes text and bytes, and knows no paths.
 //!
 //! # How it is built
 //!
-//! `analysis::analyse` describes a `network::Network`; each part is a file below `src/analysis` with its definitions and sources.
+//! `analysis::analyse` describes a `network::Network`; each part is a file below `src/analysis` with its
+//! definitions and sources.
 //!
-//! `picture` draws a `Network`. `Scene` turns any network into three dimensions. Discs become SVG or pixels; spheres and rods become pixels
-//! with depth (`src/picture/raster.rs`). resvg draws the other shapes of a PNG above the pixels, and `src/picture/letters.rs` gives the outlines of the
-//! letters above them. Each pixel depends only on operations that IEEE 754 rounds, on one thread. `report` puts the same network into one page as
-//! compressed arrays. The page's scripts (`src/page`) are our own; `crates/fdem/tests/browser/test_report.py` runs them in a browser.
+//! `picture` draws a `Network`. `Scene` turns any network into three dimensions. Discs become SVG or pixels;
+//! spheres and rods become pixels with depth (`src/picture/raster.rs`). resvg draws the other shapes of a PNG
+//! above the pixels, and `src/picture/letters.rs` gives the outlines of the letters above them. Each pixel
+//! depends only on operations that IEEE 754 rounds, on one thread. `report` puts the same network into one
+//! page as compressed arrays. The page's scripts (`src/page`) are our own;
+//! `crates/fdem/tests/browser/test_report.py` runs them in a browser.
 //!
 //! # To change X, open Y
 //!
@@ -27,10 +32,10 @@
 //! | acoustic emission: events, magnitudes, b-value | `src/run/emission.rs` |
 //! | fragments: masses, table, distribution of sizes | `src/run/fragments.rs`; which elements hang together: `crates/simulation/src/topology.rs` |
 //! | outlines, load-displacement axes, samples of large meshes | `src/run/outlines.rs`, `src/run/loads.rs`, `src/run/sample.rs` |
-//! | what all pages have | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |
+//! | the common parts of all pages | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |
 //! | the page of a run | both dimensions: `src/page/run.rs`, `src/page/run/main.js`; two: `src/page/run/flat.rs`; three: `src/page/run/space.rs`, `src/page/run/space/view.js` |
 //! | the page of a sweep | `src/page/sweep.rs`, `src/page/sweep/main.js`, `src/page/sweep/plot.js` |
-//! | compressed frames | in two dimensions `src/run/frame.rs`; in three `src/space/frame.rs`, what is seen `src/space/shell.rs` |
+//! | compressed frames | in two dimensions `src/run/frame.rs`; in three `src/space/frame.rs`, the visible parts `src/space/shell.rs` |
 //! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/picture/raster.rs` |
 
 mod arrays;

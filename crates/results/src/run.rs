@@ -1,4 +1,5 @@
-//! Results of a simulation: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
+//! Results of a simulation: files for ParaView, pictures, an animation, a history with its plots, and a page
+//! for a browser.
 //!
 //! ```text
 //! Snapshot ──┬─> vtu, vtp ── ParaView
@@ -7,8 +8,9 @@
 //!                        └─> Report ──── one page
 //! Row ── HistoryWriter ── history.csv ── History ── plots ── SVG, PNG, Report
 //! ```
-//! A [`Frame`] is a compressed snapshot with a few bytes for each element. It is kept in memory or in a file until the series is complete and the range of
-//! its colours is known. This module makes text and bytes, and knows no paths.
+//! A [`Frame`] is a compressed snapshot with a few bytes for each element. It is kept in memory or in a file
+//! until the series is complete and the range of its colours is known. This module makes text and bytes, and
+//! knows no paths.
 
 mod animation;
 mod chart;

@@ -24,11 +24,12 @@ impl<const D: usize, const N: usize> Model<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// The part of this model with the elements that `keep` has. Boundaries act on what is left of their nodes and facets, and those of which nothing is left are left out. Bodies and materials
-    /// keep their numbers.
+    /// The part of this model with the elements that `keep` has. Boundaries act on the remaining nodes and
+    /// facets, and boundaries without remaining ones are left out. Bodies and materials keep their numbers.
     ///
     /// # Errors
-    /// The errors of the mesh: see [`ModelError`]. [`ModelError::Length`] if `keep` has not an entry for each element.
+    /// The errors of the mesh: see [`ModelError`]. [`ModelError::Length`] if `keep` has not an entry for each
+    /// element.
     pub fn keeping(&self, keep: &[bool]) -> Result<Kept<D, N>, ModelError> {
         let mesh = &self.mesh;
         let expected = mesh.elements.len();

@@ -9,8 +9,9 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub step: u64,
     /// Time, s.
     pub time: f64,
-    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken: the first keeps its number, and the others follow after all nodes of the mesh, in the
-    /// order of the nodes of the mesh and, at each of these, of the elements.
+    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken: the
+    /// first keeps its number, and the others follow after all nodes of the mesh, in the order of the nodes
+    /// of the mesh and, at each of these, of the elements.
     pub positions: Vec<[f64; D]>,
     /// Displacements of the nodes, m.
     pub displacements: Vec<[f64; D]>,
@@ -26,7 +27,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub bodies: Vec<u32>,
     /// Material of each element.
     pub materials: Vec<u32>,
-    /// Fragment of each element: elements that hang together by facets have one number. Numbers count from 0 in the order of the first element of each fragment.
+    /// Fragment of each element: elements that hang together by facets have one number. Numbers count from 0
+    /// in the order of the first element of each fragment.
     pub fragments: Vec<u32>,
     /// Joints that are softening or broken, in the order of their elements.
     pub cracks: Vec<Crack<D>>,
@@ -91,7 +93,8 @@ mod tests {
 /// A joint that has passed its strength, on a facet between two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack<const D: usize = 2> {
-    /// Current positions of its corners, m, half way between the two elements: the two ends of an edge, the three corners of a face.
+    /// Current positions of its corners, m, half way between the two elements: the two ends of an edge, the
+    /// three corners of a face.
     pub corners: [[f64; D]; D],
     /// Elements on its two sides.
     pub elements: [u32; 2],

@@ -42,8 +42,8 @@ const COARSE: f64 = 0.3;
 
 /// Cuts a sphere into grains: the regions `0..count` of one surface, whose meshes share nodes.
 ///
-/// The grains are made as by [`grains`](crate::shapes::grains()). All nodes of the outer surface are on the sphere.
-/// Face 0 is the `surface`, and each face between two grains has another number.
+/// The grains are made as by [`grains`](crate::shapes::grains()). All nodes of the outer surface are on the
+/// sphere. Face 0 is the `surface`, and each face between two grains has another number.
 ///
 /// Angles of a mesh are good if it has two or more elements across a grain: 9° or more in 550 spheres of 2 to
 /// 70 grains with four elements across one.

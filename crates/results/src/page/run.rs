@@ -1,8 +1,8 @@
-//! Pages of runs, which play the frames and have the plots and the summary. [`flat`] has those in two dimensions and [`space`] those in three; this file has what both
-//! share.
+//! Pages of runs, which play the frames and have the plots and the summary. [`flat`] has the parts in two
+//! dimensions and [`space`] those in three; this file has the common parts.
 //!
-//! Like the page of a contact network ([`crate::page::network`]), they load nothing over the network. Their content security policy allows only their own script and
-//! style. Texts from outside are escaped.
+//! Like the page of a contact network ([`crate::page::network`]), they load nothing over the network. Their
+//! content security policy allows only their own script and style. Texts from outside are escaped.
 
 pub(crate) mod flat;
 pub(crate) mod space;
@@ -53,24 +53,25 @@ struct RunPage<'a> {
     field: Field,
     /// Fields and their ranges.
     ranges: [(Field, Range); Field::ALL.len()],
-    /// Fields with numbers of their own, after the others: key and name.
+    /// Further fields with separate numbers: key and name.
     numbered: &'a [(&'a str, &'a str)],
     /// A picture of the last frame as PNG, for browsers that cannot show the view.
     preview: Option<Vec<u8>>,
-    /// What is said below the view.
+    /// The text below the view.
     notes: String,
     /// Number of frames in the page.
     count: usize,
     /// Names of the columns of the table of frames, and its rows.
     columns: &'a [&'a str],
     rows: String,
-    /// The section with the largest fragments; empty if there are none.
+    /// The section with the largest fragments; empty without fragments.
     fragments: String,
     /// Data for the scripts, beside those that all pages have.
     meta: Value,
     /// The script elements with the frames.
     frames: String,
-    /// What differs between two and three dimensions: checkboxes and fieldsets of the controls, what keys do, style and scripts.
+    /// Differences between two and three dimensions: checkboxes and fieldsets of the controls, effects of
+    /// keys, style and scripts.
     show: &'a str,
     more: &'a str,
     help: &'a str,
@@ -157,7 +158,7 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
     })
 }
 
-/// Returns the picture for browsers that cannot show the view; empty if there is none.
+/// Returns the picture for browsers that cannot show the view; empty if the page has none.
 fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     preview.map_or_else(String::new, |png| {
         let (png, title, counts) = (STANDARD.encode(png), escape(title), escape(counts));
@@ -216,7 +217,8 @@ fn even(count: usize, total: usize) -> Vec<usize> {
     }
 }
 
-/// Returns the indices of the frames for which the page has room, evenly spaced, with the first and the last. If there is room for one only, it is the last.
+/// Returns the indices of the frames for which the page has room, evenly spaced, with the first and the last.
+/// If there is room for one only, it is the last.
 fn thinned(total: usize, bytes: impl Fn(usize) -> usize) -> Vec<usize> {
     let mut count = total.min(MOST_FRAMES);
     loop {
@@ -240,7 +242,7 @@ fn figures(plots: &[Plot]) -> String {
     figures
 }
 
-/// Returns the section with the largest fragments of the bodies that count; empty if there are none.
+/// Returns the section with the largest fragments of the bodies that count; empty without fragments.
 fn largest<const D: usize>(fragments: &Fragments<D>, names: &Names) -> String {
     let counted: Vec<_> = fragments.all().iter().filter(|fragment| fragment.counted).collect();
     if counted.is_empty() {
@@ -288,7 +290,8 @@ fn text(k: usize, deflated: &[u8]) -> String {
     )
 }
 
-/// Returns a row of the table of frames. Frames have the numbers of their files. `counts` come after the number and the step, `numbers` after the time.
+/// Returns a row of the table of frames. Frames have the numbers of their files. `counts` come after the
+/// number and the step, `numbers` after the time.
 fn row(
     k: usize,
     place: usize,

@@ -14,7 +14,8 @@ use crate::space::{Show, SpaceFrame, SpacePictures};
 /// Shortest display time of the last picture, in hundredths of a second.
 const LAST: u16 = 150;
 
-/// A GIF animation to which frames are added one by one. All frames share one palette, and each frame stores only the rectangle that changed.
+/// A GIF animation to which frames are added one by one. All frames share one palette, and each frame stores
+/// only the rectangle that changed.
 ///
 /// # Cost
 /// About 0.1 s for a frame 900 pixels wide. A frame takes 100 to 300 kB if the field changes everywhere.
@@ -100,7 +101,8 @@ impl From<gif::EncodingError> for AnimationError {
 }
 
 impl<'a> Animation<'a> {
-    /// Creates an animation without frames. `delay` is the time between two frames in hundredths of a second; `width` is as in [`Pictures::png`].
+    /// Creates an animation without frames. `delay` is the time between two frames in hundredths of a second;
+    /// `width` is as in [`Pictures::png`].
     pub fn new(pictures: Pictures<'a>, width: Option<u32>, delay: u16) -> Self {
         Self { pictures, width, reel: Reel::new(Palette::new(pictures.field), delay) }
     }
@@ -124,7 +126,8 @@ impl<'a> Animation<'a> {
 }
 
 impl<'a> SpaceAnimation<'a> {
-    /// Creates an animation without frames. `delay` is the time between two frames in hundredths of a second; `width` is as in [`SpacePictures::png`].
+    /// Creates an animation without frames. `delay` is the time between two frames in hundredths of a second;
+    /// `width` is as in [`SpacePictures::png`].
     pub fn new(pictures: SpacePictures<'a>, width: Option<u32>, delay: u16) -> Self {
         let palette = Palette::shaded(pictures.field, pictures.show);
         Self { pictures, width, reel: Reel::new(palette, delay) }
@@ -185,7 +188,8 @@ impl Reel {
     }
 }
 
-/// Returns the rectangle in which two pictures differ: its upper left corner and its extent, which is at least one pixel.
+/// Returns the rectangle in which two pictures differ: its upper left corner and its extent, which is at
+/// least one pixel.
 fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [u16; 2]) {
     let (mut low, mut high) = ([width, height], [0, 0]);
     let row = usize::from(width);
@@ -220,7 +224,8 @@ fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u1
     }
 }
 
-/// At most 256 colours for all frames: the colours of the field, of text, outlines and cracks, and steps from these to the white background.
+/// At most 256 colours for all frames: the colours of the field, of text, outlines and cracks, and steps from
+/// these to the white background.
 #[derive(Debug)]
 struct Palette {
     colours: Vec<Rgb>,
@@ -248,7 +253,8 @@ impl Palette {
         Self::of(colours)
     }
 
-    /// Returns the colours of pictures in three dimensions: those of the field or of the cracks in steps of light, of lines, and steps from lines to white.
+    /// Returns the colours of pictures in three dimensions: those of the field or of the cracks in steps of
+    /// light, of lines, and steps from lines to white.
     fn shaded(field: Field, show: Show) -> Self {
         let fading = |colour: Rgb, steps: usize| {
             (1..=steps).map(move |step| colour::mix([255; 3], colour, step as f64 / steps as f64))
@@ -298,7 +304,8 @@ impl Palette {
         if let Some(place) = self.nearest[cell] {
             return place;
         }
-        // All colours of a cell are replaced by one, so that the result does not depend on the order of the pixels.
+        // All colours of a cell are replaced by one, so that the result does not depend on the order of the
+        // pixels.
         let middle = colour.map(|channel| i32::from(channel >> (8 - BITS)) * 255 / ((1 << BITS) - 1));
         let distance = |other: &Rgb| -> i32 {
             (0..3).map(|channel| (middle[channel] - i32::from(other[channel])).pow(2)).sum()

@@ -40,7 +40,8 @@ pub(crate) const SCALES: [Field; 6] = [
     Field::Damage,
 ];
 
-/// Colours of signed fields: blue for compression, red for tension, pale at zero. Colours at equal distance from the middle are about equally light.
+/// Colours of signed fields: blue for compression, red for tension, pale at zero. Colours at equal distance
+/// from the middle are about equally light.
 const SIGNED: [Rgb; 17] = [
     [9, 48, 112],
     [20, 70, 146],
@@ -183,7 +184,8 @@ impl Field {
     }
 }
 
-/// Snapshots of triangles and of tetrahedra. The trait with which `Snapshot` has both is private to its crate.
+/// Snapshots of triangles and of tetrahedra. The trait with which `Snapshot` has both is private to its
+/// crate.
 pub(crate) trait Principal {
     /// Largest and smallest principal stress of an element, Pa.
     fn principal(&self, element: usize) -> [f64; 2];

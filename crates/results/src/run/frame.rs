@@ -16,18 +16,20 @@ const MAGIC: &[u8; 8] = b"fdemfrm3";
 /// Level at which frames are deflated: level 6 makes them 3 % smaller and takes three times as long.
 pub(crate) const LEVEL: u8 = 1;
 
-/// Number of arrays with an entry for each element: six coordinates of corners, the fields, two halves of the body number, the material, the outlines.
+/// Number of arrays with an entry for each element: six coordinates of corners, the fields, two halves of the
+/// body number, the material, the outlines.
 const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
 /// Number of additional arrays in a sample: two halves of the element number.
 const OF_SAMPLES: usize = 2;
 /// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
-/// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values have 16 bits between the least and the
-/// greatest of the frame, and are deflated. Only broken joints are stored as cracks.
+/// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values
+/// have 16 bits between the least and the greatest of the frame, and are deflated. Only broken joints are
+/// stored as cracks.
 ///
-/// An element is not drawn if one of its coordinates is not finite, or is farther from the middle 98 % of all coordinates on its axis than four times their
-/// extent.
+/// An element is not drawn if one of its coordinates is not finite, or is farther from the middle 98 % of all
+/// coordinates on its axis than four times their extent.
 ///
 /// # Cost
 /// About 10 ms and 100 to 200 kB for 10,000 elements.
@@ -94,8 +96,9 @@ impl fmt::Display for FrameError {
 impl std::error::Error for FrameError {}
 
 impl Range {
-    /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the colours.
-    /// Ranges of principal stresses are symmetric about 0. All other ranges begin at 0; the range of damage ends at 1.
+    /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a
+    /// few extreme values do not use up the colours. Ranges of principal stresses are symmetric about 0. All
+    /// other ranges begin at 0; the range of damage ends at 1.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
         Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
     }
@@ -118,9 +121,10 @@ impl Frame {
         Self::sampled(snapshot, outlines, usize::MAX)
     }
 
-    /// Makes a frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger triangles that cover the same area, each with the
-    /// values and the number of one element. The sample has one crack of each mode in each cell of a grid. Ranges of values and lengths of cracks are those of
-    /// the whole mesh.
+    /// Makes a frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger
+    /// triangles that cover the same area, each with the values and the number of one element. The sample has
+    /// one crack of each mode in each cell of a grid. Ranges of values and lengths of cracks are those of the
+    /// whole mesh.
     ///
     /// # Errors
     /// [`SnapshotError`] if the snapshot contradicts itself, or if the outlines belong to another mesh.
@@ -258,7 +262,8 @@ impl Frame {
         self.try_open().ok_or(FrameError::Damaged)
     }
 
-    /// Reads `count` groups of `N` points. The arrays are: x of all first points, y of all first points, x of all second points, and so on.
+    /// Reads `count` groups of `N` points. The arrays are: x of all first points, y of all first points, x of
+    /// all second points, and so on.
     fn points<const N: usize>(&self, arrays: &mut Unpacked<'_>, count: usize) -> Option<Vec<[[f64; 2]; N]>> {
         let mut points = vec![[[f64::NAN; 2]; N]; count];
         for corner in 0..N {

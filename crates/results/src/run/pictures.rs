@@ -1,4 +1,5 @@
-//! Pictures of frames: coloured elements, outlines, and cracks as lines. All pictures of a series have the same view and the same colour scale.
+//! Pictures of frames: coloured elements, outlines, and cracks as lines. All pictures of a series have the
+//! same view and the same colour scale.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -24,10 +25,12 @@ const MARGIN: f64 = 24.0;
 const MOST: [f64; 2] = [852.0, 700.0];
 const NARROWEST: f64 = 620.0;
 
-/// Maximum number of triangles that are drawn as vectors. More are drawn as an image, which browsers open faster.
+/// Maximum number of triangles that are drawn as vectors. More are drawn as an image, which browsers open
+/// faster.
 const MOST_VECTORS: usize = 20_000;
 
-/// Names and colours of cracks in tension, in shear and in mixed mode. No field has these colours, and a white seam separates the cracks from the elements.
+/// Names and colours of cracks in tension, in shear and in mixed mode. No field has these colours, and a
+/// white seam separates the cracks from the elements.
 pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
 const CRACK: f64 = 2.0;
@@ -50,8 +53,8 @@ pub struct FrameView {
 }
 
 impl FrameView {
-    /// Returns a view of all frames. It reaches beyond the first frame by at most half of the longer side of that frame. Fragments that fly farther leave the
-    /// picture.
+    /// Returns a view of all frames. It reaches beyond the first frame by at most half of the longer side of
+    /// that frame. Fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
         let (mut last, mut bounds) = (0.0_f64, Vec::new());
         for (k, frame) in frames.into_iter().enumerate() {
@@ -62,7 +65,8 @@ impl FrameView {
         Self { low: [x[0], y[0]], high: [x[1], y[1]], last }
     }
 
-    /// Returns the centre, and the distances from the centre to the sides, m. At least one distance is above zero, even if the view has no extent.
+    /// Returns the centre, and the distances from the centre to the sides, m. At least one distance is above
+    /// zero, even if the view has no extent.
     pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
         let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
         let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
@@ -76,8 +80,8 @@ impl FrameView {
     }
 }
 
-/// Returns the least and the greatest coordinate on each axis that a view of frames with these bounds shows: beyond the first frame by at most half of its longest
-/// side.
+/// Returns the least and the greatest coordinate on each axis that a view of frames with these bounds shows:
+/// beyond the first frame by at most half of its longest side.
 pub(crate) fn extent<const D: usize>(bounds: impl IntoIterator<Item = [[f64; 2]; D]>) -> [[f64; 2]; D] {
     let mut bounds = bounds.into_iter();
     let Some(first) = bounds.next() else { return [[0.0, 1.0]; D] };
@@ -159,7 +163,8 @@ impl Pictures<'_> {
         Ok(svg.finish())
     }
 
-    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as the SVG (at most 900).
+    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as
+    /// the SVG (at most 900).
     ///
     /// # Errors
     /// The errors of [`Self::svg`]; [`PictureError::Width`].
@@ -168,7 +173,8 @@ impl Pictures<'_> {
         encode::file(size, &pixels)
     }
 
-    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel, row by row.
+    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel,
+    /// row by row.
     pub(crate) fn pixels(
         &self,
         frame: &Frame,
@@ -228,7 +234,8 @@ impl Pictures<'_> {
         }
     }
 
-    /// Returns the outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
+    /// Returns the outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their
+    /// width.
     fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
         let mask = [OF_BODIES, OF_GRAINS][kind];
         let line = |(element, corner): (usize, usize)| {

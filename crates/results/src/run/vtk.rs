@@ -1,6 +1,7 @@
 //! Writes snapshots as files for ParaView.
 //!
-//! Numbers are in SI units. Every array that has a unit names it under the information key `UNITS_LABEL` of VTK.
+//! Numbers are in SI units. Every array that has a unit names it under the information key `UNITS_LABEL` of
+//! VTK.
 
 use std::io::{self, Write};
 
@@ -20,7 +21,8 @@ const CORNERS: [&str; 4] = ["a", "b", "c", "d"];
 /// Writes the deformed mesh as a `.vtu` file.
 ///
 /// - Nodes: position, displacement, velocity, and reaction (the force of all boundaries on the node).
-/// - Elements: stress (`xx`, `yy`, `zz`, `xy`, `yz`, `xz`), largest and smallest principal stress, in the plane in two dimensions (`max`, `min`), von Mises stress, damage, body, material and fragment.
+/// - Elements: stress (`xx`, `yy`, `zz`, `xy`, `yz`, `xz`), largest and smallest principal stress, in the
+///   plane in two dimensions (`max`, `min`), von Mises stress, damage, body, material and fragment.
 /// - File: the time, and the numbers of bodies and materials by their names.
 ///
 /// # Errors
@@ -83,8 +85,9 @@ where
     fdem_io::write_vtu(out, &points, &cells, snapshot.time, &names.numbered())
 }
 
-/// Writes the broken joints as a `.vtp` file of lines, in three dimensions of triangles: mode (0 tension, 1 shear, 2 mixed), `broken` (1 for all), damage, opening,
-/// sliding, time of failure, `length` of the undeformed edge or `area` of the undeformed face, and the two elements.
+/// Writes the broken joints as a `.vtp` file of lines, in three dimensions of triangles: mode (0 tension, 1
+/// shear, 2 mixed), `broken` (1 for all), damage, opening, sliding, time of failure, `length` of the
+/// undeformed edge or `area` of the undeformed face, and the two elements.
 ///
 /// # Errors
 /// The errors of `out`.
@@ -95,7 +98,8 @@ pub fn write_cracks_vtp<W: Write, const D: usize, const N: usize>(
     write_joints(out, snapshot, true)
 }
 
-/// Writes the damaged joints, which soften but still hold, in the format of [`write_cracks_vtp`]: `broken` is 0, and the time of failure is NaN.
+/// Writes the damaged joints, which soften but still hold, in the format of [`write_cracks_vtp`]: `broken` is
+/// 0, and the time of failure is NaN.
 ///
 /// # Errors
 /// The errors of `out`.
@@ -140,11 +144,13 @@ fn write_joints<W: Write, const D: usize, const N: usize>(
     fdem_io::write_poly_vtp(out, &points, Some(&lines), snapshot.time)
 }
 
-/// Writes the contact forces as a `.vtp` file of points, one for each couple of elements that press each other: the force on the first element, the
-/// magnitudes of its normal and its tangential part, the two elements, their bodies and their fragments. The second element has the opposite force.
+/// Writes the contact forces as a `.vtp` file of points, one for each couple of elements that press each
+/// other: the force on the first element, the magnitudes of its normal and its tangential part, the two
+/// elements, their bodies and their fragments. The second element has the opposite force.
 ///
 /// # Errors
-/// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within, also if a contact has an element that does not exist.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within, also if a contact
+/// has an element that does not exist.
 pub fn write_contacts_vtp<W: Write, const D: usize, const N: usize>(
     out: &mut W,
     snapshot: &Snapshot<D, N>,

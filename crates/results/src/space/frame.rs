@@ -15,24 +15,27 @@ use crate::space::shell::{Seen, Shell};
 /// First bytes of a file: its kind and its version.
 const MAGIC: &[u8; 8] = b"fdemspc1";
 
-/// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have only the elements at the surface.
+/// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have
+/// only the elements at the surface.
 pub const MOST_INSIDE: usize = 300_000;
 
-/// Number of arrays with an entry for each element: twelve coordinates of corners, the fields, two halves of the number, of the body and of the fragment, the
-/// material, the marks.
+/// Number of arrays with an entry for each element: twelve coordinates of corners, the fields, two halves of
+/// the number, of the body and of the fragment, the material, the marks.
 const OF_ELEMENTS: usize = 12 + SCALES.len() + 8;
 /// Number of arrays with an entry for each crack: two halves of both facets, the code, the opening.
 const OF_CRACKS: usize = 6;
 
-/// The part of a snapshot in three dimensions that pictures and pages show, in a few bytes per element: the elements that have facets on the surface or on broken
-/// joints, and, if the mesh has at most [`MOST_INSIDE`] elements, the others, so that a cut shows the inside. Coordinates and values have 16 bits between the
+/// The part of a snapshot in three dimensions that pictures and pages show, in a few bytes per element: the
+/// elements that have facets on the surface or on broken joints, and, if the mesh has at most [`MOST_INSIDE`]
+/// elements, the others, so that a cut shows the inside. Coordinates and values have 16 bits between the
 /// least and the greatest of the frame, and are deflated.
 ///
-/// An element is not drawn if one of its coordinates is not finite, or is farther from the middle 98 % of all coordinates on its axis than four times their
-/// extent. Facets beside it are then on the surface.
+/// An element is not drawn if one of its coordinates is not finite, or is farther from the middle 98 % of all
+/// coordinates on its axis than four times their extent. Facets beside it are then on the surface.
 ///
 /// # Cost
-/// About 30 bytes for each element in the frame. See `crates/results/examples/space_report.rs` for a whole series.
+/// About 30 bytes for each element in the frame. See `crates/results/examples/space_report.rs` for a whole
+/// series.
 ///
 /// # Example
 /// ```
@@ -66,7 +69,8 @@ pub struct SpaceFrame {
     pub(crate) areas: [f64; 3],
     /// The least and the greatest opening of a crack, m.
     pub(crate) openings: [f64; 2],
-    /// Sizes of the arrays of elements at the surface with the cracks, and of elements inside, before they were deflated, bytes.
+    /// Sizes of the arrays of elements at the surface with the cracks, and of elements inside, before they
+    /// were deflated, bytes.
     pub(crate) sizes: [usize; 2],
     pub(crate) deflated: [Vec<u8>; 2],
 }
@@ -96,7 +100,8 @@ impl SpaceFrame {
     /// [`SnapshotError`] if the snapshot contradicts itself, or if the shell belongs to another mesh.
     ///
     /// # Cost
-    /// Proportional to the elements of the mesh, most of it for the principal stresses, and to the elements in the frame, most of it for deflating them.
+    /// Proportional to the elements of the mesh, most of it for the principal stresses, and to the elements
+    /// in the frame, most of it for deflating them.
     pub fn new(snapshot: &Snapshot<3, 4>, shell: &Shell) -> Result<Self, SnapshotError> {
         Self::with_inside(snapshot, shell, MOST_INSIDE)
     }
@@ -104,7 +109,7 @@ impl SpaceFrame {
     /// Makes a frame that has the elements inside if the mesh has at most `most` elements.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Like [`Self::new`].
     pub fn with_inside(snapshot: &Snapshot<3, 4>, shell: &Shell, most: usize) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
         let whole = snapshot.elements.len();
@@ -374,8 +379,9 @@ impl SpaceFrame {
     }
 }
 
-/// Appends the cracks but their openings. The code of a crack has its mode in two bits; in the next two the place, among the corners of the facet on side 1, of the
-/// vertex that is first on side 0 (the others follow in the opposite order); then six bits of traces.
+/// Appends the cracks but their openings. The code of a crack has its mode in two bits; in the next two the
+/// place, among the corners of the facet on side 1, of the vertex that is first on side 0 (the others follow
+/// in the opposite order); then six bits of traces.
 fn pack_cracks(packed: &mut Packed, snapshot: &Snapshot<3, 4>, seen: &Seen, surface: &[u32]) {
     let place = |facet: u32| {
         // All elements at cracks are among those of the surface.

@@ -45,7 +45,8 @@ pub(crate) struct OpenedCrack {
     pub(crate) facets: [(usize, usize); 2],
     /// Corners of both sides, m. Corners with the same place were one.
     pub(crate) sides: [[[f64; 3]; 3]; 2],
-    /// Whether the edges between corners `k` and `k + 1` are on the outside, for each side: there the crack is seen as a line.
+    /// Whether the edges between corners `k` and `k + 1` are on the outside, for each side: there the crack
+    /// is seen as a line.
     pub(crate) traces: [[bool; 3]; 2],
     pub(crate) mode: Mode,
     /// Mean opening, m; negative where it is closed.

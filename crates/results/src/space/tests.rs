@@ -26,7 +26,8 @@ fn facets_and_edges_fit_together() {
     assert_eq!(marks.0.count_ones(), 3);
 }
 
-/// A box of so many cubes of edge 1, each of six tetrahedra around its diagonal, in two materials.
+/// A box of `cells` cubes of edge 1 along each axis, each of six tetrahedra around its diagonal, in two
+/// materials.
 fn cuboid(cells: [usize; 3]) -> Mesh<3, 4> {
     let number = |at: [usize; 3]| ((at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0]) as u32;
     let mut mesh = Mesh::default();
@@ -187,8 +188,9 @@ fn what_is_seen_is_what_brute_force_finds() {
     }
 }
 
-/// Compares lines and traces with those found from all elements around each edge: those that hold together by facets at the edge are a chain, and the surface goes
-/// from the facet at one end of the chain to that at the other.
+/// Compares lines and traces with those found from all elements around each edge: those that hold together by
+/// facets at the edge are a chain, and the surface goes from the facet at one end of the chain to that at the
+/// other.
 fn edges_are_as_brute_force_finds(
     mesh: &Mesh<3, 4>,
     opened: &crate::space::opened::OpenedSpace,
@@ -316,7 +318,8 @@ fn damaged_frames_are_refused() {
     for length in 8..bytes.len() {
         assert_eq!(SpaceFrame::from_bytes(&bytes[..length]), Err(FrameError::Damaged), "{length}");
     }
-    // Changed bytes give another frame or an error, never a panic; the counts and the compressed arrays are checked.
+    // Changed bytes give another frame or an error, never a panic; the counts and the compressed arrays are
+    // checked.
     for (place, number) in (8..bytes.len()).zip(numbers(255)) {
         let mut other = bytes.clone();
         other[place] ^= number as u8 + 1;

@@ -13,11 +13,12 @@ use crate::run::pictures::{FrameView, Pictures};
 use crate::run::plots::Plot;
 use crate::run::unit::prefixed;
 
-/// Maximum number of elements of a frame in a page: with more, a browser would run out of memory. Larger meshes are shown by samples, [`Frame::sampled`].
+/// Maximum number of elements of a frame in a page: with more, a browser would run out of memory. Larger
+/// meshes are shown by samples, [`Frame::sampled`].
 pub const MOST_ELEMENTS: usize = 1_000_000;
 
-/// Maximum number of triangles in the sample of a mesh with more than [`MOST_ELEMENTS`] elements: fine enough for a screen, and about ten frames fit in a
-/// page.
+/// Maximum number of triangles in the sample of a mesh with more than [`MOST_ELEMENTS`] elements: fine enough
+/// for a screen, and about ten frames fit in a page.
 pub const SAMPLE: usize = 250_000;
 
 const SHOW: &str = include_str!("flat/show.html");
@@ -64,8 +65,8 @@ pub struct Report<'a> {
     pub facts: &'a [(&'a str, &'a str)],
     /// Plots, in the order in which they are shown.
     pub plots: &'a [Plot],
-    /// Frames in the order of time. If there are more than [`MOST_FRAMES`](crate::MOST_FRAMES), or more than 40 MB, the page has only some of them, the first and the last among
-    /// them, and says so.
+    /// Frames in the order of time. If there are more than [`MOST_FRAMES`](crate::MOST_FRAMES), or more than
+    /// 40 MB, the page has only some of them, the first and the last among them, and says so.
     pub frames: &'a [Frame],
     /// Fragments at the end. The page has a table of the largest ones of the bodies that count.
     pub fragments: &'a Fragments<2>,
@@ -79,7 +80,8 @@ impl Report<'_> {
     /// Returns the page as HTML.
     ///
     /// # Errors
-    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] avoids; the errors of [`Pictures::png`].
+    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which
+    /// [`Frame::sampled`] avoids; the errors of [`Pictures::png`].
     ///
     /// # Cost
     /// The page has about 15 bytes for each element and frame, at most 40 MB. It takes about 1 s to make.
@@ -139,7 +141,8 @@ impl Report<'_> {
         text
     }
 
-    /// Returns a sentence that says that frames show a sample, and which files have all elements; empty if no frame shows a sample.
+    /// Returns a sentence that says that frames show a sample, and which files have all elements; empty if no
+    /// frame shows a sample.
     fn sampling(&self) -> String {
         let Some(frame) =
             self.frames.iter().filter(|frame| frame.is_sample()).max_by_key(|frame| frame.elements)

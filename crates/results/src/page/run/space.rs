@@ -15,7 +15,8 @@ use crate::space::{MOST_INSIDE, SpaceFrame};
 /// Maximum number of elements at the surface of a frame in a page: with more, a browser would be too slow.
 const MOST_AT_SURFACE: usize = 1_000_000;
 
-/// Maximum number of elements inside of all frames in a page together. If there are more, only some frames have them.
+/// Maximum number of elements inside of all frames in a page together. If there are more, only some frames
+/// have them.
 const MOST_INSIDE_OF_ALL: usize = 600_000;
 
 const SHOW: &str = include_str!("space/show.html");
@@ -69,8 +70,9 @@ pub struct SpaceReport<'a> {
     pub facts: &'a [(&'a str, &'a str)],
     /// Plots, in the order in which they are shown.
     pub plots: &'a [Plot],
-    /// Frames in the order of time. If there are more than [`crate::MOST_FRAMES`], or more than 40 MB, the page has only some of them, the first and the last among
-    /// them, and says so. If they have more than 600,000 elements inside together, only some frames have those, and the page says so, too.
+    /// Frames in the order of time. If there are more than [`crate::MOST_FRAMES`], or more than 40 MB, the
+    /// page has only some of them, the first and the last among them, and says so. If they have more than
+    /// 600,000 elements inside together, only some frames have those, and the page says so, too.
     pub frames: &'a [SpaceFrame],
     /// Fragments at the end. The page has a table of the largest ones of the bodies that count.
     pub fragments: &'a Fragments<3>,
@@ -82,14 +84,15 @@ pub struct SpaceReport<'a> {
 
 /// The frames that are in a page.
 struct Kept {
-    /// Their places among all frames.
+    /// Places of the frames among all frames.
     places: Vec<usize>,
     /// Which of them have the elements inside, by their places among these.
     solid: Vec<usize>,
 }
 
 impl SpaceReport<'_> {
-    /// Returns the page as HTML. `preview` is a picture of the last frame as PNG, for browsers that cannot show the view.
+    /// Returns the page as HTML. `preview` is a picture of the last frame as PNG, for browsers that cannot
+    /// show the view.
     ///
     /// # Errors
     /// [`PictureError::TooMany`] for a frame with more than 1,000,000 elements at the surface.
@@ -166,7 +169,7 @@ impl SpaceReport<'_> {
         let cracks: f64 = last.areas.iter().sum();
         if cracks > 0.0 {
             let (factor, unit) = area(cracks);
-            // Those of bodies that cannot break are among them: the page calls them pieces everywhere.
+            // Fragments of bodies that cannot break are among them: the page calls them pieces everywhere.
             let plural = if last.fragments == 1 { "" } else { "s" };
             text = format!(
                 "{text}, {} {unit} of cracks, {} piece{plural}",
@@ -262,7 +265,8 @@ mod tests {
     use crate::page::run::MOST_FRAMES;
     use crate::space::Shell;
 
-    /// A frame of one tetrahedron that says that it has so many elements inside: pages of large frames take long to make.
+    /// A frame of one tetrahedron that claims to have `inside` elements inside: pages of large frames take
+    /// long to make.
     fn frame(inside: usize, solid: bool) -> SpaceFrame {
         let mesh = Mesh {
             nodes: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
