@@ -12,14 +12,14 @@ pub(crate) struct Division {
     /// First part of each cell. [`SEVERAL`] is added if there are more.
     first_parts: Vec<u32>,
     /// All parts, ascending by cell and by owner.
-    parts: Vec<Part>,
+    parts: Vec<DivisionPart>,
     /// The splitters, as of [`splitters`](crate::curve::splitters).
     splitters: Vec<u64>,
 }
 
 /// The keys of a cell that one rank gets.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
+pub(crate) struct DivisionPart {
     pub(crate) cell: usize,
     /// The rank that gets them.
     pub(crate) owner: usize,
@@ -85,7 +85,7 @@ impl Division {
             let owners = owner(&splitters, low)..=owner(&splitters, high - 1);
             let several = if owners.start() < owners.end() { SEVERAL } else { 0 };
             for owner in owners {
-                let mut part = Part { cell: cell as usize, owner, count };
+                let mut part = DivisionPart { cell: cell as usize, owner, count };
                 if several != 0 {
                     let ends = [owner.checked_sub(1), Some(owner)]
                         .map(|rank| rank.and_then(|rank| splitters.get(rank)));
@@ -105,7 +105,7 @@ impl Division {
     }
 
     /// All parts, ascending by cell and by owner.
-    pub(crate) fn parts(&self) -> &[Part] {
+    pub(crate) fn parts(&self) -> &[DivisionPart] {
         &self.parts
     }
 

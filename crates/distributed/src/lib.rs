@@ -16,6 +16,7 @@
 //! | ranks that are threads, without MPI | [`threads::run`] |
 //! | ranks that are processes of `mpirun` | `World` of the crate `fdem-mpi` |
 //! | to exchange bytes between ranks | [`Communicator`], [`Halo`] |
+//! | to exchange values | [`wire`] |
 //! | to divide anything that has places among ranks | [`curve`] |
 //! | to know whether a launcher has started several processes, also without MPI | [`launched`] |
 //!
@@ -49,7 +50,7 @@
 //! | which rank gets a ghost, groups, images | `src/search/ghosts.rs` |
 //! | which rank keeps a couple | `search` in `src/search.rs` |
 //! | the order of couples over the ranks | `src/search/couples.rs` |
-//! | elements as bytes | `src/search/elements.rs`, `src/wire.rs` |
+//! | elements as bytes | `src/search/elements.rs`; any value as bytes: `src/wire.rs` |
 //! | errors, which all ranks return | `src/error.rs` |
 //! | the command on several ranks | `crates/fdem/src/command/ranks.rs`, `crates/fdem/src/command/ranks_contacts.rs` |
 //! | tests under `mpirun` | `crates/mpi/tests/mpirun.sh`, `crates/mpi/tests/mpi.rs`; checks for threads and processes alike: `tests/common` |
@@ -65,7 +66,7 @@ mod error;
 mod launcher;
 mod search;
 pub mod threads;
-mod wire;
+pub mod wire;
 
 pub use communicator::{Communicator, Halo, Message, Port, check_messages, check_other};
 pub use error::Error;

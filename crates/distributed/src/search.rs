@@ -10,10 +10,10 @@ use fdem_contact::{Couple, Detector, Elements, PeriodicBox, PeriodicCouple, Real
 
 use crate::communicator::Communicator;
 use crate::error::{Error, agree, name_by_id};
-use crate::wire::Writer;
-use couples::Found;
-use elements::{Kind, Set};
-use ghosts::{Ghosts, Groups, Lattice, keeper};
+use crate::wire::{Wire, put_all, put_points};
+use couples::FoundCouples;
+use elements::{ElementSet, ShapeKind};
+use ghosts::{GhostGroups, Ghosts, Lattice, keeper};
 use owners::{Owned, distribute};
 
 pub use elements::Shapes;
@@ -132,7 +132,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         tolerance: T,
     ) -> Result<Vec<Couple>, Error> {
         let elements = self.check(ids, shapes, tolerance, None)?;
-        let mut found = Found::new(self.communicator, ids);
+        let mut found = FoundCouples::new(self.communicator, ids);
         if self.communicator.size() == 1 {
             let keep = |couple: Couple| {
                 let (i, j) = (ids[couple.i as usize], ids[couple.j as usize]);
@@ -168,8 +168,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         cell: &PeriodicBox<T, D>,
     ) -> Result<Vec<PeriodicCouple<D>>, Error> {
         self.check(ids, shapes, tolerance, Some(cell))?;
-        let mut found = Found::new(self.communicator, ids);
-        let wrapped = Set::wrapped(ids, shapes, tolerance, cell).map_err(|error| name(error, ids));
+        let mut found = FoundCouples::new(self.communicator, ids);
+        let wrapped = ElementSet::wrapped(ids, shapes, tolerance, cell).map_err(|error| name(error, ids));
         let wrapped = agree(self.communicator, wrapped)?;
         let owned = distribute(self.communicator, wrapped.view(), true);
         drop(wrapped);
@@ -194,18 +194,18 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         assert!(ids.len() == shapes.points().len(), "an id for each element");
         let elements = shapes.elements(tolerance).map_err(|error| name(error, ids));
         let elements = agree(self.communicator, elements)?;
-        let mut likeness = Writer::default();
-        likeness.reals([tolerance]);
+        let mut likeness = Vec::new();
+        tolerance.to_f64().put(&mut likeness);
         match shapes.kind() {
-            Kind::Equal(radius) => likeness.reals([radius]),
-            Kind::Spheres => likeness.u64(1),
-            Kind::Boxes => likeness.u64(2),
+            ShapeKind::Equal(radius) => radius.to_f64().put(&mut likeness),
+            ShapeKind::Spheres => 1_u64.put(&mut likeness),
+            ShapeKind::Boxes => 2_u64.put(&mut likeness),
         }
         if let Some(cell) = cell {
-            likeness.reals(cell.origin().into_iter().chain(cell.edges().into_iter().flatten()));
-            likeness.u32s(cell.periodic().map(u32::from));
+            put_points(std::iter::once(cell.origin()).chain(cell.edges()), &mut likeness);
+            put_all(cell.periodic(), &mut likeness);
         }
-        let all = self.communicator.all_gather(&likeness.bytes);
+        let all = self.communicator.all_gather(&likeness);
         match all.iter().position(|other| *other != all[0]) {
             Some(rank) => Err(Error::Unlike { rank }),
             None => Ok(elements),
@@ -223,7 +223,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         // Wrapping may have brought a coordinate over the limit.
         let elements = set.elements().map_err(|error| name_by_id(error, id_of));
         let elements = agree(self.communicator, elements)?;
-        let groups = Groups::new(&elements, set.view(), &owned.ends, owned.curve);
+        let groups = GhostGroups::new(&elements, set.view(), &owned.ends, owned.curve);
         let chosen = ghosts::choose(self.communicator, &elements, &groups, lattice);
         let chosen = agree(self.communicator, chosen)?;
         Ok(ghosts::exchange(self.communicator, set, chosen, lattice.is_some()))
@@ -233,7 +233,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     /// that this rank keeps, `i < j` as in [`PeriodicCouple`].
     fn search(
         &mut self,
-        owned: Set<T, D>,
+        owned: ElementSet<T, D>,
         ghosts: Ghosts<T, D>,
         lattice: Option<&Lattice<'_, T, D>>,
         mut keep: impl FnMut(u32, u32, [i32; D]),

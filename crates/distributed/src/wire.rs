@@ -1,93 +1,190 @@
-//! Numbers as bytes, in little-endian order, and back.
+//! Values as bytes, in little-endian order, and back. Messages between ranks are of the same program, so that they need no names and no versions.
 
 use fdem_contact::Real;
 
-/// A message that is being written.
-#[derive(Debug, Default)]
-pub(crate) struct Writer {
-    pub(crate) bytes: Vec<u8>,
+/// A value that ranks send to each other. The macro [`wire!`](crate::wire!) implements it for a structure.
+///
+/// # Example
+/// ```
+/// use fdem_distributed::wire::{Wire, bytes_of, value_of};
+///
+/// #[derive(Debug, PartialEq)]
+/// struct Node<const D: usize> {
+///     position: [f64; D],
+///     elements: Vec<u32>,
+/// }
+///
+/// fdem_distributed::wire!([const D: usize] Node<D> { position, elements });
+///
+/// let node = Node { position: [0.5, 2.0], elements: vec![3, 4, 7] };
+/// assert_eq!(value_of::<Node<2>>(&bytes_of(&node)), node);
+/// ```
+pub trait Wire: Sized {
+    /// Appends the value to a message.
+    fn put(&self, out: &mut Vec<u8>);
+
+    /// Takes the value from the head of a message.
+    ///
+    /// # Panics
+    /// If the message is shorter than the value, which would be a bug: messages come from the same program.
+    fn take(bytes: &mut &[u8]) -> Self;
 }
 
-impl Writer {
-    pub(crate) fn u64(&mut self, value: u64) {
-        self.bytes.extend_from_slice(&value.to_le_bytes());
+/// Returns a message with one value.
+pub fn bytes_of(value: &impl Wire) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    value.put(&mut bytes);
+    bytes
+}
+
+/// Returns the value of a message.
+///
+/// # Panics
+/// If the message is shorter than the value, which would be a bug.
+pub fn value_of<T: Wire>(mut bytes: &[u8]) -> T {
+    T::take(&mut bytes)
+}
+
+/// Appends values whose number the reader knows.
+pub(crate) fn put_all<T: Wire>(values: impl IntoIterator<Item = T>, out: &mut Vec<u8>) {
+    values.into_iter().for_each(|value| value.put(out));
+}
+
+/// Appends points, without loss: `f64` holds every `f32`.
+pub(crate) fn put_points<T: Real, const D: usize>(
+    points: impl IntoIterator<Item = [T; D]>,
+    out: &mut Vec<u8>,
+) {
+    put_all(points.into_iter().map(|point| point.map(T::to_f64)), out);
+}
+
+/// Takes `count` values from the head of a message.
+pub(crate) fn take_all<T: Wire>(bytes: &mut &[u8], count: usize) -> impl ExactSizeIterator<Item = T> {
+    (0..count).map(|_| T::take(bytes))
+}
+
+/// Takes `count` points of [`put_points`] from the head of a message.
+pub(crate) fn take_points<T: Real, const D: usize>(
+    bytes: &mut &[u8],
+    count: usize,
+) -> impl ExactSizeIterator<Item = [T; D]> {
+    take_all::<[f64; D]>(bytes, count).map(|point| point.map(T::nearest))
+}
+
+/// Takes `count` bytes from the head of a message.
+pub(crate) fn part<'a>(bytes: &mut &'a [u8], count: usize) -> &'a [u8] {
+    bytes.split_off(..count).expect("a message is as long as its values")
+}
+
+/// Takes `K` bytes from the head of a message.
+#[inline]
+fn head<const K: usize>(bytes: &mut &[u8]) -> [u8; K] {
+    let (head, rest) = bytes.split_first_chunk().expect("a message is as long as its values");
+    *bytes = rest;
+    *head
+}
+
+macro_rules! numbers {
+    ($($number:ty),*) => {$(
+        impl Wire for $number {
+            #[inline]
+            fn put(&self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+
+            #[inline]
+            fn take(bytes: &mut &[u8]) -> Self {
+                Self::from_le_bytes(head(bytes))
+            }
+        }
+    )*};
+}
+
+numbers!(u8, u16, u32, i32, u64, i64, f64);
+
+impl Wire for bool {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.push(u8::from(*self));
     }
 
-    pub(crate) fn u32s(&mut self, values: impl IntoIterator<Item = u32>) {
-        values.into_iter().for_each(|value| self.bytes.extend_from_slice(&value.to_le_bytes()));
+    fn take(bytes: &mut &[u8]) -> Self {
+        u8::take(bytes) != 0
     }
+}
 
-    pub(crate) fn u64s(&mut self, values: impl IntoIterator<Item = u64>) {
-        values.into_iter().for_each(|value| self.bytes.extend_from_slice(&value.to_le_bytes()));
-    }
-
-    /// Integers of several components.
-    pub(crate) fn shifts<const D: usize>(&mut self, values: impl IntoIterator<Item = [i32; D]>) {
-        let values = values.into_iter().flatten();
-        values.for_each(|value| self.bytes.extend_from_slice(&value.to_le_bytes()));
-    }
-
-    /// Points, without loss.
-    pub(crate) fn points<T: Real, const D: usize>(&mut self, points: impl IntoIterator<Item = [T; D]>) {
-        for point in points {
-            self.bytes.extend_from_slice(point.map(|x| x.to_f64().to_le_bytes()).as_flattened());
+impl<T: Wire, const K: usize> Wire for [T; K] {
+    fn put(&self, out: &mut Vec<u8>) {
+        for value in self {
+            value.put(out);
         }
     }
 
-    /// Floats, without loss: `f64` holds every `f32`.
-    pub(crate) fn reals<T: Real>(&mut self, values: impl IntoIterator<Item = T>) {
-        values.into_iter().for_each(|value| self.bytes.extend_from_slice(&value.to_f64().to_le_bytes()));
+    fn take(bytes: &mut &[u8]) -> Self {
+        std::array::from_fn(|_| T::take(bytes))
     }
 }
 
-/// A message that is being read. It was written by the same program, so its length is right.
-#[derive(Debug)]
-pub(crate) struct Reader<'a> {
-    rest: &'a [u8],
+impl<T: Wire> Wire for Vec<T> {
+    fn put(&self, out: &mut Vec<u8>) {
+        (self.len() as u64).put(out);
+        for value in self {
+            value.put(out);
+        }
+    }
+
+    fn take(bytes: &mut &[u8]) -> Self {
+        (0..u64::take(bytes)).map(|_| T::take(bytes)).collect()
+    }
 }
 
-impl<'a> Reader<'a> {
-    pub(crate) fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes }
+impl<T: Wire> Wire for Option<T> {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.is_some().put(out);
+        if let Some(value) = self {
+            value.put(out);
+        }
     }
 
-    /// The next bytes.
-    pub(crate) fn part(&mut self, bytes: usize) -> Self {
-        Self { rest: self.rest.split_off(..bytes).expect("a message is as long as its contents") }
+    fn take(bytes: &mut &[u8]) -> Self {
+        bool::take(bytes).then(|| T::take(bytes))
+    }
+}
+
+impl<A: Wire, B: Wire> Wire for (A, B) {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.0.put(out);
+        self.1.put(out);
     }
 
-    fn chunks<const N: usize>(&mut self, count: usize) -> impl ExactSizeIterator<Item = [u8; N]> + 'a {
-        let bytes = self.rest.split_off(..count * N).expect("a message is as long as its contents");
-        bytes.as_chunks::<N>().0.iter().copied()
+    fn take(bytes: &mut &[u8]) -> Self {
+        (A::take(bytes), B::take(bytes))
+    }
+}
+
+impl Wire for String {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.as_bytes().to_vec().put(out);
     }
 
-    pub(crate) fn u32s(&mut self, count: usize) -> impl ExactSizeIterator<Item = u32> + 'a {
-        self.chunks(count).map(u32::from_le_bytes)
+    fn take(bytes: &mut &[u8]) -> Self {
+        Self::from_utf8_lossy(&Vec::take(bytes)).into_owned()
     }
+}
 
-    pub(crate) fn u64s(&mut self, count: usize) -> impl ExactSizeIterator<Item = u64> + 'a {
-        self.chunks(count).map(u64::from_le_bytes)
-    }
+/// Implements [`Wire`](crate::wire::Wire) for a structure by its fields, in the order in which they are listed. Its generic parameters come first, in brackets.
+#[macro_export]
+macro_rules! wire {
+    ([$($parameters:tt)*] $name:ty { $($field:ident),* $(,)? }) => {
+        impl<$($parameters)*> $crate::wire::Wire for $name {
+            fn put(&self, out: &mut Vec<u8>) {
+                let Self { $($field),* } = self;
+                $($crate::wire::Wire::put($field, out);)*
+            }
 
-    pub(crate) fn reals<T: Real>(&mut self, count: usize) -> impl ExactSizeIterator<Item = T> + 'a {
-        self.chunks(count).map(|bytes| T::nearest(f64::from_le_bytes(bytes)))
-    }
-
-    pub(crate) fn shifts<const D: usize>(
-        &mut self,
-        count: usize,
-    ) -> impl ExactSizeIterator<Item = [i32; D]> + 'a {
-        let bytes = self.rest.split_off(..count * D * 4).expect("a message is as long as its contents");
-        let numbers = bytes.as_chunks::<4>().0;
-        (0..count).map(move |k| std::array::from_fn(|axis| i32::from_le_bytes(numbers[k * D + axis])))
-    }
-
-    pub(crate) fn points<T: Real, const D: usize>(
-        &mut self,
-        count: usize,
-    ) -> impl ExactSizeIterator<Item = [T; D]> + 'a {
-        let bytes = self.rest.split_off(..count * D * 8).expect("a message is as long as its contents");
-        let points = bytes.as_chunks::<8>().0.as_chunks::<D>().0;
-        points.iter().map(|point| point.map(|x| T::nearest(f64::from_le_bytes(x))))
-    }
+            fn take(bytes: &mut &[u8]) -> Self {
+                $(let $field = $crate::wire::Wire::take(bytes);)*
+                Self { $($field),* }
+            }
+        }
+    };
 }

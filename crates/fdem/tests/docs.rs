@@ -16,6 +16,8 @@ mod layers;
 mod materials;
 #[path = "docs/model_keys.rs"]
 mod model_keys;
+#[path = "docs/step.rs"]
+mod step;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

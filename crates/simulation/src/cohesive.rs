@@ -31,9 +31,9 @@
 //! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
 //! friction beside a bond.
 
-use crate::joint_sets::JointSet;
-use crate::model::{CriticalOpening, Strength};
-use crate::ranks::wire::wire;
+use fdem_distributed::wire;
+
+use crate::model::{CriticalOpening, JointSet, Strength};
 use crate::vector::{along, at_most, dot, length, minus};
 
 /// Parameters of the softening curve (7.12), which the book fits to experiments.
@@ -68,7 +68,7 @@ const DILATES: f64 = 0.05;
 
 /// Parameters of one joint. Those of sliding are in the variables that the head of this file explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Law {
+pub(crate) struct JointLaw {
     /// Penalty stiffness, Pa/m.
     pub(crate) penalty: f64,
     pub(crate) tensile: f64,
@@ -95,7 +95,7 @@ pub(crate) struct TooLittle {
     pub(crate) sliding: bool,
 }
 
-impl Law {
+impl JointLaw {
     /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Fails if this work alone exceeds a fracture energy.
     /// `length`: length of the joint, m.
     ///
@@ -142,7 +142,7 @@ impl Law {
         }
     }
 
-    /// The law of a joint of a set, with normal stiffness `penalty`, Pa/m. `shear`: square root of the ratio of shear to normal stiffness. Other parameters: as for [`Law::new`].
+    /// The law of a joint of a set, with normal stiffness `penalty`, Pa/m. `shear`: square root of the ratio of shear to normal stiffness. Other parameters: as for [`JointLaw::new`].
     pub(crate) fn of_set(
         set: &JointSet,
         [penalty, shear]: [f64; 2],
@@ -175,7 +175,7 @@ impl Law {
     }
 
     /// The law of a joint that stands for a plane aslant to it: the strengths are those at which that plane fails, the energies those of its area.
-    pub(crate) fn on(&self, Plane { excess, area }: Plane) -> Self {
+    pub(crate) fn on(&self, JointPlane { excess, area }: JointPlane) -> Self {
         Self {
             tensile: self.tensile / excess,
             cohesion: self.cohesion / excess,
@@ -241,16 +241,16 @@ pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) ->
 
 /// The plane for which a joint stands.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Plane {
+pub(crate) struct JointPlane {
     /// Use of the strength on the plane over that on the joint, at least 1.
     pub(crate) excess: f64,
     /// Area of the projection of the joint on the plane over that of the joint.
     pub(crate) area: f64,
 }
 
-wire!([] Plane { excess, area });
+wire!([] JointPlane { excess, area });
 
-impl Plane {
+impl JointPlane {
     /// The plane of the joint itself.
     pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
 }
@@ -279,8 +279,8 @@ impl<const D: usize> Default for Memory<D> {
 
 impl<const D: usize> Memory<D> {
     /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
-    pub(crate) fn under(law: &Law, traction: [f64; D]) -> Self {
-        let traction = Law::scaled(traction, 1.0 / law.shear);
+    pub(crate) fn under(law: &JointLaw, traction: [f64; D]) -> Self {
+        let traction = JointLaw::scaled(traction, 1.0 / law.shear);
         let (normal, tangential) = (traction[0], along(traction));
         let mut held = if law.tensile == 0.0 && normal > 0.0 {
             [0.0; D]
@@ -315,24 +315,27 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Elastic energy, J/m², before any opening or sliding.
-    pub(crate) fn stored(&self, law: &Law) -> f64 {
+    pub(crate) fn stored(&self, law: &JointLaw) -> f64 {
         0.5 * law.penalty * dot(self.origin, self.origin)
     }
 
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
     #[inline]
-    pub(crate) fn traction(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
+    pub(crate) fn traction(&mut self, law: &JointLaw, gap: [f64; D]) -> [f64; D] {
         // Most joints have one stiffness.
         if law.shear != 1.0 {
-            let gap = Law::scaled(gap, law.shear);
-            return Law::scaled(self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap)), law.shear);
+            let gap = JointLaw::scaled(gap, law.shear);
+            return JointLaw::scaled(
+                self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap)),
+                law.shear,
+            );
         }
         self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap))
     }
 
     /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the sliding, so that it has no history: nothing is written.
     #[inline]
-    fn of_whole(&self, law: &Law, gap: [f64; D]) -> Option<[f64; D]> {
+    fn of_whole(&self, law: &JointLaw, gap: [f64; D]) -> Option<[f64; D]> {
         if !self.is_whole(law) {
             return None;
         }
@@ -340,9 +343,9 @@ impl<const D: usize> Memory<D> {
         holds.then_some(traction)
     }
 
-    /// Whether it has not softened, and [`Law::of_whole`] is its law until it does.
+    /// Whether it has not softened, and [`JointLaw::of_whole`] is its law until it does.
     #[inline]
-    pub(crate) fn is_whole(&self, law: &Law) -> bool {
+    pub(crate) fn is_whole(&self, law: &JointLaw) -> bool {
         self.stiffness == 1.0 && law.tensile != 0.0 && law.cohesion != 0.0
     }
 
@@ -353,7 +356,7 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Traction of any joint.
-    fn of_any(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
+    fn of_any(&mut self, law: &JointLaw, gap: [f64; D]) -> [f64; D] {
         let opening = gap[0] - self.origin[0];
         // Without tensile strength nothing holds while the joint is open.
         if law.tensile == 0.0 && opening > 0.0 {
@@ -409,7 +412,7 @@ impl<const D: usize> Memory<D> {
 
     /// Loads the bond by a vector of opening and sliding. `friction`: what pressure adds to the shear strength of a whole joint, Pa.
     #[inline]
-    fn load(&mut self, law: &Law, bond: [f64; D], friction: f64) {
+    fn load(&mut self, law: &JointLaw, bond: [f64; D], friction: f64) {
         let squared = dot(bond, bond);
         if squared == 0.0 || self.stiffness == 0.0 {
             return;
@@ -431,7 +434,7 @@ impl<const D: usize> Memory<D> {
 
     /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness to that of the damage in the direction in which the bond
     /// has this strength, Pa, and this critical length, m. A stiffness that fell more in another direction does not rise again.
-    fn soften(&mut self, law: &Law, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
+    fn soften(&mut self, law: &JointLaw, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
         let (before, damage) = (self.damage(), damage.min(1.0));
         if damage > before {
             for (part, share) in self.damages.iter_mut().zip(shares) {
@@ -460,13 +463,13 @@ pub(crate) mod tests {
         seed: 0,
     };
 
-    fn law(elastic: bool, opening: CriticalOpening) -> Law {
-        Law::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
+    fn law(elastic: bool, opening: CriticalOpening) -> JointLaw {
+        JointLaw::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
     }
 
     /// Work on a path of openings (`axis` 0) or slidings (`axis` 1), with the other component constant.
     fn work(
-        law: &Law,
+        law: &JointLaw,
         memory: &mut Memory<2>,
         axis: usize,
         path: impl Iterator<Item = f64>,
@@ -536,7 +539,7 @@ pub(crate) mod tests {
     }
 
     /// Work of a path of vectors of opening and sliding, J/m².
-    fn work_along(law: &Law, memory: &mut Memory<2>, path: impl Iterator<Item = [f64; 2]>) -> f64 {
+    fn work_along(law: &JointLaw, memory: &mut Memory<2>, path: impl Iterator<Item = [f64; 2]>) -> f64 {
         let (mut sum, mut last) = (0.0, None::<([f64; 2], [f64; 2])>);
         for at in path {
             let traction = memory.traction(law, at);
@@ -648,7 +651,7 @@ pub(crate) mod tests {
     #[test]
     fn an_open_joint_has_friction_and_nothing_else() {
         let open = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..ROCK };
-        let law = Law::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+        let law = JointLaw::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, [1e-5, 1e-5]), [0.0; 2]);
         assert_eq!(memory.damage(), 1.0);
@@ -661,7 +664,8 @@ pub(crate) mod tests {
     #[test]
     fn one_strength_may_be_zero() {
         let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };
-        let law = Law::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+        let law =
+            JointLaw::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, [0.0, 2e-7]), [0.0, 2e6]);
         assert_eq!(memory.traction(&law, [1e-7, 2e-7])[0], 0.0);
@@ -669,7 +673,7 @@ pub(crate) mod tests {
         memory.traction(&law, [1e-3, 0.0]);
         assert_eq!(memory.damage(), 1.0);
         let tensile = Strength { cohesion: 0.0, energy_ii: 0.0, ..ROCK };
-        let law = Law::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
+        let law = JointLaw::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
         let mut memory = Memory::<2>::default();
         assert_eq!(memory.traction(&law, [0.5e-7, 0.0]), [0.5e6, 0.0]);
         assert_eq!(memory.traction(&law, [0.5e-7, 1e-8])[1], 0.0);
@@ -678,11 +682,11 @@ pub(crate) mod tests {
     #[test]
     fn too_little_fracture_energy_is_refused() {
         let brittle = Strength { energy_i: 0.04, ..ROCK };
-        let refused = Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        let refused = JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
         assert_eq!(refused, Err(TooLittle { least: 0.05, sliding: false }));
-        assert!(Law::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_ok());
+        assert!(JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_ok());
         let brittle = Strength { energy_ii: 0.4, ..ROCK };
-        let refused = Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        let refused = JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
         assert_eq!(refused, Err(TooLittle { least: 0.45, sliding: true }));
     }
 }

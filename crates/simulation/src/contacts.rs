@@ -8,6 +8,7 @@
 //! nearer than the buffer: in three dimensions a few of a hundred. A couple that does not touch is skipped until nodes may have travelled half of its gap.
 //! All these bounds add up the distance of the fastest node in each step, so that no contact is found too late.
 
+mod couple;
 mod forces;
 mod grips;
 mod law;
@@ -15,14 +16,15 @@ mod law;
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, prefetch};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::forces::{Pass, Pressed, distance, points};
+use crate::contacts::couple::{AHEAD, Couple, couple, near, separate};
+use crate::contacts::forces::{ChunkForces, ContactPass, points};
 pub(crate) use crate::contacts::grips::Grip;
 use crate::contacts::grips::{Histories, Works};
-use crate::contacts::law::{Law, laws};
+use crate::contacts::law::{ContactLaw, laws};
 pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
-use crate::joints::{Joints, State};
+use crate::joints::{JointState, Joints};
 use crate::model::Model;
 use crate::share::Share;
 use crate::simplex::Simplex;
@@ -32,9 +34,6 @@ use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
 use crate::vector::{Point, minus};
 
-/// Number of couples between one whose forces are computed and the one whose nodes are prefetched; twice as far ahead, the numbers of the nodes are.
-const AHEAD: usize = 6;
-
 /// Number of chunks of couples for each thread whose forces are computed together. Meanwhile, those of the round before are added to the forces of elements. The memory for the forces
 /// of couples does not grow beyond two rounds.
 const ROUND: usize = 16;
@@ -42,25 +41,10 @@ const ROUND: usize = 16;
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
 
-/// Two elements that may touch.
-#[derive(Clone, Debug)]
-pub(crate) struct Couple {
-    elements: [u32; 2],
-    /// The joint between the two, or [`NONE`].
-    joint: u32,
-    /// Whether the two may overlap already, because they have separated now or become bare now. Cleared when their forces are computed for the first time.
-    initial_overlap: bool,
-    /// Whether the two overlap. Then they have a history, at this place in the [`Histories`] of their chunk.
-    touches: bool,
-    slot: u16,
-    /// The two cannot touch before nodes have travelled this distance since the beginning, m.
-    apart_until: f64,
-}
-
 /// State of the contacts in a saved run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(serialize = "Grip<D, N>: Serialize", deserialize = "Grip<D, N>: Deserialize<'de>"))]
-pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
+pub(crate) struct SavedContacts<const D: usize = 2, const N: usize = 3> {
     /// Couples that touch, ascending, with their history of friction and damping.
     pub(crate) grips: Vec<([u32; 2], Grip<D, N>)>,
     /// See [`Contacts`].
@@ -71,7 +55,7 @@ pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
 /// Couples of elements that may touch, and their detection.
 #[derive(Debug)]
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
-    options: Vec<Law>,
+    options: Vec<ContactLaw>,
     /// Joint sets of the facets of each element; empty without joint sets.
     joint_facets: Vec<[u32; N]>,
     materials: usize,
@@ -98,7 +82,7 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     /// For each chunk of couples, the histories of those that touch.
     histories: Vec<Histories<D, N>>,
     /// Forces of the couples of two rounds. They are not kept.
-    pressed: [Vec<Pressed<D, N>>; 2],
+    pressed: [Vec<ChunkForces<D, N>>; 2],
     /// Pairs of elements that separated in the last step, at a vertex or along a facet, and elements that became bare in it. Their overlap must not count at once.
     pub(crate) parted: Vec<[u32; 2]>,
     pub(crate) bared: Vec<u32>,
@@ -130,7 +114,7 @@ impl Touching {
     fn take<const D: usize, const N: usize>(
         &mut self,
         couples: &[Couple],
-        pressed: &[Pressed<D, N>],
+        pressed: &[ChunkForces<D, N>],
         (share, grains): (&Share, Grains),
         forces: &mut [[Point<D>; N]],
     ) {
@@ -204,7 +188,7 @@ where
             couples: Vec::new(),
             histories: Vec::new(),
             pressed: std::array::from_fn(|_| {
-                (0..ROUND * team.threads()).map(|_| Pressed::default()).collect()
+                (0..ROUND * team.threads()).map(|_| ChunkForces::default()).collect()
             }),
             parted: Vec::new(),
             bared: Vec::new(),
@@ -418,15 +402,24 @@ where
     }
 
     /// State of the contacts for a saved run.
-    pub(crate) fn save(&self) -> Saved<D, N> {
+    pub(crate) fn save(&self) -> SavedContacts<D, N> {
         // Couples that do not touch have no history. They are found anew.
-        Saved { grips: self.touching().collect(), parted: self.parted.clone(), bared: self.bared.clone() }
+        SavedContacts {
+            grips: self.touching().collect(),
+            parted: self.parted.clone(),
+            bared: self.bared.clone(),
+        }
     }
 
     /// Restores the saved contacts. The joints must be restored before.
-    pub(crate) fn restore(&mut self, saved: Saved<D, N>, joints: &Joints<D>, topology: &Topology<D, N>) {
+    pub(crate) fn restore(
+        &mut self,
+        saved: SavedContacts<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
+    ) {
         let broken: Vec<u32> = (0..joints.all.len() as u32)
-            .filter(|&joint| joints.all[joint as usize].state != State::Holding)
+            .filter(|&joint| joints.all[joint as usize].state != JointState::Holding)
             .collect();
         self.part(&broken, joints, topology, &Share::default());
         self.restore_couples(saved);
@@ -439,21 +432,21 @@ where
     }
 
     /// Restores the couples that touch, and the elements that have separated.
-    pub(crate) fn restore_couples(&mut self, saved: Saved<D, N>) {
+    pub(crate) fn restore_couples(&mut self, saved: SavedContacts<D, N>) {
         (self.parted, self.bared) = (saved.parted, saved.bared);
         self.list_parted();
         self.unwatched = true;
         let mut saved = saved.grips;
         saved.sort_unstable_by_key(|(elements, _)| *elements);
         self.couples =
-            saved.iter().map(|&(elements, _)| Couple { touches: true, ..apart(elements) }).collect();
+            saved.iter().map(|&(elements, _)| Couple { touches: true, ..separate(elements) }).collect();
         self.group_grips(saved.into_iter().map(|(_, grip)| grip));
     }
 
     /// Forgets the forces of the last step: a resumed run tells none before its first.
-    pub(crate) fn without_forces(saved: Saved<D, N>) -> Saved<D, N> {
+    pub(crate) fn without_forces(saved: SavedContacts<D, N>) -> SavedContacts<D, N> {
         let grips = saved.grips.into_iter().map(|(elements, grip)| (elements, grip.without_push()));
-        Saved { grips: grips.collect(), ..saved }
+        SavedContacts { grips: grips.collect(), ..saved }
     }
 
     /// The couples that touch, with their histories.
@@ -563,8 +556,16 @@ where
         let Self {
             options: laws, materials, joint_facets, travel, bare, couples, histories, pressed, ..
         } = self;
-        let pass =
-            Pass { solid, joints, laws, materials: *materials, joint_facets, bare, step, travel: *travel };
+        let pass = ContactPass {
+            solid,
+            joints,
+            laws,
+            materials: *materials,
+            joint_facets,
+            bare,
+            step,
+            travel: *travel,
+        };
         let [last, next] = pressed;
         let (round, mut done) = (next.len(), &[][..]);
         let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
@@ -610,85 +611,6 @@ where
     topology.groups(vertex, holds, &mut groups);
     let label = |group: u32| topology.code_of_corner(corners[group as usize]);
     corners.iter().zip(groups).map(|(&corner, group)| (corner, label(group))).collect()
-}
-
-/// The part of the undeformed mesh that two elements share.
-enum Relation {
-    Apart,
-    /// Vertices: the corners of each element at the first of them.
-    Vertex([u32; 2]),
-    /// A facet.
-    Facet(u32),
-}
-
-fn relation<const D: usize, const N: usize>([a, b]: [u32; 2], topology: &Topology<D, N>) -> Relation {
-    let facets = |element: u32| topology.facet_of[element as usize];
-    if let Some(facet) = facets(a).into_iter().find(|&facet| facet != NONE && facets(b).contains(&facet)) {
-        return Relation::Facet(facet);
-    }
-    let corners = |element: u32| N as u32 * element..N as u32 * (element + 1);
-    for p in corners(a) {
-        for q in corners(b) {
-            if topology.vertices[p as usize] == topology.vertices[q as usize] {
-                return Relation::Vertex([p, q]);
-            }
-        }
-    }
-    Relation::Apart
-}
-
-/// A couple of two elements that were never connected.
-fn apart(elements: [u32; 2]) -> Couple {
-    Couple { elements, joint: NONE, initial_overlap: false, touches: false, slot: 0, apart_until: 0.0 }
-}
-
-/// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in the last step.
-fn couple<const D: usize, const N: usize>(
-    elements: [u32; 2],
-    parted: bool,
-    groups: &[u32],
-    joints: &Joints<D>,
-    topology: &Topology<D, N>,
-) -> Option<Couple> {
-    let couple = apart(elements);
-    match relation(elements, topology) {
-        Relation::Apart => Some(couple),
-        Relation::Facet(facet) => {
-            let joint = joints.of_facet[facet as usize];
-            let broken = joints.all.get(joint as usize).is_some_and(|joint| joint.state != State::Holding);
-            let left = || joints.all[joint as usize].detached != [false; D];
-            broken.then(|| Couple { joint, initial_overlap: parted && left(), ..couple })
-        }
-        Relation::Vertex([a, b]) => {
-            let connected = groups[a as usize] == groups[b as usize];
-            (!connected).then_some(Couple { initial_overlap: parted, ..couple })
-        }
-    }
-}
-
-/// The couple, if its elements are not farther apart than this, m. A couple with a joint stays: the joint says when its contact begins.
-fn near<const D: usize, const N: usize>(
-    couple: Couple,
-    solid: &Solid<D, N>,
-    travel: f64,
-    most: f64,
-) -> Option<Couple>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    if couple.joint != NONE {
-        return Some(couple);
-    }
-    let [a, b] = couple.elements.map(|element| solid.shape(element));
-    let Some(distance) = distance(&a, &b, most) else { return Some(couple) };
-    let apart_until = skipped_until(travel, distance);
-    (distance <= most).then_some(Couple { initial_overlap: false, apart_until, ..couple })
-}
-
-/// The distance, m, that nodes may travel before two elements can touch that are this far apart.
-fn skipped_until(travel: f64, distance: f64) -> f64 {
-    // Both elements may move, each by half of the distance. The factor is slightly below 0.5 because `travel` is rounded.
-    travel + 0.499 * distance
 }
 
 /// Lengths of the facets of all elements, as edges, m.

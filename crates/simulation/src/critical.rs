@@ -10,12 +10,14 @@
 //! The sums are over the elements and *all* springs at the node: for every facet that is, or may become, free, the stiffer of its joint and its contact. Each
 //! node is as small as it can become, as if all facets around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
 
+use fdem_distributed::wire;
+use fdem_distributed::wire::Wire;
+
 use crate::contacts;
 use crate::error::ModelError;
 use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
-use crate::ranks::wire::{Wire, wire};
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
@@ -91,7 +93,7 @@ impl CriticalStep {
     {
         let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);
         least_nodes(model, topology, joints, |corners| {
-            let mut sum = Corner::default();
+            let mut sum = CornerStiffness::default();
             let mut own = 0;
             for (corner, of_corner) in corners {
                 sum.mass += of_corner.mass;
@@ -129,12 +131,12 @@ pub(crate) fn least_nodes<const D: usize, const N: usize>(
     model: &Model<D, N>,
     topology: &Topology<D, N>,
     joints: &Joints<D>,
-    mut visit: impl FnMut(&[(u32, Corner)]),
+    mut visit: impl FnMut(&[(u32, CornerStiffness)]),
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mesh = &model.mesh;
-    let mut corners: Vec<Corner> = Vec::with_capacity(N * mesh.elements.len());
+    let mut corners: Vec<CornerStiffness> = Vec::with_capacity(N * mesh.elements.len());
     corners.extend(
         (0..mesh.elements.len()).flat_map(|element| element_corners(model, topology, joints, element)),
     );
@@ -159,14 +161,14 @@ pub(crate) fn least_nodes<const D: usize, const N: usize>(
 
 /// Mass in motion, kg, and stiffness, N/m, that a corner of an element adds to its node.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Corner {
+pub(crate) struct CornerStiffness {
     pub(crate) mass: f64,
     bulk: f64,
     joint: f64,
     contact: f64,
 }
 
-impl Corner {
+impl CornerStiffness {
     /// The stiffness in the bound of the frequency, N/m.
     pub(crate) fn stiffness(&self) -> f64 {
         self.bulk + 2.0 * (self.joint + self.contact)
@@ -178,7 +180,7 @@ fn element_corners<const D: usize, const N: usize>(
     topology: &Topology<D, N>,
     joints: &Joints<D>,
     element: usize,
-) -> [Corner; N]
+) -> [CornerStiffness; N]
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -189,7 +191,7 @@ where
     let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
     let bulk = shape.highest_square(&moduli, material.density) * mass;
     let mass = model.mass_factor(element) * mass;
-    let mut corners = [Corner { mass, bulk, ..Corner::default() }; N];
+    let mut corners = [CornerStiffness { mass, bulk, ..CornerStiffness::default() }; N];
     for k in 0..N {
         let facet = topology.facet_of[element][k];
         if facet != NONE && !joints.may_part(facet) {

@@ -23,18 +23,6 @@
 use crate::simplex::Simplex;
 use crate::vector::{Matrix, matrix, product, symmetric};
 
-/// Moduli of a material, Pa: in the plane, or in space.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Moduli {
-    pub(crate) shear: f64,
-    /// Mean stress over the relative change of area or volume.
-    pub(crate) bulk: f64,
-    /// P-wave modulus: stress over strain in a compressional wave.
-    pub(crate) wave: f64,
-    /// σzz over σxx + σyy in the plane.
-    pub(crate) out_of_plane: f64,
-}
-
 /// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the
 /// symmetric part of `rate F⁻¹`.
 #[inline(always)]
@@ -57,6 +45,7 @@ where
 mod tests {
     use super::*;
     use crate::model::{Material, Plane};
+    use crate::moduli::Moduli;
     use crate::random::uniform;
     use crate::vector::{contraction, product_transposed};
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::ranks::Wire;
+use fdem_distributed::wire::Wire;
 
 /// Reason why a [`Model`](crate::Model) cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::ranks::wire::wire;
-use crate::simplex::Simplex;
-use crate::simulation::Simulation;
-use crate::vector::{Point, add, length, plus};
+use fdem_distributed::wire;
+
+use crate::vector::{Point, length, plus};
 
 /// Forces at the beginning of the last step. There are none before the first step of a run, nor before the first step after a resume.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,43 +51,17 @@ impl<const D: usize> ContactForce<D> {
 /// The forces of a step that a rank counts. Elements have their numbers in the whole mesh.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OwnForces<const D: usize> {
-    contacts: Vec<ContactForce<D>>,
+    pub(crate) contacts: Vec<ContactForce<D>>,
     /// Forces of broken joints that are closed.
-    joints: Vec<ContactForce<D>>,
+    pub(crate) joints: Vec<ContactForce<D>>,
     /// Force of all boundaries on each node on which one acts, N, by the code of the first corner of the node.
-    reactions: Vec<(u32, Point<D>)>,
+    pub(crate) reactions: Vec<(u32, Point<D>)>,
 }
 
 wire!([const D: usize] OwnForces<D> { contacts, joints, reactions });
 wire!([const D: usize] ContactForce<D> { elements, point, normal, tangential });
 
 impl<const D: usize> OwnForces<D> {
-    /// The forces that this rank counts.
-    pub(crate) fn of<const N: usize>(run: &Simulation<D, N>) -> Self
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let numbered = |force: ContactForce<D>| ContactForce {
-            elements: force.elements.map(|element| run.topology.number(element)),
-            ..force
-        };
-        let counted = |force: &ContactForce<D>| run.solid.share.element(force.elements[0]);
-        let contacts = run.contacts.forces(&run.solid).into_iter().filter(counted).map(numbered);
-        let joints = run.joints.pressing(&run.solid, &run.topology).into_iter().map(numbered);
-        let applied = run.loads.applied(&run.solid);
-        let applied = applied.map(|([_, corner], force)| (run.solid.corners.node_at(corner), force));
-        let mut reactions = BTreeMap::new();
-        for (node, force) in run.held.iter().copied().chain(applied) {
-            add(reactions.entry(node).or_insert([0.0; D]), force, 1.0);
-        }
-        let code = |node: u32| run.topology.code_of_corner(run.solid.corners.of(node as usize)[0]);
-        Self {
-            contacts: contacts.collect(),
-            joints: joints.collect(),
-            reactions: reactions.into_iter().map(|(node, force)| (code(node), force)).collect(),
-        }
-    }
-
     /// Adds the forces of another rank.
     pub(crate) fn add(&mut self, more: Self) {
         self.contacts.extend(more.contacts);

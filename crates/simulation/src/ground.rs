@@ -14,8 +14,8 @@
 use std::collections::BTreeMap;
 
 use crate::error::ModelError;
-use crate::loads::outer_side;
 use crate::model::{Load, Model, Target};
+use crate::outer_side::outer_side;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Topology;

@@ -3,41 +3,10 @@
 use std::collections::BTreeMap;
 
 use fdem_mesh::sorted;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, Strength};
+use crate::model::{JointSet, Model};
 use crate::simplex::Simplex;
 use crate::topology::NONE;
-
-/// A set of joints. They are in the mesh from the beginning, whatever the option for the insertion of others
-/// is.
-///
-/// A joint is elastic up to its strength, softens, and then has its residual friction. Under initial stress
-/// it begins with the traction of that stress.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JointSet {
-    /// Name, for messages.
-    pub name: String,
-    /// Strength and fracture energies. Tensile strength and cohesion may be 0. The fracture energy contains
-    /// the elastic work up to the strength.
-    pub strength: Strength,
-    /// Tangent of the friction angle of broken joints. The friction falls to it from that of the strength as
-    /// the joint softens. It is also the coefficient of friction of the contacts between elements on the two
-    /// sides of the set, after joints have handed over to contact.
-    pub residual_friction: f64,
-    /// Normal stiffness, Pa/m; `None` for the joint penalty of [`FractureOptions`](crate::FractureOptions).
-    pub normal_stiffness: Option<f64>,
-    /// Shear stiffness, Pa/m; `None` for the normal stiffness.
-    pub shear_stiffness: Option<f64>,
-    /// Tangent of the dilation angle: how far the sides of a joint move apart for each length that they slip
-    /// under friction. At most the residual friction. 0 for none.
-    pub dilation: f64,
-    /// Slip, m, up to which joints dilate; `None` for 5 % of the length of each.
-    pub dilation_slip: Option<f64>,
-    /// Whether the joints are broken from the beginning: they have no strength, carry no initial stress, and
-    /// leave pressure and friction to contacts.
-    pub open: bool,
-}
 
 impl<const D: usize, const N: usize> Model<D, N>
 where

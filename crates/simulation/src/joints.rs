@@ -9,25 +9,25 @@
 
 mod insertion;
 mod joint;
-mod near;
+mod stress_level;
 mod plane;
 mod start;
 mod whole;
 
+use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{Law, Plane, TooLittle};
+use crate::cohesive::{JointLaw, JointPlane, TooLittle};
 use crate::error::ModelError;
 use crate::forces::ContactForce;
 use crate::joint_sets::common_set;
-use crate::joints::joint::Frame;
-pub(crate) use crate::joints::joint::{Joint, State};
-use crate::joints::near::{Near, Slopes, Weakest};
-use crate::joints::whole::{Batch, Link};
+use crate::joints::joint::JointAxes;
+pub(crate) use crate::joints::joint::{Joint, JointState};
+use crate::joints::stress_level::{Slopes, StressLevel, Weakest};
+use crate::joints::whole::{JointBatch, Link};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
-use crate::ranks::wire::wire;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
@@ -51,7 +51,7 @@ pub(crate) struct Break {
     serialize = "Joint<D>: Serialize, [[f64; D]; D]: Serialize",
     deserialize = "Joint<D>: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
 ))]
-pub(crate) struct Saved<const D: usize = 2> {
+pub(crate) struct SavedJoints<const D: usize = 2> {
     joints: Vec<Joint<D>>,
     forces: Vec<[Point<D>; D]>,
     breaks: Vec<Break>,
@@ -59,7 +59,7 @@ pub(crate) struct Saved<const D: usize = 2> {
 
 /// A joint with what is kept apart from it, for another rank. Its facet is a code.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Moving<const D: usize> {
+pub(crate) struct MovingJoint<const D: usize> {
     pub(crate) joint: Joint<D>,
     forces: [Point<D>; D],
     /// Time and modes of its failure.
@@ -70,11 +70,14 @@ pub(crate) struct Moving<const D: usize> {
     corners: [[u32; D]; 2],
 }
 
-wire!([const D: usize] Moving<D> { joint, forces, broken, measure, corners });
+wire!([const D: usize] MovingJoint<D> { joint, forces, broken, measure, corners });
+
+/// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their facets.
+pub(crate) type VertexSplit<const D: usize> = (u32, Vec<(u32, [f64; D])>);
 
 /// A joint as results show it.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a, const D: usize> {
+pub(crate) struct JointView<'a, const D: usize> {
     pub(crate) joint: &'a Joint<D>,
     /// Numbers of its two elements.
     pub(crate) elements: [u32; 2],
@@ -84,7 +87,7 @@ pub(crate) struct Seen<'a, const D: usize> {
     pub(crate) measure: f64,
 }
 
-impl<const D: usize> Moving<D> {
+impl<const D: usize> MovingJoint<D> {
     /// Looks up its nodes. `node_at`: the node of a corner, by its code.
     pub(crate) fn find_nodes(&mut self, node_at: impl Fn(u32) -> u32) {
         let corners = self.corners;
@@ -102,8 +105,8 @@ impl<const D: usize> Moving<D> {
     }
 
     /// The joint as results show it.
-    pub(crate) fn seen<const N: usize>(&self) -> Seen<'_, D> {
-        Seen {
+    pub(crate) fn seen<const N: usize>(&self) -> JointView<'_, D> {
+        JointView {
             joint: &self.joint,
             elements: self.corners.map(|side| side[0] / N as u32),
             broken: self.broken,
@@ -117,11 +120,11 @@ impl<const D: usize> Moving<D> {
     }
 }
 
-impl<const D: usize> Saved<D> {
+impl<const D: usize> SavedJoints<D> {
     /// Joints in the order of their facets.
-    pub(crate) fn of(mut all: Vec<Moving<D>>) -> Self {
+    pub(crate) fn of(mut all: Vec<MovingJoint<D>>) -> Self {
         all.sort_unstable_by_key(|moving| moving.joint.facet);
-        let broken = |(joint, moving): (u32, &Moving<D>)| {
+        let broken = |(joint, moving): (u32, &MovingJoint<D>)| {
             moving.broken.map(|(time, modes)| Break { joint, time, modes })
         };
         Self {
@@ -164,7 +167,7 @@ pub(crate) struct Joints<const D: usize = 2> {
     tips: Vec<Tip>,
     /// Lowest strengths of the facets of each element, in batches, and how near its stress is to them; both lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
-    near: Vec<Near>,
+    near: Vec<StressLevel>,
     slopes: Slopes,
 }
 
@@ -261,7 +264,7 @@ impl<const D: usize> Joints<D> {
             let batches = 0..mesh.elements.len().div_ceil(LANES);
             joints.weakest =
                 batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
-            joints.near = vec![Near::Far; mesh.elements.len()];
+            joints.near = vec![StressLevel::Far; mesh.elements.len()];
             let outer = topology.outer_vertices();
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
             joints.find_tips(&outer, topology, share);
@@ -309,7 +312,7 @@ impl<const D: usize> Joints<D> {
         facet: u32,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) -> Result<Option<Law>, ModelError>
+    ) -> Result<Option<JointLaw>, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -319,13 +322,13 @@ impl<const D: usize> Joints<D> {
         let elastic = self.insertion == Insertion::Intrinsic;
         let length = <[[f64; D]; N]>::facet_length(measure_of(model, topology, sides));
         if let Some(set) = self.set(facet).and_then(|set| model.joint_sets.get(set as usize)) {
-            let law = Law::of_set(set, set.stiffness(penalty), model.fracture.critical_opening, length);
+            let law = JointLaw::of_set(set, set.stiffness(penalty), model.fracture.critical_opening, length);
             return law.map(Some).map_err(|TooLittle { least, sliding }| {
                 let element = topology.number(sides.elements()[0]);
                 ModelError::SetEnergy { set: set.name.clone(), element, least, sliding }
             });
         }
-        let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
+        let law = JointLaw::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
         law.map(Some).map_err(|TooLittle { least, sliding }| {
             let element = sides.elements()[0];
             let material = &model.materials[model.mesh.materials[element as usize] as usize].name;
@@ -336,8 +339,8 @@ impl<const D: usize> Joints<D> {
     fn put<const N: usize>(
         &mut self,
         facet: u32,
-        law: Law,
-        plane: Plane,
+        law: JointLaw,
+        plane: JointPlane,
         topology: &Topology<D, N>,
         model: &Model<D, N>,
         share: &Share,
@@ -407,7 +410,7 @@ impl<const D: usize> Joints<D> {
     }
 
     /// A joint for another rank.
-    pub(crate) fn moving<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> Moving<D>
+    pub(crate) fn moving<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> MovingJoint<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -416,7 +419,7 @@ impl<const D: usize> Joints<D> {
         let sides = topology.facets[joint.facet as usize].corners;
         let corners = sides.map(|side| side.map(|corner| topology.code_of_corner(corner)));
         joint.facet = topology.code(joint.facet);
-        Moving {
+        MovingJoint {
             joint,
             forces: self.forces[number as usize],
             broken: self.break_of(number),
@@ -426,27 +429,27 @@ impl<const D: usize> Joints<D> {
     }
 
     /// A joint as results show it.
-    pub(crate) fn seen<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> Seen<'_, D>
+    pub(crate) fn seen<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> JointView<'_, D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let joint = &self.all[number as usize];
         let elements = topology.facets[joint.facet as usize].elements();
-        Seen { joint, elements, broken: self.break_of(number), measure: joint.measure }
+        JointView { joint, elements, broken: self.break_of(number), measure: joint.measure }
     }
 
     /// The joints for a saved run, in the order of their facets.
-    pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Saved<D>
+    pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> SavedJoints<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        Saved::of(self.in_order().into_iter().map(|number| self.moving(number, topology)).collect())
+        SavedJoints::of(self.in_order().into_iter().map(|number| self.moving(number, topology)).collect())
     }
 
     /// Restores the saved joints.
     pub(crate) fn restore<const N: usize>(
         &mut self,
-        saved: Saved<D>,
+        saved: SavedJoints<D>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         solid: &Solid<D, N>,
@@ -500,7 +503,7 @@ impl<const D: usize> Joints<D> {
         let grains = solid.grains;
         let found =
             team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
-                let (mut breaks, mut batch, mut pile) = (Vec::new(), Batch::EMPTY, Pile::default());
+                let (mut breaks, mut batch, mut pile) = (Vec::new(), JointBatch::EMPTY, Pile::default());
                 for start in (0..joints.len()).step_by(LANES) {
                     let range = start..joints.len().min(start + LANES);
                     let batched = batch.pull(
@@ -520,7 +523,7 @@ impl<const D: usize> Joints<D> {
                         if link.is_gone() {
                             continue;
                         }
-                        if joint.state == State::Removed {
+                        if joint.state == JointState::Removed {
                             joint.fading = 0.0;
                         } else {
                             let (done, modes) = joint.pull(forces, solid, step);
@@ -565,7 +568,9 @@ impl<const D: usize> Joints<D> {
 
     /// Whether the two elements at a facet are connected there: by the mesh, or by a joint that holds.
     pub(crate) fn holds(&self, facet: u32) -> bool {
-        self.all.get(self.of_facet[facet as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
+        self.all
+            .get(self.of_facet[facet as usize] as usize)
+            .is_none_or(|joint| joint.state == JointState::Holding)
     }
 
     /// Forces of the broken joints that this rank counts and that still press their two elements.
@@ -579,10 +584,10 @@ impl<const D: usize> Joints<D> {
     {
         let mut pressing = Vec::new();
         for (joint, forces) in self.all.iter().zip(&self.forces) {
-            if !joint.counted || joint.state != State::Broken || *forces == [[0.0; D]; D] {
+            if !joint.counted || joint.state != JointState::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
-            let frame = Frame::new::<N>(joint, &solid.nodes);
+            let frame = JointAxes::new::<N>(joint, &solid.nodes);
             let (mut sum, mut whole, mut moment) = ([0.0; D], 0.0, [0.0; D]);
             for ([a, b], force) in frame.ends.into_iter().zip(forces) {
                 let weight = length(*force);
@@ -626,7 +631,7 @@ impl<const D: usize> Joints<D> {
         for &code in codes.filter(|&&code| code != NONE) {
             let joint = &self.all[code as usize / (2 * D)];
             let (frame, mut memory) =
-                (Frame::new::<N>(joint, &solid.nodes), joint.ends[code as usize / 2 % D]);
+                (JointAxes::new::<N>(joint, &solid.nodes), joint.ends[code as usize / 2 % D]);
             let traction = memory.traction(&joint.law, [0.0; D]);
             let area = joint.measure / D as f64 * solid.thickness;
             add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });

@@ -1,7 +1,7 @@
 //! The combined finite-discrete element method in two and three dimensions: bodies of triangles or of tetrahedra that deform, collide and break.
 //!
-//! A [`Model`] goes in, [`Snapshot`]s and [`Energies`] come out. There is no file, no printing and no time of day in this crate. One step reads from top to bottom in
-//! `simulation.rs`; each part is a file:
+//! A [`Model`] goes in, [`Snapshot`]s and [`Energies`] come out. There is no file, no printing and no time of
+//! day in this crate. One step reads from top to bottom in `simulation.rs`; each part is a file:
 //!
 //! ```text
 //! solid (elastic) ─> joints (cohesive) ─> contacts (detection, simplex) ─> seams ─> loads (ground) ─> motion ─> energy
@@ -27,14 +27,19 @@
 //! tetrahedra covers differ in how many lines cut them: each part is a task, and tasks with the same number of cuts share batches (`src/simplex/tetrahedron/part.rs`).
 //!
 //! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint` and `Link`). A step skips everything
-//! that cannot have changed: edges of elements whose stress is far from the strength (`joints/near.rs`), boxes of bodies that have moved less than the
+//! that cannot have changed: edges of elements whose stress is far from the strength (`joints/stress_level.rs`), boxes of bodies that have moved less than the
 //! slack of the buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`). Skipping changes no result. The
 //! mesher numbers nodes and elements along Hilbert's curve. Where every element has its own nodes, nodes are numbered in the order of the elements.
 //! `bench/SIMULATION.md` compares the speed with bounds and with other programs.
 //!
-//! Steps are compiled in this crate, once for each kind of element (`advance` in `src/simplex.rs`), and not in the crates that call them.
+//! Steps are compiled in this crate, once for each kind of element (`src/simulation/advance.rs`), and not in the
+//! crates that call them.
 //!
 //! `State` is all that persists between steps. It is saved with postcard, and sufficient to continue a run. It has nodes, joints and couples in the order of the model, and not of memory.
+//!
+//! Files import only from the layers below; a test reads the sources for it. `src/simulation/run.rs` has the state of
+//! a run, and the files beside it the functions that change it. A step asks other ranks by the trait `Peers`
+//! (`src/peers.rs`), which does nothing in one process.
 //!
 //! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). What it must know of the rest is in three places: `Share` says what it owns and counts, `Topology`
 //! what the elements are called in the whole model, and `Part` what it needs to give elements away.
@@ -47,13 +52,13 @@
 //!
 //! | to change | open |
 //! |---|---|
-//! | the time step of a simulation | `src/simulation.rs` |
+//! | the time step of a simulation | `src/simulation.rs`; the beginning of a run: `src/simulation/run.rs` |
 //! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `src/solid/batch.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
-//! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
+//! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
-//! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs` |
+//! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | what a caller sets between steps | `src/simulation/actions.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
@@ -63,7 +68,7 @@
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | probes: means of stress, strain and velocity, gauges, forces between bodies | `src/probe.rs` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
-//! | many ranks: messages of a step, division of the work | `src/ranks/links.rs`, `src/ranks/spread.rs` |
+//! | many ranks: messages of a step, division of the work | `src/peers.rs` and `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
 //! | what two and three dimensions differ in | `src/simplex.rs`, `crates/model/src/bodies/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
 //!
@@ -99,13 +104,16 @@
 )]
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 
+mod moduli;
 mod model;
-mod kept;
+mod subset;
 mod checks;
+mod lists;
 mod random;
 mod share;
 mod sum;
 mod team;
+mod timings;
 mod vector;
 mod lanes;
 mod simplex;
@@ -117,8 +125,9 @@ mod joint_sets;
 mod joints;
 mod contacts;
 mod seams;
-mod loads;
+mod outer_side;
 mod ground;
+mod loads;
 mod motion;
 mod critical;
 mod mass;
@@ -126,6 +135,7 @@ mod energy;
 mod forces;
 mod snapshot;
 mod probe;
+mod peers;
 mod simulation;
 mod ranks;
 mod error;
@@ -136,18 +146,21 @@ pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
-pub use joint_sets::JointSet;
-pub use kept::Kept;
 pub use mass::MassScaling;
 pub use model::{
-    Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
-    Plane, Schedule, Strength, Target, TimeOptions,
+    Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,
+    Material, Model, Plane, Schedule, Strength, Target, TimeOptions,
 };
 pub use probe::{MaterialPoint, Probe};
-pub use ranks::{
-    Distributed, Forecast, Gathered, Leader, Network, RankForecast, Sizes, Traffic, dismiss, follow,
-};
+pub use ranks::distributed::{Distributed, Traffic};
+pub use ranks::forecast::{Forecast, Network, RankForecast, Sizes};
+pub use ranks::gather::Gathered;
+pub use ranks::leader::{Leader, dismiss, follow};
 pub use seams::InitialContacts;
-pub use simplex::Element;
-pub use simulation::{Change, Counts, Simulation, State, Timings};
+pub use simulation::advance::Element;
+pub use simulation::changed::Change;
+pub use simulation::run::{Counts, Simulation};
+pub use simulation::saved::State;
 pub use snapshot::{Crack, Mode, Snapshot, principal_stresses};
+pub use subset::Subset;
+pub use timings::Timings;

@@ -5,20 +5,21 @@ use std::collections::BTreeMap;
 use crate::error::ModelError;
 use crate::ground::{Ground, Reaction};
 use crate::model::{Load, Model, Schedule, Target};
+use crate::outer_side::{OuterSide, outer_side};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
-use crate::topology::{NONE, Topology, are_alike};
+use crate::topology::{NONE, Topology};
 use crate::vector::{Point, add, dot, plus};
 
 /// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hold {
     pub(crate) boundary: u32,
-    motion: Motion,
+    motion: PrescribedMotion,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
+enum PrescribedMotion {
     /// Velocity, m/s.
     Velocity(f64),
     /// Displacement, m.
@@ -31,8 +32,10 @@ impl Hold {
     pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
         let schedule = &schedules[self.boundary as usize];
         match self.motion {
-            Motion::Velocity(velocity) => velocity * schedule.factor(time + 0.5 * step),
-            Motion::Displacement(goal) => (goal * schedule.factor(time + step) - displacement) / step,
+            PrescribedMotion::Velocity(velocity) => velocity * schedule.factor(time + 0.5 * step),
+            PrescribedMotion::Displacement(goal) => {
+                (goal * schedule.factor(time + step) - displacement) / step
+            }
         }
     }
 }
@@ -108,14 +111,6 @@ struct Applied<const D: usize> {
     viscous: Point<D>,
 }
 
-/// An outer facet, by its corners.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<const D: usize> {
-    pub(crate) corners: [u32; D],
-    /// Undeformed length, m, or area, m².
-    pub(crate) measure: f64,
-}
-
 /// Numbers of the whole model that a rank needs for its part of the loads.
 #[derive(Debug)]
 pub(crate) struct Wide {
@@ -136,7 +131,7 @@ pub(crate) struct Loads<const D: usize = 2, const N: usize = 3> {
     /// Boundaries with forces on corners.
     forces: Vec<(u32, Point<D>, Vec<u32>)>,
     /// Boundaries on facets.
-    sides: Vec<(u32, Load<D>, Vec<Side<D>>)>,
+    sides: Vec<(u32, Load<D>, Vec<OuterSide<D>>)>,
     applied: Vec<Applied<D>>,
     /// Ground beyond absorbing facets.
     pub(crate) ground: Ground<D, N>,
@@ -170,11 +165,23 @@ where
             match (boundary.load, &boundary.target) {
                 (Load::Velocity(velocity), target) => {
                     let nodes = target.nodes();
-                    loads.hold(model, solid, number, &nodes, velocity.map(|v| v.map(Motion::Velocity)))?;
+                    loads.hold(
+                        model,
+                        solid,
+                        number,
+                        &nodes,
+                        velocity.map(|v| v.map(PrescribedMotion::Velocity)),
+                    )?;
                 }
                 (Load::Displacement(goal), target) => {
                     let nodes = target.nodes();
-                    loads.hold(model, solid, number, &nodes, goal.map(|u| u.map(Motion::Displacement)))?;
+                    loads.hold(
+                        model,
+                        solid,
+                        number,
+                        &nodes,
+                        goal.map(|u| u.map(PrescribedMotion::Displacement)),
+                    )?;
                 }
                 (Load::Force(force), target) => {
                     let nodes = target.nodes();
@@ -210,7 +217,7 @@ where
         solid: &mut Solid<D, N>,
         boundary: u32,
         nodes: &[u32],
-        motion: [Option<Motion>; D],
+        motion: [Option<PrescribedMotion>; D],
     ) -> Result<(), ModelError> {
         if nodes.is_empty() {
             let boundary = model.boundaries[boundary as usize].name.clone();
@@ -228,7 +235,7 @@ where
                 match held[axis] {
                     None => held[axis] = Some(Hold { boundary, motion }),
                     // At a corner of a body two boundaries may both hold a node still.
-                    Some(other) if other.motion == motion && motion == Motion::Velocity(0.0) => {}
+                    Some(other) if other.motion == motion && motion == PrescribedMotion::Velocity(0.0) => {}
                     Some(other) => {
                         let name = |k: u32| model.boundaries[k as usize].name.clone();
                         let boundaries = [name(other.boundary), name(boundary)];
@@ -328,26 +335,6 @@ where
     fn owned(&self, solid: &Solid<D, N>) -> impl Iterator<Item = &Applied<D>> {
         self.applied.iter().filter(|applied| solid.share.corner(applied.corner))
     }
-}
-
-/// The outer facet between nodes of the mesh, which go around it in this order, from any of them on.
-pub(crate) fn outer_side<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    topology: &Topology<D, N>,
-    facet: [u32; D],
-    name: &str,
-) -> Result<Side<D>, ModelError>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let vertices = |corners: &[u32; D]| corners.map(|corner| topology.vertices[corner as usize]);
-    let around = |corners: &[u32; D]| are_alike(&vertices(corners), &facet);
-    let corners = topology
-        .surface_at(facet[0])
-        .find(around)
-        .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), facet: facet.to_vec() })?;
-    let measure = <[[f64; D]; N]>::facet_measure(&facet.map(|node| model.mesh.nodes[node as usize]));
-    Ok(Side { corners, measure })
 }
 
 #[cfg(test)]

@@ -3,8 +3,6 @@
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-use crate::joint_sets::JointSet;
-
 /// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
@@ -132,6 +130,30 @@ pub struct Strength {
     pub weibull_modulus: Option<f64>,
     /// Seed of the scatter.
     pub seed: u64,
+}
+
+/// A set of joints. They are in the mesh from the beginning, whatever the option for the insertion of others is.
+///
+/// A joint is elastic up to its strength, softens, and then has its residual friction. Under initial stress it begins with the traction of that stress.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointSet {
+    /// Name, for messages.
+    pub name: String,
+    /// Strength and fracture energies. Tensile strength and cohesion may be 0. The fracture energy contains the elastic work up to the strength.
+    pub strength: Strength,
+    /// Tangent of the friction angle of broken joints. The friction falls to it from that of the strength as the joint softens. It is also the coefficient of friction of the
+    /// contacts between elements on the two sides of the set, after joints have handed over to contact.
+    pub residual_friction: f64,
+    /// Normal stiffness, Pa/m; `None` for the joint penalty of [`FractureOptions`](crate::FractureOptions).
+    pub normal_stiffness: Option<f64>,
+    /// Shear stiffness, Pa/m; `None` for the normal stiffness.
+    pub shear_stiffness: Option<f64>,
+    /// Tangent of the dilation angle: how far the sides of a joint move apart for each length that they slip under friction. At most the residual friction. 0 for none.
+    pub dilation: f64,
+    /// Slip, m, up to which joints dilate; `None` for 5 % of the length of each.
+    pub dilation_slip: Option<f64>,
+    /// Whether the joints are broken from the beginning: they have no strength, carry no initial stress, and leave pressure and friction to contacts.
+    pub open: bool,
 }
 
 /// Properties of the contacts and joints between two materials.

@@ -30,12 +30,12 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     /// Damping of dynamic relaxation: force on a node over its mass and its velocity, 1/s.
     pub(crate) relaxation: f64,
     /// Sums for that damping.
-    pub(crate) taken: Taken,
+    pub(crate) taken: RelaxationSums,
 }
 
 /// Sums over the free axes of nodes, for the damping of dynamic relaxation, that are taken in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Taken {
+pub(crate) enum RelaxationSums {
     Nothing,
     /// Power of the forces with the velocities after the step.
     After,
@@ -45,7 +45,7 @@ pub(crate) enum Taken {
 
 /// Sums over the motion of all nodes, or piles over that of a chunk.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Moved<S, const D: usize> {
+pub(crate) struct MotionSums<S, const D: usize> {
     /// Kinetic energy, J, if it is asked for.
     pub(crate) kinetic: S,
     /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them, J.
@@ -64,7 +64,7 @@ pub(crate) struct Moved<S, const D: usize> {
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
-impl<S, const D: usize> Moved<S, D> {
+impl<S, const D: usize> MotionSums<S, D> {
     /// Notes the force on a node, and those of its corners.
     fn note_forces<const N: usize>(&mut self, node: Point<D>, forces: &[[Point<D>; N]], corners: &[u32]) {
         self.largest[0] = self.largest[0].max(dot(node, node));
@@ -82,13 +82,38 @@ impl<S, const D: usize> Moved<S, D> {
     }
 }
 
-/// Gathers the forces on each node that `moves` selects by its number, moves it, and adds to the sums over all nodes.
+/// Nodes that are selected by a list with an entry for each; an empty list has none of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Selected<'a> {
+    Only(&'a [bool]),
+    Except(&'a [bool]),
+}
+
+/// Gathers the forces on each node that is selected, moves it, and adds to the sums over all nodes.
 pub(crate) fn advance<const D: usize, const N: usize>(
     solid: &mut Solid<D, N>,
     motion: &Motion<'_, D, N>,
     team: &Team,
+    selected: Selected<'_>,
+    all: &mut MotionSums<Sum, D>,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    match selected {
+        Selected::Only([]) => {}
+        Selected::Except([]) => advance_where(solid, motion, team, |_| true, all),
+        Selected::Only(list) => advance_where(solid, motion, team, |node| list[node], all),
+        Selected::Except(list) => advance_where(solid, motion, team, |node| !list[node], all),
+    }
+}
+
+/// [`advance`] for the nodes that `moves` selects by their numbers.
+fn advance_where<const D: usize, const N: usize>(
+    solid: &mut Solid<D, N>,
+    motion: &Motion<'_, D, N>,
+    team: &Team,
     moves: impl Fn(usize) -> bool + Sync,
-    all: &mut Moved<Sum, D>,
+    all: &mut MotionSums<Sum, D>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -96,7 +121,7 @@ pub(crate) fn advance<const D: usize, const N: usize>(
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
-        let mut sum = Moved::<Pile, D>::default();
+        let mut sum = MotionSums::<Pile, D>::default();
         for (k, node) in chunk.iter_mut().enumerate() {
             if !share.node(first + k) || !moves(first + k) {
                 continue;
@@ -179,7 +204,7 @@ fn move_node<const D: usize, const N: usize>(
     [force, weight]: [Point<D>; 2],
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
-    sum: &mut Moved<Pile, D>,
+    sum: &mut MotionSums<Pile, D>,
 ) -> (Point<D>, f64) {
     let (mass, step) = (constants.mass, motion.step);
     let Node { position, velocity: before } = *node;
@@ -207,7 +232,7 @@ fn move_node<const D: usize, const N: usize>(
             sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
         }
     }
-    if motion.taken != Taken::Nothing {
+    if motion.taken != RelaxationSums::Nothing {
         take(motion, constants, force, [before, after], sum);
     }
     (reactions, dot(after, after))
@@ -221,13 +246,13 @@ fn take<const D: usize, const N: usize>(
     constants: &Constants,
     force: Point<D>,
     [before, after]: [Point<D>; 2],
-    sum: &mut Moved<Pile, D>,
+    sum: &mut MotionSums<Pile, D>,
 ) {
     for axis in 0..D {
         if constants.hold != NONE && motion.loads.holds[constants.hold as usize][axis].is_some() {
             continue;
         }
-        if motion.taken == Taken::After {
+        if motion.taken == RelaxationSums::After {
             sum.taken[0].add(force[axis] * after[axis], motion.grains);
         } else {
             sum.taken[0].add(force[axis] * before[axis], motion.grains);

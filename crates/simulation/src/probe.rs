@@ -3,12 +3,12 @@
 //! A probe is a short list of exact sums over what a rank counts, and a rule that makes values of them. Ranks add their sums up before the rule, so that neither ranks nor threads change a
 //! bit.
 
+use fdem_distributed::wire;
+use fdem_distributed::wire::Wire;
 use fdem_mesh::Mesh;
 
-use crate::ranks::Wire;
-use crate::ranks::wire::wire;
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
 use crate::solid::corners_of;
 use crate::sum::Sum;
 use crate::topology::NONE;

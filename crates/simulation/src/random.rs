@@ -1,8 +1,8 @@
 //! Scatter of strengths. It is a function of the seed and the number of an edge only, and the same on every
 //! platform.
 
-/// Random number, uniform in (0, 1), by SplitMix64 (Steele, Lea and Flood, 2014) from the seed and the
-/// number.
+/// Random number, uniform in (0, 1), from the seed and the number, by a variant of `SplitMix64` (Steele, Lea
+/// and Flood, 2014) whose second shift is 30 instead of 27. Results of runs with scatter depend on it.
 pub(crate) fn uniform(seed: u64, number: u64) -> f64 {
     let mut x = seed ^ number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     for factor in [0xbf58_476d_1ce4_e5b9_u64, 0x94d0_49bb_1331_11eb] {

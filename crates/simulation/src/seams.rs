@@ -20,12 +20,12 @@
 //! potential. The energy that the faded share had stored counts as dissipated by friction. The faded share does not come back.
 
 use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
+use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
 
 use crate::contacts;
 use crate::error::ModelError;
 use crate::model::Model;
-use crate::ranks::wire::wire;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
@@ -100,7 +100,7 @@ struct Place<const D: usize> {
 /// State of a point of a seam. Vectors are along the surface, with a first component across it of 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
-pub(crate) struct Hold<const D: usize = 2> {
+pub(crate) struct SeamState<const D: usize = 2> {
     /// Sliding, and sliding at which the tangential spring is relaxed, m.
     sliding: [f64; D],
     slip: [f64; D],
@@ -112,16 +112,16 @@ pub(crate) struct Hold<const D: usize = 2> {
     friction: f64,
 }
 
-wire!([const D: usize] Hold<D> { sliding, slip, traction, faded, friction });
+wire!([const D: usize] SeamState<D> { sliding, slip, traction, faded, friction });
 
-impl<const D: usize> Hold<D> {
+impl<const D: usize> SeamState<D> {
     /// Work against friction so far, J, with all that counts as such.
     pub(crate) fn friction(&self) -> f64 {
         self.friction
     }
 }
 
-impl<const D: usize> Default for Hold<D> {
+impl<const D: usize> Default for SeamState<D> {
     fn default() -> Self {
         Self { sliding: [0.0; D], slip: [0.0; D], traction: [0.0; D], faded: 0.0, friction: 0.0 }
     }
@@ -131,22 +131,22 @@ impl<const D: usize> Default for Hold<D> {
 #[derive(Debug, Default)]
 pub(crate) struct Seams<const D: usize = 2> {
     places: Vec<Place<D>>,
-    holds: Vec<Hold<D>>,
+    holds: Vec<SeamState<D>>,
     /// Results of the last step.
-    pressed: Vec<Pressed<D>>,
+    pressed: Vec<PointForces<D>>,
     found: InitialContacts,
 }
 
 /// Result of a point of a seam in a step.
 #[derive(Clone, Copy, Debug)]
-struct Pressed<const D: usize> {
+struct PointForces<const D: usize> {
     /// Forces on the corners of both facets, N.
     forces: [[Point<D>; D]; 2],
     /// Energy stored in the potential, J.
     energy: f64,
 }
 
-impl<const D: usize> Pressed<D> {
+impl<const D: usize> PointForces<D> {
     const NONE: Self = Self { forces: [[[0.0; D]; D]; 2], energy: 0.0 };
 }
 
@@ -233,9 +233,9 @@ impl<const D: usize> Seams<D> {
             let slip = if tangential > 0.0 { held.map(|traction| -traction / tangential) } else { [0.0; D] };
             let squared = place.area * dot(held, held);
             let friction = if squared == 0.0 { 0.0 } else { squared / (2.0 * tangential) };
-            self.holds.push(Hold { slip, traction: held, friction, ..Hold::default() });
+            self.holds.push(SeamState { slip, traction: held, friction, ..SeamState::default() });
             self.places.push(place);
-            self.pressed.push(Pressed::NONE);
+            self.pressed.push(PointForces::NONE);
         }
     }
 
@@ -304,7 +304,7 @@ impl<const D: usize> Seams<D> {
         &self,
         topology: &Topology<D, N>,
         share: &Share,
-    ) -> impl Iterator<Item = ([u32; 2], u32, Hold<D>)>
+    ) -> impl Iterator<Item = ([u32; 2], u32, SeamState<D>)>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -321,7 +321,7 @@ impl<const D: usize> Seams<D> {
         &mut self,
         sides: [u32; 2],
         place: u32,
-        hold: Hold<D>,
+        hold: SeamState<D>,
         topology: &Topology<D, N>,
     ) -> bool
     where
@@ -340,12 +340,12 @@ impl<const D: usize> Seams<D> {
         is
     }
 
-    pub(crate) fn save(&self) -> Vec<Hold<D>> {
+    pub(crate) fn save(&self) -> Vec<SeamState<D>> {
         self.holds.clone()
     }
 
     /// Restores the saved seams.
-    pub(crate) fn restore(&mut self, saved: Vec<Hold<D>>) -> Result<(), ModelError> {
+    pub(crate) fn restore(&mut self, saved: Vec<SeamState<D>>) -> Result<(), ModelError> {
         let (found, expected) = (saved.len(), self.holds.len());
         if found != expected {
             return Err(ModelError::Length { what: "contacts under initial stress", found, expected });
@@ -356,7 +356,7 @@ impl<const D: usize> Seams<D> {
 }
 
 /// Positions of the two points of a seam, in the frame of the first facet.
-struct Frame<const D: usize> {
+struct PointPositions<const D: usize> {
     /// The first facet.
     facet: [Point<D>; D],
     /// Unit vectors: its outward normal, and directions along it.
@@ -369,7 +369,7 @@ struct Frame<const D: usize> {
 
 impl<const D: usize> Place<D> {
     #[inline]
-    fn frame<const N: usize>(&self, ends: [[Point<D>; D]; 2]) -> Frame<D>
+    fn frame<const N: usize>(&self, ends: [[Point<D>; D]; 2]) -> PointPositions<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -379,7 +379,7 @@ impl<const D: usize> Place<D> {
             std::array::from_fn(|axis| dot(shares, ends.map(|end| end[axis])))
         });
         let apart = minus(b, a);
-        Frame { facet: ends[0], axes, apart, gap: axes.map(|axis| dot(apart, axis)) }
+        PointPositions { facet: ends[0], axes, apart, gap: axes.map(|axis| dot(apart, axis)) }
     }
 
     /// Normal traction, Pa, and potential energy per area, J/m², at an opening.
@@ -398,14 +398,14 @@ impl<const D: usize> Place<D> {
     #[inline]
     fn forces<const N: usize>(
         &self,
-        frame: &Frame<D>,
+        frame: &PointPositions<D>,
         pressure: f64,
         traction: [f64; D],
     ) -> [[Point<D>; D]; 2]
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Frame { facet, axes, gap, .. } = frame;
+        let PointPositions { facet, axes, gap, .. } = frame;
         let turning = <[[f64; D]; N]>::turning(facet, axes, gap, pressure, &traction, self.area);
         let mut forces = [[[0.0; D]; D]; 2];
         for axis in 0..D {
@@ -424,12 +424,12 @@ impl<const D: usize> Place<D> {
 
     /// Updates a point. Returns its forces and its energy.
     #[inline]
-    fn press<const N: usize>(&self, hold: &mut Hold<D>, ends: [[Point<D>; D]; 2]) -> Pressed<D>
+    fn press<const N: usize>(&self, hold: &mut SeamState<D>, ends: [[Point<D>; D]; 2]) -> PointForces<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         if hold.faded >= 1.0 {
-            return Pressed::NONE;
+            return PointForces::NONE;
         }
         let frame = self.frame::<N>(ends);
         let since = minus(frame.gap, self.gap);
@@ -448,7 +448,7 @@ impl<const D: usize> Place<D> {
         let slid = dot(plus(hold.traction, traction).map(|sum| 0.5 * sum), minus(sliding, hold.sliding));
         (hold.sliding, hold.traction) = (sliding, traction);
         hold.friction += self.area * (slid + fading * potential);
-        Pressed {
+        PointForces {
             forces: self.forces::<N>(&frame, weight * pressure, traction),
             energy: self.area * weight * potential,
         }
@@ -571,7 +571,7 @@ mod tests {
         let frame = place.frame::<3>(ends);
         let mut place = Place { gap: [0.0, frame.gap[1]], ..place };
         place.reach = 0.5;
-        let mut hold = Hold::default();
+        let mut hold = SeamState::default();
         let mut pressed = place.press::<3>(&mut hold, ends);
         let (begin, steps) = (pressed.energy, 40_000);
         let mut work = 0.0;

@@ -6,15 +6,13 @@
 mod tetrahedron;
 pub(crate) mod triangle;
 
-use crate::elastic::Moduli;
-use crate::error::Stop;
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, smaller};
+use crate::model::{Material, Plane};
+use crate::moduli::Moduli;
+use crate::vector::{Matrix, Point, dot};
+
 #[cfg(test)]
 use crate::lanes::{row, rows, set_rows};
-use crate::model::{Material, Model, Plane};
-use crate::ranks::Links;
-use crate::simulation::Simulation;
-use crate::vector::{Matrix, Point, dot};
 
 /// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same direction, is below this.
 const NEAR: f64 = 0.1;
@@ -32,14 +30,6 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     const SMALL: f64;
     /// The name of facets in messages.
     const FACETS_ARE: &'static str;
-
-    /// Advances a run: [`Simulation::take`]. Implemented for the two kinds of elements, so that the steps are compiled here, once and optimised; a generic function
-    /// would be compiled in each crate that calls it, with the options of that crate.
-    fn advance(run: &mut Simulation<D, N>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop>;
-
-    /// A model as bytes, and back.
-    fn encode(model: &Model<D, N>) -> Vec<u8>;
-    fn decode(bytes: &[u8]) -> Model<D, N>;
 
     fn determinant(f: &Matrix<D>) -> f64;
 
@@ -172,13 +162,11 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     }
 }
 
-/// The corners of an element that can be simulated: `[[f64; 2]; 3]`, a triangle, and `[[f64; 3]; 4]`, a tetrahedron. There are no others.
-///
-/// Code for both dimensions has the bound `[[f64; D]; N]: Element<D, N>`.
-pub trait Element<const D: usize, const N: usize>: Simplex<D, N> {}
+/// Corners of a triangle, counter-clockwise.
+pub(crate) type Triangle = [Point; 3];
 
-impl Element<2, 3> for [Point<2>; 3] {}
-impl Element<3, 4> for [Point<3>; 4] {}
+/// Corners of a tetrahedron: the first three are counter-clockwise, seen from the last.
+pub(crate) type Tetrahedron = [Point<3>; 4];
 
 /// The corners of a batch of couples of elements, m.
 pub(crate) type Shapes<const D: usize, const N: usize> = [Rows<D, N>; 2];

@@ -4,16 +4,16 @@ pub(crate) mod batch;
 
 use std::ops::Range;
 
+use fdem_distributed::wire;
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-use crate::elastic::Moduli;
 use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
-use crate::ranks::wire::wire;
+use crate::moduli::Moduli;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
+use crate::solid::batch::{BatchInputs, BatchResults, Deformed, Undeformed, forces_of};
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
@@ -44,7 +44,7 @@ pub(crate) struct Constants {
 
 /// An element of constant strain.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Element {
+pub(crate) struct SolidElement {
     pub(crate) material: u32,
     /// Undeformed volume, m³: in two dimensions area times thickness.
     pub(crate) volume: f64,
@@ -54,7 +54,7 @@ pub(crate) struct Element {
     pub(crate) mass: f64,
 }
 
-impl Element {
+impl SolidElement {
     /// Mass at each of its corners, kg: the true one, of its density.
     pub(crate) fn corner_mass<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> f64 {
         model.materials[self.material as usize].density * self.volume / N as f64
@@ -85,7 +85,7 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) constants: Vec<Constants>,
     /// Mass of each node by the densities of its elements, kg, where masses are scaled; empty where they are not: [`Solid::true_mass`].
     pub(crate) true_masses: Vec<f64>,
-    pub(crate) elements: Vec<Element>,
+    pub(crate) elements: Vec<SolidElement>,
     /// Their undeformed shapes, in batches.
     undeformed: Vec<Undeformed<D>>,
     /// Results of their deformation, likewise.
@@ -146,9 +146,9 @@ where
         let element = |number: usize| {
             let volume = corners_of(mesh, number).measure() * model.thickness;
             let length = <[[f64; D]; N]>::contact_length(volume);
-            Element { material: mesh.materials[number], volume, length, mass: 0.0 }
+            SolidElement { material: mesh.materials[number], volume, length, mass: 0.0 }
         };
-        let elements: Vec<Element> = (0..mesh.elements.len()).map(element).collect();
+        let elements: Vec<SolidElement> = (0..mesh.elements.len()).map(element).collect();
         let mut undeformed = vec![Undeformed::EMPTY; elements.len().div_ceil(LANES)];
         for (number, element) in elements.iter().enumerate() {
             let gradients = <[[f64; D]; N]>::inverse_edges(&corners_of(mesh, number));
@@ -512,7 +512,7 @@ where
             viscous,
             |first, deformed, forces, viscous| {
                 let mut inverted = None;
-                let (mut given, mut told) = (Given::NONE, Told::NONE);
+                let (mut given, mut told) = (BatchInputs::NONE, BatchResults::NONE);
                 let mut none = Viscous::NONE;
                 let mut material = NONE;
                 for (k, deformed) in deformed.iter_mut().enumerate() {

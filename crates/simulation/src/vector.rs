@@ -41,6 +41,11 @@ pub(crate) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+#[inline(always)]
+pub(crate) fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Adds a multiple of a vector.
 #[inline(always)]
 pub(crate) fn add<const D: usize>(to: &mut Point<D>, direction: Point<D>, factor: f64) {

@@ -101,13 +101,13 @@ impl Cells {
 }
 
 /// The couples that a rank has found, and how many there are in each cell.
-pub(crate) struct Found<C> {
+pub(crate) struct FoundCouples<C> {
     couples: Vec<C>,
     cells: Cells,
     counts: Vec<usize>,
 }
 
-impl<C: Sortable> Found<C> {
+impl<C: Sortable> FoundCouples<C> {
     /// No couples yet. `ids` are those of this rank's elements. Collective.
     pub(crate) fn new(communicator: &dyn Communicator, ids: &[u32]) -> Self {
         let cells = Cells::new(communicator, ids);

@@ -6,7 +6,7 @@ use fdem_contact::{Elements, Error, PeriodicBox, Real};
 
 use super::runs::Runs;
 use crate::communicator::Message;
-use crate::wire::{Reader, Writer};
+use crate::wire::{part, put_all, put_points, take_all, take_points};
 
 /// The elements that a rank gives to a search.
 ///
@@ -50,20 +50,28 @@ impl<'a, T: Real, const D: usize> Shapes<'a, T, D> {
     }
 
     /// These elements with their ids.
-    pub(crate) fn view(&self, ids: &'a [u32], tolerance: T) -> View<'a, T, D> {
+    pub(crate) fn view(&self, ids: &'a [u32], tolerance: T) -> ElementsView<'a, T, D> {
         let (radii, far_points): (&[T], &[[T; D]]) = match *self {
             Self::Equal { .. } => (&[], &[]),
             Self::Spheres { radii, .. } => (radii, &[]),
             Self::Boxes { max, .. } => (&[], max),
         };
-        View { kind: self.kind(), tolerance, ids, points: self.points(), radii, far_points, periods: &[] }
+        ElementsView {
+            kind: self.kind(),
+            tolerance,
+            ids,
+            points: self.points(),
+            radii,
+            far_points,
+            periods: &[],
+        }
     }
 
-    pub(crate) fn kind(&self) -> Kind<T> {
+    pub(crate) fn kind(&self) -> ShapeKind<T> {
         match self {
-            Self::Equal { radius, .. } => Kind::Equal(*radius),
-            Self::Spheres { .. } => Kind::Spheres,
-            Self::Boxes { .. } => Kind::Boxes,
+            Self::Equal { radius, .. } => ShapeKind::Equal(*radius),
+            Self::Spheres { .. } => ShapeKind::Spheres,
+            Self::Boxes { .. } => ShapeKind::Boxes,
         }
     }
 
@@ -80,13 +88,13 @@ impl<'a, T: Real, const D: usize> Shapes<'a, T, D> {
 
 /// A kind of element, with the properties that all its elements share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Kind<T> {
+pub(crate) enum ShapeKind<T> {
     Equal(T),
     Spheres,
     Boxes,
 }
 
-impl<T> Kind<T> {
+impl<T> ShapeKind<T> {
     /// Number of bytes of an element in a message.
     pub(crate) fn bytes<const D: usize>(&self, is_periodic: bool) -> usize {
         let floats = match self {
@@ -98,10 +106,10 @@ impl<T> Kind<T> {
     }
 }
 
-/// Elements that the caller has given, or those of a [`Set`], whose fields these are.
+/// Elements that the caller has given, or those of a [`ElementSet`], whose fields these are.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct View<'a, T, const D: usize> {
-    pub(crate) kind: Kind<T>,
+pub(crate) struct ElementsView<'a, T, const D: usize> {
+    pub(crate) kind: ShapeKind<T>,
     pub(crate) tolerance: T,
     pub(crate) ids: &'a [u32],
     pub(crate) points: &'a [[T; D]],
@@ -110,37 +118,37 @@ pub(crate) struct View<'a, T, const D: usize> {
     pub(crate) periods: &'a [[i32; D]],
 }
 
-/// Elements of one rank on their way into a [`Set`]: the parts of a message.
+/// Elements of one rank on their way into a [`ElementSet`]: the parts of a message.
 pub(crate) struct Arrived<'a> {
     is_periodic: bool,
-    ids: Reader<'a>,
-    points: Reader<'a>,
-    radii: Reader<'a>,
-    far_points: Reader<'a>,
-    periods: Reader<'a>,
+    ids: &'a [u8],
+    points: &'a [u8],
+    radii: &'a [u8],
+    far_points: &'a [u8],
+    periods: &'a [u8],
 }
 
 impl<'a> Arrived<'a> {
     /// Splits a message with the given number of elements.
     pub(crate) fn new<T, const D: usize>(
-        bytes: &'a [u8],
+        mut bytes: &'a [u8],
         count: usize,
-        kind: &Kind<T>,
+        kind: &ShapeKind<T>,
         is_periodic: bool,
     ) -> Self {
-        let mut from = Reader::new(bytes);
+        let bytes = &mut bytes;
         Self {
             is_periodic,
-            ids: from.part(4 * count),
-            points: from.part(8 * D * count),
-            radii: from.part(if matches!(kind, Kind::Spheres) { 8 * count } else { 0 }),
-            far_points: from.part(if matches!(kind, Kind::Boxes) { 8 * D * count } else { 0 }),
-            periods: from,
+            ids: part(bytes, 4 * count),
+            points: part(bytes, 8 * D * count),
+            radii: part(bytes, if matches!(kind, ShapeKind::Spheres) { 8 * count } else { 0 }),
+            far_points: part(bytes, if matches!(kind, ShapeKind::Boxes) { 8 * D * count } else { 0 }),
+            periods: bytes,
         }
     }
 
     /// The end of the message, after all elements have been read.
-    pub(crate) fn rest(self) -> Reader<'a> {
+    pub(crate) fn rest(self) -> &'a [u8] {
         self.periods
     }
 }
@@ -154,8 +162,8 @@ const GHOST_ROOM: usize = 8;
 /// `ids`, `points`: `[n]`. `radii`: `[n]`, or empty unless spheres have radii. `far_points`: `[n]`, or empty
 /// unless the elements are boxes. `periods`: `[n]`, or empty without a periodic box.
 #[derive(Clone, Debug)]
-pub(crate) struct Set<T, const D: usize> {
-    pub(crate) kind: Kind<T>,
+pub(crate) struct ElementSet<T, const D: usize> {
+    pub(crate) kind: ShapeKind<T>,
     pub(crate) tolerance: T,
     pub(crate) ids: Vec<u32>,
     pub(crate) points: Vec<[T; D]>,
@@ -213,24 +221,24 @@ impl Rooms<'_> {
     }
 }
 
-impl<T: Real, const D: usize> View<'_, T, D> {
+impl<T: Real, const D: usize> ElementsView<'_, T, D> {
     pub(crate) fn len(&self) -> usize {
         self.ids.len()
     }
 
     /// Writes the elements at these places, whose number the reader knows.
-    pub(crate) fn write(&self, places: impl Iterator<Item = u32> + Clone, out: &mut Writer) {
+    pub(crate) fn write(&self, places: impl Iterator<Item = u32> + Clone, out: &mut Vec<u8>) {
         let at = |place: u32| place as usize;
-        out.u32s(places.clone().map(|place| self.ids[at(place)]));
-        out.points(places.clone().map(|place| self.points[at(place)]));
+        put_all(places.clone().map(|place| self.ids[at(place)]), out);
+        put_points(places.clone().map(|place| self.points[at(place)]), out);
         if !self.radii.is_empty() {
-            out.reals(places.clone().map(|place| self.radii[at(place)]));
+            put_all(places.clone().map(|place| self.radii[at(place)].to_f64()), out);
         }
         if !self.far_points.is_empty() {
-            out.points(places.clone().map(|place| self.far_points[at(place)]));
+            put_points(places.clone().map(|place| self.far_points[at(place)]), out);
         }
         if !self.periods.is_empty() {
-            out.shifts(places.map(|place| self.periods[at(place)]));
+            put_all(places.map(|place| self.periods[at(place)]), out);
         }
     }
 
@@ -242,7 +250,7 @@ impl<T: Real, const D: usize> View<'_, T, D> {
         runs: &Runs,
         own: usize,
         starts: &[usize],
-        set: &mut Set<T, D>,
+        set: &mut ElementSet<T, D>,
     ) -> Vec<Message> {
         let ranks = 0..runs.firsts.len() - 1;
         let of_each = self.kind.bytes::<D>(!self.periods.is_empty());
@@ -274,9 +282,9 @@ impl<T: Real, const D: usize> View<'_, T, D> {
     /// The largest distance at which an element touches another one of its size, up to rounding.
     pub(crate) fn reach(&self, place: usize) -> f64 {
         let size = match self.kind {
-            Kind::Equal(radius) => 2.0 * radius.to_f64(),
-            Kind::Spheres => 2.0 * self.radii[place].to_f64(),
-            Kind::Boxes => (0..D).fold(0.0, |most: f64, axis| {
+            ShapeKind::Equal(radius) => 2.0 * radius.to_f64(),
+            ShapeKind::Spheres => 2.0 * self.radii[place].to_f64(),
+            ShapeKind::Boxes => (0..D).fold(0.0, |most: f64, axis| {
                 most.max(self.far_points[place][axis].to_f64() - self.points[place][axis].to_f64())
             }),
         };
@@ -284,8 +292,8 @@ impl<T: Real, const D: usize> View<'_, T, D> {
     }
 }
 
-impl<T: Real, const D: usize> Set<T, D> {
-    pub(crate) fn new(kind: Kind<T>, tolerance: T) -> Self {
+impl<T: Real, const D: usize> ElementSet<T, D> {
+    pub(crate) fn new(kind: ShapeKind<T>, tolerance: T) -> Self {
         Self {
             kind,
             tolerance,
@@ -329,8 +337,8 @@ impl<T: Real, const D: usize> Set<T, D> {
         self.ids.len()
     }
 
-    pub(crate) fn view(&self) -> View<'_, T, D> {
-        View {
+    pub(crate) fn view(&self) -> ElementsView<'_, T, D> {
+        ElementsView {
             kind: self.kind,
             tolerance: self.tolerance,
             ids: &self.ids,
@@ -342,7 +350,7 @@ impl<T: Real, const D: usize> Set<T, D> {
     }
 
     /// A set of the given number of elements, whose numbers are zeros, with room for some ghosts.
-    pub(crate) fn blank(kind: Kind<T>, tolerance: T, count: usize, is_periodic: bool) -> Self {
+    pub(crate) fn blank(kind: ShapeKind<T>, tolerance: T, count: usize, is_periodic: bool) -> Self {
         /// Zeros come from the system without being written.
         fn zeros<V: Clone>(zero: V, count: usize) -> Vec<V> {
             let mut values = vec![zero; count + count / GHOST_ROOM];
@@ -355,8 +363,8 @@ impl<T: Real, const D: usize> Set<T, D> {
             tolerance,
             ids: zeros(0, count),
             points: zeros([T::ZERO; D], count),
-            radii: zeros(T::ZERO, count_if(matches!(kind, Kind::Spheres))),
-            far_points: zeros([T::ZERO; D], count_if(matches!(kind, Kind::Boxes))),
+            radii: zeros(T::ZERO, count_if(matches!(kind, ShapeKind::Spheres))),
+            far_points: zeros([T::ZERO; D], count_if(matches!(kind, ShapeKind::Boxes))),
             periods: zeros([0; D], count_if(is_periodic)),
         }
     }
@@ -367,31 +375,37 @@ impl<T: Real, const D: usize> Set<T, D> {
             places.unwrap_or_default().iter_mut().zip(values).for_each(|(place, value)| *place = value);
         }
         let count = places.len();
-        put(self.ids.get_mut(places.clone()), from.ids.u32s(count));
-        put(self.points.get_mut(places.clone()), from.points.points::<T, D>(count));
+        put(self.ids.get_mut(places.clone()), take_all::<u32>(&mut from.ids, count));
+        put(self.points.get_mut(places.clone()), take_points::<T, D>(&mut from.points, count));
         match self.kind {
-            Kind::Equal(_) => {}
-            Kind::Spheres => put(self.radii.get_mut(places.clone()), from.radii.reals::<T>(count)),
-            Kind::Boxes => {
-                put(self.far_points.get_mut(places.clone()), from.far_points.points::<T, D>(count));
+            ShapeKind::Equal(_) => {}
+            ShapeKind::Spheres => {
+                let radii = take_all::<f64>(&mut from.radii, count).map(T::nearest);
+                put(self.radii.get_mut(places.clone()), radii);
+            }
+            ShapeKind::Boxes => {
+                put(
+                    self.far_points.get_mut(places.clone()),
+                    take_points::<T, D>(&mut from.far_points, count),
+                );
             }
         }
         if from.is_periodic {
-            put(self.periods.get_mut(places), from.periods.shifts::<D>(count));
+            put(self.periods.get_mut(places), take_all::<[i32; D]>(&mut from.periods, count));
         }
     }
 
     /// The elements as the library of detection takes them.
     pub(crate) fn elements(&self) -> Result<Elements<'_, T, D>, Error> {
         match self.kind {
-            Kind::Equal(radius) => Elements::spheres(&self.points, radius),
-            Kind::Spheres => Elements::spheres_with_radii(&self.points, &self.radii),
-            Kind::Boxes => Elements::boxes(&self.points, &self.far_points),
+            ShapeKind::Equal(radius) => Elements::spheres(&self.points, radius),
+            ShapeKind::Spheres => Elements::spheres_with_radii(&self.points, &self.radii),
+            ShapeKind::Boxes => Elements::boxes(&self.points, &self.far_points),
         }?
         .with_tolerance(self.tolerance)
     }
 
-    /// As [`View::level`].
+    /// As [`ElementsView::level`].
     #[inline]
     pub(crate) fn level(&self, place: usize) -> u16 {
         self.view().level(place)
@@ -408,9 +422,9 @@ impl<T: Real, const D: usize> Set<T, D> {
 
     /// Gives each sphere its own radius, so that some can be widened.
     pub(crate) fn with_radii(&mut self) {
-        if let Kind::Equal(radius) = self.kind {
+        if let ShapeKind::Equal(radius) = self.kind {
             self.radii = vec![radius; self.len()];
-            self.kind = Kind::Spheres;
+            self.kind = ShapeKind::Spheres;
         }
     }
 
@@ -418,9 +432,9 @@ impl<T: Real, const D: usize> Set<T, D> {
     pub(crate) fn displace(&mut self, place: usize, cell: &PeriodicBox<T, D>, shift: &[i32; D], by: f64) {
         self.points[place] = cell.displaced(&self.points[place], shift);
         match self.kind {
-            Kind::Equal(_) => {}
-            Kind::Spheres => self.radii[place] = T::at_least(self.radii[place].to_f64() + by),
-            Kind::Boxes => {
+            ShapeKind::Equal(_) => {}
+            ShapeKind::Spheres => self.radii[place] = T::at_least(self.radii[place].to_f64() + by),
+            ShapeKind::Boxes => {
                 let far = cell.displaced(&self.far_points[place], shift);
                 self.far_points[place] = far.map(|x| T::at_least(x.to_f64() + by));
                 let near = self.points[place];
@@ -441,12 +455,12 @@ impl<T: Real, const D: usize> Set<T, D> {
         let (others, j) = j;
         let points = [self.points[i], cell.displaced(&others.points[j], shift)];
         let elements = match self.kind {
-            Kind::Equal(radius) => Elements::spheres(&points, radius).and_then(|pair| self.touch(pair)),
-            Kind::Spheres => {
+            ShapeKind::Equal(radius) => Elements::spheres(&points, radius).and_then(|pair| self.touch(pair)),
+            ShapeKind::Spheres => {
                 let radii = [self.radii[i], others.radii[j]];
                 Elements::spheres_with_radii(&points, &radii).and_then(|pair| self.touch(pair))
             }
-            Kind::Boxes => {
+            ShapeKind::Boxes => {
                 let far = [self.far_points[i], cell.displaced(&others.far_points[j], shift)];
                 Elements::boxes(&points, &far).and_then(|pair| self.touch(pair))
             }

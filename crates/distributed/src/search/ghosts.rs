@@ -11,10 +11,11 @@
 
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
-use super::elements::{Arrived, Kind, Set, View};
+use super::elements::{Arrived, ElementSet, ElementsView, ShapeKind};
 use crate::communicator::{Communicator, Message};
 use crate::curve::Curve;
-use crate::wire::{Reader, Writer};
+use crate::wire;
+use crate::wire::{bytes_of, put_all, take_all, value_of};
 
 /// About the number of groups into which a rank cuts its elements. Each level adds at most one more, and
 /// crowded places can double the number.
@@ -22,14 +23,16 @@ pub(crate) const GROUPS: usize = 256;
 
 /// Elements of one rank and of one level that are near each other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Group<const D: usize> {
+pub(crate) struct GhostGroup<const D: usize> {
     level: u16,
     /// The box around the elements, extended so that it overlaps those that touch them.
     low: [f64; D],
     high: [f64; D],
 }
 
-impl<const D: usize> Group<D> {
+wire!([const D: usize] GhostGroup<D> { level, low, high });
+
+impl<const D: usize> GhostGroup<D> {
     /// A group without elements.
     fn empty(level: u16) -> Self {
         Self { level, low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] }
@@ -55,14 +58,14 @@ impl<const D: usize> Group<D> {
 }
 
 /// The groups of a rank.
-pub(crate) struct Groups<const D: usize> {
-    boxes: Vec<Group<D>>,
+pub(crate) struct GhostGroups<const D: usize> {
+    boxes: Vec<GhostGroup<D>>,
     /// The group of each element.
     of: Vec<u32>,
 }
 
 /// An element that is sent, with the number of edges by which it is displaced from its place in the box.
-type Sent<const D: usize> = (u32, [i32; D]);
+type SentElement<const D: usize> = (u32, [i32; D]);
 
 /// Chooses the one of two ranks that gets ghosts from the other, for elements of one level. The choice
 /// alternates, so that ghosts are spread evenly.
@@ -120,7 +123,12 @@ impl<'a, T: Real, const D: usize> Lattice<'a, T, D> {
     ///
     /// # Errors
     /// The number of shifts that were to be tried, if there are too many.
-    fn shifts(&self, a: &Group<D>, b: &Group<D>, mut visit: impl FnMut([i32; D])) -> Result<(), f64> {
+    fn shifts(
+        &self,
+        a: &GhostGroup<D>,
+        b: &GhostGroup<D>,
+        mut visit: impl FnMut([i32; D]),
+    ) -> Result<(), f64> {
         let (dual, periodic) = (self.cell.dual(), self.cell.periodic());
         let mut ends = [[0_i64; 2]; D];
         for edge in (0..D).filter(|&edge| periodic[edge]) {
@@ -159,7 +167,7 @@ impl<'a, T: Real, const D: usize> Lattice<'a, T, D> {
 const FRACTION: f64 = 1e-3;
 
 /// Whether group `a`, displaced, overlaps group `b` or is nearer than `gap` along every axis.
-fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f64) -> bool {
+fn overlap<const D: usize>(a: &GhostGroup<D>, b: &GhostGroup<D>, offset: &[f64; D], gap: f64) -> bool {
     (0..D).all(|axis| {
         a.low[axis] + offset[axis] <= b.high[axis] + gap && b.low[axis] <= a.high[axis] + offset[axis] + gap
     })
@@ -168,22 +176,22 @@ fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f
 /// A group with this number of times the mean number of elements is cut.
 const CROWDED: usize = 4;
 
-impl<const D: usize> Groups<D> {
+impl<const D: usize> GhostGroups<D> {
     /// Cuts elements into groups: level by level, consecutive runs of elements. `ends` are those of the runs.
     /// Crowded groups are cut along the curve.
     pub(crate) fn new<T: Real>(
         elements: &Elements<'_, T, D>,
-        view: View<'_, T, D>,
+        view: ElementsView<'_, T, D>,
         ends: &[usize],
         curve: Curve<D>,
     ) -> Self {
         let n = view.len();
         let length = n.div_ceil(GROUPS);
-        let distinct = if matches!(view.kind, Kind::Equal(_)) { n.min(1) } else { n };
+        let distinct = if matches!(view.kind, ShapeKind::Equal(_)) { n.min(1) } else { n };
         let mut levels: Vec<u16> = (0..distinct).map(|place| view.level(place)).collect();
         levels.sort_unstable();
         levels.dedup();
-        let mut boxes: Vec<Group<D>> = Vec::new();
+        let mut boxes: Vec<GhostGroup<D>> = Vec::new();
         let mut counts: Vec<usize> = Vec::new();
         let mut of = Vec::with_capacity(n);
         // The last group of each level, if it has room.
@@ -197,7 +205,7 @@ impl<const D: usize> Groups<D> {
                 let level = if levels.len() == 1 { Ok(0) } else { levels.binary_search(&view.level(place)) };
                 let level = level.unwrap_or_default();
                 let group = *open[level].get_or_insert_with(|| {
-                    boxes.push(Group::empty(levels[level]));
+                    boxes.push(GhostGroup::empty(levels[level]));
                     counts.push(0);
                     boxes.len() - 1
                 });
@@ -231,7 +239,7 @@ impl<const D: usize> Groups<D> {
             let first = of_group[0].0;
             let level = self.boxes[first as usize].level;
             for (number, part) in of_group.chunks(length).enumerate() {
-                let mut smaller = Group::empty(level);
+                let mut smaller = GhostGroup::empty(level);
                 let group = if number == 0 { first } else { self.boxes.len() as u32 };
                 for &(_, _, place) in part {
                     smaller.add(elements, place);
@@ -261,7 +269,7 @@ impl<const D: usize> Groups<D> {
 /// Ghosts that a rank has got.
 pub(crate) struct Ghosts<T, const D: usize> {
     /// At their places inside the box, not displaced.
-    pub(crate) set: Set<T, D>,
+    pub(crate) set: ElementSet<T, D>,
     pub(crate) shifts: Vec<[i32; D]>,
     /// The rank that owns each.
     pub(crate) owners: Vec<u32>,
@@ -272,25 +280,21 @@ pub(crate) struct Ghosts<T, const D: usize> {
 pub(crate) fn choose<T: Real, const D: usize>(
     communicator: &dyn Communicator,
     elements: &Elements<'_, T, D>,
-    groups: &Groups<D>,
+    groups: &GhostGroups<D>,
     lattice: Option<&Lattice<'_, T, D>>,
-) -> Result<Vec<(usize, Vec<Sent<D>>)>, Error> {
-    let mut out = Writer::default();
-    let boxes = &groups.boxes;
-    out.u64s(boxes.iter().map(|group| u64::from(group.level)));
-    out.reals(boxes.iter().flat_map(|group| group.low));
-    out.reals(boxes.iter().flat_map(|group| group.high));
-    let everywhere = communicator.all_gather(&out.bytes);
-    let everywhere: Vec<Vec<Group<D>>> = everywhere.iter().map(|bytes| read_groups(bytes)).collect();
+) -> Result<Vec<(usize, Vec<SentElement<D>>)>, Error> {
+    let everywhere = communicator.all_gather(&bytes_of(&groups.boxes));
+    let everywhere: Vec<Vec<GhostGroup<D>>> = everywhere.iter().map(|bytes| value_of(bytes)).collect();
 
     let own = communicator.rank();
     // Whether elements of a group go to another rank if they overlap one of its groups.
-    let takes = |rank: usize, group: &Group<D>, other: &Group<D>| {
+    let takes = |rank: usize, group: &GhostGroup<D>, other: &GhostGroup<D>| {
         group.level > other.level
             || (group.level == other.level && (rank == own || keeper(rank, own) == rank))
     };
-    let touches = |group: &Group<D>, rank: usize, theirs: &[Group<D>]| {
-        let is_near = |other: &Group<D>| takes(rank, group, other) && overlap(group, other, &[0.0; D], 0.0);
+    let touches = |group: &GhostGroup<D>, rank: usize, theirs: &[GhostGroup<D>]| {
+        let is_near =
+            |other: &GhostGroup<D>| takes(rank, group, other) && overlap(group, other, &[0.0; D], 0.0);
         rank != own && theirs.iter().any(is_near)
     };
     let is_near = groups.boxes.iter().map(|group| {
@@ -332,12 +336,12 @@ pub(crate) fn choose<T: Real, const D: usize>(
                     _ => ([0.0; D], 0.0),
                 };
                 // The box around all groups that may be touched, which most elements miss.
-                let mut around = Group::empty(group.level);
+                let mut around = GhostGroup::empty(group.level);
                 for &(_, other) in same_shift {
                     around.include(&theirs[other]);
                 }
                 for &place in of_group {
-                    let mut element = Group::empty(group.level);
+                    let mut element = GhostGroup::empty(group.level);
                     element.add(elements, place as usize);
                     if overlap(&element, &around, &offset, gap)
                         && same_shift
@@ -366,49 +370,35 @@ fn too_many(images: f64) -> Error {
     Error::TooManyImages { images, limit: DEFAULT_MAX_IMAGES }
 }
 
-fn read_groups<const D: usize>(bytes: &[u8]) -> Vec<Group<D>> {
-    let count = bytes.len() / (8 + 16 * D);
-    let mut from = Reader::new(bytes);
-    let levels: Vec<u64> = from.u64s(count).collect();
-    let low: Vec<[f64; D]> = from.points(count).collect();
-    let high = from.points(count);
-    let boxes = low.into_iter().zip(high);
-    levels
-        .into_iter()
-        .zip(boxes)
-        .map(|(level, (low, high))| Group { level: level as u16, low, high })
-        .collect()
-}
-
 /// Sends the chosen elements, and receives the ghosts of this rank. Collective.
 pub(crate) fn exchange<T: Real, const D: usize>(
     communicator: &dyn Communicator,
-    set: &Set<T, D>,
-    chosen: Vec<(usize, Vec<Sent<D>>)>,
+    set: &ElementSet<T, D>,
+    chosen: Vec<(usize, Vec<SentElement<D>>)>,
     is_periodic: bool,
 ) -> Ghosts<T, D> {
     let messages = chosen.into_iter().map(|(rank, sent)| {
-        let mut out = Writer::default();
-        set.view().write(sent.iter().map(|(place, _)| *place), &mut out);
+        let mut bytes = Vec::new();
+        set.view().write(sent.iter().map(|(place, _)| *place), &mut bytes);
         if is_periodic {
-            out.shifts(sent.iter().map(|(_, shift)| *shift));
+            put_all(sent.iter().map(|(_, shift)| *shift), &mut bytes);
         }
-        Message { rank, bytes: out.bytes }
+        Message { rank, bytes }
     });
     let messages = messages.collect();
     let mut ghosts =
-        Ghosts { set: Set::new(set.kind, set.tolerance), shifts: Vec::new(), owners: Vec::new() };
+        Ghosts { set: ElementSet::new(set.kind, set.tolerance), shifts: Vec::new(), owners: Vec::new() };
     // An element and its shift.
     let of_each = set.kind.bytes::<D>(is_periodic) + if is_periodic { size_of::<[i32; D]>() } else { 0 };
     let received = communicator.exchange(messages);
     let count = |message: &Message| message.bytes.len() / of_each;
-    ghosts.set = Set::blank(set.kind, set.tolerance, received.iter().map(count).sum(), is_periodic);
+    ghosts.set = ElementSet::blank(set.kind, set.tolerance, received.iter().map(count).sum(), is_periodic);
     for message in &received {
         let (start, count) = (ghosts.shifts.len(), count(message));
         let mut from = Arrived::new::<T, D>(&message.bytes, count, &set.kind, is_periodic);
         ghosts.set.place(start..start + count, &mut from);
         if is_periodic {
-            ghosts.shifts.extend(from.rest().shifts::<D>(count));
+            ghosts.shifts.extend(take_all::<[i32; D]>(&mut from.rest(), count));
         } else {
             ghosts.shifts.resize(start + count, [0; D]);
         }

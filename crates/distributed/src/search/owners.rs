@@ -2,7 +2,7 @@
 
 use fdem_contact::Real;
 
-use super::elements::{Arrived, Kind, Set, View};
+use super::elements::{Arrived, ElementSet, ElementsView, ShapeKind};
 use super::ghosts::GROUPS;
 use super::runs::Runs;
 use crate::communicator::Communicator;
@@ -20,7 +20,7 @@ const RUNS: usize = 1 << 11;
 /// Elements of a rank after all have been sent to their owners.
 pub(crate) struct Owned<T, const D: usize> {
     /// Run by run.
-    pub(crate) set: Set<T, D>,
+    pub(crate) set: ElementSet<T, D>,
     /// The ends of the runs: elements of consecutive cells along the curve, in no order inside the run.
     pub(crate) ends: Vec<usize>,
     pub(crate) curve: Curve<D>,
@@ -32,13 +32,14 @@ pub(crate) struct Owned<T, const D: usize> {
 /// Sends elements to their owners. Collective.
 pub(crate) fn distribute<T: Real, const D: usize>(
     communicator: &dyn Communicator,
-    given: View<'_, T, D>,
+    given: ElementsView<'_, T, D>,
     is_periodic: bool,
 ) -> Owned<T, D> {
     let (curve, limits) = survey(communicator, &given);
     let runs = divide(communicator, &given, &curve);
     let (arriving, ends) = runs.announce(communicator);
-    let mut set = Set::blank(given.kind, given.tolerance, ends.last().copied().unwrap_or(0), is_periodic);
+    let mut set =
+        ElementSet::blank(given.kind, given.tolerance, ends.last().copied().unwrap_or(0), is_periodic);
     let messages = given.scatter(&runs, communicator.rank(), &arriving[0].starts, &mut set);
     drop(runs);
     let received = communicator.exchange(messages);
@@ -55,7 +56,7 @@ pub(crate) fn distribute<T: Real, const D: usize>(
 /// The curve through the elements of all ranks, and the limits of [`Owned`]. Collective.
 fn survey<T: Real, const D: usize>(
     communicator: &dyn Communicator,
-    given: &View<'_, T, D>,
+    given: &ElementsView<'_, T, D>,
 ) -> (Coarse<D>, [f64; 2]) {
     let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for point in given.points {
@@ -69,7 +70,7 @@ fn survey<T: Real, const D: usize>(
     let far = given.far_points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
     extremes.push(extremes.iter().fold(far, |most, x| most.max(*x)));
     // Equal elements have equal reaches.
-    let different = if matches!(given.kind, Kind::Equal(_)) { given.len().min(1) } else { given.len() };
+    let different = if matches!(given.kind, ShapeKind::Equal(_)) { given.len().min(1) } else { given.len() };
     extremes.push((0..different).fold(0.0, |most: f64, place| most.max(given.reach(place))));
     extremes.push(given.len() as f64);
     communicator.all_max(&mut extremes);
@@ -82,7 +83,7 @@ fn survey<T: Real, const D: usize>(
 /// Divides the elements among the ranks and into runs. Collective.
 fn divide<T: Real, const D: usize>(
     communicator: &dyn Communicator,
-    given: &View<'_, T, D>,
+    given: &ElementsView<'_, T, D>,
     curve: &Coarse<D>,
 ) -> Runs {
     let point = |point: &[T; D]| point.map(T::to_f64);

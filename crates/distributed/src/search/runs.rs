@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::communicator::{Communicator, Message};
-use crate::wire::{Reader, Writer};
+use crate::wire::{put_all, take_all};
 
 /// The run of each element that a rank gives.
 pub(crate) struct Runs {
@@ -36,14 +36,14 @@ impl Runs {
         let others = (0..communicator.size())
             .filter(|&rank| rank != own && counts_of(rank).iter().any(|count| *count > 0));
         let messages = others.map(|rank| {
-            let mut out = Writer::default();
-            out.u32s(counts_of(rank).iter().map(|count| *count as u32));
-            Message { rank, bytes: out.bytes }
+            let mut bytes = Vec::new();
+            put_all(counts_of(rank).iter().map(|count| *count as u32), &mut bytes);
+            Message { rank, bytes }
         });
         let received = communicator.exchange(messages.collect());
         let counts = received.iter().map(|message| {
             let count = message.bytes.len() / 4;
-            Reader::new(&message.bytes).u32s(count).map(|count| count as usize).collect()
+            take_all::<u32>(&mut &message.bytes[..], count).map(|count| count as usize).collect()
         });
         let counts = std::iter::once(counts_of(own).to_vec()).chain(counts);
         let mut arriving: Vec<Arriving> =

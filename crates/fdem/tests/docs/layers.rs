@@ -71,7 +71,14 @@ fn named(module: &Module, code: &str, modules: &BTreeMap<Module, String>) -> Vec
 
 #[test]
 fn no_files_import_each_other_in_a_circle() {
-    for (name, least) in [("fdem", [60, 200]), ("model", [60, 200]), ("validate", [40, 100])] {
+    let crates = [
+        ("distributed", [10, 20]),
+        ("fdem", [60, 200]),
+        ("model", [60, 200]),
+        ("simulation", [60, 300]),
+        ("validate", [40, 100]),
+    ];
+    for (name, least) in crates {
         find_circles(name, least);
     }
 }

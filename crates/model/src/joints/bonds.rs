@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use fdem_mesh::{Simplex, bounds, sorted};
-use fdem_simulation::{Element, Kept, Target};
+use fdem_simulation::{Element, Subset, Target};
 
 use crate::prepared::{Joints, Prepared, Quantity};
 use crate::shapes::placed::{self, Placed};
@@ -202,7 +202,7 @@ impl<const D: usize> Bonds<D> {
                 return Err("bonds are not between two elements each: bodies lie on each other".to_owned());
             }
         }
-        let Kept { model, nodes, .. } =
+        let Subset { model, nodes, .. } =
             model.keeping(&vec![true; model.mesh.elements.len()]).map_err(|error| error.to_string())?;
         prepared.model = model;
         let number = |node: u32| nodes[first(node) as usize];

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use fdem_simulation::{Boundary, Kept, Load, ModelError, Schedule, Simulation, Target};
+use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, Target};
 
 use crate::prepared::{Body, Entered, Prepared, Quantity, Servo};
 
@@ -83,7 +83,7 @@ where
             model.boundaries.push(boundary);
         }
         model.boundaries.extend(entered.held.iter().cloned());
-        let Kept { model, elements, nodes } = model.keeping(&stage.elements)?;
+        let Subset { model, elements, nodes } = model.keeping(&stage.elements)?;
         let range = |range: &Range<u32>, numbers: &dyn Fn(u32) -> Option<u32>| {
             let mut left = range.clone().filter_map(numbers);
             let first = left.next();

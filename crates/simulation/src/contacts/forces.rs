@@ -8,23 +8,23 @@ use std::ops::Range;
 
 use fdem_contact::prefetch;
 
-use crate::contacts::grips::{Given, Grip, Histories, Works, grip_of};
-use crate::contacts::law::Law;
-use crate::contacts::{AHEAD, Couple, skipped_until};
+use crate::contacts::couple::{AHEAD, Couple, skipped_until};
+use crate::contacts::grips::{ContactInputs, Grip, Histories, Works, grip_of};
+use crate::contacts::law::ContactLaw;
 use crate::joint_sets::common_set;
 use crate::joints::Joints;
 use crate::lanes::{LANES, Lanes, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
-use crate::simplex::{Interactions, Shapes, Simplex, apart, gap, parted};
+use crate::simplex::{Interactions, Shapes, Simplex, gap, parted};
 use crate::solid::Solid;
 use crate::team::CHUNK;
-use crate::vector::{Point, dot, length};
+use crate::vector::Point;
 
 /// Number of batches whose potentials are computed together.
 const GROUP: usize = 4;
 
 /// Forces of a chunk of couples.
 #[derive(Debug)]
-pub(super) struct Pressed<const D: usize, const N: usize> {
+pub(super) struct ChunkForces<const D: usize, const N: usize> {
     /// Forces of potential, friction and damping, in batches. Each couple has the place of its history.
     found: Vec<Interactions<D, N>>,
     /// The numbers of [`Works`] of each couple, in the same places.
@@ -33,13 +33,13 @@ pub(super) struct Pressed<const D: usize, const N: usize> {
     pub(super) separated: Vec<(u32, Works)>,
 }
 
-impl<const D: usize, const N: usize> Default for Pressed<D, N> {
+impl<const D: usize, const N: usize> Default for ChunkForces<D, N> {
     fn default() -> Self {
         Self { found: Vec::new(), works: Vec::new(), separated: Vec::new() }
     }
 }
 
-impl<const D: usize, const N: usize> Pressed<D, N> {
+impl<const D: usize, const N: usize> ChunkForces<D, N> {
     /// Adds the forces of the couple in a place to those of its elements, N. Returns its works, and whether
     /// one element reaches the centroid of the other.
     #[inline]
@@ -63,11 +63,11 @@ impl<const D: usize, const N: usize> Pressed<D, N> {
 }
 
 /// The state on which the forces of all couples depend in this pass.
-pub(super) struct Pass<'a, const D: usize, const N: usize> {
+pub(super) struct ContactPass<'a, const D: usize, const N: usize> {
     pub(super) solid: &'a Solid<D, N>,
     pub(super) joints: &'a Joints<D>,
     /// Parameters of the contacts of each pair of materials, and the number of materials.
-    pub(super) laws: &'a [Law],
+    pub(super) laws: &'a [ContactLaw],
     pub(super) materials: usize,
     /// Joint sets of the facets of each element; empty without joint sets.
     pub(super) joint_facets: &'a [[u32; N]],
@@ -79,7 +79,7 @@ pub(super) struct Pass<'a, const D: usize, const N: usize> {
     pub(super) travel: f64,
 }
 
-impl<const D: usize, const N: usize> Pass<'_, D, N>
+impl<const D: usize, const N: usize> ContactPass<'_, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -88,7 +88,7 @@ where
         &self,
         couples: &mut [Couple],
         histories: &mut Histories<D, N>,
-        pressed: &mut Pressed<D, N>,
+        pressed: &mut ChunkForces<D, N>,
     ) {
         pressed.separated.clear();
         // Mostly, bodies do not touch anywhere near.
@@ -187,7 +187,7 @@ where
         work: &mut Work<D, N>,
         couples: &mut [Couple],
         histories: &mut Histories<D, N>,
-        pressed: &mut Pressed<D, N>,
+        pressed: &mut ChunkForces<D, N>,
     ) {
         let available = self.solid.available;
         let Work { shapes, given, scratch, .. } = work;
@@ -203,7 +203,7 @@ where
                 }
             }
         }
-        let Pressed { found, works, separated } = pressed;
+        let ChunkForces { found, works, separated } = pressed;
         <[[f64; D]; N]>::interactions(available, shapes, scratch, &mut found[group.clone()]);
         for (batch, (shapes, given)) in group.zip(shapes.iter().zip(given)) {
             let (found, works) = (&mut found[batch], &mut works[batch]);
@@ -242,7 +242,13 @@ where
 
     /// Puts the input of the forces of a couple into a lane.
     #[inline]
-    fn gather(&self, couple: &Couple, lane: usize, shapes: &mut Shapes<D, N>, given: &mut Given<D, N>) {
+    fn gather(
+        &self,
+        couple: &Couple,
+        lane: usize,
+        shapes: &mut Shapes<D, N>,
+        given: &mut ContactInputs<D, N>,
+    ) {
         let solid = self.solid;
         for side in 0..2 {
             let nodes = solid.nodes_of(couple.elements[side]);
@@ -283,7 +289,7 @@ where
     /// Shapes of couples that did not touch, and of those of the group.
     near: Shapes<D, N>,
     shapes: [Shapes<D, N>; GROUP],
-    given: [Given<D, N>; GROUP],
+    given: [ContactInputs<D, N>; GROUP],
     scratch: <[[f64; D]; N] as Simplex<D, N>>::Scratch,
 }
 
@@ -295,7 +301,7 @@ where
         Self {
             near: [[[Lanes::ZERO; D]; N]; 2],
             shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
-            given: std::array::from_fn(|_| Given::new(step)),
+            given: std::array::from_fn(|_| ContactInputs::new(step)),
             scratch: Default::default(),
         }
     }
@@ -357,37 +363,4 @@ where
         }));
     }
     points
-}
-
-/// A lower bound of the distance of two elements, m; `None` if no facet parts them: they overlap, or are near
-/// each other. The bound need not be sharp beyond `most`.
-pub(super) fn distance<const D: usize, const N: usize>(
-    a: &[Point<D>; N],
-    b: &[Point<D>; N],
-    most: f64,
-) -> Option<f64>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let told = larger(gap(a, b), gap_between_middles(a, b));
-    if told > most {
-        return Some(told);
-    }
-    let apart = apart(a, b);
-    if apart < 0.0 {
-        return None;
-    }
-    let told = larger(told, apart);
-    Some(if told > most { told } else { a.distance(b, told) })
-}
-
-/// Gap, m, between two elements along the line between their centroids; negative if they overlap.
-#[inline]
-fn gap_between_middles<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
-    let line: Point<D> = std::array::from_fn(|axis| {
-        b.iter().map(|corner| corner[axis]).sum::<f64>() - a.iter().map(|corner| corner[axis]).sum::<f64>()
-    });
-    let least = b.iter().map(|corner| dot(*corner, line)).fold(f64::INFINITY, f64::min);
-    let most = a.iter().map(|corner| dot(*corner, line)).fold(f64::NEG_INFINITY, f64::max);
-    (least - most) / length(line)
 }

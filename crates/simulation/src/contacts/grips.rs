@@ -2,11 +2,11 @@
 //!
 //! A couple has a lane of a batch as long as it touches. Its history stays there, and each step replaces it.
 
+use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::law::Law;
+use crate::contacts::law::ContactLaw;
 use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
-use crate::ranks::wire::wire;
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::vector::{Point, add, dot, minus, plus};
 
@@ -180,7 +180,7 @@ impl<const D: usize, const N: usize> Histories<D, N> {
 }
 
 /// Inputs of friction and damping for a batch of couples, besides their histories and shapes.
-pub(super) struct Given<const D: usize, const N: usize> {
+pub(super) struct ContactInputs<const D: usize, const N: usize> {
     pub(super) velocities: [Rows<D, N>; 2],
     /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
     pub(super) weight: Lanes,
@@ -190,7 +190,7 @@ pub(super) struct Given<const D: usize, const N: usize> {
     /// Mean masses of the nodes of the elements, kg, and the contact length, m.
     pub(super) masses: [Lanes; 2],
     pub(super) length: Lanes,
-    /// The numbers of [`Law`], and which of all laws each is.
+    /// The numbers of [`ContactLaw`], and which of all laws each is.
     penalty: Lanes,
     friction: Lanes,
     tangential: Lanes,
@@ -200,7 +200,7 @@ pub(super) struct Given<const D: usize, const N: usize> {
     step: f64,
 }
 
-impl<const D: usize, const N: usize> Given<D, N> {
+impl<const D: usize, const N: usize> ContactInputs<D, N> {
     /// Memory for a batch. `step`: time step, s.
     pub(super) const fn new(step: f64) -> Self {
         Self {
@@ -221,7 +221,7 @@ impl<const D: usize, const N: usize> Given<D, N> {
 
     /// Sets the law of a couple. Most couples have that of the one before in this lane.
     #[inline]
-    pub(super) fn set_law(&mut self, lane: usize, number: usize, laws: &[Law]) {
+    pub(super) fn set_law(&mut self, lane: usize, number: usize, laws: &[ContactLaw]) {
         if self.laws[lane] != number {
             let law = &laws[number];
             self.penalty.set(lane, law.penalty);
@@ -234,7 +234,7 @@ impl<const D: usize, const N: usize> Given<D, N> {
 }
 
 /// Forces of a batch: `scale` times those of the potential for a penalty of 1, and `along` at the points with these barycentric coordinates.
-struct Forces<const D: usize, const N: usize> {
+struct BatchForces<const D: usize, const N: usize> {
     scale: Lanes,
     along: [Lanes; D],
     shares: [[Lanes; N]; 2],
@@ -244,18 +244,19 @@ struct Forces<const D: usize, const N: usize> {
 #[inline(always)]
 fn grip_all<const D: usize, const N: usize>(
     shapes: &Shapes<D, N>,
-    given: &Given<D, N>,
+    given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4],
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut forces = Forces { scale: Lanes::ZERO, along: [Lanes::ZERO; D], shares: [[Lanes::ZERO; N]; 2] };
+    let mut forces =
+        BatchForces { scale: Lanes::ZERO, along: [Lanes::ZERO; D], shares: [[Lanes::ZERO; N]; 2] };
     for lane in 0..LANES {
         grip_one(lane, shapes, given, found, grips, works, &mut forces);
     }
-    let Forces { scale, along, shares } = &forces;
+    let BatchForces { scale, along, shares } = &forces;
     for corner in 0..N {
         for axis in 0..D {
             for lane in 0..LANES {
@@ -274,7 +275,7 @@ fn grip_all<const D: usize, const N: usize>(
 
 compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: usize>(
     shapes: &Shapes<D, N>,
-    given: &Given<D, N>,
+    given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4]
@@ -289,11 +290,11 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
 fn grip_one<const D: usize, const N: usize>(
     lane: usize,
     shapes: &Shapes<D, N>,
-    given: &Given<D, N>,
+    given: &ContactInputs<D, N>,
     found: &Interactions<D, N>,
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4],
-    forces: &mut Forces<D, N>,
+    forces: &mut BatchForces<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {

@@ -6,7 +6,7 @@ use crate::vector::Point;
 
 /// Contact parameters of two materials.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Law {
+pub(super) struct ContactLaw {
     /// Penalty times thickness: N/m in two dimensions, Pa in three.
     pub(super) penalty: f64,
     pub(super) friction: f64,
@@ -17,7 +17,7 @@ pub(super) struct Law {
 }
 
 /// Parameters of contacts between two materials.
-pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> Law {
+pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> ContactLaw {
     let interface = model.interface(a, b);
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
     let penalty = interface
@@ -25,7 +25,7 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
         .unwrap_or(model.contact.penalty * one.youngs_modulus.min(two.youngs_modulus))
         * model.thickness;
     let friction = interface.map_or(one.friction.min(two.friction), |interface| interface.friction);
-    Law {
+    ContactLaw {
         penalty,
         friction,
         tangential: model.contact.tangential_stiffness * penalty,
@@ -34,13 +34,13 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
 }
 
 /// Parameters of contacts between all pairs of materials; after them the same for each joint set, with its residual friction.
-pub(super) fn laws<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<Law> {
+pub(super) fn laws<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<ContactLaw> {
     let count = model.materials.len();
     let pairs = || (0..count * count).map(|k| law(model, (k / count) as u32, (k % count) as u32));
     let of_sets = model
         .joint_sets
         .iter()
-        .flat_map(|set| pairs().map(|law| Law { friction: set.residual_friction, ..law }));
+        .flat_map(|set| pairs().map(|law| ContactLaw { friction: set.residual_friction, ..law }));
     pairs().chain(of_sets).collect()
 }
 

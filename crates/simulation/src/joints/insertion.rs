@@ -15,14 +15,13 @@
 //! At the end of an edge crack one more facet parts the two sides of a vertex. In space the front of a crack is a line: at a vertex on it several faces must part at once, and each of them
 //! alone is held by the others. There the facet whose strength is used most gives a plane, and all facets between the elements on its two sides are one cut, with one traction.
 
-use crate::cohesive::{Memory, Plane, use_of};
-use crate::joints::near::{Near, SUSPECT, nears};
+use crate::cohesive::{JointPlane, Memory, use_of};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
+use crate::joints::stress_level::{SUSPECT, StressLevel, nears};
 use crate::joints::whole::Link;
-use crate::joints::{Joints, Tip, measure_of};
+use crate::joints::{Joints, Tip, VertexSplit, measure_of};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model};
-use crate::ranks::Split;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -32,7 +31,7 @@ use crate::vector::{Point, dot, minus, unit};
 
 /// The data of a run that insertion reads.
 #[derive(Clone, Copy)]
-struct State<'a, const D: usize, const N: usize> {
+struct InsertionData<'a, const D: usize, const N: usize> {
     solid: &'a Solid<D, N>,
     model: &'a Model<D, N>,
     topology: &'a Topology<D, N>,
@@ -53,7 +52,7 @@ impl<const D: usize> Joints<D> {
         if self.weakest.is_empty() {
             return Vec::new();
         }
-        let state = State { solid, model, topology };
+        let state = InsertionData { solid, model, topology };
         let mut near = std::mem::take(&mut self.near);
         let suspects = team.change(&mut near, |first, chunk| {
             let mut failing = Vec::new();
@@ -62,11 +61,11 @@ impl<const D: usize> Joints<D> {
                 nears::<D, N>(solid.available, &self.slopes, deformed, weakest, near);
                 for (lane, near) in near.iter_mut().enumerate() {
                     // The circle itself costs more than its bound.
-                    if *near == Near::Failing {
+                    if *near == StressLevel::Failing {
                         *near =
                             self.slopes.near(weakest[lane], <[[f64; D]; N]>::circle(&deformed.stress(lane)));
                     }
-                    if *near == Near::Failing {
+                    if *near == StressLevel::Failing {
                         failing.push((batch * LANES + lane) as u32);
                     }
                 }
@@ -102,7 +101,7 @@ impl<const D: usize> Joints<D> {
         solid: &mut Solid<D, N>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) -> Vec<Split<D>>
+    ) -> Vec<VertexSplit<D>>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -160,20 +159,20 @@ impl<const D: usize> Joints<D> {
     }
 
     /// The plane for which a joint on a facet would stand. The facets of an interface lie in the plane that is weak.
-    fn plane<const N: usize>(&self, facet: u32, solid: &Solid<D, N>, topology: &Topology<D, N>) -> Plane
+    fn plane<const N: usize>(&self, facet: u32, solid: &Solid<D, N>, topology: &Topology<D, N>) -> JointPlane
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let sides = &topology.facets[facet as usize];
         let of_interface = self.of_interface.get(self.class[facet as usize] as usize) == Some(&true);
         let strength = self.strength(facet).filter(|_| !of_interface);
-        strength.map_or(Plane::OWN, |strength| {
+        strength.map_or(JointPlane::OWN, |strength| {
             plane_near::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength)
         })
     }
 
     /// Use of the strength of a facet by the mean stress of its two elements; 0 if the facet has a joint or cannot break.
-    fn used<const N: usize>(&self, facet: u32, state: State<'_, D, N>) -> f64
+    fn used<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> f64
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -184,14 +183,18 @@ impl<const D: usize> Joints<D> {
     }
 
     /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet between two such elements belongs to the first.
-    fn failing_beside<const N: usize>(&self, element: u32, state: State<'_, D, N>, failing: &mut Vec<u32>)
-    where
+    fn failing_beside<const N: usize>(
+        &self,
+        element: u32,
+        state: InsertionData<'_, D, N>,
+        failing: &mut Vec<u32>,
+    ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let State { solid, topology, .. } = state;
+        let InsertionData { solid, topology, .. } = state;
         for facet in topology.facet_of[element as usize].into_iter().filter(|&facet| facet != NONE) {
             let [first, _] = topology.facets[facet as usize].elements();
-            if first != element && self.near[first as usize] == Near::Failing {
+            if first != element && self.near[first as usize] == StressLevel::Failing {
                 continue;
             }
             if breaks(self.used(facet, state), || self.plane(facet, solid, topology)) {
@@ -202,11 +205,11 @@ impl<const D: usize> Joints<D> {
 
     /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
     /// reaches the strength.
-    fn failing_at<const N: usize>(&self, tip: &Tip, state: State<'_, D, N>, failing: &mut Vec<u32>)
+    fn failing_at<const N: usize>(&self, tip: &Tip, state: InsertionData<'_, D, N>, failing: &mut Vec<u32>)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let State { solid, topology, .. } = state;
+        let InsertionData { solid, topology, .. } = state;
         let &Tip { vertex, ref alone, ref together } = tip;
         // The force that moves a held node is unknown here. There the mean traction of the elements decides.
         if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
@@ -214,7 +217,7 @@ impl<const D: usize> Joints<D> {
         }
         let used = |facet: u32| {
             let beside = topology.facets[facet as usize].elements();
-            let far = beside.iter().all(|&element| self.near[element as usize] == Near::Far);
+            let far = beside.iter().all(|&element| self.near[element as usize] == StressLevel::Far);
             if far { 0.0 } else { self.used(facet, state) }
         };
         for &facet in alone.iter().filter(|&&facet| used(facet) >= SUSPECT) {
@@ -228,11 +231,16 @@ impl<const D: usize> Joints<D> {
     }
 
     /// The facets that separate the elements at a vertex on the two sides of the plane of a facet, that facet first; `None` if one of them cannot get a joint.
-    fn cut_along<const N: usize>(&self, facet: u32, vertex: u32, state: State<'_, D, N>) -> Option<Vec<u32>>
+    fn cut_along<const N: usize>(
+        &self,
+        facet: u32,
+        vertex: u32,
+        state: InsertionData<'_, D, N>,
+    ) -> Option<Vec<u32>>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let State { solid, topology, .. } = state;
+        let InsertionData { solid, topology, .. } = state;
         let whole = |facet: u32| self.of_facet[facet as usize] == NONE;
         let mut groups = Vec::new();
         topology.groups(vertex, whole, &mut groups);
@@ -263,12 +271,12 @@ impl<const D: usize> Joints<D> {
         &self,
         cut: &[u32],
         vertex: u32,
-        state: State<'_, D, N>,
+        state: InsertionData<'_, D, N>,
         failing: &mut Vec<u32>,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let State { solid, topology, .. } = state;
+        let InsertionData { solid, topology, .. } = state;
         let Some(&facet) = cut.first() else { return };
         let mut groups = Vec::new();
         let holds = |other| !cut.contains(&other) && self.of_facet[other as usize] == NONE;
@@ -302,7 +310,7 @@ impl<const D: usize> Joints<D> {
         // Tractions of the ends that open now, computed before the nodes are split.
         let mut begin: Vec<(u32, [f64; D])> = Vec::new();
         if pulled && solid.hold_at(corners[0]) == NONE {
-            let state = State { solid, model, topology };
+            let state = InsertionData { solid, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
             let owned = |(_, corner): &(u32, u32)| solid.share.corner(*corner);
             for (facet, corner) in topology.facets_around(vertex).filter(owned) {
@@ -376,7 +384,7 @@ impl<const D: usize> Joints<D> {
 }
 
 /// The part of an undeformed facet that belongs to each of its vertices, m or m².
-fn part_of<const D: usize, const N: usize>(facet: u32, state: State<'_, D, N>) -> f64
+fn part_of<const D: usize, const N: usize>(facet: u32, state: InsertionData<'_, D, N>) -> f64
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -388,7 +396,7 @@ struct Fan<'a, const D: usize, const N: usize> {
     vertex: u32,
     groups: &'a [u32],
     joints: &'a Joints<D>,
-    state: State<'a, D, N>,
+    state: InsertionData<'a, D, N>,
 }
 
 impl<const D: usize, const N: usize> Fan<'_, D, N>
@@ -434,7 +442,7 @@ where
     /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the parts of the closed joints between the two groups at the vertex, and on
     /// `more`, m or m², besides.
     fn held_by(&self, sides: [u32; 2], more: f64) -> Point<D> {
-        let State { solid, model, topology } = self.state;
+        let InsertionData { solid, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };

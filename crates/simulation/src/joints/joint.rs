@@ -1,9 +1,9 @@
 //! One joint: its state, and the forces that it has while it holds, softens, and is handed over to contact.
 
+use fdem_distributed::wire::Wire;
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{Law, Memory, Plane};
-use crate::ranks::wire::Wire;
+use crate::cohesive::{JointLaw, JointPlane, Memory};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
 use crate::topology::Facet;
@@ -22,7 +22,7 @@ const APART: f64 = 0.5;
 
 /// State of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum State {
+pub(crate) enum JointState {
     /// Elastic or softening.
     Holding,
     /// Transmits pressure and friction only.
@@ -40,11 +40,11 @@ pub(crate) enum State {
 pub(crate) struct Joint<const D: usize = 2> {
     /// Number of its facet; in a saved run the code of the facet.
     pub(crate) facet: u32,
-    pub(crate) state: State,
+    pub(crate) state: JointState,
     /// The plane for which it stands.
-    pub(crate) plane: Plane,
+    pub(crate) plane: JointPlane,
     #[serde(skip, default = "no_law")]
-    pub(crate) law: Law,
+    pub(crate) law: JointLaw,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     #[serde(skip)]
     pub(crate) measure: f64,
@@ -81,8 +81,8 @@ impl<const D: usize> Wire for Joint<D> {
 
     fn take(bytes: &mut &[u8]) -> Self {
         let facet = u32::take(bytes);
-        let state = [State::Holding, State::Broken, State::Removed][u8::take(bytes) as usize];
-        let (plane, ends) = (Plane::take(bytes), Wire::take(bytes));
+        let state = [JointState::Holding, JointState::Broken, JointState::Removed][u8::take(bytes) as usize];
+        let (plane, ends) = (JointPlane::take(bytes), Wire::take(bytes));
         let ([open, detached], [faded, fading]) = (Wire::take(bytes), Wire::take(bytes));
         let nodes = no_nodes();
         Self {
@@ -103,8 +103,8 @@ impl<const D: usize> Wire for Joint<D> {
     }
 }
 
-fn no_law() -> Law {
-    Law {
+fn no_law() -> JointLaw {
+    JointLaw {
         penalty: 0.0,
         tensile: 0.0,
         cohesion: 0.0,
@@ -123,10 +123,10 @@ fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
 
 impl<const D: usize> Joint<D> {
     /// A joint that nothing has loaded yet. Its nodes are found by [`find_nodes`](Self::find_nodes).
-    pub(super) fn new(facet: u32, law: Law, plane: Plane, [measure, length]: [f64; 2]) -> Self {
+    pub(super) fn new(facet: u32, law: JointLaw, plane: JointPlane, [measure, length]: [f64; 2]) -> Self {
         Self {
             facet,
-            state: State::Holding,
+            state: JointState::Holding,
             plane,
             law: law.on(plane),
             measure,
@@ -160,12 +160,12 @@ impl<const D: usize> Joint<D> {
 
     /// Whether it is elastic or softening.
     pub(crate) fn holds(&self) -> bool {
-        self.state == State::Holding
+        self.state == JointState::Holding
     }
 
     /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
     pub(crate) fn damage(&self) -> f64 {
-        if self.state == State::Holding {
+        if self.state == JointState::Holding {
             self.ends.iter().map(Memory::damage).sum::<f64>() / D as f64
         } else {
             1.0
@@ -188,7 +188,7 @@ impl<const D: usize> Joint<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = Frame::new::<N>(self, nodes);
+        let frame = JointAxes::new::<N>(self, nodes);
         let mut mean = [0.0; D];
         for [a, b] in frame.ends {
             add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
@@ -207,7 +207,7 @@ impl<const D: usize> Joint<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = Frame::new::<N>(self, &solid.nodes);
+        let frame = JointAxes::new::<N>(self, &solid.nodes);
         let share = self.share(solid.thickness);
         let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
         let mut pressed = false;
@@ -244,14 +244,14 @@ impl<const D: usize> Joint<D> {
         let before = self.faded;
         let mut modes = None;
         match self.state {
-            State::Holding if is_detached || broken => {
-                self.state = State::Broken;
+            JointState::Holding if is_detached || broken => {
+                self.state = JointState::Broken;
                 modes = Some(self.modes());
                 if is_detached {
                     work -= self.leave(forces, &frame, step);
                 }
             }
-            State::Broken => {
+            JointState::Broken => {
                 let share = (length(slid) / self.length - FADE[0]) / (FADE[1] - FADE[0]);
                 self.faded = self.faded.max(share.clamp(0.0, 1.0));
                 // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once. One that was inserted under pressure still presses when its gap is
@@ -260,7 +260,7 @@ impl<const D: usize> Joint<D> {
                     work -= self.leave(forces, &frame, step);
                 }
             }
-            State::Holding | State::Removed => {}
+            JointState::Holding | JointState::Removed => {}
         }
         let fading = self.faded - before;
         // Joints seldom fade: what does not change is not written, so that whole joints are only read.
@@ -271,9 +271,9 @@ impl<const D: usize> Joint<D> {
     }
 
     /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here.
-    fn leave(&mut self, forces: &mut [Point<D>; D], frame: &Frame<'_, D>, step: f64) -> f64 {
+    fn leave(&mut self, forces: &mut [Point<D>; D], frame: &JointAxes<'_, D>, step: f64) -> f64 {
         self.faded = 1.0;
-        self.state = State::Removed;
+        self.state = JointState::Removed;
         let dropped = std::mem::replace(forces, [[0.0; D]; D]);
         let work = |(force, [a, b]): (&Point<D>, [&Node<D>; 2])| dot(*force, minus(b.velocity, a.velocity));
         0.5 * step * dropped.iter().zip(frame.ends).map(work).sum::<f64>()
@@ -281,13 +281,13 @@ impl<const D: usize> Joint<D> {
 }
 
 /// Position and direction of a joint.
-pub(super) struct Frame<'a, const D: usize> {
+pub(super) struct JointAxes<'a, const D: usize> {
     pub(super) ends: [[&'a Node<D>; 2]; D],
     /// Unit vectors: the outward normal of side 0, and directions along the joint.
     pub(super) axes: Matrix<D>,
 }
 
-impl<'a, const D: usize> Frame<'a, D> {
+impl<'a, const D: usize> JointAxes<'a, D> {
     #[inline]
     pub(super) fn new<const N: usize>(joint: &Joint<D>, nodes: &'a [Node<D>]) -> Self
     where
@@ -406,7 +406,7 @@ mod tests {
         assert!(modes.is_some());
         assert_eq!(
             (joint.state, joint.faded, joint.fading, forces),
-            (State::Removed, 1.0, 1.0, [[0.0; 2]; 2])
+            (JointState::Removed, 1.0, 1.0, [[0.0; 2]; 2])
         );
     }
 }

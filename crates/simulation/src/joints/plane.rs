@@ -7,7 +7,7 @@
 //! represents that plane: it begins with the acting traction, which is then its strength, and its fracture
 //! energy is that of its projection on the plane.
 
-use crate::cohesive::{Plane, use_of};
+use crate::cohesive::{JointPlane, use_of};
 use crate::model::Strength;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -27,7 +27,7 @@ pub(crate) fn plane_near<const D: usize, const N: usize>(
     facet: &[Point<D>; D],
     stress: &Matrix<D>,
     strength: &Strength,
-) -> Plane
+) -> JointPlane
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -42,12 +42,12 @@ where
     let (used, area) = best;
     let excess = if used < MOST * own { used / own } else { MOST };
     // No strength, or no stress.
-    if used > own && used.is_finite() { Plane { excess, area } } else { Plane::OWN }
+    if used > own && used.is_finite() { JointPlane { excess, area } } else { JointPlane::OWN }
 }
 
 /// Whether a use of the strength of an edge breaks it or a plane near it. `plane`: that plane; it is found
 /// only if it can decide.
-pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> Plane) -> bool {
+pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> JointPlane) -> bool {
     used >= 1.0 || (MOST * used >= 1.0 && used * plane().excess >= 1.0)
 }
 
@@ -86,7 +86,7 @@ mod tests {
         [[0.0; 2], [2.0 * cos, 2.0 * sin]]
     }
 
-    fn plane_near(edge: [Point; 2], stress: Matrix, strength: &Strength) -> Plane {
+    fn plane_near(edge: [Point; 2], stress: Matrix, strength: &Strength) -> JointPlane {
         super::plane_near::<2, 3>(&edge, &stress, strength)
     }
 
@@ -126,8 +126,8 @@ mod tests {
 
     #[test]
     fn without_stress_or_strength_a_joint_stands_for_itself() {
-        assert_eq!(plane_near(edge(20.0), [[0.0; 2]; 2], &ROCK), Plane::OWN);
+        assert_eq!(plane_near(edge(20.0), [[0.0; 2]; 2], &ROCK), JointPlane::OWN);
         let open = Strength { tensile: 0.0, cohesion: 0.0, ..ROCK };
-        assert_eq!(plane_near(edge(20.0), [[1e6, 3e5], [3e5, -1e6]], &open), Plane::OWN);
+        assert_eq!(plane_near(edge(20.0), [[1e6, 3e5], [3e5, -1e6]], &open), JointPlane::OWN);
     }
 }

@@ -1,6 +1,6 @@
 //! Joints that are there from the beginning: those of joint sets, and all joints if they are intrinsic.
 
-use crate::cohesive::Plane;
+use crate::cohesive::JointPlane;
 use crate::error::ModelError;
 use crate::joints::Joints;
 use crate::model::Model;
@@ -64,7 +64,7 @@ impl<const D: usize> Joints<D> {
         self.forces.reserve_exact(facets.len());
         for &facet in &facets {
             if let Some(law) = self.law(facet, model, topology)? {
-                self.put(facet, law, Plane::OWN, topology, model, &Share::default());
+                self.put(facet, law, JointPlane::OWN, topology, model, &Share::default());
             }
         }
         Ok(facets)

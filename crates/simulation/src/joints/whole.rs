@@ -6,8 +6,8 @@
 
 use fdem_contact::prefetch;
 
-use crate::cohesive::Law;
-use crate::joints::{Joint, State};
+use crate::cohesive::JointLaw;
+use crate::joints::joint::{Joint, JointState};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
@@ -22,7 +22,7 @@ const AHEAD: usize = 6;
 
 /// How a step treats a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum JointCase {
     /// It is whole, and has no traction where its sides lie on each other.
     AtRest,
     /// It is whole.
@@ -45,7 +45,7 @@ pub(super) struct Link<const D: usize> {
     share: f64,
     open: [bool; D],
     counted: bool,
-    kind: Kind,
+    kind: JointCase,
 }
 
 impl<const D: usize> Link<D> {
@@ -53,20 +53,20 @@ impl<const D: usize> Link<D> {
     pub(super) fn of(joint: &Joint<D>, thickness: f64) -> Self {
         // A batch has one stiffness for all directions of a joint.
         let whole = joint.law.shear == 1.0
-            && joint.state == State::Holding
+            && joint.state == JointState::Holding
             && joint.fading == 0.0
             && joint.detached == [false; D]
             && joint.ends.iter().all(|end| end.is_whole(&joint.law));
-        let kind = if joint.state == State::Removed && joint.fading == 0.0 {
-            Kind::Gone
+        let kind = if joint.state == JointState::Removed && joint.fading == 0.0 {
+            JointCase::Gone
         } else if !whole {
-            Kind::Any
+            JointCase::Any
         } else if joint.ends.iter().all(|end| end.origin() == [0.0; D]) {
-            Kind::AtRest
+            JointCase::AtRest
         } else {
-            Kind::Whole
+            JointCase::Whole
         };
-        let Law { penalty, tensile, cohesion, friction, .. } = joint.law;
+        let JointLaw { penalty, tensile, cohesion, friction, .. } = joint.law;
         let share = joint.share(thickness);
         Self {
             nodes: joint.nodes,
@@ -83,19 +83,19 @@ impl<const D: usize> Link<D> {
 
     #[inline]
     fn is_whole(&self) -> bool {
-        matches!(self.kind, Kind::AtRest | Kind::Whole)
+        matches!(self.kind, JointCase::AtRest | JointCase::Whole)
     }
 
     /// Whether the joint has been removed, and nothing changes any more.
     #[inline]
     pub(super) fn is_gone(&self) -> bool {
-        self.kind == Kind::Gone
+        self.kind == JointCase::Gone
     }
 }
 
 /// The data that the forces of a batch depend on. The first index of tensors is the end of a joint.
 #[derive(Clone, Debug)]
-pub(super) struct Batch<const D: usize> {
+pub(super) struct JointBatch<const D: usize> {
     /// Sums of the positions of both sides, m.
     sums: Tensors<D>,
     /// Differences of the positions and velocities of side 1 from those of side 0, m and m/s.
@@ -126,7 +126,7 @@ pub(super) struct Batch<const D: usize> {
     holds: Lanes,
 }
 
-impl<const D: usize> Batch<D> {
+impl<const D: usize> JointBatch<D> {
     pub(super) const EMPTY: Self = Self {
         sums: [[Lanes::ZERO; D]; D],
         apart: [[Lanes::ZERO; D]; D],
@@ -175,7 +175,7 @@ impl<const D: usize> Batch<D> {
                 self.counted.set(lane, if link.counted { 1.0 } else { 0.0 });
                 self.take(lane, link, forces, &solid.nodes);
                 for end in 0..D {
-                    let at_rest = link.kind == Kind::AtRest;
+                    let at_rest = link.kind == JointCase::AtRest;
                     let origin = if at_rest { [0.0; D] } else { joint.ends[end].origin() };
                     for axis in 0..D {
                         self.origins[end][axis].set(lane, origin[axis]);
@@ -219,7 +219,7 @@ impl<const D: usize> Batch<D> {
 
 /// Computes the axes of a joint of a batch.
 #[inline(always)]
-fn turn_one<const D: usize, const N: usize>(lane: usize, batch: &mut Batch<D>)
+fn turn_one<const D: usize, const N: usize>(lane: usize, batch: &mut JointBatch<D>)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -230,11 +230,11 @@ where
 
 /// Computes an end of a joint of a batch.
 #[inline(always)]
-fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step: f64) {
+fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut JointBatch<D>, step: f64) {
     let axes = tensor(&batch.axes, lane);
     let (apart, rate) = (row(&batch.apart[end], lane), row(&batch.rates[end], lane));
     let (origin, before) = (row(&batch.origins[end], lane), row(&batch.forces[end], lane));
-    let law = Law {
+    let law = JointLaw {
         penalty: batch.penalty.get(lane),
         tensile: batch.tensile.get(lane),
         cohesion: batch.cohesion.get(lane),
@@ -266,7 +266,7 @@ fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step:
 
 /// Computes a batch.
 #[inline(always)]
-fn pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64, grains: Grains)
+fn pull_all<const D: usize, const N: usize>(batch: &mut JointBatch<D>, step: f64, grains: Grains)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -287,4 +287,4 @@ where
     }
 }
 
-compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64, grains: Grains) where [[f64; D]; N]: Simplex<D, N>);
+compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize>(batch: &mut JointBatch<D>, step: f64, grains: Grains) where [[f64; D]; N]: Simplex<D, N>);

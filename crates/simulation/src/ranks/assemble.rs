@@ -4,17 +4,20 @@ use std::collections::BTreeSet;
 
 use fdem_mesh::Mesh;
 
-use crate::contacts::{Contacts, Saved as SavedContacts};
+use crate::contacts::{Contacts, SavedContacts};
 use crate::error::ModelError;
 use crate::ground::is_ground;
-use crate::joints::{Joints, Moving, Saved};
+use crate::joints::{Joints, MovingJoint, SavedJoints};
 use crate::loads::{Loads, Wide};
 use crate::model::{Model, Target};
-use crate::ranks::piece::{Carried, Corner, Frame, Part, Piece, Pieces, Side, acts_on_nodes};
+use crate::ranks::part::RankPart;
+use crate::ranks::piece::{
+    BoundarySide, CarriedState, CommonData, CornerState, ElementPiece, RunPieces, acts_on_nodes,
+};
 use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::simulation::{Parts, Simulation};
+use crate::simulation::run::{Components, Simulation};
 use crate::solid::{Node, Solid};
 use crate::sum::Grains;
 use crate::team::Team;
@@ -27,9 +30,9 @@ where
 {
     /// The part of a run that a rank makes of these pieces.
     pub(super) fn of_pieces(
-        frame: &Frame<D, N>,
-        mut pieces: Pieces<D, N>,
-        carried: Carried<D>,
+        frame: &CommonData<D, N>,
+        mut pieces: RunPieces<D, N>,
+        carried: CarriedState<D>,
         rank: u32,
         team: Team,
     ) -> Result<Self, ModelError> {
@@ -39,7 +42,7 @@ where
         pieces.joints.sort_unstable_by_key(|moving| moving.joint.facet);
         pieces.joints.dedup_by_key(|moving| moving.joint.facet);
         let all = &pieces.elements;
-        let known = Known::of(all);
+        let known = KnownVertices::of(all);
         let (model, places) = known.model(frame, all);
         let part = PartOf {
             numbers: all.iter().map(|piece| piece.number).collect(),
@@ -79,9 +82,9 @@ where
             &all.iter().map(|piece| piece.viscous).collect::<Vec<_>>(),
             &all.iter().map(|piece| piece.dissipated).collect::<Vec<_>>(),
         );
-        let is_here = |moving: &Moving<D>| topology.facet_with(moving.joint.facet).is_some();
+        let is_here = |moving: &MovingJoint<D>| topology.facet_with(moving.joint.facet).is_some();
         let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.iter().partition(|moving| is_here(moving));
-        joints.restore(Saved::of(here), &model, &topology, &solid)?;
+        joints.restore(SavedJoints::of(here), &model, &topology, &solid)?;
         let counted = |code: u32| {
             topology.element(code / N as u32).is_some_and(|element| {
                 let corner = <[[f64; D]; N]>::FACETS[code as usize % N][0] as u32;
@@ -103,7 +106,7 @@ where
                 .is_some_and(|element| solid.share.element(element));
             !seams.set_point(point.sides, point.place, point.hold, &topology) && counts
         });
-        let part = Part {
+        let part = RankPart {
             owners,
             first: known.at().map(|corner| corner.first).collect(),
             vertices: known.vertices.clone(),
@@ -111,9 +114,8 @@ where
             places,
             loose_joints,
             loose_seams,
-            hidden: vec![false; all.len()],
         };
-        let parts = Parts { topology, solid, joints, contacts, seams, loads };
+        let parts = Components { topology, solid, joints, contacts, seams, loads };
         let mut run = Self::with_parts(model, parts, team, frame.scales);
         run.part = Some(part);
         run.step = carried.step;
@@ -131,18 +133,20 @@ where
 }
 
 /// The corners of all elements.
-fn corners<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> impl Iterator<Item = &Corner<D>> {
+fn corners<const D: usize, const N: usize>(
+    all: &[ElementPiece<D, N>],
+) -> impl Iterator<Item = &CornerState<D>> {
     all.iter().flat_map(|piece| &piece.corners)
 }
 
 /// The vertices of some elements, ascending, each with one of its corners.
-struct Known<'a, const D: usize> {
+struct KnownVertices<'a, const D: usize> {
     vertices: Vec<u32>,
-    corner: Vec<Option<&'a Corner<D>>>,
+    corner: Vec<Option<&'a CornerState<D>>>,
 }
 
-impl<'a, const D: usize> Known<'a, D> {
-    fn of<const N: usize>(all: &'a [Piece<D, N>]) -> Self {
+impl<'a, const D: usize> KnownVertices<'a, D> {
+    fn of<const N: usize>(all: &'a [ElementPiece<D, N>]) -> Self {
         let vertices: Vec<u32> =
             corners(all).map(|corner| corner.vertex).collect::<BTreeSet<u32>>().into_iter().collect();
         let mut known = Self { corner: vec![None; vertices.len()], vertices };
@@ -159,15 +163,15 @@ impl<'a, const D: usize> Known<'a, D> {
     }
 
     /// A corner of each vertex.
-    fn at(&self) -> impl Iterator<Item = &'a Corner<D>> {
+    fn at(&self) -> impl Iterator<Item = &'a CornerState<D>> {
         self.corner.iter().flatten().copied()
     }
 
     /// The model of these elements, and for each boundary the places of its facets among all of its facets.
     fn model<const N: usize>(
         &self,
-        frame: &Frame<D, N>,
-        all: &[Piece<D, N>],
+        frame: &CommonData<D, N>,
+        all: &[ElementPiece<D, N>],
     ) -> (Model<D, N>, Vec<Vec<u32>>) {
         let mesh = Mesh {
             nodes: self.at().map(|corner| corner.place).collect(),
@@ -186,13 +190,13 @@ impl<'a, const D: usize> Known<'a, D> {
         let mut places = vec![Vec::new(); model.boundaries.len()];
         for (number, boundary) in (0..).zip(&mut model.boundaries) {
             if acts_on_nodes(&boundary.load) {
-                let acts = |(_, corner): &(u32, &Corner<D>)| corner.boundaries.contains(&number);
+                let acts = |(_, corner): &(u32, &CornerState<D>)| corner.boundaries.contains(&number);
                 let vertices = (0..).zip(self.at()).filter(acts).map(|(vertex, _)| vertex);
                 boundary.target = Target::Nodes(vertices.collect());
             } else {
                 let own = || sides.iter().filter(|side| side.boundary == number);
                 places[number as usize] = own().map(|side| side.place).collect();
-                let vertices = |side: &&Side<D>| side.vertices.map(|vertex| self.vertex(vertex));
+                let vertices = |side: &&BoundarySide<D>| side.vertices.map(|vertex| self.vertex(vertex));
                 let facets = own().map(vertices).collect();
                 boundary.target = match boundary.target {
                     Target::Held(..) => Target::Held(facets, own().map(|side| side.held).collect()),
@@ -205,18 +209,18 @@ impl<'a, const D: usize> Known<'a, D> {
 }
 
 /// The facets on which boundaries act, by boundary and in the order of its facets.
-fn sides<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> Vec<&Side<D>> {
-    let mut sides: Vec<&Side<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
+fn sides<const D: usize, const N: usize>(all: &[ElementPiece<D, N>]) -> Vec<&BoundarySide<D>> {
+    let mut sides: Vec<&BoundarySide<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
     sides.sort_unstable_by_key(|side| (side.boundary, side.place));
     sides
 }
 
 /// Static forces of the ground, in the same order.
 fn held_by_ground<const D: usize, const N: usize>(
-    all: &[Piece<D, N>],
+    all: &[ElementPiece<D, N>],
     model: &Model<D, N>,
 ) -> Vec<[Point<D>; D]> {
-    let of_ground = |side: &&Side<D>| is_ground(&model.boundaries[side.boundary as usize].load);
+    let of_ground = |side: &&BoundarySide<D>| is_ground(&model.boundaries[side.boundary as usize].load);
     sides(all).into_iter().filter(of_ground).map(|side| side.held).collect()
 }
 
@@ -224,17 +228,17 @@ fn held_by_ground<const D: usize, const N: usize>(
 struct NodesOf<'a, const D: usize, const N: usize> {
     codes: Vec<u32>,
     /// A corner of each.
-    first: Vec<&'a Corner<D>>,
+    first: Vec<&'a CornerState<D>>,
     of_corner: Vec<[u32; N]>,
 }
 
 impl<'a, const D: usize, const N: usize> NodesOf<'a, D, N> {
-    fn of(all: &'a [Piece<D, N>]) -> Self {
-        let mut first: Vec<&Corner<D>> = corners(all).collect();
+    fn of(all: &'a [ElementPiece<D, N>]) -> Self {
+        let mut first: Vec<&CornerState<D>> = corners(all).collect();
         first.sort_by_key(|corner| corner.node);
         first.dedup_by_key(|corner| corner.node);
         let codes: Vec<u32> = first.iter().map(|corner| corner.node).collect();
-        let node = |corner: &Corner<D>| codes.binary_search(&corner.node).unwrap_or_default() as u32;
+        let node = |corner: &CornerState<D>| codes.binary_search(&corner.node).unwrap_or_default() as u32;
         let of_corner = all.iter().map(|piece| piece.corners.each_ref().map(node)).collect();
         Self { codes, first, of_corner }
     }
@@ -242,7 +246,7 @@ impl<'a, const D: usize, const N: usize> NodesOf<'a, D, N> {
 
 /// The couples that touch, and the elements that have separated, as far as their elements are here.
 fn couples_of<const D: usize, const N: usize>(
-    pieces: &Pieces<D, N>,
+    pieces: &RunPieces<D, N>,
     topology: &Topology<D, N>,
 ) -> SavedContacts<D, N>
 where

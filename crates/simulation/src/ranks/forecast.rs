@@ -7,13 +7,13 @@ use fdem_distributed::curve::{owner, splitters_of_all};
 use serde::Serialize;
 
 use crate::error::ModelError;
-use crate::joints::Moving;
+use crate::joints::MovingJoint;
+use crate::lists::once_each;
 use crate::model::Model;
-use crate::ranks::once_each;
-use crate::ranks::piece::{Frame, Piece};
+use crate::ranks::piece::{CommonData, ElementPiece};
 use crate::ranks::spread::{curve_within, ends, reach, units};
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
 use crate::vector::Point;
 
 /// Elements, messages and memory of a run on a number of ranks, at its beginning or at any later step.
@@ -137,7 +137,7 @@ impl Network {
 }
 
 /// The nodes that a rank sends to another: sender, receiver, node.
-type Sent = (u32, u32, u32);
+type SentNode = (u32, u32, u32);
 
 impl Forecast {
     /// Foretells a run on so many ranks from its state now. The run is not changed, except that it looks for couples again in its next step.
@@ -162,7 +162,7 @@ impl Forecast {
         let sizes = sizes(run, couples);
         let mut of_ranks: Vec<RankForecast> =
             weights.into_iter().map(|weight| RankForecast { weight, ..RankForecast::default() }).collect();
-        let mut sent: Vec<Sent> = Vec::new();
+        let mut sent: Vec<SentNode> = Vec::new();
         let mut next = near.iter().peekable();
         for element in 0..elements {
             let of_corners = &owners[N * element..N * (element + 1)];
@@ -191,8 +191,8 @@ impl Forecast {
         }
         // While rank 0 sorts out what it sends, it has the run, each element and each joint once, and a copy of the element for each rank that holds it.
         let held: usize = of_ranks.iter().map(RankForecast::held).sum();
-        let moving =
-            (elements + held) * size_of::<Piece<D, N>>() + run.joints.all.len() * size_of::<Moving<D>>();
+        let moving = (elements + held) * size_of::<ElementPiece<D, N>>()
+            + run.joints.all.len() * size_of::<MovingJoint<D>>();
         let memory_at_beginning = (elements as f64 * sizes.all()).round() as u64 + moving as u64;
         Ok(Self { elements, nodes: run.solid.nodes.len(), of_ranks, sizes, memory_at_beginning })
     }
@@ -259,7 +259,7 @@ fn near<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let reach = reach(&Frame::of(run), !run.model.stresses.is_empty());
+    let reach = reach(&CommonData::of(run), !run.model.stresses.is_empty());
     let all = 0..run.solid.elements.len() as u32;
     let watched: Vec<u32> = all.filter(|&element| run.contacts.watched[element as usize]).collect();
     let bounds = |&element: &u32| -> [Point<D>; 2] {
@@ -290,7 +290,7 @@ where
 }
 
 /// Adds what each rank sends and receives. `sent`: ascending, without repetition.
-fn add_messages<const D: usize>(of_ranks: &mut [RankForecast], sent: &[Sent]) {
+fn add_messages<const D: usize>(of_ranks: &mut [RankForecast], sent: &[SentNode]) {
     let bytes_of_node = 2 * D * size_of::<f64>();
     let mut pairs: Vec<[u32; 2]> = Vec::new();
     for message in sent.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
@@ -344,7 +344,7 @@ mod tests {
 
     use super::*;
     use crate::model::{FractureOptions, Insertion, Material, Strength};
-    use crate::ranks::Distributed;
+    use crate::ranks::distributed::Distributed;
 
     /// A square of `side`² cells of two triangles.
     fn square(side: u32, insertion: Insertion) -> Model {
@@ -394,7 +394,7 @@ mod tests {
                 let run = Distributed::new(communicator, run, 1).unwrap().run;
                 let part = run.part.as_ref().unwrap();
                 let of_part =
-                    size_of_val(&*part.owners) + part.hidden.len() + 12 * run.model.mesh.nodes.len();
+                    size_of_val(&*part.owners) + run.solid.elements.len() + 12 * run.model.mesh.nodes.len();
                 let model = &run.model.mesh;
                 let mesh = size_of_val(&*model.nodes) + 20 * model.elements.len();
                 let parts = [run.topology.bytes(), run.solid.bytes(), run.joints.bytes()];

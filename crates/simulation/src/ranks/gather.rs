@@ -2,15 +2,20 @@
 //!
 //! Rank 0 gets what they have of each element and node, and not what is needed to advance them.
 
-use crate::contacts::Saved as SavedContacts;
+use fdem_distributed::wire;
+
+use crate::contacts::SavedContacts;
 use crate::forces::{Forces, OwnForces};
-use crate::joints::{Moving, Saved};
+use crate::joints::{MovingJoint, SavedJoints};
+use crate::lists::once_each;
 use crate::model::Model;
-use crate::ranks::once_each;
-use crate::ranks::piece::{Carried, Frame, SeamPoint, Touch};
-use crate::ranks::wire::wire;
+use crate::ranks::part::SeamPoint;
+use crate::ranks::piece::{CarriedState, CommonData, Touch};
 use crate::simplex::Simplex;
-use crate::simulation::{Actions, Simulation, State, cracks};
+use crate::simulation::run::Simulation;
+use crate::simulation::saved::State;
+use crate::simulation::snapshots::cracks;
+use crate::simulation::totals::Actions;
 use crate::snapshot::Snapshot;
 use crate::solid::Node;
 use crate::topology::{NONE, corners_of_facet};
@@ -43,13 +48,13 @@ struct OwnElement<const D: usize, const N: usize> {
 wire!([const D: usize, const N: usize] OwnElement<D, N> { number, body, material, nodes, stress });
 
 /// All that a rank counts, for results and checkpoints.
-pub(super) struct Own<const D: usize, const N: usize> {
+pub(super) struct OwnResults<const D: usize, const N: usize> {
     nodes: Vec<OwnNode<D>>,
     elements: Vec<OwnElement<D, N>>,
     /// Viscous stress, and dissipated energy, of each of the elements; empty without viscosity.
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
-    joints: Vec<Moving<D>>,
+    joints: Vec<MovingJoint<D>>,
     touching: Vec<Touch<D, N>>,
     parted: Vec<[u32; 2]>,
     bared: Vec<u32>,
@@ -57,7 +62,7 @@ pub(super) struct Own<const D: usize, const N: usize> {
     forces: OwnForces<D>,
 }
 
-wire!([const D: usize, const N: usize] Own<D, N> {
+wire!([const D: usize, const N: usize] OwnResults<D, N> {
     nodes, elements, viscous, dissipated, joints, touching, parted, bared, seams, forces,
 });
 
@@ -66,7 +71,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// All that this rank counts, for results and checkpoints.
-    pub(super) fn own(&self) -> Own<D, N> {
+    pub(super) fn own(&self) -> OwnResults<D, N> {
         let Self { solid, topology, model, .. } = self;
         let share = &solid.share;
         let node = |number: usize| {
@@ -92,7 +97,7 @@ where
         let dissipated = solid.dissipated();
         let viscous = if dissipated.is_empty() { Vec::new() } else { solid.viscous() };
         let (parted, bared) = self.apart();
-        Own {
+        OwnResults {
             nodes: (0..solid.nodes.len()).filter(|&number| share.node(number)).map(node).collect(),
             elements: counted().map(element).collect(),
             viscous: counted().filter_map(|element| viscous.get(element).copied()).collect(),
@@ -102,7 +107,7 @@ where
             parted,
             bared,
             seams: self.own_seams(),
-            forces: OwnForces::of(self),
+            forces: self.own_forces(),
         }
     }
 }
@@ -110,7 +115,7 @@ where
 /// The whole of a [`Distributed`](crate::Distributed) run after a step, for results and checkpoints.
 #[derive(Clone, Debug)]
 pub struct Gathered<const D: usize = 2, const N: usize = 3> {
-    carried: Carried<D>,
+    carried: CarriedState<D>,
     time: f64,
     origin: Point<D>,
     model: Model<D, N>,
@@ -124,7 +129,7 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
     /// In the order of their facets, with the numbers of their nodes.
-    joints: Vec<Moving<D>>,
+    joints: Vec<MovingJoint<D>>,
     contacts: SavedContacts<D, N>,
     seams: Vec<SeamPoint<D>>,
     fragments: Vec<u32>,
@@ -137,9 +142,9 @@ where
 {
     /// Puts together the parts that the ranks send, one after the other.
     pub(super) fn of(
-        frame: &Frame<D, N>,
-        carried: Carried<D>,
-        all: impl Iterator<Item = Own<D, N>>,
+        frame: &CommonData<D, N>,
+        carried: CarriedState<D>,
+        all: impl Iterator<Item = OwnResults<D, N>>,
         fragments: Vec<u32>,
     ) -> Self {
         let elements = frame.elements as usize;
@@ -167,7 +172,7 @@ where
     }
 
     /// Adds the part of a rank. Its elements name nodes by their codes.
-    fn add(&mut self, own: Own<D, N>) {
+    fn add(&mut self, own: OwnResults<D, N>) {
         for element in &own.elements {
             let k = element.number as usize;
             self.elements[k] = element.nodes;
@@ -223,7 +228,7 @@ where
             <[[f64; D]; N]>::in_tensor(stress, &moduli[material as usize])
         };
         let nodes = self.moving_nodes();
-        let joints = self.joints.iter().map(Moving::seen::<N>);
+        let joints = self.joints.iter().map(MovingJoint::seen::<N>);
         let (damage, cracks) = cracks::<D, N>(joints, &nodes, self.origin, self.elements.len());
         Snapshot {
             step: self.carried.step,
@@ -253,7 +258,7 @@ where
             stresses: self.stresses.clone(),
             viscous: self.viscous.clone(),
             dissipated: self.dissipated.clone(),
-            joints: Saved::of(self.joints.clone()),
+            joints: SavedJoints::of(self.joints.clone()),
             contacts: self.contacts.clone(),
             seams: self.seams.iter().map(|point| point.hold).collect(),
             actions: Actions {

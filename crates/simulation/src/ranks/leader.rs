@@ -3,21 +3,24 @@
 use std::cell::RefCell;
 
 use fdem_distributed::Communicator;
+use fdem_distributed::wire::{bytes_of, value_of};
 
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::Forces;
 use crate::probe::Probe;
-use crate::ranks::wire::{bytes_of, value_of};
-use crate::ranks::{Distributed, Gathered, Traffic};
-use crate::simplex::Simplex;
-use crate::simulation::{Counts, Simulation, State, Timings};
+use crate::ranks::distributed::{Distributed, Traffic};
+use crate::ranks::gather::Gathered;
+use crate::simulation::advance::Concrete;
+use crate::simulation::run::{Counts, Simulation};
+use crate::simulation::saved::State;
 use crate::snapshot::Snapshot;
+use crate::timings::Timings;
 
 /// A task that the leader gives to all ranks together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
+enum LeaderOrder {
     End,
     Replace,
     Advance,
@@ -33,7 +36,7 @@ enum Order {
     SetFactor,
 }
 
-impl Order {
+impl LeaderOrder {
     const ALL: [Self; 13] = [
         Self::End,
         Self::Replace,
@@ -52,7 +55,7 @@ impl Order {
 }
 
 /// Gives an order, with a number or with numbers.
-fn give(communicator: &dyn Communicator, order: Order, numbers: &[u64]) {
+fn give(communicator: &dyn Communicator, order: LeaderOrder, numbers: &[u64]) {
     let mut bytes = bytes_of(&(order as u8, numbers.to_vec()));
     communicator.broadcast(&mut bytes);
 }
@@ -71,7 +74,7 @@ pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
 
 impl<'c, const D: usize, const N: usize> Leader<'c, D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Concrete<D, N>,
 {
     /// Leads a run. `threads`: threads of this rank; 0 for one per processor.
     ///
@@ -86,7 +89,7 @@ where
         threads: usize,
     ) -> Result<Self, ModelError> {
         assert!(communicator.rank() == 0, "rank 0 leads");
-        give(communicator, Order::Advance, &[D as u64]);
+        give(communicator, LeaderOrder::Advance, &[D as u64]);
         let run = Distributed::new(communicator, Some(run), threads)?;
         Ok(Self {
             communicator,
@@ -96,7 +99,7 @@ where
         })
     }
 
-    fn all<T>(&self, order: Order, numbers: &[u64], of: impl FnOnce(&Distributed<'c, D, N>) -> T) -> T {
+    fn all<T>(&self, order: LeaderOrder, numbers: &[u64], of: impl FnOnce(&Distributed<'c, D, N>) -> T) -> T {
         give(self.communicator, order, numbers);
         of(&self.run.borrow())
     }
@@ -107,7 +110,7 @@ where
     /// If threads cannot be started.
     pub fn replace(&mut self, run: Simulation<D, N>) -> Result<(), ModelError> {
         *self.whole.get_mut() = None;
-        give(self.communicator, Order::Replace, &[]);
+        give(self.communicator, LeaderOrder::Replace, &[]);
         let threads = self.run.get_mut().threads();
         *self.run.get_mut() = Distributed::new(self.communicator, Some(run), threads)?;
         Ok(())
@@ -119,7 +122,7 @@ where
     /// The reason why the run cannot continue.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
         *self.whole.get_mut() = None;
-        give(self.communicator, Order::Advance, &[steps]);
+        give(self.communicator, LeaderOrder::Advance, &[steps]);
         self.run.get_mut().advance(steps)
     }
 
@@ -129,7 +132,7 @@ where
     /// Those of [`Simulation::set_factor`].
     pub fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), ModelError> {
         *self.whole.get_mut() = None;
-        give(self.communicator, Order::SetFactor, &[boundary as u64, factor.to_bits()]);
+        give(self.communicator, LeaderOrder::SetFactor, &[boundary as u64, factor.to_bits()]);
         self.run.get_mut().set_factor(boundary, Some(factor))
     }
 
@@ -185,23 +188,23 @@ where
 
     /// Numbers of joints, contacts and nodes. Detections are those of the rank with most.
     pub fn counts(&self) -> Counts {
-        self.all(Order::Counts, &[], Distributed::counts)
+        self.all(LeaderOrder::Counts, &[], Distributed::counts)
     }
 
     /// The elements of the first couple in which one element reached the centroid of the other in the last step; `None` if there is no such couple.
     pub fn penetrated(&self) -> Option<[u32; 2]> {
-        self.all(Order::Penetrated, &[], Distributed::penetrated)
+        self.all(LeaderOrder::Penetrated, &[], Distributed::penetrated)
     }
 
     /// Displacements, m, and velocities, m/s, of some nodes of the mesh: see [`Simulation::node`].
     pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
         let numbers: Vec<u64> = nodes.iter().map(|&node| u64::from(node)).collect();
-        self.all(Order::Nodes, &numbers, |run| run.nodes(nodes))
+        self.all(LeaderOrder::Nodes, &numbers, |run| run.nodes(nodes))
     }
 
     /// Total lengths, m, or areas, m², of joints that broke by opening, by sliding, and by both.
     pub fn crack_lengths(&self) -> [f64; 3] {
-        self.all(Order::CrackLengths, &[], Distributed::crack_lengths)
+        self.all(LeaderOrder::CrackLengths, &[], Distributed::crack_lengths)
     }
 
     /// Measures quantities of the run now: see [`Simulation::measure`].
@@ -211,17 +214,17 @@ where
         }
         // Lists of elements may be long, and are sent once.
         if *self.probes.borrow() != probes {
-            give(self.communicator, Order::SetProbes, &[]);
+            give(self.communicator, LeaderOrder::SetProbes, &[]);
             let known = probes.to_vec();
             self.communicator.broadcast(&mut bytes_of(&known));
             *self.probes.borrow_mut() = known;
         }
-        self.all(Order::Measure, &[], |run| run.measure(probes))
+        self.all(LeaderOrder::Measure, &[], |run| run.measure(probes))
     }
 
     /// Fragment of each element: see [`Simulation::fragments`].
     pub fn fragments(&self) -> Vec<u32> {
-        self.all(Order::Fragments, &[], Distributed::fragments).unwrap_or_default()
+        self.all(LeaderOrder::Fragments, &[], Distributed::fragments).unwrap_or_default()
     }
 
     /// Positions, motion, stress and cracks now.
@@ -249,14 +252,14 @@ where
     fn look<T>(&self, at: impl FnOnce(&Gathered<D, N>) -> T) -> T {
         let mut known = self.whole.borrow_mut();
         let whole = known.get_or_insert_with(|| {
-            self.all(Order::Gather, &[], Distributed::gathered).expect("rank 0 gets the whole run")
+            self.all(LeaderOrder::Gather, &[], Distributed::gathered).expect("rank 0 gets the whole run")
         });
         at(whole)
     }
 
     /// The elements and the traffic of each rank.
     pub fn traffic(&self) -> Vec<Traffic> {
-        self.all(Order::Traffic, &[], Distributed::traffic_of_all)
+        self.all(LeaderOrder::Traffic, &[], Distributed::traffic_of_all)
     }
 }
 
@@ -264,14 +267,14 @@ impl<const D: usize, const N: usize> Drop for Leader<'_, D, N> {
     fn drop(&mut self) {
         // After a panic the other ranks are ended, and nobody listens.
         if !std::thread::panicking() {
-            give(self.communicator, Order::End, &[]);
+            give(self.communicator, LeaderOrder::End, &[]);
         }
     }
 }
 
 /// Tells the other ranks that there will be no run, so that [`follow`] returns.
 pub fn dismiss(communicator: &dyn Communicator) {
-    give(communicator, Order::End, &[]);
+    give(communicator, LeaderOrder::End, &[]);
 }
 
 /// Does a rank's part of a run that rank 0 leads, until it ends. `threads`: threads of this rank; 0 for one per processor.
@@ -280,18 +283,18 @@ pub fn dismiss(communicator: &dyn Communicator) {
 /// If threads cannot be started.
 pub fn follow(communicator: &dyn Communicator, threads: usize) -> Result<(), ModelError> {
     match next(communicator) {
-        (Order::Advance, dimensions) if dimensions == [2] => follow_in::<2, 3>(communicator, threads),
-        (Order::Advance, _) => follow_in::<3, 4>(communicator, threads),
+        (LeaderOrder::Advance, dimensions) if dimensions == [2] => follow_in::<2, 3>(communicator, threads),
+        (LeaderOrder::Advance, _) => follow_in::<3, 4>(communicator, threads),
         _ => Ok(()),
     }
 }
 
 /// The next order.
-fn next(communicator: &dyn Communicator) -> (Order, Vec<u64>) {
+fn next(communicator: &dyn Communicator) -> (LeaderOrder, Vec<u64>) {
     let mut bytes = Vec::new();
     communicator.broadcast(&mut bytes);
     let (order, numbers) = value_of::<(u8, Vec<u64>)>(&bytes);
-    (Order::ALL[order as usize], numbers)
+    (LeaderOrder::ALL[order as usize], numbers)
 }
 
 fn follow_in<const D: usize, const N: usize>(
@@ -299,34 +302,36 @@ fn follow_in<const D: usize, const N: usize>(
     threads: usize,
 ) -> Result<(), ModelError>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Concrete<D, N>,
 {
     let mut run = Distributed::<D, N>::new(communicator, None, threads)?;
     let mut probes = Vec::new();
     loop {
         let (order, numbers) = next(communicator);
         match order {
-            Order::End => return Ok(()),
-            Order::Replace => run = Distributed::new(communicator, None, threads)?,
+            LeaderOrder::End => return Ok(()),
+            LeaderOrder::Replace => run = Distributed::new(communicator, None, threads)?,
             // The leader gets the same error, and tells it.
-            Order::Advance => drop(run.advance(numbers[0])),
-            Order::Gather => drop(run.gathered()),
-            Order::Fragments => drop(run.fragments()),
-            Order::Counts => _ = run.counts(),
-            Order::Penetrated => _ = run.penetrated(),
-            Order::Nodes => {
+            LeaderOrder::Advance => drop(run.advance(numbers[0])),
+            LeaderOrder::Gather => drop(run.gathered()),
+            LeaderOrder::Fragments => drop(run.fragments()),
+            LeaderOrder::Counts => _ = run.counts(),
+            LeaderOrder::Penetrated => _ = run.penetrated(),
+            LeaderOrder::Nodes => {
                 drop(run.nodes(&numbers.iter().map(|&node| node as u32).collect::<Vec<u32>>()));
             }
-            Order::CrackLengths => _ = run.crack_lengths(),
-            Order::Traffic => drop(run.traffic_of_all()),
-            Order::SetProbes => {
+            LeaderOrder::CrackLengths => _ = run.crack_lengths(),
+            LeaderOrder::Traffic => drop(run.traffic_of_all()),
+            LeaderOrder::SetProbes => {
                 let mut bytes = Vec::new();
                 communicator.broadcast(&mut bytes);
                 probes = value_of::<Vec<Probe<D, N>>>(&bytes);
             }
-            Order::Measure => drop(run.measure(&probes)),
+            LeaderOrder::Measure => drop(run.measure(&probes)),
             // The leader gets the same error, and tells it.
-            Order::SetFactor => drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1])))),
+            LeaderOrder::SetFactor => {
+                drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1]))))
+            }
         }
     }
 }

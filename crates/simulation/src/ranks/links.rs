@@ -1,24 +1,32 @@
 //! Messages between ranks that share nodes.
 //!
-//! In each step, a rank moves the nodes at which other ranks have elements, starts to send their motions, and moves its other nodes while these are under way. Where joints were inserted or
-//! broke, the owner of a vertex also sends how it has come apart. Everything else is computed alike on every rank that needs it.
+//! In each step, a rank moves the nodes at which other ranks have elements, starts to send their motions, and
+//! moves its other nodes while these are under way. Where joints were inserted or broke, the owner of a
+//! vertex also sends how it has come apart. Everything else is computed alike on every rank that needs it.
 
+use std::time::Duration;
+
+use fdem_distributed::wire;
+use fdem_distributed::wire::{Wire, bytes_of, value_of};
 use fdem_distributed::{Communicator, Halo, Message, Port};
 
 use crate::contacts::Contacts;
-use crate::joints::Joints;
-use crate::ranks::once_each;
-use crate::ranks::wire::{Wire, bytes_of, value_of, wire};
+use crate::error::Stop;
+use crate::joints::{Joints, VertexSplit};
+use crate::lists::once_each;
+use crate::peers::{Peers, StepReport, first_of_largest};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::sum::{LIMBS, Sum};
+use crate::timings::Clock;
 use crate::topology::{NONE, Topology};
 
 /// A rank with which this one shares nodes.
 #[derive(Debug)]
 pub(super) struct Neighbour {
     rank: usize,
-    /// Corners of this rank that the other one has too, and corners of the other that this one has, ascending: their order is the same on both.
+    /// Corners of this rank that the other one has too, and corners of the other that this one has,
+    /// ascending: their order is the same on both.
     lent: Vec<u32>,
     borrowed: Vec<u32>,
     /// The nodes of these corners, each once, in the order of their first corners.
@@ -33,8 +41,8 @@ impl Neighbour {
 }
 
 /// The parting of a vertex, as its owner tells it to a neighbour.
-struct Change<const D: usize> {
-    corners: Vec<Changed>,
+struct VertexChange<const D: usize> {
+    corners: Vec<CornerChange>,
     /// Tractions with which ends of joints begin, by the codes of their facets.
     begin: Vec<(u32, [f64; D])>,
     /// Whether nodes were split, and whether joints broke.
@@ -42,10 +50,10 @@ struct Change<const D: usize> {
     broken: bool,
 }
 
-wire!([const D: usize] Change<D> { corners, begin, split, broken });
+wire!([const D: usize] VertexChange<D> { corners, begin, split, broken });
 
 /// A corner, with its node and its group.
-struct Changed {
+struct CornerChange {
     code: u32,
     /// Code of the first corner of its node.
     node: u32,
@@ -54,22 +62,7 @@ struct Changed {
     group: u32,
 }
 
-wire!([] Changed { code, node, masses, group });
-
-/// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their facets.
-pub(crate) type Split<const D: usize> = (u32, Vec<(u32, [f64; D])>);
-
-/// A rank's report of a step. Of each number, the largest of all ranks counts.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Told {
-    /// Speed of the fastest node, m/s.
-    pub(crate) fastest: f64,
-    /// Whether joints are to be inserted, or broke.
-    pub(crate) parts: bool,
-    /// Whether the step could not be done, and whether a node is too fast.
-    pub(crate) fails: bool,
-    pub(crate) runs_away: bool,
-}
+wire!([] CornerChange { code, node, masses, group });
 
 /// The messages of a rank.
 pub(crate) struct Links<'c> {
@@ -78,7 +71,11 @@ pub(crate) struct Links<'c> {
     halo: Option<Box<dyn Halo + 'c>>,
     /// Whether the motion of each node is sent to a neighbour.
     lent: Vec<bool>,
-    /// Distance that nodes may travel before elements of other ranks may touch those of this one that do not know them, m, and distance that they have travelled.
+    /// Whether each element is near elements that act on other ranks, which do not know it because it was not
+    /// watched.
+    hidden: Vec<bool>,
+    /// Distance that nodes may travel before elements of other ranks may touch those of this one that do not
+    /// know them, m, and distance that they have travelled.
     reach: f64,
     travelled: f64,
     /// Whether ranks must look for elements near theirs again before the next step.
@@ -91,6 +88,7 @@ impl<'c> Links<'c> {
     pub(super) fn new<const D: usize, const N: usize>(
         communicator: &'c dyn Communicator,
         neighbours: Vec<Neighbour>,
+        hidden: Vec<bool>,
         reach: f64,
         solid: &Solid<D, N>,
     ) -> Self
@@ -102,6 +100,7 @@ impl<'c> Links<'c> {
             neighbours,
             halo: None,
             lent: Vec::new(),
+            hidden,
             reach,
             travelled: 0.0,
             stale: false,
@@ -142,16 +141,60 @@ impl<'c> Links<'c> {
         self.halo = Some(self.communicator.halo(&send, &receive));
     }
 
-    /// Whether the motion of each node is sent to a neighbour.
-    pub(crate) fn lent(&self) -> &[bool] {
+    /// Exchanges values with all neighbours: `of` makes that for a neighbour by its place.
+    fn tell<T: Wire>(&self, of: impl Fn(&Neighbour) -> T) -> Vec<T> {
+        let message =
+            |neighbour: &Neighbour| Message { rank: neighbour.rank, bytes: bytes_of(&of(neighbour)) };
+        let heard = self.communicator.exchange(self.neighbours.iter().map(message).collect());
+        heard.into_iter().map(|message| value_of(&message.bytes)).collect()
+    }
+
+    /// Tells neighbours the new owners of the corners that they have from this rank, and learns those of the
+    /// corners that it has from them. `owners`: of each corner.
+    pub(super) fn tell_owners(&self, owners: &mut [u32]) {
+        let heard = self.tell(|neighbour| {
+            neighbour.lent.iter().map(|&corner| owners[corner as usize]).collect::<Vec<u32>>()
+        });
+        for (neighbour, new) in self.neighbours.iter().zip(heard) {
+            for (&corner, owner) in neighbour.borrowed.iter().zip(new) {
+                owners[corner as usize] = owner;
+            }
+        }
+    }
+
+    /// Asks for a new look at elements near those of this rank.
+    pub(super) fn ask(&mut self) {
+        self.stale = true;
+    }
+
+    /// Adds up sums over all ranks.
+    pub(super) fn add_up(&self, sums: &mut [&mut Sum]) {
+        let mut numbers: Vec<i64> = sums.iter().flat_map(|sum| sum.parts()).collect();
+        self.communicator.all_sum(&mut numbers);
+        for (sum, parts) in sums.iter_mut().zip(numbers.chunks(LIMBS + 1)) {
+            **sum = Sum::of_parts(parts);
+        }
+    }
+
+    /// The values of all ranks, in the order of the ranks.
+    pub(super) fn all<T: Wire>(&self, value: &T) -> Vec<T> {
+        self.communicator.all_gather(&bytes_of(value)).iter().map(|bytes| value_of(bytes)).collect()
+    }
+}
+
+impl<const D: usize, const N: usize> Peers<D, N> for Links<'_>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn is_stale(&self) -> bool {
+        self.stale
+    }
+
+    fn awaited(&self) -> &[bool] {
         &self.lent
     }
 
-    /// Starts to send the motions of nodes that neighbours have too.
-    pub(crate) fn start_motion<const D: usize, const N: usize>(&mut self, solid: &Solid<D, N>)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
+    fn start_motion(&mut self, solid: &Solid<D, N>) {
         let Some(halo) = &mut self.halo else { return };
         for (port, neighbour) in self.neighbours.iter().enumerate() {
             let places = halo.outgoing(port).as_chunks_mut::<8>().0.chunks_exact_mut(2 * D);
@@ -167,20 +210,19 @@ impl<'c> Links<'c> {
         halo.start();
     }
 
-    /// Gets the motions of nodes that neighbours have sent, and exchanges what ranks say about the step.
-    pub(crate) fn finish_motion<const D: usize, const N: usize>(
+    fn finish_motion(
         &mut self,
         solid: &mut Solid<D, N>,
         step: f64,
-        told: &mut Told,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let Some(halo) = &mut self.halo else { return };
+        report: StepReport,
+        waiting: &mut Duration,
+    ) -> StepReport {
+        let Some(halo) = &mut self.halo else { return report };
+        let mut clock = Clock::new();
         let flag = |flag: bool| f64::from(u8::from(flag));
-        let mut numbers = [told.fastest, flag(told.parts), flag(told.fails), flag(told.runs_away)];
+        let mut numbers = [report.fastest, flag(report.parts), flag(report.fails), flag(report.runs_away)];
         self.communicator.all_max(&mut numbers);
-        *told = Told {
+        let report = StepReport {
             fastest: numbers[0],
             parts: numbers[1] > 0.0,
             fails: numbers[2] > 0.0,
@@ -195,26 +237,13 @@ impl<'c> Links<'c> {
                 numbers.zip(places).for_each(|(number, place)| *number = f64::from_le_bytes(*place));
             }
         }
-        self.travelled += step * told.fastest;
+        self.travelled += step * report.fastest;
         self.stale |= 2.0 * self.travelled > self.reach;
+        clock.read(waiting);
+        report
     }
 
-    /// Exchanges values with all neighbours: `of` makes that for a neighbour by its place.
-    fn tell<T: Wire>(&self, of: impl Fn(&Neighbour) -> T) -> Vec<T> {
-        let message =
-            |neighbour: &Neighbour| Message { rank: neighbour.rank, bytes: bytes_of(&of(neighbour)) };
-        let heard = self.communicator.exchange(self.neighbours.iter().map(message).collect());
-        heard.into_iter().map(|message| value_of(&message.bytes)).collect()
-    }
-
-    /// Adds the facets that fail on neighbours to those that fail here.
-    pub(crate) fn share_failing<const D: usize, const N: usize>(
-        &self,
-        failing: &mut Vec<u32>,
-        topology: &Topology<D, N>,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
+    fn add_failing(&self, failing: &mut Vec<u32>, topology: &Topology<D, N>) {
         let codes: Vec<u32> = failing.iter().map(|&facet| topology.code(facet)).collect();
         for heard in self.tell(|_| codes.clone()) {
             failing.extend(heard.into_iter().filter_map(|code| topology.facet_with(code)));
@@ -222,38 +251,35 @@ impl<'c> Links<'c> {
         once_each(failing);
     }
 
-    /// Tells neighbours how vertices came apart here, and follows what they tell. `broken`: vertices at which joints broke.
-    pub(crate) fn exchange_changes<const D: usize, const N: usize>(
+    fn exchange_splits(
         &mut self,
-        split: &[Split<D>],
+        split: &[VertexSplit<D>],
         broken: &[u32],
         solid: &mut Solid<D, N>,
         joints: &mut Joints<D>,
         contacts: &mut Contacts<D, N>,
         topology: &Topology<D, N>,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
+    ) {
         let begun = |vertex: u32| split.iter().find(|(at, _)| *at == vertex).map(|(_, begin)| begin);
         let mut vertices: Vec<u32> =
             split.iter().map(|(vertex, _)| *vertex).chain(broken.iter().copied()).collect();
         once_each(&mut vertices);
-        let changes = |neighbour: &Neighbour| -> Vec<Change<D>> {
+        let changes = |neighbour: &Neighbour| -> Vec<VertexChange<D>> {
             let at = |&vertex: &u32| {
                 let shared = |corner: &&u32| neighbour.lent.binary_search(corner).is_ok();
                 let corners = topology.corners_of(vertex).iter().filter(shared).map(|&corner| {
                     let node = solid.corners.node_at(corner);
-                    Changed {
+                    CornerChange {
                         code: topology.code_of_corner(corner),
                         node: solid.code_of_node(node, topology),
                         masses: solid.masses(node as usize),
                         group: contacts.groups[corner as usize],
                     }
                 });
-                let corners: Vec<Changed> = corners.collect();
+                let corners: Vec<CornerChange> = corners.collect();
                 let begin = begun(vertex);
                 let tractions = begin.into_iter().flatten();
-                (!corners.is_empty()).then(|| Change {
+                (!corners.is_empty()).then(|| VertexChange {
                     corners,
                     begin: tractions.map(|&(facet, traction)| (topology.code(facet), traction)).collect(),
                     split: begin.is_some(),
@@ -269,62 +295,37 @@ impl<'c> Links<'c> {
         self.plan(solid);
     }
 
-    /// Tells neighbours the new owners of the corners that they have from this rank, and learns those of the corners that it has from them. `owners`: of each corner.
-    pub(super) fn tell_owners(&self, owners: &mut [u32]) {
-        let heard = self.tell(|neighbour| {
-            neighbour.lent.iter().map(|&corner| owners[corner as usize]).collect::<Vec<u32>>()
-        });
-        for (neighbour, new) in self.neighbours.iter().zip(heard) {
-            for (&corner, owner) in neighbour.borrowed.iter().zip(new) {
-                owners[corner as usize] = owner;
-            }
+    fn note_bared(&mut self, bared: &[u32]) {
+        let hidden = bared.iter().any(|&element| self.hidden[element as usize]);
+        let mut any = [f64::from(u8::from(hidden))];
+        self.communicator.all_max(&mut any);
+        if any[0] > 0.0 {
+            self.ask();
         }
     }
 
-    /// Whether ranks must look for elements near theirs before the next step.
-    pub(crate) fn is_stale(&self) -> bool {
-        self.stale
+    fn add_up(&self, sums: &mut [&mut Sum]) {
+        Links::add_up(self, sums);
     }
 
-    /// Whether this holds on any rank.
-    pub(crate) fn any(&self, holds: bool) -> bool {
-        let mut numbers = [f64::from(u8::from(holds))];
-        self.communicator.all_max(&mut numbers);
-        numbers[0] > 0.0
-    }
-
-    /// The largest of numbers over all ranks.
-    pub(crate) fn most(&self, numbers: &mut [f64]) {
+    fn largest(&self, numbers: &mut [f64]) {
         self.communicator.all_max(numbers);
     }
 
-    /// Asks for a new look at elements near those of this rank.
-    pub(crate) fn ask(&mut self) {
-        self.stale = true;
+    fn first_stop(&self, own: Option<Stop>) -> Option<Stop> {
+        let rank = self.communicator.rank();
+        let all = self.all(&own.map(|stop| stop.on_rank(rank)));
+        all.into_iter().flatten().min_by_key(Stop::element)
     }
 
-    /// Adds up sums over all ranks.
-    pub(crate) fn add_up(&self, sums: &mut [&mut Sum]) {
-        let mut numbers: Vec<i64> = sums.iter().flat_map(|sum| sum.parts()).collect();
-        self.communicator.all_sum(&mut numbers);
-        for (sum, parts) in sums.iter_mut().zip(numbers.chunks(LIMBS + 1)) {
-            **sum = Sum::of_parts(parts);
-        }
-    }
-
-    /// The values of all ranks, in the order of the ranks.
-    pub(crate) fn all<T: Wire>(&self, value: &T) -> Vec<T> {
-        self.communicator.all_gather(&bytes_of(value)).iter().map(|bytes| value_of(bytes)).collect()
-    }
-
-    pub(crate) fn rank(&self) -> usize {
-        self.communicator.rank()
+    fn first_of_largest(&self, own: Option<(f64, u32)>) -> Option<(f64, u32)> {
+        self.all(&own).into_iter().flatten().reduce(first_of_largest)
     }
 }
 
 /// Does what the owner of a vertex has done there.
 fn follow<const D: usize, const N: usize>(
-    change: &Change<D>,
+    change: &VertexChange<D>,
     solid: &mut Solid<D, N>,
     joints: &mut Joints<D>,
     contacts: &mut Contacts<D, N>,
@@ -332,7 +333,7 @@ fn follow<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let here = |changed: &Changed| topology.corner(changed.code);
+    let here = |changed: &CornerChange| topology.corner(changed.code);
     let corners: Vec<u32> = change.corners.iter().filter_map(here).collect();
     let Some(&first) = corners.first() else { return };
     let vertex = topology.vertices[first as usize];

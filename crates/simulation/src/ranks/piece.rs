@@ -4,25 +4,28 @@
 
 use std::collections::BTreeMap;
 
+use fdem_distributed::wire;
+use fdem_distributed::wire::{Wire, bytes_of};
 use fdem_mesh::Mesh;
 
 use crate::contacts::{Contacts, Grip, edges, mean_edge};
 use crate::energy::Energies;
 use crate::ground::{is_ground, radii};
-use crate::joints::Moving;
-use crate::loads::{Wide, outer_side};
+use crate::joints::MovingJoint;
 use crate::model::{Load, Model, Target};
-use crate::ranks::wire::{Wire, bytes_of, wire};
-use crate::seams::Hold;
+use crate::outer_side::outer_side;
+use crate::ranks::part::SeamPoint;
 use crate::simplex::Simplex;
-use crate::simulation::{Relaxation, Scales, Simulation, Timings, Totals};
+use crate::simulation::advance::Concrete;
+use crate::simulation::run::{Scales, Simulation};
+use crate::simulation::totals::{Relaxation, Totals};
 use crate::solid::Node;
-use crate::sum::Sum;
+use crate::timings::Timings;
 use crate::vector::{Matrix, Point};
 
 /// A corner of an element.
 #[derive(Clone, Debug)]
-pub(super) struct Corner<const D: usize> {
+pub(super) struct CornerState<const D: usize> {
     pub(super) vertex: u32,
     /// Undeformed position, m.
     pub(super) place: Point<D>,
@@ -44,13 +47,13 @@ pub(super) struct Corner<const D: usize> {
     pub(super) boundaries: Vec<u32>,
 }
 
-wire!([const D: usize] Corner<D> {
+wire!([const D: usize] CornerState<D> {
     vertex, place, owner, node, position, velocity, masses, group, free, corners, first, boundaries,
 });
 
 /// A facet on which a boundary acts.
 #[derive(Clone, Debug)]
-pub(super) struct Side<const D: usize> {
+pub(super) struct BoundarySide<const D: usize> {
     pub(super) boundary: u32,
     /// Place of the facet among those of the boundary.
     pub(super) place: u32,
@@ -59,11 +62,11 @@ pub(super) struct Side<const D: usize> {
     pub(super) held: [Point<D>; D],
 }
 
-wire!([const D: usize] Side<D> { boundary, place, vertices, held });
+wire!([const D: usize] BoundarySide<D> { boundary, place, vertices, held });
 
 /// An element with all that is known at its corners.
 #[derive(Clone, Debug)]
-pub(super) struct Piece<const D: usize, const N: usize> {
+pub(super) struct ElementPiece<const D: usize, const N: usize> {
     pub(super) number: u32,
     pub(super) body: u32,
     pub(super) material: u32,
@@ -78,15 +81,15 @@ pub(super) struct Piece<const D: usize, const N: usize> {
     pub(super) stress: Matrix<D>,
     pub(super) viscous: Matrix<D>,
     pub(super) dissipated: f64,
-    pub(super) corners: [Corner<D>; N],
-    pub(super) sides: Vec<Side<D>>,
+    pub(super) corners: [CornerState<D>; N],
+    pub(super) sides: Vec<BoundarySide<D>>,
 }
 
-wire!([const D: usize, const N: usize] Piece<D, N> {
+wire!([const D: usize, const N: usize] ElementPiece<D, N> {
     number, body, material, watched, outer, initial, mass_factor, sets, stress, viscous, dissipated, corners, sides,
 });
 
-impl<const D: usize, const N: usize> Piece<D, N> {
+impl<const D: usize, const N: usize> ElementPiece<D, N> {
     /// The ranks that own its corners, each once, ascending.
     pub(super) fn owners(&self) -> impl Iterator<Item = u32> + use<D, N> {
         let mut owners = [u32::MAX; N];
@@ -117,16 +120,6 @@ impl<const D: usize, const N: usize> Piece<D, N> {
     }
 }
 
-/// A point of a seam, by the codes of its two sides and its place among their points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SeamPoint<const D: usize> {
-    pub(super) sides: [u32; 2],
-    pub(super) place: u32,
-    pub(super) hold: Hold<D>,
-}
-
-wire!([const D: usize] SeamPoint<D> { sides, place, hold });
-
 /// The history of a couple that touches.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch<const D: usize, const N: usize> {
@@ -138,9 +131,9 @@ wire!([const D: usize, const N: usize] Touch<D, N> { elements, grip });
 
 /// All that a rank makes its part of.
 #[derive(Clone, Debug)]
-pub(super) struct Pieces<const D: usize, const N: usize> {
-    pub(super) elements: Vec<Piece<D, N>>,
-    pub(super) joints: Vec<Moving<D>>,
+pub(super) struct RunPieces<const D: usize, const N: usize> {
+    pub(super) elements: Vec<ElementPiece<D, N>>,
+    pub(super) joints: Vec<MovingJoint<D>>,
     pub(super) touching: Vec<Touch<D, N>>,
     pub(super) seams: Vec<SeamPoint<D>>,
     /// Elements that have separated or become bare in the last step: see [`Contacts`].
@@ -148,9 +141,9 @@ pub(super) struct Pieces<const D: usize, const N: usize> {
     pub(super) bared: Vec<u32>,
 }
 
-wire!([const D: usize, const N: usize] Pieces<D, N> { elements, joints, touching, seams, parted, bared });
+wire!([const D: usize, const N: usize] RunPieces<D, N> { elements, joints, touching, seams, parted, bared });
 
-impl<const D: usize, const N: usize> Default for Pieces<D, N> {
+impl<const D: usize, const N: usize> Default for RunPieces<D, N> {
     fn default() -> Self {
         Self {
             elements: Vec::new(),
@@ -163,7 +156,7 @@ impl<const D: usize, const N: usize> Default for Pieces<D, N> {
     }
 }
 
-impl<const D: usize, const N: usize> Pieces<D, N> {
+impl<const D: usize, const N: usize> RunPieces<D, N> {
     pub(super) fn add(&mut self, more: Self) {
         self.elements.extend(more.elements);
         self.joints.extend(more.joints);
@@ -176,7 +169,7 @@ impl<const D: usize, const N: usize> Pieces<D, N> {
 
 /// The model without its mesh, and numbers of the whole run: all ranks have them.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame<const D: usize, const N: usize> {
+pub(crate) struct CommonData<const D: usize, const N: usize> {
     pub(crate) model: Model<D, N>,
     pub(crate) origin: Point<D>,
     pub(crate) scales: Scales,
@@ -190,7 +183,7 @@ pub(crate) struct Frame<const D: usize, const N: usize> {
     pub(super) radii: BTreeMap<u32, f64>,
 }
 
-impl<const D: usize, const N: usize> Frame<D, N>
+impl<const D: usize, const N: usize> CommonData<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -226,7 +219,12 @@ where
             radii: if run.loads.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
         }
     }
+}
 
+impl<const D: usize, const N: usize> CommonData<D, N>
+where
+    [[f64; D]; N]: Concrete<D, N>,
+{
     pub(super) fn bytes(&self) -> Vec<u8> {
         let mut bytes = bytes_of(&<[[f64; D]; N]>::encode(&self.model));
         self.origin.put(&mut bytes);
@@ -251,7 +249,7 @@ where
 
 /// The step, sums and times that a run keeps when its elements change.
 #[derive(Clone, Debug)]
-pub(super) struct Carried<const D: usize> {
+pub(super) struct CarriedState<const D: usize> {
     pub(super) step: u64,
     pub(super) totals: Totals,
     pub(super) energies: Energies,
@@ -263,7 +261,7 @@ pub(super) struct Carried<const D: usize> {
     pub(super) detections: u64,
 }
 
-impl<const D: usize> Carried<D> {
+impl<const D: usize> CarriedState<D> {
     /// Bytes of what all ranks have in common.
     pub(super) fn bytes(&self) -> Vec<u8> {
         let Totals { first, exchanged, most_cohesive, relaxation, .. } = &self.totals;
@@ -293,31 +291,12 @@ impl<const D: usize> Carried<D> {
     }
 }
 
-/// A part of a run, besides what every [`Simulation`] has.
-#[derive(Debug)]
-pub(crate) struct Part<const D: usize> {
-    /// The rank that owns each corner.
-    pub(super) owners: Vec<u32>,
-    /// Number of each vertex in the whole mesh.
-    pub(super) vertices: Vec<u32>,
-    /// Code of the first corner of each vertex in the whole mesh.
-    pub(super) first: Vec<u32>,
-    pub(super) wide: Wide,
-    /// For each boundary, the places of its facets among all of its facets.
-    pub(super) places: Vec<Vec<u32>>,
-    /// Joints and points of seams that this rank counts, and whose other element is elsewhere: they have no force any more.
-    pub(super) loose_joints: Vec<Moving<D>>,
-    pub(super) loose_seams: Vec<SeamPoint<D>>,
-    /// Whether each element is near elements that act on other ranks, which do not know it because it was not watched.
-    pub(super) hidden: Vec<bool>,
-}
-
 /// Numbers of the whole model, for the pieces of a part.
 pub(super) struct Lookup<'a, const D: usize, const N: usize> {
     run: &'a Simulation<D, N>,
     /// Boundaries on each vertex.
     boundaries: BTreeMap<u32, Vec<u32>>,
-    sides: BTreeMap<u32, Vec<Side<D>>>,
+    sides: BTreeMap<u32, Vec<BoundarySide<D>>>,
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
 }
@@ -328,7 +307,7 @@ where
 {
     pub(super) fn new(run: &'a Simulation<D, N>) -> Self {
         let (mut boundaries, mut sides) =
-            (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, Vec<Side<D>>>::new());
+            (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, Vec<BoundarySide<D>>>::new());
         let mut held = run.loads.ground.held();
         for (number, boundary) in (0..).zip(&run.model.boundaries) {
             if acts_on_nodes(&boundary.load) {
@@ -342,7 +321,7 @@ where
                     continue;
                 };
                 let held = if is_ground(&boundary.load) { held.next().map(|(_, held)| held) } else { None };
-                sides.entry(side.corners[0] / N as u32).or_default().push(Side {
+                sides.entry(side.corners[0] / N as u32).or_default().push(BoundarySide {
                     boundary: number,
                     place: run.part.as_ref().map_or(k as u32, |part| part.places[number as usize][k]),
                     vertices: facet.map(|vertex| run.vertex(vertex)),
@@ -355,7 +334,7 @@ where
     }
 
     /// An element with all that is known of it. `owners`: the ranks that own each corner from now on.
-    pub(super) fn piece(&self, element: u32, owners: &[u32]) -> Piece<D, N> {
+    pub(super) fn piece(&self, element: u32, owners: &[u32]) -> ElementPiece<D, N> {
         let Self { run, .. } = *self;
         let (topology, solid, k) = (&run.topology, &run.solid, element as usize);
         let corner = |corner: usize| {
@@ -364,7 +343,7 @@ where
             let Node { position, velocity } = solid.nodes[node as usize];
             let star = topology.corners_of(vertex);
             let (count, first) = (star.len() as u32, topology.code_of_corner(star[0]));
-            Corner {
+            CornerState {
                 vertex: run.vertex(vertex),
                 place: run.model.mesh.nodes[vertex as usize],
                 owner: owners[number as usize],
@@ -382,7 +361,7 @@ where
         let outer = |facet: usize| {
             topology.facet_of[k][facet] == crate::topology::NONE && topology.is_outer(k, facet)
         };
-        Piece {
+        ElementPiece {
             number: topology.number(element),
             body: run.model.mesh.bodies[k],
             material: run.model.mesh.materials[k],
@@ -429,7 +408,7 @@ where
     }
 
     /// The joints that this rank counts.
-    pub(super) fn own_joints(&self) -> Vec<Moving<D>> {
+    pub(super) fn own_joints(&self) -> Vec<MovingJoint<D>> {
         let counted = (0..self.joints.all.len()).filter(|&joint| self.joints.all[joint].counted);
         let joints = counted.map(|joint| self.joints.moving(joint as u32, &self.topology));
         joints.chain(self.part.iter().flat_map(|part| part.loose_joints.iter().copied())).collect()
@@ -457,8 +436,8 @@ where
     }
 
     /// The step, sums and times that the run keeps when its elements change.
-    pub(super) fn carried(&self) -> Carried<D> {
-        Carried {
+    pub(super) fn carried(&self) -> CarriedState<D> {
+        CarriedState {
             step: self.step,
             totals: self.totals.clone(),
             energies: self.energies,
@@ -468,22 +447,5 @@ where
             timings: self.timings,
             detections: self.contacts.detections,
         }
-    }
-}
-
-impl<const D: usize> Part<D> {
-    /// Whether an element is near elements of other ranks that do not know it.
-    pub(crate) fn is_hidden(&self, element: u32) -> bool {
-        self.hidden[element as usize]
-    }
-
-    /// Whether a corner, by its code, is the first of a vertex in the whole mesh.
-    pub(super) fn is_first(&self, vertex: u32, code: u32) -> bool {
-        self.first[vertex as usize] == code
-    }
-
-    /// Friction of loose points of seams, J.
-    pub(crate) fn friction(&self) -> Sum {
-        self.loose_seams.iter().map(|point| point.hold.friction()).collect()
     }
 }

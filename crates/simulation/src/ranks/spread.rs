@@ -4,15 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use fdem_contact::{Couple, Detector, Elements as Boxes, Search};
 use fdem_distributed::curve::{Curve, owner, splitters};
+use fdem_distributed::wire::{Wire, bytes_of, value_of};
 use fdem_distributed::{Communicator, Message};
 
+use crate::lists::once_each;
 use crate::ranks::links::{Links, Neighbour};
-use crate::ranks::once_each;
-use crate::ranks::piece::{Frame, Lookup, Piece, Pieces};
-use crate::ranks::wire::{Wire, bytes_of, value_of};
+use crate::ranks::piece::{CommonData, ElementPiece, Lookup, RunPieces};
 use crate::seams;
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
 use crate::vector::Point;
 
 /// Distance over the mean edge up to which a rank knows the elements near its own. They are looked for again when nodes may have travelled half of it.
@@ -38,21 +38,24 @@ pub(super) struct Division<const D: usize> {
 }
 
 /// The distance up to which a rank knows the elements near its own, m.
-pub(super) fn reach<const D: usize, const N: usize>(frame: &Frame<D, N>, stressed: bool) -> f64 {
+pub(super) fn reach<const D: usize, const N: usize>(frame: &CommonData<D, N>, stressed: bool) -> f64 {
     let reach = REACH * frame.edge;
     // Points of a seam act until they are this far apart.
     if stressed { reach.max(seams::FADE[1] * frame.longest) } else { reach }
 }
 
 /// Corners of a vertex that belong together: they have one owner.
-pub(super) struct Unit {
+pub(super) struct CornerUnit {
     pub(super) corners: Vec<u32>,
     pub(super) key: u64,
     pub(super) weight: u64,
 }
 
 /// The corners that this rank owns, in units: elements at a vertex between which a joint may still act.
-pub(super) fn units<const D: usize, const N: usize>(run: &Simulation<D, N>, curve: &Curve<D>) -> Vec<Unit>
+pub(super) fn units<const D: usize, const N: usize>(
+    run: &Simulation<D, N>,
+    curve: &Curve<D>,
+) -> Vec<CornerUnit>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -81,7 +84,11 @@ where
             let of = (0..corners.len()).filter(|&place| groups[place] as usize == leader);
             let corners: Vec<u32> = of.map(|place| corners[place]).collect();
             let weight = corners.iter().map(|&corner| weights[corner as usize / N]).sum();
-            units.push(Unit { key: curve.key(run.solid.at_corner(corners[0]).position), corners, weight });
+            units.push(CornerUnit {
+                key: curve.key(run.solid.at_corner(corners[0]).position),
+                corners,
+                weight,
+            });
         }
     }
     units
@@ -117,13 +124,14 @@ fn divide<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let owners = |units: &[Unit], splitters: &[u64]| {
-        let of = |unit: &Unit| owner(splitters, unit.key);
+    let owners = |units: &[CornerUnit], splitters: &[u64]| {
+        let of = |unit: &CornerUnit| owner(splitters, unit.key);
         units.iter().map(of).collect::<Vec<_>>()
     };
-    let assigned = |units: Vec<Unit>, owners: Vec<usize>| {
-        let of =
-            |(unit, owner): (Unit, usize)| unit.corners.into_iter().map(move |corner| (corner, owner as u32));
+    let assigned = |units: Vec<CornerUnit>, owners: Vec<usize>| {
+        let of = |(unit, owner): (CornerUnit, usize)| {
+            unit.corners.into_iter().map(move |corner| (corner, owner as u32))
+        };
         units.into_iter().zip(owners).flat_map(of).collect()
     };
     if let Some(known) = division {
@@ -169,23 +177,23 @@ pub(super) fn spread<'c, const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     links: Option<&Links<'c>>,
     division: &mut Option<Division<D>>,
-    frame: &Frame<D, N>,
+    frame: &CommonData<D, N>,
     communicator: &'c dyn Communicator,
-) -> (Pieces<D, N>, Near)
+) -> (RunPieces<D, N>, Neighbourhood)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let rank = communicator.rank();
     let owned = divide(run, division, communicator);
     let mut pieces = send_to_owners(run, links, owned, communicator);
-    let stressed = !frame.model.stresses.is_empty() || pieces.elements.iter().any(Piece::is_stressed);
+    let stressed = !frame.model.stresses.is_empty() || pieces.elements.iter().any(ElementPiece::is_stressed);
     let hidden = find_near(&mut pieces, reach(frame, stressed), communicator);
     let lent = send_to_borrowers(&mut pieces, rank, communicator);
-    (pieces, Near { hidden, lent, reach: reach(frame, stressed) })
+    (pieces, Neighbourhood { hidden, lent, reach: reach(frame, stressed) })
 }
 
 /// Neighbourhoods that [`spread`] has found besides the pieces.
-pub(super) struct Near {
+pub(super) struct Neighbourhood {
     /// Numbers of the elements counted here that are near those of other ranks, which do not know them because they are not watched.
     hidden: BTreeSet<u32>,
     /// Codes of the corners that each other rank has too.
@@ -193,11 +201,11 @@ pub(super) struct Near {
     reach: f64,
 }
 
-impl Near {
+impl Neighbourhood {
     /// Makes the messages of a part.
     pub(super) fn links<'c, const D: usize, const N: usize>(
         mut self,
-        run: &mut Simulation<D, N>,
+        run: &Simulation<D, N>,
         communicator: &'c dyn Communicator,
     ) -> Links<'c>
     where
@@ -205,26 +213,25 @@ impl Near {
     {
         let rank = communicator.rank();
         let mut borrowed = BTreeMap::<usize, Vec<u32>>::new();
-        if let Some(part) = &mut run.part {
+        if let Some(part) = &run.part {
             for (corner, &owner) in (0..).zip(&part.owners) {
                 if owner as usize != rank {
                     borrowed.entry(owner as usize).or_default().push(corner);
                 }
             }
-            let topology = &run.topology;
-            let is_hidden = |element: usize| self.hidden.contains(&topology.number(element as u32));
-            part.hidden = (0..part.hidden.len()).map(is_hidden).collect();
         }
+        let topology = &run.topology;
+        let is_hidden = |element: usize| self.hidden.contains(&topology.number(element as u32));
+        let hidden = (0..run.solid.elements.len()).map(is_hidden).collect();
         let ranks: Vec<usize> =
             borrowed.keys().chain(self.lent.keys()).copied().collect::<BTreeSet<_>>().into_iter().collect();
-        let topology = &run.topology;
         let neighbour = |rank: usize| {
             let lent = self.lent.remove(&rank).unwrap_or_default();
             let lent = lent.into_iter().filter_map(|code| topology.corner(code)).collect();
             Neighbour::new(rank, lent, borrowed.remove(&rank).unwrap_or_default())
         };
         let neighbours = ranks.into_iter().map(neighbour).collect();
-        Links::new(communicator, neighbours, self.reach, &run.solid)
+        Links::new(communicator, neighbours, hidden, self.reach, &run.solid)
     }
 }
 
@@ -234,7 +241,7 @@ fn send_to_owners<const D: usize, const N: usize>(
     links: Option<&Links<'_>>,
     owned: Vec<(u32, u32)>,
     communicator: &dyn Communicator,
-) -> Pieces<D, N>
+) -> RunPieces<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -259,7 +266,7 @@ fn send_elements<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     owners: &[u32],
     communicator: &dyn Communicator,
-) -> Vec<Piece<D, N>>
+) -> Vec<ElementPiece<D, N>>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -286,7 +293,7 @@ where
         for message in communicator.exchange(messages) {
             let mut bytes = &message.bytes[..];
             while !bytes.is_empty() {
-                own.push(Piece::take(&mut bytes));
+                own.push(ElementPiece::take(&mut bytes));
             }
         }
     }
@@ -298,11 +305,11 @@ fn send_between<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     owners: &[u32],
     communicator: &dyn Communicator,
-) -> Pieces<D, N>
+) -> RunPieces<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut to = BTreeMap::<usize, Pieces<D, N>>::new();
+    let mut to = BTreeMap::<usize, RunPieces<D, N>>::new();
     if let Some(run) = run {
         let topology = &run.topology;
         let ranks_of = |number: u32| -> Vec<u32> {
@@ -377,7 +384,7 @@ fn are_near<const D: usize>(a: &[Point<D>; 2], b: &[Point<D>; 2], reach: f64) ->
 
 /// Gets the watched elements of other ranks that are near watched ones here. Returns the numbers of the other elements counted here that are near elements of other ranks.
 fn find_near<const D: usize, const N: usize>(
-    pieces: &mut Pieces<D, N>,
+    pieces: &mut RunPieces<D, N>,
     reach: f64,
     communicator: &dyn Communicator,
 ) -> BTreeSet<u32>
@@ -388,7 +395,7 @@ where
     pieces.elements.sort_unstable_by_key(|piece| piece.number);
     let all = &pieces.elements;
     let runs = all.chunks(all.len().div_ceil(BOXES).max(1));
-    let fine: Vec<[Point<D>; 2]> = runs.map(|run| around(run.iter().map(Piece::bounds))).collect();
+    let fine: Vec<[Point<D>; 2]> = runs.map(|run| around(run.iter().map(ElementPiece::bounds))).collect();
     let whole = around(fine.iter().copied());
     let of_ranks: Vec<[Point<D>; 2]> =
         communicator.all_gather(&bytes_of(&whole)).iter().map(|bytes| value_of(bytes)).collect();
@@ -414,7 +421,8 @@ where
     }
     let offered = exchange(communicator, offers);
     let place = |number: u32| all.binary_search_by_key(&number, |piece| piece.number).ok();
-    let watched: Vec<[Point<D>; 2]> = all.iter().filter(|piece| piece.watched).map(Piece::bounds).collect();
+    let watched: Vec<[Point<D>; 2]> =
+        all.iter().filter(|piece| piece.watched).map(ElementPiece::bounds).collect();
     let wanted = offered.into_iter().map(|(other, offer)| {
         let new: Vec<_> = offer.into_iter().filter(|(number, _)| place(*number).is_none()).collect();
         (other, nearest(&new, &watched, reach))
@@ -422,11 +430,11 @@ where
     let wanted = exchange(communicator, wanted.collect::<BTreeMap<_, _>>());
     let answers = wanted.into_iter().map(|(other, numbers)| {
         let is_wanted = |number: &u32| numbers.binary_search(number).is_ok();
-        let answer = Pieces {
+        let answer = RunPieces {
             elements: numbers.iter().filter_map(|&number| place(number)).map(|k| all[k].clone()).collect(),
             parted: pieces.parted.iter().filter(|pair| pair.iter().any(is_wanted)).copied().collect(),
             bared: pieces.bared.iter().filter(|number| is_wanted(number)).copied().collect(),
-            ..Pieces::default()
+            ..RunPieces::default()
         };
         (other, answer)
     });
@@ -464,7 +472,7 @@ fn nearest<const D: usize>(
 
 /// Tells the owners of corners which of them this rank has, and gets the joints there. Returns the codes of corners of this rank that others have.
 fn send_to_borrowers<const D: usize, const N: usize>(
-    pieces: &mut Pieces<D, N>,
+    pieces: &mut RunPieces<D, N>,
     rank: usize,
     communicator: &dyn Communicator,
 ) -> BTreeMap<usize, Vec<u32>>
@@ -487,7 +495,7 @@ where
             .joints
             .iter()
             .filter(|moving| lent.binary_search(&first_corner::<D, N>(moving.joint.facet)).is_ok());
-        Pieces::<D, N> { joints: shared.copied().collect(), ..Pieces::default() }
+        RunPieces::<D, N> { joints: shared.copied().collect(), ..RunPieces::default() }
     };
     let joints = lent.iter().map(|(&other, lent)| (other, of(lent))).collect();
     for (_, more) in exchange(communicator, joints) {

@@ -4,28 +4,18 @@ mod distance;
 mod eigen;
 mod elastic;
 mod facet;
+mod numbering;
 mod part;
 mod piece;
 mod plane;
 mod potential;
 
-use crate::elastic::Moduli;
-use crate::error::Stop;
 use crate::lanes::Available;
-use crate::model::{Material, Model, Plane};
-use crate::ranks::Links;
-use crate::simplex::{Interactions, Shapes, Simplex};
-use crate::simulation::Simulation;
-use crate::vector::{Matrix, Point, dot, length, minus, unit};
-
-/// Corners of a tetrahedron: the first three are counter-clockwise, seen from the last.
-pub(crate) type Tetrahedron = [Point<3>; 4];
-
-/// Corners of the faces, counter-clockwise seen from outside.
-const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
-
-/// Corners of the edges.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+use crate::model::{Material, Plane};
+use crate::moduli::Moduli;
+use crate::simplex::tetrahedron::numbering::FACES;
+use crate::simplex::{Interactions, Shapes, Simplex, Tetrahedron};
+use crate::vector::{Matrix, Point, cross3, dot, length, minus, unit};
 
 impl Simplex<3, 4> for Tetrahedron {
     type Scratch = potential::Scratch;
@@ -34,18 +24,6 @@ impl Simplex<3, 4> for Tetrahedron {
     const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
     const SMALL: f64 = elastic::SMALL;
     const FACETS_ARE: &'static str = "faces";
-
-    fn advance(run: &mut Simulation<3, 4>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
-        run.take(steps, links)
-    }
-
-    fn encode(model: &Model<3, 4>) -> Vec<u8> {
-        postcard::to_allocvec(model).expect("a model has no values that cannot be written")
-    }
-
-    fn decode(bytes: &[u8]) -> Model<3, 4> {
-        postcard::from_bytes(bytes).expect("a message from the same program")
-    }
 
     #[inline]
     fn determinant([one, two, three]: &Matrix<3>) -> f64 {
@@ -71,7 +49,7 @@ impl Simplex<3, 4> for Tetrahedron {
 
     #[inline(always)]
     fn coordinates(&self, point: Point<3>) -> [f64; 4] {
-        potential::Coordinates::of(self).at(point)
+        potential::VolumeCoordinates::of(self).at(point)
     }
 
     fn facet_measure([a, b, c]: &[Point<3>; 3]) -> f64 {
@@ -202,7 +180,7 @@ impl Simplex<3, 4> for Tetrahedron {
     }
 
     fn highest_square(&self, moduli: &Moduli, density: f64) -> f64 {
-        let gradients = potential::Coordinates::of(self).gradients;
+        let gradients = potential::VolumeCoordinates::of(self).gradients;
         let mut sum = [[0.0; 3]; 3];
         for gradient in gradients {
             for (row, g) in sum.iter_mut().zip(gradient) {
@@ -239,11 +217,6 @@ impl Simplex<3, 4> for Tetrahedron {
     fn distance(&self, other: &Self, told: f64) -> f64 {
         distance::between(self, other).max(told)
     }
-}
-
-#[inline(always)]
-fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

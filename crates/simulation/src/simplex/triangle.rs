@@ -5,38 +5,20 @@ mod facet;
 mod plane;
 mod potential;
 
-use crate::elastic::Moduli;
-use crate::error::Stop;
 use crate::lanes::Available;
-use crate::model::{Material, Model, Plane};
-use crate::ranks::Links;
-use crate::simplex::{Interactions, Shapes, Simplex};
-use crate::simulation::Simulation;
+use crate::model::{Material, Plane};
+use crate::moduli::Moduli;
+use crate::simplex::{Interactions, Shapes, Simplex, Triangle};
 use crate::vector::{Matrix, Point, cross, dot, length, minus};
 
-/// Corners of a triangle, counter-clockwise.
-pub(crate) type Triangle = [Point; 3];
-
 impl Simplex<2, 3> for Triangle {
-    type Scratch = potential::Between;
+    type Scratch = potential::TriangleScratch;
 
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
     const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
     /// No strain needs a branch.
     const SMALL: f64 = f64::INFINITY;
     const FACETS_ARE: &'static str = "edges";
-
-    fn advance(run: &mut Simulation<2, 3>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
-        run.take(steps, links)
-    }
-
-    fn encode(model: &Model<2, 3>) -> Vec<u8> {
-        postcard::to_allocvec(model).expect("a model has no values that cannot be written")
-    }
-
-    fn decode(bytes: &[u8]) -> Model<2, 3> {
-        postcard::from_bytes(bytes).expect("a message from the same program")
-    }
 
     #[inline]
     fn determinant([[a, b], [c, d]]: &Matrix) -> f64 {
@@ -61,7 +43,7 @@ impl Simplex<2, 3> for Triangle {
 
     #[inline(always)]
     fn coordinates(&self, point: Point) -> [f64; 3] {
-        potential::Coordinates::of(self).at(point)
+        potential::AreaCoordinates::of(self).at(point)
     }
 
     fn facet_measure([a, b]: &[Point; 2]) -> f64 {

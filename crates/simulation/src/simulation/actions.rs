@@ -13,32 +13,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::error::ModelError;
 use crate::model::{Load, Schedule};
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
+use crate::simulation::totals::Actions;
 use crate::vector::{Point, add, dot, minus};
-
-/// Actions of the caller that later steps depend on.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
-pub(crate) struct Actions<const D: usize> {
-    /// Forces on corners of elements, N.
-    pub(crate) forces: BTreeMap<u32, Point<D>>,
-    /// Factors of boundaries that replace their schedules.
-    pub(crate) factors: BTreeMap<u32, f64>,
-    /// Velocities, m/s, that the caller has replaced since the last step, by the first corner of the node.
-    pub(crate) replaced: BTreeMap<u32, Point<D>>,
-}
-
-impl<const D: usize> Actions<D> {
-    /// Whether there are none but factors, which do not belong to places.
-    pub(crate) fn are_factors(&self) -> bool {
-        self.forces.is_empty() && self.replaced.is_empty()
-    }
-}
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where

@@ -2,61 +2,19 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
 use crate::energy::Energies;
 use crate::error::Stop;
 use crate::model::Insertion;
-use crate::ranks::Links;
+use crate::peers::{Peers, first_of_largest};
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
+use crate::simulation::totals::Totals;
 use crate::solid::{Constants, Node};
 use crate::sum::Sum;
 use crate::vector::dot;
 
 /// Steps between two checks of the energy balance.
 const AUDIT: u64 = 100;
-
-/// Sums over a run, J.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Totals {
-    /// Work against friction of contacts.
-    pub(crate) friction: Sum,
-    /// Work against joints, less the potential energy of contacts to which they have handed over.
-    pub(crate) cohesive: Sum,
-    /// Energy dissipated by local damping, dynamic relaxation, damping of contacts and absorbing edges.
-    pub(crate) damping: Sum,
-    /// Work of applied forces, of gravity, and of boundaries that move nodes.
-    pub(crate) external: Sum,
-    /// Work of applied forces, which `external` contains.
-    pub(crate) loads: Sum,
-    /// Energies at the beginning, once the first step has found them.
-    pub(crate) first: Option<Energies>,
-    /// Largest exchanged and cohesive energy at any audit.
-    pub(crate) exchanged: f64,
-    pub(crate) most_cohesive: f64,
-    pub(crate) relaxation: Relaxation,
-}
-
-/// Dynamic relaxation between two steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Relaxation {
-    /// Power of the forces at the last look, W.
-    pub(crate) power: f64,
-    /// Force on a node over its mass and its velocity, 1/s.
-    pub(crate) damping: f64,
-}
-
-impl Totals {
-    /// Adds works of loads, and of the dashpots of absorbing facets.
-    pub(super) fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
-        for [work, absorbed] in works {
-            self.external.add(work);
-            self.loads.add(work);
-            self.damping.add(-absorbed);
-        }
-    }
-}
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
@@ -68,7 +26,7 @@ where
     }
 
     /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
-    pub(super) fn account(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
+    pub(super) fn account(&mut self, kinetic: &Sum, peers: &dyn Peers<D, N>) {
         let [mut strain, viscous] = self.solid.energies(&self.team);
         let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
         let mut damping = viscous;
@@ -83,21 +41,19 @@ where
             friction.add_sum(&part.friction());
         }
         let mut reactions = self.reactions_of_boundaries();
-        if let Some(links) = links {
-            let mut sums = vec![
-                &mut kinetic,
-                &mut strain,
-                &mut contact,
-                &mut friction,
-                &mut cohesive,
-                &mut damping,
-                &mut external,
-                &mut loads,
-                &mut gravity,
-            ];
-            sums.extend(reactions.iter_mut().flatten());
-            links.add_up(&mut sums);
-        }
+        let mut sums = vec![
+            &mut kinetic,
+            &mut strain,
+            &mut contact,
+            &mut friction,
+            &mut cohesive,
+            &mut damping,
+            &mut external,
+            &mut loads,
+            &mut gravity,
+        ];
+        sums.extend(reactions.iter_mut().flatten());
+        peers.add_up(&mut sums);
         let now = Energies {
             kinetic: kinetic.value(),
             strain: strain.value(),
@@ -119,7 +75,7 @@ where
     }
 
     /// Checks the energy balance.
-    pub(super) fn audit(&mut self, links: Option<&Links<'_>>) -> Result<(), Stop> {
+    pub(super) fn audit(&mut self, peers: &dyn Peers<D, N>) -> Result<(), Stop> {
         let energies = self.energies;
         self.totals.exchanged = energies.exchanged;
         self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
@@ -129,11 +85,11 @@ where
             return Ok(());
         }
         if error.abs() > bound || error.is_nan() {
-            return Err(Stop::Energy { element: self.hottest(links), step, error, bound });
+            return Err(Stop::Energy { element: self.hottest(peers), step, error, bound });
         }
         if energies.kinetic > available + bound * scale {
             return Err(Stop::Kinetic {
-                element: self.hottest(links),
+                element: self.hottest(peers),
                 step,
                 kinetic: energies.kinetic,
                 available,
@@ -148,7 +104,7 @@ where
         };
         let share = returned / scale;
         if share > bound {
-            return Err(Stop::Returned { element: self.hottest(links), step, share, bound });
+            return Err(Stop::Returned { element: self.hottest(peers), step, share, bound });
         }
         Ok(())
     }
@@ -175,7 +131,7 @@ where
     }
 
     /// The element with the most energy per mass: the first of them.
-    pub(super) fn hottest(&self, links: Option<&Links<'_>>) -> u32 {
+    pub(super) fn hottest(&self, peers: &dyn Peers<D, N>) -> u32 {
         let density = |number: u32| {
             let element = &self.solid.elements[number as usize];
             let square = |node: u32| {
@@ -188,16 +144,8 @@ where
         };
         let all = (0..self.solid.elements.len() as u32).filter(|&element| self.solid.share.element(element));
         let of_all = all.map(|element| (density(element), self.topology.number(element)));
-        let hotter = |a: (f64, u32), b: (f64, u32)| {
-            let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-            if order.is_le() { a } else { b }
-        };
-        let own = of_all.reduce(hotter);
-        let found = match links {
-            Some(links) => links.all(&own).into_iter().flatten().reduce(hotter),
-            None => own,
-        };
-        found.map_or(0, |(_, element)| element)
+        let own = of_all.reduce(first_of_largest);
+        peers.first_of_largest(own).map_or(0, |(_, element)| element)
     }
 
     /// Kinetic energy with the velocities half a step after the positions, J.

@@ -7,14 +7,16 @@
 
 use std::collections::BTreeMap;
 
-use crate::contacts::Saved as SavedContacts;
+use crate::contacts::SavedContacts;
 use crate::error::ModelError;
-use crate::joints::{Moving, Saved};
-use crate::kept::Kept;
+use crate::joints::{MovingJoint, SavedJoints};
 use crate::model::{Boundary, Load, Model, Schedule, Target};
 use crate::motion::force_on;
 use crate::simplex::Simplex;
-use crate::simulation::{Actions, Simulation, State};
+use crate::simulation::run::Simulation;
+use crate::simulation::saved::State;
+use crate::simulation::totals::Actions;
+use crate::subset::Subset;
 use crate::sum::Sum;
 use crate::topology::NONE;
 use crate::vector::{Point, add, dot, minus};
@@ -43,7 +45,7 @@ where
         keep: &[bool],
         release: Option<(String, Schedule)>,
     ) -> Result<Self, ModelError> {
-        let Kept { model, elements, .. } = model.keeping(keep)?;
+        let Subset { model, elements, .. } = model.keeping(keep)?;
         Ok(Self { model, elements: elements.into_iter().map(Some).collect(), release })
     }
 }
@@ -110,7 +112,7 @@ where
 }
 
 /// Forces on nodes, and energies, at a state.
-struct Look<const D: usize> {
+struct ForcesAndEnergy<const D: usize> {
     /// Force on each node, without that of what moves it, N.
     forces: Vec<Point<D>>,
     /// Energies that are not summed up over the steps, J.
@@ -122,7 +124,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// Looks at the forces of the next step. The run is not to go on after that.
-    fn look(&mut self) -> Look<D> {
+    fn look(&mut self) -> ForcesAndEnergy<D> {
         let kinetic = self.kinetic_of_half_step();
         // A reason to stop is found again in the next step.
         let _ = self.press(true);
@@ -142,7 +144,7 @@ where
         for part in [kinetic, impulses, viscous, contact].iter().chain(&seams) {
             energy.add_sum(part);
         }
-        Look { forces, energy }
+        ForcesAndEnergy { forces, energy }
     }
 
     /// Works in half a step of the forces on nodes, without those of loads, J.
@@ -271,7 +273,7 @@ impl Numbers {
                 *new = *old;
             }
         }
-        let of = |run: &Simulation<D, N>| -> Vec<Moving<D>> {
+        let of = |run: &Simulation<D, N>| -> Vec<MovingJoint<D>> {
             run.joints.in_order().into_iter().map(|joint| run.joints.moving(joint, &run.topology)).collect()
         };
         let appears = |element: u32| self.before[element as usize].is_none().then_some(element);
@@ -303,7 +305,7 @@ impl Numbers {
             energies: state.energies,
             reactions: fresh.model.boundaries.iter().map(reaction).collect(),
             nodes,
-            joints: Saved::of(stay.chain(appear).collect()),
+            joints: SavedJoints::of(stay.chain(appear).collect()),
             contacts: SavedContacts {
                 grips: grips.into_iter().filter_map(|(pair, grip)| Some((both(pair)?, grip))).collect(),
                 parted: parted.into_iter().filter_map(both).collect(),

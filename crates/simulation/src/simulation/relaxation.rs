@@ -11,10 +11,10 @@
 //! With forces `f₀` at the beginning of a step and `f₁` at its end, `v·Δf` is the difference of two sums over the nodes, `f₁·v - f₀·v`, of which the first is known one step after the second. They are taken every
 //! [`LOOK`] steps.
 
-use crate::motion::{Moved, Taken};
-use crate::ranks::Links;
+use crate::motion::{MotionSums, RelaxationSums};
+use crate::peers::Peers;
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
 use crate::sum::Sum;
 
 /// Steps between two changes of the damping.
@@ -25,26 +25,25 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// What this step takes for the damping of dynamic relaxation.
-    pub(super) fn taken(&self) -> Taken {
+    pub(super) fn taken(&self) -> RelaxationSums {
         match self.step % LOOK {
-            _ if !self.model.time.dynamic_relaxation => Taken::Nothing,
-            0 => Taken::After,
-            1 => Taken::Before,
-            _ => Taken::Nothing,
+            _ if !self.model.time.dynamic_relaxation => RelaxationSums::Nothing,
+            0 => RelaxationSums::After,
+            1 => RelaxationSums::Before,
+            _ => RelaxationSums::Nothing,
         }
     }
 
     /// Notes the sums of a step, and changes the damping from the next step on.
-    pub(super) fn relax(&mut self, taken: Taken, moved: &Moved<Sum, D>, links: Option<&Links<'_>>) {
-        if taken == Taken::Nothing {
+    pub(super) fn relax(&mut self, moved: &MotionSums<Sum, D>, peers: &dyn Peers<D, N>) {
+        let taken = self.taken();
+        if taken == RelaxationSums::Nothing {
             return;
         }
         let [mut power, mut inertia] = moved.taken.clone();
-        if let Some(links) = links {
-            links.add_up(&mut [&mut power, &mut inertia]);
-        }
+        peers.add_up(&mut [&mut power, &mut inertia]);
         let relaxation = &mut self.totals.relaxation;
-        if taken == Taken::After {
+        if taken == RelaxationSums::After {
             relaxation.power = power.value();
             return;
         }

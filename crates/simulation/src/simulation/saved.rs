@@ -2,24 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::{Contacts, Saved as SavedContacts};
+use crate::contacts::{Contacts, SavedContacts};
 use crate::energy::Energies;
 use crate::error::ModelError;
-use crate::joints::{Joint, Saved};
+use crate::joints::{Joint, SavedJoints};
 use crate::model::Model;
-use crate::seams::Hold;
+use crate::seams::SeamState;
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
-use crate::simulation::actions::Actions;
-use crate::simulation::audit::Totals;
+use crate::simulation::run::Simulation;
+use crate::simulation::totals::{Actions, Totals};
 use crate::solid::Node;
 use crate::vector::{Matrix, Point};
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, Saved<D>: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, Saved<D>: Deserialize<'de>"
+    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, SavedJoints<D>: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, SavedJoints<D>: Deserialize<'de>"
 ))]
 pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) step: u64,
@@ -32,9 +31,9 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) stresses: Vec<Matrix<D>>,
     pub(crate) viscous: Vec<Matrix<D>>,
     pub(crate) dissipated: Vec<f64>,
-    pub(crate) joints: Saved<D>,
+    pub(crate) joints: SavedJoints<D>,
     pub(crate) contacts: SavedContacts<D, N>,
-    pub(crate) seams: Vec<Hold<D>>,
+    pub(crate) seams: Vec<SeamState<D>>,
     pub(crate) actions: Actions<D>,
 }
 

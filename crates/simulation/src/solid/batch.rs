@@ -48,7 +48,7 @@ impl<const D: usize> Deformed<D> {
 
 /// What the deformation of a batch depends on besides, in this step.
 #[derive(Clone, Debug)]
-pub(crate) struct Given<const D: usize> {
+pub(crate) struct BatchInputs<const D: usize> {
     /// Matrices whose columns are the edges from corner 0, m.
     pub(crate) edges: Tensors<D>,
     /// Moduli, Pa.
@@ -62,7 +62,7 @@ pub(crate) struct Given<const D: usize> {
     pub(crate) viscosity: Lanes,
 }
 
-impl<const D: usize> Given<D> {
+impl<const D: usize> BatchInputs<D> {
     pub(crate) const NONE: Self = Self {
         edges: [[Lanes::ZERO; D]; D],
         shear: Lanes::ZERO,
@@ -76,7 +76,7 @@ impl<const D: usize> Given<D> {
 
 /// Results of the deformation of a batch that are used at once.
 #[derive(Clone, Debug)]
-pub(crate) struct Told<const D: usize, const N: usize> {
+pub(crate) struct BatchResults<const D: usize, const N: usize> {
     /// Forces on the corners, N.
     forces: [[Lanes; D]; N],
     /// Deformed over undeformed volume.
@@ -87,7 +87,7 @@ pub(crate) struct Told<const D: usize, const N: usize> {
     strain: Lanes,
 }
 
-impl<const D: usize, const N: usize> Told<D, N> {
+impl<const D: usize, const N: usize> BatchResults<D, N> {
     pub(crate) const NONE: Self =
         Self { forces: [[Lanes::ZERO; D]; N], ratio: Lanes::ZERO, power: Lanes::ZERO, strain: Lanes::ZERO };
 
@@ -123,10 +123,10 @@ pub(crate) fn forces_of<const D: usize, const N: usize>(
 fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool, const ANY: bool>(
     lane: usize,
     undeformed: &Undeformed<D>,
-    given: &Given<D>,
+    given: &BatchInputs<D>,
     deformed: &mut Deformed<D>,
     viscous: &mut Tensors<D>,
-    told: &mut Told<D, N>,
+    told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -179,10 +179,10 @@ fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
 #[inline(always)]
 fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
     undeformed: &Undeformed<D>,
-    given: &Given<D>,
+    given: &BatchInputs<D>,
     deformed: &mut Deformed<D>,
     viscous: &mut Tensors<D>,
-    told: &mut Told<D, N>,
+    told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -193,10 +193,10 @@ fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
 
 compiled_for_vectors!(fn vectors = strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
     undeformed: &Undeformed<D>,
-    given: &Given<D>,
+    given: &BatchInputs<D>,
     deformed: &mut Deformed<D>,
     viscous: &mut Tensors<D>,
-    told: &mut Told<D, N>
+    told: &mut BatchResults<D, N>
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 /// Computes the elements of a batch.
@@ -204,10 +204,10 @@ compiled_for_vectors!(fn vectors = strain_all<const D: usize, const N: usize, co
 pub(crate) fn strain<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
     available: Available,
     undeformed: &Undeformed<D>,
-    given: &Given<D>,
+    given: &BatchInputs<D>,
     deformed: &mut Deformed<D>,
     viscous: &mut Tensors<D>,
-    told: &mut Told<D, N>,
+    told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {

@@ -1,7 +1,8 @@
 //! The distance of two tetrahedra that do not overlap.
 
-use crate::simplex::tetrahedron::{EDGES, FACES, Tetrahedron, cross3};
-use crate::vector::{Point, dot, minus};
+use crate::simplex::Tetrahedron;
+use crate::simplex::tetrahedron::numbering::{EDGES, FACES};
+use crate::vector::{Point, cross3, dot, minus};
 
 /// Distance of two tetrahedra that do not overlap, m. The points of both that are nearest to each other are
 /// either on an edge of each, or one is a corner and the other is inside a face.

@@ -1,7 +1,7 @@
 //! The stress in space: see `elastic.rs`.
 
-use crate::elastic::Moduli;
 use crate::model::Material;
+use crate::moduli::Moduli;
 use crate::vector::Matrix;
 
 pub(super) fn moduli(material: &Material) -> Moduli {

@@ -1,17 +1,16 @@
 //! The common part of two faces, and forces because a face turns.
 
-use crate::simplex::tetrahedron::cross3;
-use crate::simplex::tetrahedron::piece::{Corner, Piece, Pieces, share_of};
-use crate::vector::{Matrix, Point, add, dot, length, minus, unit};
+use crate::simplex::tetrahedron::piece::{ConvexPiece, CutTriangle, FacePoint, share_of};
+use crate::vector::{Matrix, Point, add, cross3, dot, length, minus, unit};
 
 /// Barycentric coordinates on a face of points on its plane.
-struct Coordinates {
+struct FaceCoordinates {
     origin: Point<3>,
     /// Gradients of the coordinates along the face.
     gradients: [Point<3>; 3],
 }
 
-impl Coordinates {
+impl FaceCoordinates {
     fn of([a, b, c]: &[Point<3>; 3]) -> Self {
         let (e, f) = (minus(*b, *a), minus(*c, *a));
         let normal = cross3(e, f);
@@ -43,18 +42,18 @@ pub(super) fn common(
     if off > touch || dot(normal, other_normal) >= 0.0 {
         return Vec::new();
     }
-    let coordinates = [Coordinates::of(one), Coordinates::of(other)];
+    let coordinates = [FaceCoordinates::of(one), FaceCoordinates::of(other)];
     // The part of the other face that is in the first.
     let corners = other.map(|corner| coordinates[0].at(corner));
-    let mut pieces = Pieces::of(&corners.map(|[a, b, c]| [a, b, c, 0.0]));
-    let piece = (0..3).fold(Piece::WHOLE, |piece, k| pieces.cut(&piece, |values| values[k]));
-    let corners: Vec<&Corner> = pieces.corners(&piece).collect();
+    let mut pieces = CutTriangle::of(&corners.map(|[a, b, c]| [a, b, c, 0.0]));
+    let piece = (0..3).fold(ConvexPiece::WHOLE, |piece, k| pieces.cut(&piece, |values| values[k]));
+    let corners: Vec<&FacePoint> = pieces.corners(&piece).collect();
     let area = 0.5 * length(other_normal);
     let mut points = Vec::new();
     for pair in corners.windows(2).skip(1) {
         let triangle = [corners[0], pair[0], pair[1]];
         let share = share_of(triangle);
-        let triangle = triangle.map(Corner::coordinates);
+        let triangle = triangle.map(FacePoint::coordinates);
         // A triangle thinner than this is one of rounding.
         if share * area <= least * least {
             continue;
@@ -85,7 +84,7 @@ pub(super) fn turning(
     traction: &[f64; 3],
     area: f64,
 ) -> [Point<3>; 3] {
-    let gradients = Coordinates::of(face).gradients;
+    let gradients = FaceCoordinates::of(face).gradients;
     let mut forces = [[0.0; 3]; 3];
     for (force, gradient) in forces.iter_mut().zip(gradients) {
         for k in 1..3 {
@@ -104,7 +103,7 @@ mod tests {
     use super::*;
     use crate::random::uniform;
     use crate::simplex::Simplex;
-    use crate::simplex::tetrahedron::Tetrahedron;
+    use crate::simplex::Tetrahedron;
 
     /// The points of the common part of two faces in one plane have its area and its centroid, from both
     /// faces.

@@ -21,7 +21,7 @@ const MOST: usize = 3 + CUTS;
 pub(super) const NUMBERS: usize = 6;
 
 /// A batch of parts.
-pub(super) struct Parts {
+pub(super) struct PartBatch {
     /// A quarter of φ at the corners of the face.
     potential: [Lanes; 3],
     /// Linear functions that are not negative on the part, by their values at the corners of the face.
@@ -36,7 +36,7 @@ pub(super) struct Parts {
     numbers: [Lanes; NUMBERS],
 }
 
-impl Parts {
+impl PartBatch {
     pub(super) const NONE: Self = Self {
         potential: [Lanes::ZERO; 3],
         lines: [[Lanes::ZERO; 3]; CUTS],
@@ -280,12 +280,12 @@ impl Edge {
     }
 }
 
-compiled_for_vectors!(fn integrals = all_integrals<const M: usize, const FROM: usize>(parts: &mut Parts));
+compiled_for_vectors!(fn integrals = all_integrals<const M: usize, const FROM: usize>(parts: &mut PartBatch));
 
 /// Integrates over polygons of `M` corners, on which φ is linear.
 #[inline(always)]
-fn all_integrals<const M: usize, const FROM: usize>(parts: &mut Parts) {
-    let Parts { potential, places, left, phi, numbers, .. } = parts;
+fn all_integrals<const M: usize, const FROM: usize>(parts: &mut PartBatch) {
+    let PartBatch { potential, places, left, phi, numbers, .. } = parts;
     let places = &places[FROM];
     for lane in 0..LANES {
         let [zero, one, two] = row(potential, lane);
@@ -334,7 +334,7 @@ fn all_integrals<const M: usize, const FROM: usize>(parts: &mut Parts) {
 mod tests {
     use super::*;
     use crate::random::uniform;
-    use crate::simplex::tetrahedron::piece::{Piece, Pieces, share_of};
+    use crate::simplex::tetrahedron::piece::{ConvexPiece, CutTriangle, share_of};
 
     /// Values of four functions at the corners of a triangle, by seed. Every fourth triangle has values that
     /// are multiples of a fifth: lines through corners, and along edges.
@@ -349,7 +349,7 @@ mod tests {
 
     /// The numbers of the parts where the first functions are not negative, of one triangle in each lane.
     fn parts(seeds: std::ops::Range<u64>, lines: usize) -> Vec<[f64; NUMBERS]> {
-        let mut parts = Parts::NONE;
+        let mut parts = PartBatch::NONE;
         for (lane, seed) in seeds.enumerate() {
             let values = values(seed);
             let of = |k: usize| values.map(|at| at[k]);
@@ -375,8 +375,8 @@ mod tests {
             for first in (0..4000).step_by(LANES) {
                 let found = parts(first..first + LANES as u64, lines);
                 for (seed, found) in (first..).zip(found) {
-                    let mut pieces = Pieces::of(&values(seed));
-                    let mut left = Piece::WHOLE;
+                    let mut pieces = CutTriangle::of(&values(seed));
+                    let mut left = ConvexPiece::WHOLE;
                     for line in 0..lines {
                         left = pieces.cut(&left, |at| at[line]);
                     }

@@ -13,12 +13,12 @@ const ALL: usize = 1 << BITS;
 
 /// A point, by the last two of its barycentric coordinates, and the values of the functions there.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Corner {
+pub(super) struct FacePoint {
     pub(super) place: [f64; 2],
     pub(super) values: [f64; 4],
 }
 
-impl Corner {
+impl FacePoint {
     /// Barycentric coordinates on the triangle.
     pub(super) fn coordinates(&self) -> [f64; 3] {
         let [one, two] = self.place;
@@ -37,19 +37,19 @@ impl Corner {
 
 /// A triangle that is cut into pieces.
 #[derive(Default)]
-pub(super) struct Pieces {
-    corners: [Corner; ALL],
+pub(super) struct CutTriangle {
+    corners: [FacePoint; ALL],
     count: usize,
 }
 
 /// A convex piece of the triangle: the numbers of its corners, in order, in [`BITS`] bits each.
 #[derive(Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct ConvexPiece {
     numbers: u64,
     count: u32,
 }
 
-impl Piece {
+impl ConvexPiece {
     /// The whole triangle.
     pub(super) const WHOLE: Self = Self { numbers: 2 << (2 * BITS) | 1 << BITS, count: 3 };
 
@@ -61,10 +61,10 @@ impl Piece {
     }
 }
 
-impl Pieces {
+impl CutTriangle {
     /// A triangle with these values of the functions at its corners.
     pub(super) fn of(values: &[[f64; 4]; 3]) -> Self {
-        let mut pieces = Self { corners: [Corner::default(); ALL], count: 3 };
+        let mut pieces = Self { corners: [FacePoint::default(); ALL], count: 3 };
         pieces.begin(values);
         pieces
     }
@@ -75,14 +75,14 @@ impl Pieces {
         for (corner, (place, values)) in
             self.corners.iter_mut().zip([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].into_iter().zip(values))
         {
-            *corner = Corner { place, values: *values };
+            *corner = FacePoint { place, values: *values };
         }
         self.count = 3;
     }
 
     /// The corners of a piece.
     #[inline]
-    pub(super) fn corners(&self, piece: &Piece) -> impl Iterator<Item = &Corner> {
+    pub(super) fn corners(&self, piece: &ConvexPiece) -> impl Iterator<Item = &FacePoint> {
         let mut numbers = piece.numbers;
         (0..piece.count).map(move |_| {
             let number = numbers as usize % ALL;
@@ -96,7 +96,7 @@ impl Pieces {
     /// The signs at the corners are bits of a mask, and its runs give the kept corners: with a branch for
     /// each corner, a step of a heap took a third longer.
     #[inline]
-    pub(super) fn cut(&mut self, piece: &Piece, function: impl Fn(&[f64; 4]) -> f64) -> Piece {
+    pub(super) fn cut(&mut self, piece: &ConvexPiece, function: impl Fn(&[f64; 4]) -> f64) -> ConvexPiece {
         let mut at = [0.0; MOST];
         let mut kept = 0_u32;
         for k in 0..piece.count {
@@ -109,7 +109,7 @@ impl Pieces {
             return *piece;
         }
         if kept == 0 {
-            return Piece::EMPTY;
+            return ConvexPiece::EMPTY;
         }
         let before = (kept << 1 | kept >> (count - 1)) & all;
         let mut begins = kept & !before;
@@ -129,12 +129,12 @@ impl Pieces {
         let end = self.between(piece, [last, after], &at);
         let numbers = (piece.numbers >> (BITS * first) | piece.numbers << (BITS * (count - first)))
             & ((1 << (BITS * run)) - 1);
-        Piece { numbers: begin | numbers << BITS | end << (BITS * (run + 1)), count: run + 2 }
+        ConvexPiece { numbers: begin | numbers << BITS | end << (BITS * (run + 1)), count: run + 2 }
     }
 
     /// Adds the corner where the function is zero between two corners of a piece. Returns its number.
     #[inline]
-    fn between(&mut self, piece: &Piece, [one, other]: [u32; 2], at: &[f64; MOST]) -> u64 {
+    fn between(&mut self, piece: &ConvexPiece, [one, other]: [u32; 2], at: &[f64; MOST]) -> u64 {
         let [a, b] = [one, other].map(|corner| at[corner as usize]);
         let [from, to] = [one, other].map(|corner| self.corners[piece.number(corner)]);
         let number = self.count % ALL;
@@ -154,7 +154,7 @@ fn longest_run(begins: u32, kept: u32, count: u32) -> u32 {
 
 /// Area of a triangle over the area of that on which it lies.
 #[inline]
-pub(super) fn share_of([a, b, c]: [&Corner; 3]) -> f64 {
-    let from = |corner: &Corner| [corner.place[0] - a.place[0], corner.place[1] - a.place[1]];
+pub(super) fn share_of([a, b, c]: [&FacePoint; 3]) -> f64 {
+    let from = |corner: &FacePoint| [corner.place[0] - a.place[0], corner.place[1] - a.place[1]];
     cross(from(b), from(c))
 }

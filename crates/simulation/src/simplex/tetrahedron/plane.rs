@@ -1,7 +1,7 @@
 //! Tractions on planes through a point of stressed material.
 
-use crate::simplex::tetrahedron::{cross3, eigen};
-use crate::vector::{Matrix, Point, applied, dot, minus, unit};
+use crate::simplex::tetrahedron::eigen;
+use crate::vector::{Matrix, Point, applied, cross3, dot, minus, unit};
 
 /// Components along axes of the traction across the first of them, Pa.
 pub(super) fn traction_in(axes: &Matrix<3>, stress: &Matrix<3>) -> [f64; 3] {
@@ -70,7 +70,7 @@ mod tests {
     use crate::cohesive::use_of;
     use crate::random::uniform;
     use crate::simplex::Simplex;
-    use crate::simplex::tetrahedron::Tetrahedron;
+    use crate::simplex::Tetrahedron;
     use crate::vector::{add, length, matrix, symmetric};
 
     /// No plane uses a strength more than the critical planes do, if these are within reach. With no reach,

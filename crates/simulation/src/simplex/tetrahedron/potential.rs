@@ -31,20 +31,21 @@
 )]
 
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, row, rows, set_row, set_rows};
-use crate::simplex::tetrahedron::part::{CUTS, NUMBERS, Parts};
-use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
+use crate::simplex::Tetrahedron;
+use crate::simplex::tetrahedron::numbering::FACES;
+use crate::simplex::tetrahedron::part::{CUTS, NUMBERS, PartBatch};
 use crate::simplex::{Interactions, NEAR, Shapes, furthest, points};
-use crate::vector::{Point, dot, minus};
+use crate::vector::{Point, cross3, dot, minus};
 
 /// Memory for the interactions of a list of batches.
 pub(crate) struct Scratch {
-    frames: Vec<Between>,
+    frames: Vec<LoopValues>,
     tasks: Tasks,
 }
 
 impl Default for Scratch {
     fn default() -> Self {
-        Self { frames: vec![Between::NONE; TOGETHER], tasks: Tasks::new() }
+        Self { frames: vec![LoopValues::NONE; TOGETHER], tasks: Tasks::new() }
     }
 }
 
@@ -81,7 +82,7 @@ const TOGETHER: usize = 4;
 fn side<const OF: usize>(
     available: Available,
     shapes: &Shapes<3, 4>,
-    between: &mut Between,
+    between: &mut LoopValues,
     found: &mut Interactions<3, 4>,
 ) {
     between.outside = Lanes::ZERO;
@@ -98,14 +99,15 @@ fn side<const OF: usize>(
 /// Values of a batch that are kept between the loops over its couples. The first of two is that of the first
 /// tetrahedron on the second, the other the reverse.
 #[derive(Clone)]
-struct Between {
+struct LoopValues {
     /// Gradients of the barycentric coordinates, six times the volume, and the centroid of the target.
     gradients: [Rows<3, 4>; 2],
     six_volumes: [Lanes; 2],
     centroids: [[Lanes; 3]; 2],
     /// Barycentric coordinates of the corners of the contactor in the target.
     at: [Rows<4, 4>; 2],
-    /// The numbers of [`Parts`], summed over the parts of each face of the contactor that the target covers.
+    /// The numbers of [`PartBatch`], summed over the parts of each face of the contactor that the target
+    /// covers.
     covered: [Rows<NUMBERS, 4>; 2],
     /// Sums over the faces of one contactor: the flux of both fields, and whether the centroid of the target
     /// is inside, and near a face: 1 or 0.
@@ -118,7 +120,7 @@ struct Between {
     moment: [Lanes; 3],
 }
 
-impl Between {
+impl LoopValues {
     const NONE: Self = Self {
         gradients: [[[Lanes::ZERO; 3]; 4]; 2],
         six_volumes: [Lanes::ZERO; 2],
@@ -134,16 +136,16 @@ impl Between {
     };
 }
 
-compiled_for_vectors!(fn frames_of = all_frames<>(shapes: &Shapes<3, 4>, between: &mut Between));
+compiled_for_vectors!(fn frames_of = all_frames<>(shapes: &Shapes<3, 4>, between: &mut LoopValues));
 
 /// The barycentric coordinates of both tetrahedra.
 #[inline(always)]
-fn all_frames(shapes: &Shapes<3, 4>, between: &mut Between) {
+fn all_frames(shapes: &Shapes<3, 4>, between: &mut LoopValues) {
     for of in 0..2 {
         for lane in 0..LANES {
             let target: Tetrahedron = rows(&shapes[1 - of], lane);
             let contactor: Tetrahedron = rows(&shapes[of], lane);
-            let coordinates = Coordinates::of(&target);
+            let coordinates = VolumeCoordinates::of(&target);
             set_rows(&mut between.gradients[of], lane, &coordinates.gradients);
             between.six_volumes[of].set(lane, coordinates.six_volumes);
             let [a, b, c, d] = target;
@@ -171,10 +173,10 @@ struct Codes {
     lines: [[u64; LANES]; 2],
 }
 
-compiled_for_vectors!(fn codes = all_codes<>(between: &Between, codes: &mut Codes));
+compiled_for_vectors!(fn codes = all_codes<>(between: &LoopValues, codes: &mut Codes));
 
 #[inline(always)]
-fn all_codes(between: &Between, codes: &mut Codes) {
+fn all_codes(between: &LoopValues, codes: &mut Codes) {
     for of in 0..2 {
         let mut words = [[0_u64; LANES]; 4];
         for corner in 0..4 {
@@ -247,13 +249,13 @@ struct Task {
 struct Tasks {
     codes: Codes,
     lists: [Vec<Task>; CUTS + 1],
-    parts: Parts,
+    parts: PartBatch,
 }
 
 impl Tasks {
     fn new() -> Self {
         let codes = Codes { parts: [[0; LANES]; 2], lines: [[0; LANES]; 2] };
-        Self { codes, lists: std::array::from_fn(|_| Vec::new()), parts: Parts::NONE }
+        Self { codes, lists: std::array::from_fn(|_| Vec::new()), parts: PartBatch::NONE }
     }
 
     fn clear(&mut self) {
@@ -281,7 +283,7 @@ impl Tasks {
 
     /// Computes all parts, and adds their numbers to those of their faces: first those with no cut, then
     /// those with one and more, so that the order for each couple does not depend on the others.
-    fn compute(&mut self, available: Available, frames: &mut [Between]) {
+    fn compute(&mut self, available: Available, frames: &mut [LoopValues]) {
         let Self { lists, parts, .. } = self;
         for (cuts, list) in lists.iter().enumerate() {
             for tasks in list.chunks(LANES) {
@@ -306,7 +308,7 @@ impl Task {
 
     /// Gives the corners of the face to a lane of the parts.
     #[inline]
-    fn give(self, between: &Between, lane: usize, parts: &mut Parts) {
+    fn give(self, between: &LoopValues, lane: usize, parts: &mut PartBatch) {
         let own = self.lane as usize % LANES;
         let at = &between.at[self.of as usize % 2];
         let corners = FACES[self.face()].map(|corner| &at[corner]);
@@ -329,7 +331,7 @@ impl Task {
 
 compiled_for_vectors!(fn faces = all_faces<const OF: usize, const F: usize>(
     shapes: &Shapes<3, 4>,
-    between: &mut Between,
+    between: &mut LoopValues,
     forces: &mut [Rows<3, 4>; 2]
 ));
 
@@ -337,7 +339,7 @@ compiled_for_vectors!(fn faces = all_faces<const OF: usize, const F: usize>(
 #[inline(always)]
 fn all_faces<const OF: usize, const F: usize>(
     shapes: &Shapes<3, 4>,
-    between: &mut Between,
+    between: &mut LoopValues,
     forces: &mut [Rows<3, 4>; 2],
 ) {
     let corners = const { FACES[F] };
@@ -379,11 +381,11 @@ fn all_faces<const OF: usize, const F: usize>(
     }
 }
 
-compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>));
+compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &LoopValues, found: &mut Interactions<3, 4>));
 
 /// Adds the energy of the potential of one target.
 #[inline(always)]
-fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>) {
+fn all_energies<const OF: usize>(between: &LoopValues, found: &mut Interactions<3, 4>) {
     for lane in 0..LANES {
         let volume = between.six_volumes[OF].get(lane) * (1.0 / 6.0);
         let inside = between.inside.get(lane);
@@ -397,13 +399,13 @@ fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 
 }
 
 /// Barycentric coordinates of a tetrahedron.
-pub(super) struct Coordinates {
+pub(super) struct VolumeCoordinates {
     origin: Point<3>,
     pub(super) gradients: [Point<3>; 4],
     pub(super) six_volumes: f64,
 }
 
-impl Coordinates {
+impl VolumeCoordinates {
     #[inline(always)]
     pub(super) fn of(tetrahedron: &Tetrahedron) -> Self {
         let [a, b, c, d] = *tetrahedron;
@@ -428,7 +430,7 @@ impl Coordinates {
 /// face that does so most; negative if no face does.
 #[inline(always)]
 pub(super) fn parted(contactor: &Tetrahedron, target: &Tetrahedron) -> f64 {
-    let coordinates = Coordinates::of(target);
+    let coordinates = VolumeCoordinates::of(target);
     furthest(&coordinates.gradients, &contactor.map(|corner| coordinates.at(corner)))
 }
 
@@ -448,7 +450,7 @@ mod tests {
                 };
                 let all =
                     (0..).map(|attempt| [0, 1, 2, 3].map(|k| corner(1000 * pair + 500 * which + attempt, k)));
-                let mut shapes = all.filter(|shape| Coordinates::of(shape).six_volumes > 0.5);
+                let mut shapes = all.filter(|shape| VolumeCoordinates::of(shape).six_volumes > 0.5);
                 shapes.next().expect("one of them is large enough")
             })
         })
@@ -501,7 +503,7 @@ mod tests {
     /// Integral of the potential of `target` over the part that `contactor` covers, by points at random.
     fn sampled(contactor: &Tetrahedron, target: &Tetrahedron, seed: u64) -> [f64; 2] {
         let count = 40_000;
-        let (own, other) = (Coordinates::of(target), Coordinates::of(contactor));
+        let (own, other) = (VolumeCoordinates::of(target), VolumeCoordinates::of(contactor));
         let (mut sum, mut squares) = (0.0, 0.0);
         for k in 0..count {
             // Sorted numbers cut the unit interval into four lengths that are uniform in the tetrahedron.
@@ -559,7 +561,7 @@ mod tests {
         let contactor = |x: f64| [[x, -9.0, -9.0], [x, 9.0, -9.0], [x + 9.0, 0.0, 0.0], [x, 0.0, 18.0]];
         let contactor = |x: f64| {
             let shape = contactor(x);
-            if Coordinates::of(&shape).six_volumes > 0.0 {
+            if VolumeCoordinates::of(&shape).six_volumes > 0.0 {
                 shape
             } else {
                 [shape[1], shape[0], shape[2], shape[3]]
@@ -588,7 +590,7 @@ mod tests {
         };
         let contactor = |by: f64| {
             let shape = contactor(by);
-            if Coordinates::of(&shape).six_volumes > 0.0 {
+            if VolumeCoordinates::of(&shape).six_volumes > 0.0 {
                 shape
             } else {
                 [shape[1], shape[0], shape[2], shape[3]]
@@ -622,13 +624,13 @@ mod tests {
     #[test]
     fn the_distance_of_tetrahedra_whose_edges_cross() {
         let below = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [0.0, -1.0, -1.0]];
-        let below = if Coordinates::of(&below).six_volumes > 0.0 {
+        let below = if VolumeCoordinates::of(&below).six_volumes > 0.0 {
             below
         } else {
             [below[1], below[0], below[2], below[3]]
         };
         let above = below.map(|[x, y, z]| [y, x, 0.1 - z]);
-        let above = if Coordinates::of(&above).six_volumes > 0.0 {
+        let above = if VolumeCoordinates::of(&above).six_volumes > 0.0 {
             above
         } else {
             [above[1], above[0], above[2], above[3]]

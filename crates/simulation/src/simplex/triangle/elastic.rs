@@ -1,7 +1,7 @@
 //! The stress in the plane: see `elastic.rs`.
 
-use crate::elastic::Moduli;
 use crate::model::{Material, Plane};
+use crate::moduli::Moduli;
 use crate::vector::Matrix;
 
 pub(super) fn moduli(material: &Material, plane: Plane) -> Moduli {

@@ -29,8 +29,7 @@
 use crate::lanes::{
     Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
 };
-use crate::simplex::triangle::Triangle;
-use crate::simplex::{Interactions, NEAR, Shapes, furthest, points};
+use crate::simplex::{Interactions, NEAR, Shapes, Triangle, furthest, points};
 use crate::vector::{Point, cross, dot, minus};
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -40,7 +39,7 @@ const SIXTH: f64 = 1.0 / 6.0;
 pub(super) fn interactions(
     available: Available,
     shapes: &[Shapes<2, 3>],
-    between: &mut Between,
+    between: &mut TriangleScratch,
     found: &mut [Interactions<2, 3>],
 ) {
     for (shapes, found) in shapes.iter().zip(found) {
@@ -63,7 +62,7 @@ pub(super) fn interactions(
 fn side<const OF: usize>(
     available: Available,
     shapes: &Shapes<2, 3>,
-    between: &mut Between,
+    between: &mut TriangleScratch,
     found: &mut Interactions<2, 3>,
 ) {
     between.outside = Lanes::ZERO;
@@ -78,7 +77,7 @@ fn side<const OF: usize>(
 
 /// Values of a batch that are kept between the loops over its couples. The first of two is that of the first
 /// triangle on the second, the other the reverse.
-pub(crate) struct Between {
+pub(crate) struct TriangleScratch {
     /// Gradients of the area coordinates, twice the area, and the centroid of the target.
     gradients: [Rows<2, 3>; 2],
     double: [Lanes; 2],
@@ -98,7 +97,7 @@ pub(crate) struct Between {
     moment: [Lanes; 2],
 }
 
-impl Default for Between {
+impl Default for TriangleScratch {
     fn default() -> Self {
         Self {
             gradients: [[[Lanes::ZERO; 2]; 3]; 2],
@@ -116,15 +115,15 @@ impl Default for Between {
     }
 }
 
-compiled_for_vectors!(fn frames = all_frames<>(shapes: &Shapes<2, 3>, between: &mut Between));
+compiled_for_vectors!(fn frames = all_frames<>(shapes: &Shapes<2, 3>, between: &mut TriangleScratch));
 
 /// The area coordinates of both triangles.
 #[inline(always)]
-fn all_frames(shapes: &Shapes<2, 3>, between: &mut Between) {
+fn all_frames(shapes: &Shapes<2, 3>, between: &mut TriangleScratch) {
     for lane in 0..LANES {
         let [a, b] = [rows(&shapes[0], lane), rows(&shapes[1], lane)];
         for (of, (target, contactor)) in [(b, a), (a, b)].into_iter().enumerate() {
-            let coordinates = Coordinates::of(&target);
+            let coordinates = AreaCoordinates::of(&target);
             set_rows(&mut between.gradients[of], lane, &coordinates.gradients);
             between.double[of].set(lane, coordinates.double);
             let centroid: Point =
@@ -150,7 +149,7 @@ fn all_chords(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 6]) {
 
 compiled_for_vectors!(fn edges = all_edges<const OF: usize, const K: usize>(
     shapes: &Shapes<2, 3>,
-    between: &mut Between,
+    between: &mut TriangleScratch,
     forces: &mut [Rows<2, 3>; 2]
 ));
 
@@ -158,7 +157,7 @@ compiled_for_vectors!(fn edges = all_edges<const OF: usize, const K: usize>(
 #[inline(always)]
 fn all_edges<const OF: usize, const K: usize>(
     shapes: &Shapes<2, 3>,
-    between: &mut Between,
+    between: &mut TriangleScratch,
     forces: &mut [Rows<2, 3>; 2],
 ) {
     let next = const { (K + 1) % 3 };
@@ -198,11 +197,11 @@ fn all_edges<const OF: usize, const K: usize>(
     }
 }
 
-compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>));
+compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &TriangleScratch, found: &mut Interactions<2, 3>));
 
 /// Adds the energy of the potential of one target.
 #[inline(always)]
-fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>) {
+fn all_energies<const OF: usize>(between: &TriangleScratch, found: &mut Interactions<2, 3>) {
     for lane in 0..LANES {
         let area = 0.5 * between.double[OF].get(lane);
         let inside = between.inside.get(lane);
@@ -216,14 +215,14 @@ fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 
 }
 
 /// Area coordinates of a triangle.
-pub(super) struct Coordinates {
+pub(super) struct AreaCoordinates {
     origin: Point,
     gradients: [Point; 3],
     /// Twice the area.
     double: f64,
 }
 
-impl Coordinates {
+impl AreaCoordinates {
     #[inline(always)]
     pub(super) fn of(triangle: &Triangle) -> Self {
         let [a, b, c] = *triangle;
@@ -246,7 +245,7 @@ impl Coordinates {
 /// edge that does so most; negative if no edge does.
 #[inline(always)]
 pub(super) fn parted(contactor: &Triangle, target: &Triangle) -> f64 {
-    let coordinates = Coordinates::of(target);
+    let coordinates = AreaCoordinates::of(target);
     furthest(&coordinates.gradients, &contactor.map(|corner| coordinates.at(corner)))
 }
 
@@ -391,7 +390,7 @@ mod tests {
     /// triangles.
     fn summed(contactor: &Triangle, target: &Triangle) -> f64 {
         let (n, mut sum) = (120_u32, 0.0);
-        let coordinates = Coordinates::of(contactor);
+        let coordinates = AreaCoordinates::of(contactor);
         for i in 0..n {
             for j in 0..n - i {
                 for (share, last) in [(1.0 / 3.0, n - i), (2.0 / 3.0, n - i - 1)] {
@@ -407,7 +406,7 @@ mod tests {
                 }
             }
         }
-        0.5 * Coordinates::of(target).double * sum / f64::from(n * n)
+        0.5 * AreaCoordinates::of(target).double * sum / f64::from(n * n)
     }
 
     #[test]

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The distance of an element's stress from the strength of its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Near {
+pub(crate) enum StressLevel {
     Far,
     /// An edge may reach [`SUSPECT`].
     Suspect,
@@ -75,8 +75,8 @@ impl Slopes {
     /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an
     /// element's edges.
     #[inline]
-    pub(crate) fn near(&self, weakest: Weakest, circle: [f64; 2]) -> Near {
-        Near::of(self.level(weakest, circle))
+    pub(crate) fn near(&self, weakest: Weakest, circle: [f64; 2]) -> StressLevel {
+        StressLevel::of(self.level(weakest, circle))
     }
 
     /// 2 if an edge may fail, 1 if it may reach [`SUSPECT`], else 0.
@@ -94,7 +94,7 @@ impl Slopes {
     }
 }
 
-impl Near {
+impl StressLevel {
     #[inline]
     fn of(level: f64) -> Self {
         if level >= 2.0 {
@@ -113,14 +113,14 @@ pub(crate) fn nears<const D: usize, const N: usize>(
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
-    near: &mut [Near],
+    near: &mut [StressLevel],
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mut levels = Lanes::ZERO;
     levels_of::<D, N>(available, slopes, deformed, weakest, &mut levels);
     for (lane, near) in near.iter_mut().enumerate() {
-        *near = Near::of(levels.get(lane));
+        *near = StressLevel::of(levels.get(lane));
     }
 }
 
@@ -202,13 +202,13 @@ mod tests {
             };
             if share(1.0) {
                 failed += 1;
-                assert_eq!(found, Some(Near::Failing), "{pair:?}");
+                assert_eq!(found, Some(StressLevel::Failing), "{pair:?}");
             } else if share(SUSPECT) {
                 suspected += 1;
-                assert!(found >= Some(Near::Suspect), "{pair:?}");
+                assert!(found >= Some(StressLevel::Suspect), "{pair:?}");
             }
-            near += usize::from(found == Some(Near::Suspect));
-            far += usize::from(found == Some(Near::Far));
+            near += usize::from(found == Some(StressLevel::Suspect));
+            far += usize::from(found == Some(StressLevel::Far));
         }
         assert!([failed, suspected, near, far].into_iter().all(|count| count > 1000));
     }
@@ -217,7 +217,7 @@ mod tests {
     fn nothing_reaches_what_cannot_break() {
         assert_eq!(
             Slopes::of(&[strength(1.0, 0.5)]).near(Weakest::of([].into_iter()), [1e150; 2]),
-            Near::Far
+            StressLevel::Far
         );
     }
 }

@@ -11,7 +11,7 @@ use crate::topology::{NONE, Topology};
 
 /// A part of a model: see [`Model::keeping`].
 #[derive(Clone, Debug)]
-pub struct Kept<const D: usize = 2, const N: usize = 3> {
+pub struct Subset<const D: usize = 2, const N: usize = 3> {
     /// The part.
     pub model: Model<D, N>,
     /// Number in the whole model of each of its elements, ascending.
@@ -30,7 +30,7 @@ where
     /// # Errors
     /// The errors of the mesh: see [`ModelError`]. [`ModelError::Length`] if `keep` has not an entry for each
     /// element.
-    pub fn keeping(&self, keep: &[bool]) -> Result<Kept<D, N>, ModelError> {
+    pub fn keeping(&self, keep: &[bool]) -> Result<Subset<D, N>, ModelError> {
         let mesh = &self.mesh;
         let expected = mesh.elements.len();
         if keep.len() != expected {
@@ -117,6 +117,6 @@ where
             }
         }
         model.boundaries.retain(|boundary| !boundary.target.is_empty());
-        Ok(Kept { model, elements, nodes })
+        Ok(Subset { model, elements, nodes })
     }
 }

@@ -1,11 +1,15 @@
-//! The snapshot of a run, for results.
+//! The snapshot of a run, its forces and its cracks, for results.
 
-use crate::joints::Seen;
+use std::collections::BTreeMap;
+
+use crate::forces::{ContactForce, Forces, OwnForces};
+use crate::joints::JointView;
 use crate::simplex::Simplex;
-use crate::simulation::Simulation;
+use crate::simulation::run::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::Node;
-use crate::vector::{Point, plus};
+use crate::sum::Sum;
+use crate::vector::{Point, add, plus};
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
@@ -37,11 +41,63 @@ where
             cracks,
         }
     }
+
+    /// Total lengths of joints that broke by opening, by sliding, and by both, m.
+    pub fn crack_lengths(&self) -> [f64; 3] {
+        self.lengths_of_cracks(|_| true).map(|length| length.value())
+    }
+
+    /// Sums of the lengths of the broken joints that are `counted`, by mode.
+    pub(crate) fn lengths_of_cracks(&self, counted: impl Fn(u32) -> bool) -> [Sum; 3] {
+        let mut lengths = [(); 3].map(|()| Sum::default());
+        for (_, joint, broken) in self.joints.breaks().filter(|(number, ..)| counted(*number)) {
+            lengths[mode(broken.modes) as usize].add(joint.measure);
+        }
+        lengths
+    }
+
+    /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
+    /// of the first element of each fragment. The fragments change only when joints break: see
+    /// [`Counts::broken`]. Linear in the number of elements.
+    pub fn fragments(&self) -> Vec<u32> {
+        self.topology.pieces(|facet| self.joints.holds(facet))
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step.
+    pub fn forces(&self) -> Forces<D> {
+        let order = self.solid.order(&self.topology);
+        let codes = order.into_iter().map(|node| self.solid.corners.of(node as usize)[0]);
+        self.own_forces().placed(codes, self.solid.origin)
+    }
+
+    /// The forces that this rank counts.
+    pub(crate) fn own_forces(&self) -> OwnForces<D> {
+        let numbered = |force: ContactForce<D>| ContactForce {
+            elements: force.elements.map(|element| self.topology.number(element)),
+            ..force
+        };
+        let counted = |force: &ContactForce<D>| self.solid.share.element(force.elements[0]);
+        let contacts = self.contacts.forces(&self.solid).into_iter().filter(counted).map(numbered);
+        let joints = self.joints.pressing(&self.solid, &self.topology).into_iter().map(numbered);
+        let applied = self.loads.applied(&self.solid);
+        let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
+        let mut reactions = BTreeMap::new();
+        for (node, force) in self.held.iter().copied().chain(applied) {
+            add(reactions.entry(node).or_insert([0.0; D]), force, 1.0);
+        }
+        let code = |node: u32| self.topology.code_of_corner(self.solid.corners.of(node as usize)[0]);
+        OwnForces {
+            contacts: contacts.collect(),
+            joints: joints.collect(),
+            reactions: reactions.into_iter().map(|(node, force)| (code(node), force)).collect(),
+        }
+    }
 }
 
-/// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them in order; `nodes`: those that the joints name; `origin`: of their positions.
+/// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them
+/// in order; `nodes`: those that the joints name; `origin`: of their positions.
 pub(crate) fn cracks<'a, const D: usize, const N: usize>(
-    joints: impl Iterator<Item = Seen<'a, D>>,
+    joints: impl Iterator<Item = JointView<'a, D>>,
     nodes: &[Node<D>],
     origin: Point<D>,
     elements: usize,
@@ -65,7 +121,7 @@ where
 }
 
 fn crack<const D: usize, const N: usize>(
-    seen: &Seen<'_, D>,
+    seen: &JointView<'_, D>,
     damage: f64,
     nodes: &[Node<D>],
     origin: Point<D>,

@@ -1,0 +1,334 @@
+//! A run of a model: all that it has between two steps.
+
+use fdem_contact::Simd;
+use fdem_distributed::wire;
+
+use crate::checks;
+use crate::contacts::{Contacts, Touching, mean_edge};
+use crate::critical::CriticalStep;
+use crate::energy::Energies;
+use crate::error::ModelError;
+use crate::joints::Joints;
+use crate::lanes::Available;
+use crate::loads::{self, Loads};
+use crate::model::{Insertion, Model};
+use crate::ranks::part::RankPart;
+use crate::seams::Seams;
+use crate::share::Share;
+use crate::simplex::Simplex;
+use crate::simulation::totals::{Actions, Totals};
+use crate::solid::Solid;
+use crate::sum::{Grains, Sum};
+use crate::team::Team;
+use crate::timings::Timings;
+use crate::topology::Topology;
+use crate::vector::Point;
+
+/// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
+const RUNAWAY: f64 = 10.0;
+
+/// Energy errors are ignored while the exchanged energy is below that of a uniform strain of this size, plus
+/// [`NEGLIGIBLE_SHARE`] of the initial strain energy.
+const NEGLIGIBLE_STRAIN: f64 = 1e-8;
+
+/// Share of the initial strain energy that is added to this limit, because coordinates are rounded.
+const NEGLIGIBLE_SHARE: f64 = 1e-9;
+
+/// A run of a model.
+///
+/// # Example
+/// ```
+/// # use fdem_simulation::*;
+/// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// let model = Model { mesh, materials: vec![material], gravity: [0.0, -9.81], ..Model::default() };
+/// let mut run = Simulation::new(model, 1)?;
+/// run.advance(1000)?;
+/// let fallen = run.snapshot().displacements[0][1];
+/// assert!((fallen / (-9.81 / 2.0 * run.time().powi(2)) - 1.0).abs() < 2e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Simulation<const D: usize = 2, const N: usize = 3> {
+    pub(crate) model: Model<D, N>,
+    pub(crate) topology: Topology<D, N>,
+    pub(crate) solid: Solid<D, N>,
+    pub(crate) joints: Joints<D>,
+    pub(crate) contacts: Contacts<D, N>,
+    pub(crate) seams: Seams<D>,
+    pub(crate) loads: Loads<D, N>,
+    pub(crate) team: Team,
+    pub(crate) scales: Scales,
+    pub(crate) step: u64,
+    pub(crate) totals: Totals,
+    /// Energies at the beginning of the last step that they were asked for, J: of the last step of
+    /// [`Simulation::advance`].
+    pub(crate) energies: Energies,
+    /// Force of each boundary on the bodies then, N.
+    pub(crate) reactions: Vec<Point<D>>,
+    /// Largest force on a free node over the largest force of an element on a node, at the beginning of the
+    /// last step that energies were asked for.
+    pub(crate) imbalance: f64,
+    /// Force on each node that a boundary moves, at the beginning of the last step, N.
+    pub(crate) held: Vec<(u32, Point<D>)>,
+    pub(crate) touching: Touching,
+    pub(crate) timings: Timings,
+    /// What the caller has set between steps.
+    pub(crate) actions: Actions<D>,
+    /// The part of a run that this rank has; `None` for a whole run.
+    pub(crate) part: Option<RankPart<D>>,
+}
+
+/// Numbers of a model that all of its parts share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    pub(crate) critical: CriticalStep,
+    /// Time step, s.
+    pub(crate) time_step: f64,
+    /// Largest speed of a node at which the run continues, m/s.
+    pub(crate) speed_limit: f64,
+    /// Energy of the stiffest element at a strain of 1, J, or that of the heaviest node at the greatest speed
+    /// that is prescribed, if that is more: the size of the works that are added up.
+    pub(crate) size: f64,
+    /// Exchanged energy below which the energy balance is not checked, J.
+    pub(crate) negligible: f64,
+}
+
+wire!([] Scales { critical, time_step, speed_limit, size, negligible });
+
+/// The parts of a simulation that depend on its elements.
+pub(crate) struct Components<const D: usize, const N: usize> {
+    pub(crate) topology: Topology<D, N>,
+    pub(crate) solid: Solid<D, N>,
+    pub(crate) joints: Joints<D>,
+    pub(crate) contacts: Contacts<D, N>,
+    pub(crate) seams: Seams<D>,
+    pub(crate) loads: Loads<D, N>,
+}
+
+/// Numbers of joints, contacts and nodes, which change during a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Joints that hold, elastic or softening.
+    pub joints: usize,
+    /// Broken joints.
+    pub broken: usize,
+    /// Couples of elements that overlap.
+    pub contacts: usize,
+    /// Number of detections of couples so far.
+    pub detections: u64,
+    /// Nodes.
+    pub nodes: usize,
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the
+    /// number of threads.
+    ///
+    /// # Errors
+    /// An error that says why the model cannot be simulated.
+    pub fn new(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
+        checks::check(&model)?;
+        let topology = Topology::of(&model.mesh)?;
+        let mut joints = Joints::new(&model, &topology, &Share::default());
+        // Before all that a run keeps, because it takes much memory for a moment.
+        let critical = CriticalStep::new(&model, &topology, &joints);
+        let mut solid = Solid::new(&model);
+        // Checks the laws of all facets now, so that none can fail during the run.
+        for facet in 0..topology.facets.len() as u32 {
+            joints.law(facet, &model, &topology)?;
+        }
+        let mut loads = Loads::new(&model, &topology, &mut solid, None)?;
+        let team = Team::new(threads)?;
+        let contacts = Contacts::new(&model, &topology, mean_edge(&model), &team)?;
+        if model.fracture.insertion == Insertion::Intrinsic {
+            solid.reserve_nodes(N * model.mesh.elements.len());
+            joints.everywhere(&model, &topology)?;
+        } else {
+            joints.of_sets(&model, &topology)?;
+        }
+        // This also separates elements that have only a vertex in common.
+        for vertex in 0..topology.vertex_count() as u32 {
+            joints.part(vertex, &mut solid, false, &model, &topology);
+        }
+        if model.fracture.insertion == Insertion::Intrinsic {
+            solid.number_by_corners();
+            joints.find_nodes(&topology, &solid);
+        }
+        let seams = Seams::new(&model, &topology, &solid)?;
+        if solid.is_prestressed() {
+            let by_seams = seams.initial_forces(&solid);
+            loads.support(&model, &solid, |corner| {
+                let mut force = by_seams.get(corner as usize).copied().unwrap_or([0.0; D]);
+                joints.add_initial_force(corner, &solid, &mut force);
+                force
+            });
+        }
+        let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
+        let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
+        let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
+        let stiffnesses = || solid.elements.iter().map(|element| element.volume * modulus(element.material));
+        let stiffness: Sum = stiffnesses().collect();
+        let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
+        let heaviest = solid.constants.iter().map(|node| node.mass).fold(0.0, f64::max);
+        let fastest = loads::fastest(&model, time_step).min(speed_limit);
+        // A node of a light body may rebound at twice the speed of a heavy one. Then it has four times the
+        // kinetic energy, m/2 v².
+        let size = stiffnesses().fold(4.0 * heaviest * fastest * fastest, f64::max);
+        solid.grains = Grains::of(size);
+        let [strain, _] = solid.energies(&team).map(|sum| sum.value());
+        let cohesive = joints.stored(&solid);
+        let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
+        let scales = Scales {
+            critical,
+            time_step,
+            speed_limit,
+            size,
+            negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
+                + NEGLIGIBLE_SHARE * strain,
+        };
+        let parts = Components { topology, solid, joints, contacts, seams, loads };
+        let mut run = Self::with_parts(model, parts, team, scales);
+        run.totals = totals;
+        run.energies = Energies { strain, initial: strain, ..Energies::default() };
+        Ok(run)
+    }
+
+    /// A run of a model, or of a part of one, before its first step.
+    pub(crate) fn with_parts(
+        model: Model<D, N>,
+        parts: Components<D, N>,
+        team: Team,
+        scales: Scales,
+    ) -> Self {
+        let Components { topology, solid, joints, contacts, seams, loads } = parts;
+        Self {
+            scales,
+            reactions: vec![[0.0; D]; model.boundaries.len()],
+            team,
+            step: 0,
+            totals: Totals::default(),
+            energies: Energies::default(),
+            imbalance: f64::INFINITY,
+            held: Vec::new(),
+            touching: Touching::default(),
+            timings: Timings::default(),
+            actions: Actions::default(),
+            model,
+            topology,
+            solid,
+            joints,
+            contacts,
+            seams,
+            loads,
+            part: None,
+        }
+    }
+
+    /// The model as it was given.
+    pub fn model(&self) -> &Model<D, N> {
+        &self.model
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.step as f64 * self.scales.time_step
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.scales.time_step
+    }
+
+    /// The longest stable time step, and what sets it.
+    pub fn critical_step(&self) -> CriticalStep {
+        self.scales.critical
+    }
+
+    /// Energies at the beginning of the last step, J.
+    pub fn energies(&self) -> Energies {
+        self.energies
+    }
+
+    /// Whether forces are in equilibrium: the largest force on a node that is free over the largest that an
+    /// element exerts on one of its nodes, at the beginning of the last step. 0 at rest; infinite before the
+    /// first step, and not a number without any force.
+    pub fn imbalance(&self) -> f64 {
+        self.imbalance
+    }
+
+    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such
+    /// boundary.
+    pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
+        self.reactions.get(boundary).copied()
+    }
+
+    /// Numbers of joints, contacts and nodes.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            joints: self.joints.all.len() - self.joints.broken(),
+            broken: self.joints.broken(),
+            contacts: self.touching.count,
+            detections: self.contacts.detections,
+            nodes: self.solid.nodes.len(),
+        }
+    }
+
+    /// The elements of a couple in which one element reached the centroid of the other in the last step: the
+    /// contact is too soft. `None` if there is no such couple.
+    pub fn penetrated(&self) -> Option<[u32; 2]> {
+        self.touching.deep
+    }
+
+    /// Computing time so far, by parts of the steps.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.team.threads()
+    }
+
+    /// The vector instructions on which elements, whole joints and contacts are computed: the fastest that
+    /// the processor has, where nothing else was set.
+    pub fn simd(&self) -> Simd {
+        self.solid.available.simd()
+    }
+
+    /// Computes elements, whole joints and contacts on other vector instructions. Results are the same to the
+    /// last bit. Returns `false`, and changes nothing, if the processor does not have them.
+    pub fn set_simd(&mut self, simd: Simd) -> bool {
+        let available = Available::new(simd);
+        self.solid.available = available.unwrap_or(self.solid.available);
+        available.is_some()
+    }
+
+    /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh
+    /// has broken there. `None` if there is no such node.
+    pub fn node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
+        if node as usize >= self.topology.vertex_count() {
+            return None;
+        }
+        Some(self.at_vertex(node))
+    }
+
+    /// Displacement, m, and velocity, m/s, of the first node of a vertex.
+    pub(crate) fn at_vertex(&self, vertex: u32) -> ([f64; D], [f64; D]) {
+        let node = self.solid.corners.node_at(self.topology.corners_of(vertex)[0]) as usize;
+        (self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity)
+    }
+
+    /// [`Simulation::node`] for some nodes.
+    pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
+        nodes.iter().map(|&node| self.node(node)).collect()
+    }
+}

@@ -1,0 +1,69 @@
+//! Sums over the steps of a run, and what a caller has set between them.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::energy::Energies;
+use crate::sum::Sum;
+use crate::vector::Point;
+
+/// Sums over a run, J.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Totals {
+    /// Work against friction of contacts.
+    pub(crate) friction: Sum,
+    /// Work against joints, less the potential energy of contacts to which they have handed over.
+    pub(crate) cohesive: Sum,
+    /// Energy dissipated by local damping, dynamic relaxation, damping of contacts and absorbing edges.
+    pub(crate) damping: Sum,
+    /// Work of applied forces, of gravity, and of boundaries that move nodes.
+    pub(crate) external: Sum,
+    /// Work of applied forces, which `external` contains.
+    pub(crate) loads: Sum,
+    /// Energies at the beginning, once the first step has found them.
+    pub(crate) first: Option<Energies>,
+    /// Largest exchanged and cohesive energy at any audit.
+    pub(crate) exchanged: f64,
+    pub(crate) most_cohesive: f64,
+    pub(crate) relaxation: Relaxation,
+}
+
+/// Dynamic relaxation between two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Relaxation {
+    /// Power of the forces at the last look, W.
+    pub(crate) power: f64,
+    /// Force on a node over its mass and its velocity, 1/s.
+    pub(crate) damping: f64,
+}
+
+impl Totals {
+    /// Adds works of loads, and of the dashpots of absorbing facets.
+    pub(super) fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
+        for [work, absorbed] in works {
+            self.external.add(work);
+            self.loads.add(work);
+            self.damping.add(-absorbed);
+        }
+    }
+}
+
+/// Actions of the caller that later steps depend on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub(crate) struct Actions<const D: usize> {
+    /// Forces on corners of elements, N.
+    pub(crate) forces: BTreeMap<u32, Point<D>>,
+    /// Factors of boundaries that replace their schedules.
+    pub(crate) factors: BTreeMap<u32, f64>,
+    /// Velocities, m/s, that the caller has replaced since the last step, by the first corner of the node.
+    pub(crate) replaced: BTreeMap<u32, Point<D>>,
+}
+
+impl<const D: usize> Actions<D> {
+    /// Whether there are none but factors, which do not belong to places.
+    pub(crate) fn are_factors(&self) -> bool {
+        self.forces.is_empty() && self.replaced.is_empty()
+    }
+}
