@@ -1,4 +1,5 @@
-//! Values as bytes, in little-endian order, and back. Messages between ranks are of the same program, so that they need no names and no versions.
+//! Values as bytes, in little-endian order, and back. Messages between ranks are of the same program, so that
+//! they need no names and no versions.
 
 use fdem_contact::Real;
 
@@ -171,7 +172,8 @@ impl Wire for String {
     }
 }
 
-/// Implements [`Wire`](crate::wire::Wire) for a structure by its fields, in the order in which they are listed. Its generic parameters come first, in brackets.
+/// Implements [`Wire`](crate::wire::Wire) for a structure by its fields, in the order in which they are
+/// listed. Its generic parameters come first, in brackets.
 #[macro_export]
 macro_rules! wire {
     ([$($parameters:tt)*] $name:ty { $($field:ident),* $(,)? }) => {

@@ -30,10 +30,10 @@
 //!
 //! # How it is built
 //!
-//! Everything that is written is a `Table` (`src/written/table.rs`): named, typed columns whose values are computed
-//! while they are written. Nothing is stored, and every format can write every table. Columnar formats
-//! request column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the tables of
-//! couples and elements.
+//! Everything that is written is a `Table` (`src/written/table.rs`): named, typed columns whose values are
+//! computed while they are written. Nothing is stored, and every format can write every table. Columnar
+//! formats request column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the
+//! tables of couples and elements.
 //!
 //! # To change X, open Y
 //!

@@ -1,12 +1,14 @@
-//! Pictures of a packing and its contact network as SVG or PNG. They need no display and no graphics card, and their bytes are the same in every run.
+//! Pictures of a packing and its contact network as SVG or PNG. They need no display and no graphics card,
+//! and their bytes are the same in every run.
 //!
 //! ```text
 //! Network ──> Scene ──┬─> discs, spheres, rods by pixel ─┐
 //!                     ├─> discs and lines as SVG ────────┼─> SVG ──> PNG
 //!                     └─> distributions ─────────────────┘
 //! ```
-//! [`svg`] and [`png()`] draw the elements and the contacts. [`plots_svg`] and [`plots_png`] draw the distributions of contacts, overlaps, sizes and directions.
-//! [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane, [`bodies_svg`] and [`bodies_png`] bodies of any shape.
+//! [`svg`] and [`png()`] draw the elements and the contacts. [`plots_svg`] and [`plots_png`] draw the
+//! distributions of contacts, overlaps, sizes and directions. [`mesh_svg`] and [`mesh_png`] draw meshed
+//! bodies in a plane, [`bodies_svg`] and [`bodies_png`] bodies of any shape.
 
 pub(crate) mod bodies;
 pub(crate) mod camera;
@@ -33,11 +35,14 @@ use scene::Scene;
 
 /// Draws elements and contacts as SVG.
 ///
-/// In 2D the picture shows discs, white if they have no contact, and a line for each contact, coloured by its overlap. In 3D it shows two views in parallel
-/// projection, turned by 30 degrees and tilted by 20 degrees: the elements coloured by their number of contacts, and the contacts coloured by overlap. Larger
-/// overlaps have wider lines. A contact across a face of the box is drawn as two halves. Points are drawn smaller than their cut-off.
+/// In 2D the picture shows discs, white if they have no contact, and a line for each contact, coloured by its
+/// overlap. In 3D it shows two views in parallel projection, turned by 30 degrees and tilted by 20 degrees:
+/// the elements coloured by their number of contacts, and the contacts coloured by overlap. Larger overlaps
+/// have wider lines. A contact across a face of the box is drawn as two halves. Points are drawn smaller than
+/// their cut-off.
 ///
-/// Texts are SVG text. Spheres, and more than 50,000 discs or contacts, which a browser would open slowly, are an embedded image.
+/// Texts are SVG text. Spheres, and more than 50,000 discs or contacts, which a browser would open slowly,
+/// are an embedded image.
 ///
 /// # Errors
 /// [`PictureError::Dimensions`], [`PictureError::NotFinite`], [`PictureError::TooWide`].
@@ -67,7 +72,7 @@ pub fn svg<const D: usize>(network: &Network<'_, D>, caption: &Caption<'_>) -> R
     drawing::svg(&Scene::new(network, caption)?)
 }
 
-/// As [`svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
+/// Like [`svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// The errors of [`svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -83,10 +88,12 @@ pub fn png<const D: usize>(
     drawing::png(&Scene::new(network, caption)?, width)
 }
 
-/// Draws the distributions of contacts, overlaps, sizes, directions of contacts and distances of centres as SVG.
+/// Draws the distributions of contacts, overlaps, sizes, directions of contacts and distances of centres as
+/// SVG.
 ///
-/// Each contact counts in both of its directions. In 2D, and for the azimuth in 3D, the radius of a sector is its share of the contacts. For the inclination in
-/// 3D, it is this share over the share for isotropic contacts, so that isotropy is a circle. Distances are shown by the radial distribution
+/// Each contact counts in both of its directions. In 2D, and for the azimuth in 3D, the radius of a sector is
+/// its share of the contacts. For the inclination in 3D, it is this share over the share for isotropic
+/// contacts, so that isotropy is a circle. Distances are shown by the radial distribution
 /// [`crate::analysis::Radial`], up to 3 mean diameters.
 ///
 /// # Errors
@@ -102,7 +109,7 @@ pub fn plots_svg<const D: usize>(
     Ok(plots::svg(&Scene::new(network, caption)?, &g_of_r(network)))
 }
 
-/// As [`plots_svg`], as a PNG file. `width`: as for [`png()`].
+/// Like [`plots_svg`], as a PNG file. `width`: as for [`png()`].
 ///
 /// # Errors
 /// The errors of [`png()`].

@@ -1,12 +1,12 @@
-//! Results in three dimensions: compressed frames of bodies of tetrahedra, and what is seen of them.
+//! Results in three dimensions: compressed frames of bodies of tetrahedra, and their visible parts.
 //!
 //! ```text
 //! Mesh ─> Shell ─┐
 //!      Snapshot ─┴─> SpaceFrame ──┬─> SpaceReport ── one page
 //!                                 └─> SpacePictures ── SVG, PNG, SpaceAnimation (GIF)
 //! ```
-//! A [`Shell`] knows which facets of a mesh are on the outside. A [`SpaceFrame`] has the elements that are seen, and, of small meshes, also those inside, so that
-//! a cut shows them.
+//! A [`Shell`] knows which facets of a mesh are on the outside. A [`SpaceFrame`] has the elements that are
+//! seen, and, of small meshes, also those inside, so that a cut shows them.
 
 pub(crate) mod drawing;
 pub(crate) mod facets;

@@ -1,35 +1,41 @@
 //! Traction-separation law of the joint between two elements.
 //!
-//! Combined single and smeared crack model (book, ch. 7): elastic up to the strength, then softening by z(D) (7.12). The book softens opening and sliding each
-//! on its own. Then a joint that lies aslant to a crack, which opens and slides at once, holds more and costs more than one across it, and a crack along the
-//! edges of an unstructured mesh costs up to half more than its fracture energy. Here a joint softens as a whole.
+//! Combined single and smeared crack model (book, ch. 7): elastic up to the strength, then softening by z(D)
+//! (7.12). In the book opening and sliding soften separately. Then a joint at an angle to a crack, which
+//! opens and slides together, holds more and costs more than one across it, and a crack along the edges of an
+//! unstructured mesh costs up to half more than its fracture energy. Here a joint softens as a whole.
 //!
 //! # The bond
-//! A joint that opens has a traction along the vector of its opening `g` and sliding `s`. With ω the angle between that vector and the normal, its strength
-//! and the energy of its unit of area are
+//! A joint that opens has a traction along the vector of its opening `g` and sliding `s`. With ω the angle
+//! between that vector and the normal, its strength and the energy of its unit of area are
 //!
 //! ```text
 //! 1/S² = cos²ω/f_t² + sin²ω/c²,    G = G_I cos ω + G_II sin⁸ω,
 //! ```
-//! and its traction is S z(D), with D the length of the vector beyond the elastic range over the value at which G is dissipated. For a vector aslant to the
-//! joint the energy is that of the area across the vector: such a joint is a piece of the staircase that stands for a crack across the vector. The exponent
-//! keeps this up to some 45°; beyond, sliding takes over. A bond unloads towards the origin, and its stiffness only ever falls, so that it dissipates energy
-//! on every path.
+//! and its traction is S z(D), with D the length of the vector beyond the elastic range over the value at
+//! which G is dissipated. For a vector at an angle to the joint the energy is that of the area across the
+//! vector: such a joint is a piece of the staircase that represents a crack across the vector. The exponent
+//! keeps this up to some 45°; beyond, sliding takes over. A bond unloads towards the origin, and its
+//! stiffness only ever falls, so that it dissipates energy on every path.
 //!
 //! # Pressure
-//! In compression only sliding loads the bond, and friction adds to it. A whole joint holds `c + σₙ tan φ`; one that softens has the bond, `z(D) c`, and beside it a
-//! spring of friction, at most `σₙ tan φ`, with the stiffness that the bond has lost. Sliding without opening therefore peaks at c + σₙ tan φ and ends at σₙ tan φ. Compression does
-//! not break a joint, and a broken joint still transmits pressure and friction.
+//! In compression only sliding loads the bond, and friction adds to it. A whole joint holds `c + σₙ tan φ`;
+//! one that softens has the bond, `z(D) c`, and beside it a spring of friction, at most `σₙ tan φ`, with the
+//! stiffness that the bond has lost. Sliding without opening therefore peaks at c + σₙ tan φ and ends at σₙ
+//! tan φ. Compression does not break a joint, and a broken joint still transmits pressure and friction.
 //!
 //! # Joint sets
-//! A joint of a set may have a shear stiffness `k_s` other than its normal stiffness `k_n`, and a residual friction. With `r = √(k_s/k_n)`, the law above is that of the sliding `r s` and
-//! of the tangential traction `τ/r`, whose product is the same work: with this change of variables the stiffness is `k_n` in all directions, and strengths and energies are as given. The
-//! coefficient of friction falls from its peak to the residual one by z(D).
+//! A joint of a set may have a shear stiffness `k_s` other than its normal stiffness `k_n`, and a residual
+//! friction. With `r = √(k_s/k_n)`, the law above is that of the sliding `r s` and of the tangential traction
+//! `τ/r`, whose product is the same work: with this change of variables the stiffness is `k_n` in all
+//! directions, and strengths and energies are as given. The coefficient of friction falls from its peak to
+//! the residual one by z(D).
 //!
 //! # Sources
-//! A. Munjiza, The Combined Finite-Discrete Element Method (2004), ch. 7, for the softening; P. P. Camanho, C. G. Dávila, M. F. de Moura, J. Compos. Mater. 37 (2003) 1415-1438,
-//! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
-//! friction beside a bond.
+//! A. Munjiza, The Combined Finite-Discrete Element Method (2004), ch. 7, for the softening; P. P. Camanho,
+//! C. G. Dávila, M. F. de Moura, J. Compos. Mater. 37 (2003) 1415-1438, for one damage of a vector with a
+//! strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68
+//! (2006) 542-582, for friction beside a bond.
 
 use fdem_distributed::wire;
 
@@ -63,10 +69,10 @@ pub(crate) fn softening(d: f64) -> f64 {
     factor * (A * rest + B * sixth)
 }
 
-/// Slip over the length of a joint up to which it dilates, if nothing else is said.
+/// Default of the slip over the length of a joint up to which it dilates.
 const DILATES: f64 = 0.05;
 
-/// Parameters of one joint. Those of sliding are in the variables that the head of this file explains.
+/// Parameters of one joint. Parameters of sliding are in the variables that the head of this file explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JointLaw {
     /// Penalty stiffness, Pa/m.
@@ -75,7 +81,7 @@ pub(crate) struct JointLaw {
     pub(crate) cohesion: f64,
     /// Tangent of the friction angle.
     pub(crate) friction: f64,
-    /// That of a broken joint.
+    /// Tangent of the friction angle of a broken joint.
     pub(crate) residual: f64,
     /// Square root of the ratio of shear to normal stiffness.
     pub(crate) shear: f64,
@@ -87,7 +93,7 @@ pub(crate) struct JointLaw {
     pub(crate) dilated: f64,
 }
 
-/// Fracture energies that are less than what a joint stores before it softens.
+/// Fracture energies that are less than the energy that a joint stores before it softens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TooLittle {
     /// Least energy, J/m².
@@ -96,11 +102,12 @@ pub(crate) struct TooLittle {
 }
 
 impl JointLaw {
-    /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Fails if this work alone exceeds a fracture energy.
-    /// `length`: length of the joint, m.
+    /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Fails if this
+    /// work alone exceeds a fracture energy. `length`: length of the joint, m.
     ///
-    /// A strength of 0 gives no critical length, so the joint takes that of the other strength. If both strengths are 0, the joint is open, with friction only:
-    /// its critical length is a small share of its length.
+    /// A strength of 0 gives no critical length, so the joint takes that of the other strength. If both
+    /// strengths are 0, the joint is open, with friction only: its critical length is a small share of its
+    /// length.
     pub(crate) fn new(
         strength: &Strength,
         penalty: f64,
@@ -142,7 +149,8 @@ impl JointLaw {
         }
     }
 
-    /// The law of a joint of a set, with normal stiffness `penalty`, Pa/m. `shear`: square root of the ratio of shear to normal stiffness. Other parameters: as for [`JointLaw::new`].
+    /// The law of a joint of a set, with normal stiffness `penalty`, Pa/m. `shear`: square root of the ratio
+    /// of shear to normal stiffness. Other parameters: as for [`JointLaw::new`].
     pub(crate) fn of_set(
         set: &JointSet,
         [penalty, shear]: [f64; 2],
@@ -174,7 +182,8 @@ impl JointLaw {
         vector
     }
 
-    /// The law of a joint that stands for a plane aslant to it: the strengths are those at which that plane fails, the energies those of its area.
+    /// The law of a joint that represents a plane at an angle to it: the strengths are those at which that
+    /// plane fails, the energies those of its area.
     pub(crate) fn on(&self, JointPlane { excess, area }: JointPlane) -> Self {
         Self {
             tensile: self.tensile / excess,
@@ -184,15 +193,16 @@ impl JointLaw {
         }
     }
 
-    /// A traction, Pa, below which a whole joint does not soften in any direction. `friction`: what pressure adds to its shear strength, Pa.
+    /// A traction, Pa, below which a whole joint does not soften in any direction. `friction`: the part of
+    /// its shear strength that pressure adds, Pa.
     #[inline(always)]
     fn least(&self, friction: f64) -> f64 {
         let lower = if self.tensile < self.cohesion { self.tensile } else { self.cohesion };
         if friction > 0.0 { self.cohesion + friction } else { lower }
     }
 
-    /// Traction, Pa, of a whole joint at an opening and sliding from where it has none, m, and whether it stays whole. There is no branch, so that many joints can be
-    /// computed side by side.
+    /// Traction, Pa, of a whole joint at an opening and sliding from where it has none, m, and whether it
+    /// stays whole. There is no branch, so that many joints can be computed side by side.
     #[inline(always)]
     pub(crate) fn of_whole<const D: usize>(&self, mut bond: [f64; D]) -> ([f64; D], bool) {
         let opening = bond[0];
@@ -205,8 +215,8 @@ impl JointLaw {
         (traction, holds)
     }
 
-    /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of opening and sliding with the squares of the cosine and
-    /// of the sine of its angle to the normal.
+    /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of
+    /// opening and sliding with the squares of the cosine and of the sine of its angle to the normal.
     fn in_direction(&self, [cosine, sine]: [f64; 2]) -> [f64; 2] {
         let ([tensile, cohesion], [opening, sliding]) = ([self.tensile, self.cohesion], self.critical);
         // Pure modes, exactly. A joint without one of its strengths has no other.
@@ -223,10 +233,11 @@ impl JointLaw {
     }
 }
 
-/// Use of a strength by a traction across a facet and along it: 1 where it fails, and proportional to the traction.
+/// Use of a strength by a traction across a facet and along it: 1 where it fails, and proportional to the
+/// traction.
 pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) -> f64 {
     let (normal, tangential) = (traction[0], length(along(traction)));
-    // What has no strength fails under no traction as well.
+    // A joint without strength fails without traction as well.
     let share = |traction: f64, strength: f64| match traction {
         traction if strength > 0.0 => traction / strength,
         traction if traction < 0.0 => 0.0,
@@ -239,7 +250,7 @@ pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) ->
     }
 }
 
-/// The plane for which a joint stands.
+/// The plane that a joint represents.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct JointPlane {
     /// Use of the strength on the plane over that on the joint, at least 1.
@@ -255,7 +266,8 @@ impl JointPlane {
     pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
 }
 
-/// History of one end of a joint. Openings, slidings and tractions are vectors: first across the joint, then along it.
+/// History of one end of a joint. Openings, slidings and tractions are vectors: first across the joint, then
+/// along it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound(serialize = "[f64; D]: serde::Serialize", deserialize = "[f64; D]: serde::Deserialize<'de>"))]
 pub(crate) struct Memory<const D: usize = 2> {
@@ -278,7 +290,8 @@ impl<const D: usize> Default for Memory<D> {
 }
 
 impl<const D: usize> Memory<D> {
-    /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
+    /// History of a joint that is inserted where this traction acts: the joint begins with this traction,
+    /// limited by its strength.
     pub(crate) fn under(law: &JointLaw, traction: [f64; D]) -> Self {
         let traction = JointLaw::scaled(traction, 1.0 / law.shear);
         let (normal, tangential) = (traction[0], along(traction));
@@ -333,7 +346,8 @@ impl<const D: usize> Memory<D> {
         self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap))
     }
 
-    /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the sliding, so that it has no history: nothing is written.
+    /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the
+    /// sliding, so that it has no history: nothing is written.
     #[inline]
     fn of_whole(&self, law: &JointLaw, gap: [f64; D]) -> Option<[f64; D]> {
         if !self.is_whole(law) {
@@ -410,7 +424,8 @@ impl<const D: usize> Memory<D> {
         self.origin[0] = opening;
     }
 
-    /// Loads the bond by a vector of opening and sliding. `friction`: what pressure adds to the shear strength of a whole joint, Pa.
+    /// Loads the bond by a vector of opening and sliding. `friction`: the part of the shear strength of a
+    /// whole joint that pressure adds, Pa.
     #[inline]
     fn load(&mut self, law: &JointLaw, bond: [f64; D], friction: f64) {
         let squared = dot(bond, bond);
@@ -432,8 +447,9 @@ impl<const D: usize> Memory<D> {
         }
     }
 
-    /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness to that of the damage in the direction in which the bond
-    /// has this strength, Pa, and this critical length, m. A stiffness that fell more in another direction does not rise again.
+    /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness
+    /// to that of the damage in the direction in which the bond has this strength, Pa, and this critical
+    /// length, m. A stiffness that fell more in another direction does not rise again.
     fn soften(&mut self, law: &JointLaw, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
         let (before, damage) = (self.damage(), damage.min(1.0));
         if damage > before {
@@ -551,7 +567,8 @@ pub(crate) mod tests {
         sum
     }
 
-    /// A joint aslant to a crack that opens straight dissipates the energy of its area across the opening. In every direction the strength is on the ellipse.
+    /// A joint aslant to a crack that opens straight dissipates the energy of its area across the opening. In
+    /// every direction the strength is on the ellipse.
     #[test]
     fn a_vector_aslant_dissipates_the_energy_of_the_area_across_it() {
         let law = law(false, CriticalOpening::Exact);
@@ -574,7 +591,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// No path gives energy back that was not put in: the work on any path from the origin and back to no traction is not negative.
+    /// No path gives energy back that was not put in: the work on any path from the origin and back to no
+    /// traction is not negative.
     #[test]
     fn no_path_creates_energy() {
         for (seed, elastic) in (0..200).map(|k| (k, k % 2 == 0)) {
@@ -660,7 +678,8 @@ pub(crate) mod tests {
         assert!((shear - 0.3e7).abs() < 1e-6, "{shear}");
     }
 
-    /// A joint without tensile strength still has its cohesion, and the other way round. Breaking in one mode breaks it in both.
+    /// A joint without tensile strength still has its cohesion, and the other way round. Breaking in one mode
+    /// breaks it in both.
     #[test]
     fn one_strength_may_be_zero() {
         let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };

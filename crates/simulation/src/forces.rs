@@ -6,7 +6,8 @@ use fdem_distributed::wire;
 
 use crate::vector::{Point, length, plus};
 
-/// Forces at the beginning of the last step. There are none before the first step of a run, nor before the first step after a resume.
+/// Forces at the beginning of the last step; none before the first step of a run, nor before the first step
+/// after a resume.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces<const D: usize = 2> {
     /// Forces of couples of elements that press each other, ascending by their elements.
@@ -17,7 +18,8 @@ pub struct Forces<const D: usize = 2> {
 
 /// Contact force between two elements.
 ///
-/// A broken joint that is closed presses its two elements until they have slid far enough for the contact to take over. Its force is included.
+/// A broken joint that is closed presses its two elements until they have slid far enough for the contact to
+/// take over. Its force is included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce<const D: usize = 2> {
     /// Numbers of the two elements, the lower first.
@@ -36,7 +38,8 @@ impl<const D: usize> ContactForce<D> {
         plus(self.normal, self.tangential)
     }
 
-    /// Merges the forces of two contacts of the same elements. The point is the mean of their points, weighted by the forces.
+    /// Merges the forces of two contacts of the same elements. The point is the mean of their points,
+    /// weighted by the forces.
     fn merged(self, other: Self) -> Self {
         let [a, b] = [self.force(), other.force()].map(length);
         Self {
@@ -54,7 +57,8 @@ pub(crate) struct OwnForces<const D: usize> {
     pub(crate) contacts: Vec<ContactForce<D>>,
     /// Forces of broken joints that are closed.
     pub(crate) joints: Vec<ContactForce<D>>,
-    /// Force of all boundaries on each node on which one acts, N, by the code of the first corner of the node.
+    /// Force of all boundaries on each node on which one acts, N, by the code of the first corner of the
+    /// node.
     pub(crate) reactions: Vec<(u32, Point<D>)>,
 }
 
@@ -69,7 +73,8 @@ impl<const D: usize> OwnForces<D> {
         self.reactions.extend(more.reactions);
     }
 
-    /// All forces, for results. `codes`: of the first corner of each node, in the order of results; `origin`: of positions.
+    /// All forces, for results. `codes`: of the first corner of each node, in the order of results; `origin`:
+    /// of positions.
     pub(crate) fn placed(self, codes: impl Iterator<Item = u32>, origin: Point<D>) -> Forces<D> {
         let mut all = self.contacts;
         all.extend(self.joints);

@@ -1,23 +1,28 @@
 //! Contacts of surfaces that touch at the beginning under initial stress.
 //!
-//! The potentials of contacts (`simplex`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at Gauss
-//! points on the common part of two outer facets, with the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the
-//! mean stress if the two differ). The facets need not match: Gauss points integrate the linear shape functions exactly, so that each node gets exactly the
-//! force that balances a uniform stress. Bodies under matching stress stay at rest.
+//! The potentials of contacts (`simplex`) are zero where two surfaces just touch. A *seam* carries the
+//! initial stress across such surfaces. It acts at Gauss points on the common part of two outer facets, with
+//! the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the mean
+//! stress if the two differ). The facets need not match: Gauss points integrate the linear shape functions
+//! exactly, so that each node gets exactly the force that balances a uniform stress. Bodies under matching
+//! stress stay at rest.
 //!
-//! Let `g` be the opening and `k` the stiffness of the contact potential of the two elements. A seam stores, per area,
+//! Let `g` be the opening and `k` the stiffness of the contact potential of the two elements. A seam stores,
+//! per area,
 //!
 //! ```text
 //! ψ = p₀²/(2 k) - p₀ g    g ≤ 0,        p = -∂ψ/∂g = p₀
 //! ψ = (p₀ - k g)²/(2 k)   0 < g < p₀/k  p = p₀ - k g
 //! ψ = 0                   p₀/k ≤ g      p = 0
 //! ```
-//! When bodies approach, the contact potential acts in addition to `p₀`. When they separate, the traction falls as in a contact that began with an overlap of
-//! `p₀/k`. Forces are the exact gradient of `ψ`, including the rotation of the facets, so that energy and angular momentum are conserved. The tangential
+//! When bodies approach, the contact potential acts in addition to `p₀`. When they separate, the traction
+//! falls as in a contact that began with an overlap of `p₀/k`. Forces are the exact gradient of `ψ`,
+//! including the rotation of the facets, so that energy and angular momentum are conserved. The tangential
 //! traction follows Coulomb's law, `|τ| ≤ µ p`, with a spring before it slips, as in contacts.
 //!
-//! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter facet, the seam fades and hands over to the contact
-//! potential. The energy that the faded share had stored counts as dissipated by friction. The faded share does not come back.
+//! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter facet, the
+//! seam fades and hands over to the contact potential. The energy that the faded share had stored counts as
+//! dissipated by friction. The faded share does not come back.
 
 use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
 use fdem_distributed::wire;
@@ -40,25 +45,29 @@ const TOUCH: f64 = 1e-6;
 /// Smaller differences, over the shorter facet or over the pressure, come from rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The tractions on the two sides of a surface count as different if their difference exceeds this share of their mean.
+/// The tractions on the two sides of a surface count as different if their difference exceeds this share of
+/// their mean.
 const UNLIKE: f64 = 0.05;
 
-/// Distance of the two points of a seam, over the shorter facet, at which the seam begins to fade, and at which it has faded completely.
+/// Distance of the two points of a seam, over the shorter facet, at which the seam begins to fade, and at
+/// which it has faded completely.
 pub(crate) const FADE: [f64; 2] = [0.1, 0.3];
 
 /// Upper limit of tangential over normal stiffness: the critical time step allows for this much.
 const TANGENTIAL: f64 = 0.5;
 
-/// Surfaces that touch at the beginning under initial stress, and the problems found there. Checks a model before a run.
+/// Surfaces that touch at the beginning under initial stress, and the problems found there. Checks a model
+/// before a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InitialContacts {
     /// Length, m, or area, m², of the surfaces that carry initial stress.
     pub length: f64,
     /// First two elements between which the initial stress is tensile: a contact cannot carry tension.
     pub pulled: Option<[u32; 2]>,
-    /// First two elements between which the initial shear exceeds friction: they slip at once.
+    /// First two elements between which the initial shear exceeds friction: they slip immediately.
     pub slipping: Option<[u32; 2]>,
-    /// First two elements with different initial tractions on their common surface. The surface begins with the mean, so that they are not in equilibrium.
+    /// First two elements with different initial tractions on their common surface. The surface begins with
+    /// the mean, so that they are not in equilibrium.
     pub unlike: Option<[u32; 2]>,
 }
 
@@ -83,7 +92,7 @@ struct Place<const D: usize> {
     corners: [[u32; D]; 2],
     /// Weights of these corners at the point.
     shares: [[f64; D]; 2],
-    /// Area that the point stands for, m².
+    /// Area that the point represents, m².
     area: f64,
     /// Length of the shorter facet, m.
     reach: f64,
@@ -108,7 +117,8 @@ pub(crate) struct SeamState<const D: usize = 2> {
     traction: [f64; D],
     /// Share that has been handed over to contact, 0 to 1.
     faded: f64,
-    /// Work against friction so far, energy that the tangential spring had stored at the beginning, and energy of the share that has faded, J.
+    /// Work against friction so far, energy that the tangential spring had stored at the beginning, and
+    /// energy of the share that has faded, J.
     friction: f64,
 }
 
@@ -299,7 +309,8 @@ impl<const D: usize> Seams<D> {
         })
     }
 
-    /// The points that this rank counts, each by the codes of its two sides, its place among their points, and its state.
+    /// The points that this rank counts, each by the codes of its two sides, its place among their points,
+    /// and its state.
     pub(crate) fn points<const N: usize>(
         &self,
         topology: &Topology<D, N>,
@@ -393,8 +404,8 @@ impl<const D: usize> Place<D> {
         [pressure, 0.5 * pressure * pressure / stiffness]
     }
 
-    /// Forces on the corners of both facets from the normal and the tangential traction. They follow from the gradients of opening and sliding, which turn with
-    /// the first facet.
+    /// Forces on the corners of both facets from the normal and the tangential traction. They follow from the
+    /// gradients of opening and sliding, which turn with the first facet.
     #[inline]
     fn forces<const N: usize>(
         &self,
@@ -563,7 +574,8 @@ mod tests {
         }
     }
 
-    /// A seam that slides far fades completely. The dissipated energy equals the work done on it and the energy that it had stored.
+    /// A seam that slides far fades completely. The dissipated energy equals the work done on it and the
+    /// energy that it had stored.
     #[test]
     fn what_slides_away_is_accounted_for() {
         let (place, ends) = place();

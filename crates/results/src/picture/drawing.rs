@@ -28,7 +28,8 @@ const TOUCHING: Rgb = [219, 228, 238];
 const FREE: Rgb = [255, 255, 255];
 const RIM: Rgb = [134, 149, 166];
 const BOX: Rgb = [120, 130, 140];
-/// Limits of the smallest radius at which elements are drawn, in pixels of the drawing, so that points and tiny elements stay visible.
+/// Limits of the smallest radius at which elements are drawn, in pixels of the drawing, so that points and
+/// tiny elements stay visible.
 const DOTS: [f64; 2] = [0.6, 2.0];
 
 /// Colour of elements in the view of the contacts.
@@ -330,7 +331,8 @@ impl<'a> Page<'a> {
         at(&HEAT, self.share(bond))
     }
 
-    /// Width of the line of a contact in pixels of the drawing: a part of the smaller radius, so that lines do not hide the elements.
+    /// Width of the line of a contact in pixels of the drawing: a part of the smaller radius, so that lines
+    /// do not hide the elements.
     fn width(&self, bond: &Bond) -> f64 {
         if self.scene.shapes.is_some() {
             return 1.2 + 1.8 * self.share(bond);

@@ -1,4 +1,4 @@
-//! Triangles of a picture: what is seen of facets, sections and cracks, their light and their lines.
+//! Triangles of a picture: the visible parts of facets, sections and cracks, their light and their lines.
 
 use fdem_simulation::Mode;
 
@@ -67,7 +67,7 @@ pub(crate) struct CrackFacet {
     pub(crate) mode: Mode,
 }
 
-/// What a picture shows, as plain lists.
+/// The contents of a picture, as plain lists.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scene {
     pub(crate) facets: Vec<Facet>,
@@ -141,7 +141,8 @@ pub(crate) fn solid(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<V
     vec![sheet.finish()]
 }
 
-/// Returns the layers of a picture of the cracks: the cracks and the far side of the solid, and its near side, which is transparent.
+/// Returns the layers of a picture of the cracks: the cracks and the far side of the solid, and its near
+/// side, which is transparent.
 pub(crate) fn cracks(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<Vec<Triangle>> {
     let (mut far, mut near) = (Sheet::new(camera), Sheet::new(camera));
     far.line = Some(Paint::solid([200, 208, 216]));
@@ -206,7 +207,8 @@ fn size(corners: [[f64; 3]; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt().sqrt()
 }
 
-/// Returns the share of light on a facet, from 0 to 1. It is soft: a facet has some of it unless it is turned away from the light.
+/// Returns the share of light on a facet, from 0 to 1. It is soft: a facet has some of it unless it is turned
+/// away from the light.
 fn bright(normal: [f64; 3]) -> f64 {
     let along = normal[0] * LIGHT[0] + normal[1] * LIGHT[1] + normal[2] * LIGHT[2];
     (0.5 + 0.5 * along).clamp(0.0, 1.0)
@@ -232,11 +234,11 @@ enum Side {
     Front,
     /// It is drawn without lines.
     Back,
-    /// It is not drawn, but tells where the surface turns away from the eye.
+    /// It is not drawn, but shows where the surface turns away from the eye.
     Unseen,
 }
 
-/// What is known of a triangle before its lines.
+/// The properties of a triangle before its lines are known.
 #[derive(Clone, Copy)]
 struct Piece {
     side: Side,
@@ -268,8 +270,9 @@ impl<'a> Sheet<'a> {
         self.pieces.push(Piece { side, edges, size });
     }
 
-    /// Adds the lines: of every edge half in each of its two triangles. Where only one of them is drawn with lines, the surface turns away from the eye or ends: this
-    /// edge is always drawn, and the other half of its line lies beside the triangle.
+    /// Adds the lines: of every edge half in each of its two triangles. Where only one of them is drawn with
+    /// lines, the surface turns away from the eye or ends: this edge is always drawn, and the other half of
+    /// its line lies beside the triangle.
     fn finish(self) -> Vec<Triangle> {
         let Self { camera, mut triangles, pieces, line, rims } = self;
         let front = keys(&triangles, |place| pieces[place].side == Side::Front);
@@ -293,7 +296,8 @@ impl<'a> Sheet<'a> {
                 turns = rims || other.is_some();
                 edge = edge.max(other.unwrap_or(Edge::None));
                 if other.is_none() && edge == Edge::Feature && line.is_none() {
-                    // The facet on the other side of an angle has an edge with these ends, that on the other side of a crack has not.
+                    // The facet on the other side of an angle has an edge with these ends, that on the other
+                    // side of a crack has not.
                     edge = Edge::Crack;
                 }
                 if turns {
@@ -317,8 +321,8 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// Returns the edges of some triangles: a number that is the same for edges with the same ends, and three times the number of the triangle plus that of the edge. They
-/// are sorted.
+/// Returns the edges of some triangles: a number that is the same for edges with the same ends, and three
+/// times the number of the triangle plus that of the edge. They are sorted.
 fn keys(triangles: &[Triangle], of: impl Fn(usize) -> bool) -> Vec<(u64, u32)> {
     let mut keys: Vec<(u64, u32)> =
         edges(triangles, of).map(|(key, place, k)| (key, (3 * place + k) as u32)).collect();
@@ -326,7 +330,8 @@ fn keys(triangles: &[Triangle], of: impl Fn(usize) -> bool) -> Vec<(u64, u32)> {
     keys
 }
 
-/// Returns the number for the ends of each edge of some triangles, with the numbers of the triangle and of the edge.
+/// Returns the number for the ends of each edge of some triangles, with the numbers of the triangle and of
+/// the edge.
 fn edges(triangles: &[Triangle], of: impl Fn(usize) -> bool) -> impl Iterator<Item = (u64, usize, usize)> {
     triangles.iter().enumerate().filter(move |(place, _)| of(*place)).flat_map(|(place, triangle)| {
         let [a, b, c] = each(|k| key(triangle.corners[k]));
@@ -354,7 +359,8 @@ fn stroke(edge: Edge, size: f64, paint: Paint, line: Option<Paint>, zoom: f64) -
     Stroke { width: width * zoom, paint }
 }
 
-/// How far behind its edge the outer half of a line lies, units of the drawing: a surface that goes on there hides it, also beyond a narrow gap.
+/// How far behind its edge the outer half of a line lies, units of the drawing: a surface that continues
+/// there hides it, also beyond a narrow gap.
 const BEHIND: f64 = 2.0;
 
 /// Returns the half of a line that lies beside the triangle.
@@ -387,7 +393,7 @@ fn outer(triangle: &Triangle, k: usize, zoom: f64) -> impl Iterator<Item = Trian
     })
 }
 
-/// Returns a number that is different for different points, as far as 64 bits can tell them apart.
+/// Returns a number that is different for different points, as far as 64 bits can distinguish them.
 fn key(point: [f64; 3]) -> u64 {
     let mut key = 0x9e37_79b9_7f4a_7c15;
     for x in point {
@@ -633,7 +639,7 @@ mod tests {
         assert!(tension.iter().all(|&channel| channel < 130), "dark: {tension:?}");
         assert!(shear[0] > 150 && shear[2] > 130 && shear[1] < 110, "magenta: {shear:?}");
         assert!(mixed[0] > 180 && mixed[2] < 110, "orange: {mixed:?}");
-        // What is before a cut is taken away, and the crack with it.
+        // Parts before a cut are removed, and the crack with them.
         let cut = Some(Plane { normal: [0.0, -1.0, 0.0], offset: -0.75 });
         let pixels = draw([SIZE; 2], &cracks(&scene, &camera(0.0, 0.0), cut));
         assert!(at(&pixels, [60, 70]).iter().all(|&channel| channel > 200));

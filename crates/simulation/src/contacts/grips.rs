@@ -10,7 +10,7 @@ use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, 
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::vector::{Point, add, dot, minus, plus};
 
-/// What [`Histories`] have in a place without a couple.
+/// Marks a place of [`Histories`] without a couple.
 const FREE: u16 = u16::MAX;
 
 /// Energy of a contact, and works since the last pass, J.
@@ -42,7 +42,8 @@ pub(crate) struct Grip<const D: usize, const N: usize> {
     pub(super) friction: Point<D>,
     /// Damping on the first element, N.
     damping: Point<D>,
-    /// Barycentric coordinates, in both elements, of the point where the force acted, without the first, which is 1 less the others.
+    /// Barycentric coordinates, in both elements, of the point where the force acted, without the first,
+    /// which is 1 less the others.
     shares: [[f64; D]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
     credited_energy: f64,
@@ -61,7 +62,7 @@ impl<const D: usize, const N: usize> Grip<D, N> {
         push: [0.0; D],
     };
 
-    /// This history without a force: a resumed run tells none before its first step.
+    /// This history without a force: a resumed run has none before its first step.
     pub(super) fn without_push(self) -> Self {
         Self { push: [0.0; D], ..self }
     }
@@ -118,7 +119,8 @@ impl<const D: usize, const N: usize> Grips<D, N> {
     }
 }
 
-/// Histories of the couples of a chunk that touch. Each has a place: place `k` is lane `k % LANES` of batch `k / LANES`.
+/// Histories of the couples of a chunk that touch. Each has a place: place `k` is lane `k % LANES` of batch
+/// `k / LANES`.
 #[derive(Debug)]
 pub(super) struct Histories<const D: usize, const N: usize> {
     pub(super) batches: Vec<Grips<D, N>>,
@@ -129,7 +131,7 @@ pub(super) struct Histories<const D: usize, const N: usize> {
 }
 
 impl<const D: usize, const N: usize> Histories<D, N> {
-    /// Memory for so many couples.
+    /// Reserves memory for the given number of couples.
     pub(super) fn with_capacity(couples: usize) -> Self {
         let batches = couples.div_ceil(LANES);
         Self { batches: Vec::with_capacity(batches), couples: Vec::with_capacity(batches * LANES), full: 0 }
@@ -142,7 +144,7 @@ impl<const D: usize, const N: usize> Histories<D, N> {
         }
         let place = self.full;
         if place == self.couples.len() {
-            // Not twice as many: in most chunks, few couples touch.
+            // Not twice the number: in most chunks, few couples touch.
             self.batches.reserve_exact(1);
             self.couples.reserve_exact(LANES);
             self.batches.push(Grips::NONE);
@@ -182,10 +184,11 @@ impl<const D: usize, const N: usize> Histories<D, N> {
 /// Inputs of friction and damping for a batch of couples, besides their histories and shapes.
 pub(super) struct ContactInputs<const D: usize, const N: usize> {
     pub(super) velocities: [Rows<D, N>; 2],
-    /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
+    /// Share of the forces that acts, while a joint between the two elements carries the rest, and the
+    /// increase of this share in the last step.
     pub(super) weight: Lanes,
     pub(super) fading: Lanes,
-    /// 1 where the overlap of now must not count at once, else 0.
+    /// 1 where the present overlap must not count immediately, else 0.
     pub(super) initial: Lanes,
     /// Mean masses of the nodes of the elements, kg, and the contact length, m.
     pub(super) masses: [Lanes; 2],
@@ -233,14 +236,16 @@ impl<const D: usize, const N: usize> ContactInputs<D, N> {
     }
 }
 
-/// Forces of a batch: `scale` times those of the potential for a penalty of 1, and `along` at the points with these barycentric coordinates.
+/// Forces of a batch: `scale` times those of the potential for a penalty of 1, and `along` at the points with
+/// these barycentric coordinates.
 struct BatchForces<const D: usize, const N: usize> {
     scale: Lanes,
     along: [Lanes; D],
     shares: [[Lanes; N]; 2],
 }
 
-/// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their potentials. `works`: the numbers of [`Works`].
+/// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their
+/// potentials. `works`: the numbers of [`Works`].
 #[inline(always)]
 fn grip_all<const D: usize, const N: usize>(
     shapes: &Shapes<D, N>,
@@ -320,7 +325,7 @@ fn grip_one<const D: usize, const N: usize>(
     let rate = minus(velocity_at(&velocities[0], &one), velocity_at(&velocities[1], &other));
     let size = dot(push, push).sqrt();
     let (coefficient, ratio) = (given.friction.get(lane), given.damping.get(lane));
-    // Those that separate have only the works of their last forces.
+    // Couples that separate have only the works of their last forces.
     let touches = (size > 0.0) & (found.energy.get(lane) > 0.0);
     let per_size = 1.0 / size;
     let axes = <[[f64; D]; N]>::axes_around(push.map(|x| per_size * x));
@@ -360,10 +365,12 @@ fn grip_one<const D: usize, const N: usize>(
     set_row(&mut forces.shares[1], lane, &other);
 }
 
-/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
+/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀`
+/// (`credited_energy`) was there before the two elements could touch.
 ///
-/// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
-/// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
+/// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint.
+/// Counting this overlap immediately would create energy. `(U - U₀)² / U` begins without energy and without
+/// force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
 #[inline(always)]
 fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
     let share = credited_energy / potential;
@@ -408,7 +415,8 @@ mod tests {
         Grip { credited_energy: energy, ..Grip::NONE }
     }
 
-    /// A place is free as soon as its couple separates, and the first free one is given next. The others keep their histories.
+    /// A place is free as soon as its couple separates, and the first free one is given next. The others keep
+    /// their histories.
     #[test]
     fn a_couple_keeps_its_place_and_a_free_one_is_given_again() {
         let mut histories = Histories::with_capacity(0);

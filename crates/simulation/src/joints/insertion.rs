@@ -1,19 +1,22 @@
 //! Adaptive insertion: where joints are inserted, and with which traction.
 //!
-//! In whole material a facet gets a joint when the mean stress of its two elements reaches the strength on the facet or on a plane near it
-//! (`joints/plane.rs`). At a free surface and at a crack tip, the traction
-//! at the node is higher than in the elements. There the traction is computed from the force `R` with which the other side of the facet holds side 0 at the
-//! node,
+//! In whole material a facet gets a joint when the mean stress of its two elements reaches the strength on
+//! the facet or on a plane near it (`joints/plane.rs`). At a free surface and at a crack tip, the traction at
+//! the node is higher than in the elements. There the traction is computed from the force `R` with which the
+//! other side of the facet holds side 0 at the node,
 //!
 //! ```text
 //! R = m₀ a - f₀
 //! ```
-//! with `f₀` the sum of all forces on the elements of side 0 at the node, `m₀` their mass at the node, and `a` the common acceleration of the two sides as long
-//! as they share the node. `R` acts on the area at the node of the facet, and of a joint behind the tip whose end is still closed. When the two sides separate,
+//! with `f₀` the sum of all forces on the elements of side 0 at the node, `m₀` their mass at the node, and
+//! `a` the common acceleration of the two sides as long as they share the node. `R` acts on the area at the
+//! node of the facet, and of a joint behind the tip whose end is still closed. When the two sides separate,
 //! their joints begin with exactly this traction, so that no force jumps.
 //!
-//! At the end of an edge crack one more facet parts the two sides of a vertex. In space the front of a crack is a line: at a vertex on it several faces must part at once, and each of them
-//! alone is held by the others. There the facet whose strength is used most gives a plane, and all facets between the elements on its two sides are one cut, with one traction.
+//! At the end of an edge crack one more facet parts the two sides of a vertex. In space the front of a crack
+//! is a line: at a vertex on it several faces must part together, and each of them alone is held by the
+//! others. There the facet whose strength is used most gives a plane, and all facets between the elements on
+//! its two sides are one cut, with one traction.
 
 use crate::cohesive::{JointPlane, Memory, use_of};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
@@ -94,7 +97,8 @@ impl<const D: usize> Joints<D> {
         failing
     }
 
-    /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected. Returns the vertices at which this rank has done so.
+    /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected.
+    /// Returns the vertices at which this rank has done so.
     pub(crate) fn insert<const N: usize>(
         &mut self,
         failing: &[u32],
@@ -129,8 +133,8 @@ impl<const D: usize> Joints<D> {
         split
     }
 
-    /// Finds the facets at these vertices, ascending, that alone connect elements there, and can get a joint. What other joints change at the vertices of a facet, they
-    /// change at these only.
+    /// Finds the facets at these vertices, ascending, that alone connect elements there, and can get a joint.
+    /// Other joints at the vertices of a facet change the result at these vertices only.
     pub(super) fn find_tips<const N: usize>(
         &mut self,
         vertices: &[u32],
@@ -158,7 +162,8 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// The plane for which a joint on a facet would stand. The facets of an interface lie in the plane that is weak.
+    /// The plane that a joint on a facet would represent. The facets of an interface lie in the plane that is
+    /// weak.
     fn plane<const N: usize>(&self, facet: u32, solid: &Solid<D, N>, topology: &Topology<D, N>) -> JointPlane
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -171,7 +176,8 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    /// Use of the strength of a facet by the mean stress of its two elements; 0 if the facet has a joint or cannot break.
+    /// Use of the strength of a facet by the mean stress of its two elements; 0 if the facet has a joint or
+    /// cannot break.
     fn used<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> f64
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -182,7 +188,8 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet between two such elements belongs to the first.
+    /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet
+    /// between two such elements belongs to the first.
     fn failing_beside<const N: usize>(
         &self,
         element: u32,
@@ -203,8 +210,8 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
-    /// reaches the strength.
+    /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that
+    /// holds their two sides together at the vertex reaches the strength.
     fn failing_at<const N: usize>(&self, tip: &Tip, state: InsertionData<'_, D, N>, failing: &mut Vec<u32>)
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -230,7 +237,8 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// The facets that separate the elements at a vertex on the two sides of the plane of a facet, that facet first; `None` if one of them cannot get a joint.
+    /// The facets that separate the elements at a vertex on the two sides of the plane of a facet, that facet
+    /// first; `None` if one of them cannot get a joint.
     fn cut_along<const N: usize>(
         &self,
         facet: u32,
@@ -266,7 +274,8 @@ impl<const D: usize> Joints<D> {
         Some(cut)
     }
 
-    /// Adds these facets to those that fail if the traction at the vertex does that holds the two sides of the first together, when all are cut.
+    /// Adds these facets to those that fail if the traction at the vertex does that holds the two sides of
+    /// the first together, when all are cut.
     fn fails_with<const N: usize>(
         &self,
         cut: &[u32],
@@ -291,8 +300,9 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// Splits the node of a vertex, so that each group of elements between joints has a node of its own. Joint ends that open begin with the traction that acts
-    /// there, if forces have `pulled` at the elements. Returns these tractions, each with its facet.
+    /// Splits the node of a vertex, so that each group of elements between joints has a separate node. Joint
+    /// ends that open begin with the traction that acts there, if forces have `pulled` at the elements.
+    /// Returns these tractions, each with its facet.
     pub(crate) fn part<const N: usize>(
         &mut self,
         vertex: u32,
@@ -329,7 +339,8 @@ impl<const D: usize> Joints<D> {
         begin
     }
 
-    /// Marks the ends of joints at these corners of a vertex as open that have two nodes now. `begin`: tractions with which some ends begin, by their facets.
+    /// Marks the ends of joints at these corners of a vertex as open that have two nodes now. `begin`:
+    /// tractions with which some ends begin, by their facets.
     pub(crate) fn open_at<const N: usize>(
         &mut self,
         vertex: u32,
@@ -348,8 +359,8 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them together; if it is `None`, that of the two elements is
-    /// taken.
+    /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them
+    /// together; if it is `None`, that of the two elements is taken.
     fn open<const N: usize>(
         &mut self,
         facet: u32,
@@ -439,8 +450,8 @@ where
         groups.len()
     }
 
-    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the parts of the closed joints between the two groups at the vertex, and on
-    /// `more`, m or m², besides.
+    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the parts of the closed
+    /// joints between the two groups at the vertex, and on `more`, m or m², besides.
     fn held_by(&self, sides: [u32; 2], more: f64) -> Point<D> {
         let InsertionData { solid, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
@@ -462,7 +473,8 @@ where
                 }
             }
         }
-        // Gravity accelerates both sides equally, so it cancels. With added mass it does so at rest, because the masses are the true ones here.
+        // Gravity accelerates both sides equally, so it cancels. With added mass it cancels at rest, because
+        // the masses are the true ones here.
         let share = mass[0] / (mass[0] + mass[1]);
         std::array::from_fn(|axis| {
             let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];

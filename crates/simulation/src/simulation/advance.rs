@@ -15,8 +15,8 @@ pub trait Element<const D: usize, const N: usize>: Concrete<D, N> {}
 
 /// Functions that are written for the two kinds of elements, and not for all dimensions.
 pub(crate) trait Concrete<const D: usize, const N: usize>: Simplex<D, N> {
-    /// Takes `steps` steps. `links`: messages to other ranks, if this is a part of a run; then it takes fewer if
-    /// ranks must first look for elements near theirs.
+    /// Takes `steps` steps. `links`: messages to other ranks, if this is a part of a run; then it takes fewer
+    /// if ranks must first look for elements near theirs.
     ///
     /// Steps are compiled here, once and optimised; a generic function would be compiled in each crate that
     /// calls it, with the options of that crate.
