@@ -5,7 +5,8 @@ mod plane;
 mod space;
 
 use fdem_simulation::{
-    Boundary, FractureOptions, Insertion, Load, Material, Mesh, Model, Schedule, Strength, Target,
+    Boundary, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model, Schedule, Strength,
+    Target,
 };
 
 pub use meshed::MeshedCube;
@@ -88,6 +89,7 @@ fn of_rock<const D: usize, const N: usize>(
         density: 2700.0,
         youngs_modulus: 30e9,
         poissons_ratio: 0.25,
+        law: MaterialLaw::NeoHookean,
         damping: 0.0,
         strength: breaks.then_some(strength),
         friction: 0.4,

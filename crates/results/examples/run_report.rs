@@ -14,7 +14,7 @@ use fdem_results::{
     Pictures, Range, Report, Row, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp,
     write_vtu,
 };
-use fdem_simulation::{Forces, Material, Model, Snapshot};
+use fdem_simulation::{Forces, Material, MaterialLaw, Model, Snapshot};
 use serde_json::json;
 
 #[path = "../tests/suite/run/splitting_disc.rs"]
@@ -110,6 +110,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         density: 2300.0,
         youngs_modulus: 20e9,
         poissons_ratio: 0.25,
+        law: MaterialLaw::NeoHookean,
         damping: 0.0,
         strength: None,
         friction: 0.6,

@@ -13,8 +13,8 @@ use std::time::Instant;
 
 use fdem_results::{Cut, Field, Range, Shell, Show, SpaceAnimation, SpaceFrame, SpacePictures, SpaceView};
 use fdem_simulation::{
-    Boundary, FractureOptions, Load, Material, Mesh, Model, Schedule, Simulation, Snapshot, Strength, Target,
-    TimeOptions,
+    Boundary, FractureOptions, Load, Material, MaterialLaw, Mesh, Model, Schedule, Simulation, Snapshot,
+    Strength, Target, TimeOptions,
 };
 
 /// Sides of the prism, m.
@@ -163,6 +163,7 @@ fn crushed_prism(cells: usize) -> Model<3, 4> {
         density: 2600.0,
         youngs_modulus: 20e9,
         poissons_ratio: 0.25,
+        law: MaterialLaw::NeoHookean,
         damping: 0.1,
         strength: Some(strength),
         friction: 0.5,

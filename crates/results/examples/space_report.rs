@@ -17,8 +17,8 @@ use fdem_results::{
     SpaceFrame, SpacePictures, SpaceReport, SpaceView, plots,
 };
 use fdem_simulation::{
-    Boundary, FractureOptions, Load, Material, Mesh, Model, Schedule, Simulation, Snapshot, Strength, Target,
-    TimeOptions,
+    Boundary, FractureOptions, Load, Material, MaterialLaw, Mesh, Model, Schedule, Simulation, Snapshot,
+    Strength, Target, TimeOptions,
 };
 use serde_json::json;
 
@@ -168,6 +168,7 @@ fn struck_plate(cells: usize) -> Model<3, 4> {
         density: 2600.0,
         youngs_modulus: 30e9,
         poissons_ratio: 0.2,
+        law: MaterialLaw::NeoHookean,
         damping: 0.05,
         strength: Some(strength),
         friction: 0.5,

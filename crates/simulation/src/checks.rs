@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::error::ModelError;
-use crate::model::{Load, Material, Model, Schedule, Strength, Target};
+use crate::laws::Refusal;
+use crate::model::{Load, Model, Schedule, Strength, Target};
 use crate::simplex::Simplex;
 use crate::topology::NONE;
 
@@ -16,16 +17,10 @@ where
         let place = format!("material '{}'", material.name);
         positive(&place, "density", material.density)?;
         positive(&place, "Young's modulus", material.youngs_modulus)?;
-        let nu = material.poissons_ratio;
-        // What cannot change its volume has no moduli, except in plane stress.
-        let moduli = |nu: f64| {
-            <[[f64; D]; N]>::moduli(&Material { poissons_ratio: nu, ..material.clone() }, model.plane)
-        };
-        let at_most = moduli(0.5).wave.is_finite();
-        if !(nu > -1.0 && nu <= 0.5 && (nu < 0.5 || at_most)) {
-            let range = if at_most { "above -1 and at most 0.5" } else { "above -1 and below 0.5" };
-            return Err(out_of_range(&place, "Poisson's ratio", nu, range));
-        }
+        material
+            .law
+            .check::<D, N>(material.youngs_modulus, material.poissons_ratio, model.plane)
+            .map_err(|Refusal { what, value, range }| out_of_range(&place, what, value, range))?;
         not_negative(&place, "damping", material.damping)?;
         not_negative(&place, "friction", material.friction)?;
         material.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;

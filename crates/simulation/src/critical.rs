@@ -188,8 +188,8 @@ where
     let number = model.mesh.materials[element];
     let material = &model.materials[number as usize];
     let mass = material.density * shape.measure() * model.thickness / N as f64;
-    let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
-    let bulk = shape.highest_square(&moduli, material.density) * mass;
+    let law = material.in_elements::<D, N>(model.plane);
+    let bulk = law.highest_square(&shape, material.density) * mass;
     let mass = model.mass_factor(element) * mass;
     let mut corners = [CornerStiffness { mass, bulk, ..CornerStiffness::default() }; N];
     for k in 0..N {

@@ -79,15 +79,16 @@ where
                 let corners = facet.map(|node| mesh.nodes[node as usize]);
                 let element = side.corners[0] as usize / N;
                 let material = &model.materials[mesh.materials[element] as usize];
-                let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
+                let normal = unit(<[[f64; D]; N]>::axes(&corners)[0]);
+                let [wave, shear] = material.in_elements::<D, N>(model.plane).wave_moduli::<N>(normal);
                 let held = if let Target::Held(_, forces) = &boundary.target { forces.get(k) } else { None };
                 facets.push(Beyond {
                     boundary: number as u32,
                     corners: side.corners,
                     area: if is_held { 0.0 } else { side.measure / D as f64 * model.thickness },
-                    normal: unit(<[[f64; D]; N]>::axes(&corners)[0]),
-                    impedance: [moduli.wave, moduli.shear].map(|modulus| (material.density * modulus).sqrt()),
-                    stiffness: [moduli.shear, 0.5 * moduli.shear],
+                    normal,
+                    impedance: [wave, shear].map(|modulus| (material.density * modulus).sqrt()),
+                    stiffness: [shear, 0.5 * shear],
                     held: held.copied().unwrap_or([[0.0; D]; D]),
                     is_held,
                 });

@@ -34,7 +34,7 @@ use crate::solid::{Solid, corners_of};
 use crate::sum::{Pile, Sum};
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
-use crate::vector::{Point, add, dot, length, minus};
+use crate::vector::{Point, add, dot, length, minus, unit};
 
 /// When and how a joint broke.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -152,6 +152,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     /// Strength of each facet, as an index of `strengths`; [`NONE`] if the facet cannot break.
     class: Vec<u32>,
     strengths: Vec<Strength>,
+    /// Strength of each facet, where it depends on the direction of the facet; empty if none does.
+    directed: Vec<Option<Strength>>,
     /// Whether each strength is that of an interface.
     of_interface: Vec<bool>,
     /// The joint set of each strength, or [`NONE`].
@@ -189,6 +191,12 @@ impl<const D: usize> Joints<D> {
     {
         let mesh = &model.mesh;
         let (mut strengths, mut of_interface, mut sets) = (Vec::new(), Vec::new(), Vec::new());
+        let directed = if model.materials.iter().any(|material| material.law.has_directions()) {
+            let of = |facet: &Facet<D>| directed_strength(model, topology, facet);
+            topology.facets.iter().map(of).collect()
+        } else {
+            Vec::new()
+        };
         let class: Vec<u32> = topology
             .facets
             .iter()
@@ -197,7 +205,8 @@ impl<const D: usize> Joints<D> {
                 let side = facet.corners[0];
                 let set = model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).unwrap_or(NONE);
                 let of_set = model.joint_sets.get(set as usize).map(|set| (set.strength, true));
-                let Some((strength, interface)) = of_set.or_else(|| strength_between(model, a, b)) else {
+                let Some((strength, interface)) = of_set.or_else(|| strength_between(model, [a, b], None))
+                else {
                     return NONE;
                 };
                 let mut known = strengths.iter().zip(&of_interface).zip(&sets);
@@ -227,8 +236,9 @@ impl<const D: usize> Joints<D> {
             Vec::new()
         };
         // Joints of sets are never inserted: they are there.
+        let of_classes = strengths.iter().zip(&sets).filter(|(_, set)| **set == NONE);
         let inserted =
-            || strengths.iter().zip(&sets).filter(|(_, set)| **set == NONE).map(|(strength, _)| *strength);
+            || of_classes.clone().map(|(strength, _)| *strength).chain(directed.iter().flatten().copied());
         let slopes = Slopes::of(&inserted().collect::<Vec<Strength>>());
         let inserts = model.fracture.insertion == Insertion::Adaptive && inserted().next().is_some();
         let mut joints = Self {
@@ -245,6 +255,7 @@ impl<const D: usize> Joints<D> {
             of_facet: vec![NONE; topology.facets.len()],
             class,
             strengths,
+            directed,
             of_interface,
             sets,
             open_sets: model.joint_sets.iter().map(|set| set.open).collect(),
@@ -275,7 +286,7 @@ impl<const D: usize> Joints<D> {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
-        let Self { at_vertex, tips, weakest, near, .. } = self;
+        let Self { at_vertex, tips, weakest, near, directed, .. } = self;
         let of_tip = |tip: &Tip| size_of::<Tip>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together);
         size_of_val(&**all)
             + size_of_val(&**links)
@@ -284,6 +295,7 @@ impl<const D: usize> Joints<D> {
             + size_of_val(&**at_corner)
             + size_of_val(&**of_facet)
             + size_of_val(&**class)
+            + size_of_val(&**directed)
             + size_of_val(&**factors)
             + size_of_val(&**at_vertex)
             + tips.iter().map(of_tip).sum::<usize>()
@@ -297,7 +309,8 @@ impl<const D: usize> Joints<D> {
     }
 
     fn strength(&self, facet: u32) -> Option<Strength> {
-        let strength = self.strengths.get(self.class[facet as usize] as usize)?;
+        let of_class = self.strengths.get(self.class[facet as usize] as usize)?;
+        let strength = self.directed.get(facet as usize).and_then(Option::as_ref).unwrap_or(of_class);
         let factor = self.factors.get(facet as usize).copied().unwrap_or(1.0);
         Some(Strength {
             tensile: strength.tensile * factor,
@@ -646,7 +659,7 @@ where
 {
     let elements = facet.elements();
     let modulus =
-        |element: u32| model.materials[model.mesh.materials[element as usize] as usize].youngs_modulus;
+        |element: u32| model.materials[model.mesh.materials[element as usize] as usize].stiffest_modulus();
     let heights = facet.corners.map(|corners| {
         corners_of(&model.mesh, corners[0] as usize / N).height(place_in_element::<D, N>(&corners))
     });
@@ -667,28 +680,68 @@ where
     <[[f64; D]; N]>::facet_measure(&facet.corners[0].map(place))
 }
 
-impl<const D: usize, const N: usize> Model<D, N> {
+impl<const D: usize, const N: usize> Model<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Strength of the joint between two elements with a common facet: that of its joint set, or else that between their materials; `None` if it cannot break.
     pub fn strength_of(&self, elements: [u32; 2]) -> Option<Strength> {
         if let Some(set) = common_set(&self.joint_facets, elements) {
             return self.joint_sets.get(set as usize).map(|set| set.strength);
         }
-        let [a, b] = elements.map(|element| self.mesh.materials[element as usize]);
-        strength_between(self, a, b).map(|(strength, _)| strength)
+        let [one, other] = elements.map(|element| self.mesh.elements[element as usize]);
+        let facet = <[[f64; D]; N]>::FACETS
+            .map(|facet| facet.map(|corner| one[corner]))
+            .into_iter()
+            .find(|facet| facet.iter().all(|node| other.contains(node)));
+        let normal = facet.map(|facet| normal_of(&facet.map(|node| self.mesh.nodes[node as usize])));
+        strength_between(self, elements.map(|element| self.mesh.materials[element as usize]), normal)
+            .map(|(strength, _)| strength)
     }
 }
 
+/// The normal of an undeformed facet, of unit length.
+fn normal_of<const D: usize, const N: usize>(facet: &[Point<D>; D]) -> Point<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    unit(<[[f64; D]; N]>::facet_normal(facet))
+}
+
+/// Strength of a facet that depends on its direction; `None` for one of a joint set or an interface, and for one that cannot break.
+fn directed_strength<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    topology: &Topology<D, N>,
+    facet: &Facet<D>,
+) -> Option<Strength>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let side = facet.corners[0];
+    if model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).is_some() {
+        return None;
+    }
+    let places = side.map(|corner| model.mesh.nodes[topology.vertices[corner as usize] as usize]);
+    let materials = facet.elements().map(|element| model.mesh.materials[element as usize]);
+    let found = strength_between(model, materials, Some(normal_of::<D, N>(&places)));
+    found.filter(|(_, of_interface)| !of_interface).map(|(strength, _)| strength)
+}
+
 /// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
-/// material with the lower tensile strength. `None` if the facet cannot break.
+/// material with the lower tensile strength. `None` if the facet cannot break. `normal`: that of the undeformed facet, of unit length, for strengths that depend on it.
 fn strength_between<const D: usize, const N: usize>(
     model: &Model<D, N>,
-    a: u32,
-    b: u32,
+    [a, b]: [u32; 2],
+    normal: Option<Point<D>>,
 ) -> Option<(Strength, bool)> {
     if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
         return Some((strength, a != b));
     }
-    let weaker = match [a, b].map(|material| model.materials[material as usize].strength) {
+    let strength = |material: u32| {
+        let material = &model.materials[material as usize];
+        normal.map_or(material.strength, |normal| material.strength_on(normal))
+    };
+    let weaker = match [a, b].map(strength) {
         [Some(one), Some(two)] => Some(if two.tensile < one.tensile { two } else { one }),
         [one, two] => one.or(two),
     };

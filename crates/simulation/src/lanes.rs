@@ -125,34 +125,34 @@ impl Available {
     }
 }
 
-/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(simd; name<parameters>(arguments: types) where bounds)`. The function must be
+/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(fn name = function<const parameters; types>(arguments: types) where bounds)`. The function must be
 /// `#[inline(always)]`, and so must be what it calls.
 macro_rules! compiled_for_vectors {
-    ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),*>($($argument:ident: $type:ty),+) $(where $($bound:tt)+)?) => {
+    ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),* $(; $generic:ident)?>($($argument:ident: $type:ty),+) $(where $($bound:tt)+)?) => {
         /// The loop over a batch, with these instructions.
         #[allow(unsafe_code, reason = "it is compiled for vector instructions")]
         #[inline]
-        $vis fn $name<$(const $parameter: $kind),*>(available: $crate::lanes::Available, $($argument: $type),+) $(where $($bound)+)? {
+        $vis fn $name<$(const $parameter: $kind,)* $($generic)?>(available: $crate::lanes::Available, $($argument: $type),+) $(where $($bound)+)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$(const $parameter: $kind),*>($($argument: $type),+) $(where $($bound)+)? {
-                $all::<$($parameter),*>($($argument),+);
+            fn avx2<$(const $parameter: $kind,)* $($generic)?>($($argument: $type),+) $(where $($bound)+)? {
+                $all::<$($parameter,)* $($generic)?>($($argument),+);
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512vl")]
-            fn avx512<$(const $parameter: $kind),*>($($argument: $type),+) $(where $($bound)+)? {
-                $all::<$($parameter),*>($($argument),+);
+            fn avx512<$(const $parameter: $kind,)* $($generic)?>($($argument: $type),+) $(where $($bound)+)? {
+                $all::<$($parameter,)* $($generic)?>($($argument),+);
             }
 
             match available.simd() {
                 // SAFETY: this processor has the instructions, or there were no `Available`.
                 #[cfg(target_arch = "x86_64")]
-                fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter),*>($($argument),+) },
+                fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter,)* $($generic)?>($($argument),+) },
                 // SAFETY: likewise.
                 #[cfg(target_arch = "x86_64")]
-                fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter),*>($($argument),+) },
-                _ => $all::<$($parameter),*>($($argument),+),
+                fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter,)* $($generic)?>($($argument),+) },
+                _ => $all::<$($parameter,)* $($generic)?>($($argument),+),
             }
         }
     };

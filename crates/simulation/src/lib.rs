@@ -4,7 +4,7 @@
 //! day in this crate. One step reads from top to bottom in `simulation.rs`; each part is a file:
 //!
 //! ```text
-//! solid (elastic) ─> joints (cohesive) ─> contacts (detection, simplex) ─> seams ─> loads (ground) ─> motion ─> energy
+//! solid (laws) ─> joints (cohesive) ─> contacts (detection, simplex) ─> seams ─> loads (ground) ─> motion ─> energy
 //! ```
 //!
 //! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
@@ -53,7 +53,8 @@
 //! | to change | open |
 //! |---|---|
 //! | the time step of a simulation | `src/simulation.rs`; the beginning of a run: `src/simulation/run.rs` |
-//! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `src/solid/batch.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
+//! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; what elements ask: `src/laws/element_law.rs` |
+//! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
@@ -77,7 +78,7 @@
 //! - The simulation is a crate of its own and not a module of `fdem`: it must not know paths, and only a crate keeps that so; it is also compiled and
 //!   tested without pictures and formats.
 //! - Elements have a neo-Hookean energy instead of the book's stress (4.178) to (4.184), which is the same to the first order of the strain but follows
-//!   from no energy (`src/elastic.rs`).
+//!   from no energy (`src/laws/neo_hookean.rs`).
 //! - The potential contact force is the exact gradient of its potential. The book's (2.25) lacks the share that the potential has because it moves with
 //!   the nodes of a triangle that deforms; without it, impacts of deformable bodies gain or lose energy (`src/simplex/triangle/potential.rs`).
 //! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the divergence theorem with a field of our own
@@ -105,6 +106,7 @@
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 
 mod moduli;
+mod strength;
 mod model;
 mod subset;
 mod checks;
@@ -118,7 +120,7 @@ mod vector;
 mod lanes;
 mod simplex;
 mod topology;
-mod elastic;
+mod laws;
 mod solid;
 mod cohesive;
 mod joint_sets;
@@ -146,6 +148,7 @@ pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
+pub use laws::MaterialLaw;
 pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,

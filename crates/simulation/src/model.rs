@@ -3,6 +3,12 @@
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
+use crate::laws::{AnyLaw, MaterialLaw};
+pub use crate::moduli::Plane;
+use crate::simplex::Simplex;
+pub use crate::strength::Strength;
+use crate::vector::Point;
+
 /// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
@@ -82,18 +88,6 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
     }
 }
 
-/// Plane stress or plane strain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Plane {
-    /// The stress out of the plane vanishes: a thin plate.
-    #[default]
-    Stress,
-    /// The strain out of the plane vanishes: a slice of a long body.
-    Strain,
-}
-
 /// An elastic material that may break.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
@@ -105,6 +99,8 @@ pub struct Material {
     pub youngs_modulus: f64,
     /// Poisson's ratio, above -1 and at most 0.5; in plane strain below 0.5.
     pub poissons_ratio: f64,
+    /// How its stress follows from its deformation.
+    pub law: MaterialLaw,
     /// Viscosity as a share of the critical damping of the fastest mode of an element; 0 for none.
     pub damping: f64,
     /// Strength; `None` for a material that does not break.
@@ -113,23 +109,45 @@ pub struct Material {
     pub friction: f64,
 }
 
-/// Strength and fracture energies of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Strength {
-    /// Tensile strength, Pa.
-    pub tensile: f64,
-    /// Cohesion, Pa.
-    pub cohesion: f64,
-    /// Tangent of the angle of internal friction.
-    pub friction: f64,
-    /// Fracture energy of opening, J/m².
-    pub energy_i: f64,
-    /// Fracture energy of sliding, beyond friction, J/m².
-    pub energy_ii: f64,
-    /// Weibull modulus of the factor, with a mean of 1, that scatters tensile strength and cohesion from edge to edge; `None` for no scatter.
-    pub weibull_modulus: Option<f64>,
-    /// Seed of the scatter.
-    pub seed: u64,
+impl Material {
+    /// Young's modulus in the direction in which the material is stiffest, Pa: that of penalties, of viscosity, and of the speed of waves in bars.
+    pub fn stiffest_modulus(&self) -> f64 {
+        self.law.stiffest_modulus(self.youngs_modulus)
+    }
+
+    /// Speed of a wave along a bar, m/s, in the stiffest direction.
+    pub fn bar_speed(&self) -> f64 {
+        (self.stiffest_modulus() / self.density).sqrt()
+    }
+
+    /// Speed of the slowest shear wave, m/s.
+    pub fn shear_speed(&self) -> f64 {
+        let modulus = self.law.least_shear_modulus(self.youngs_modulus, self.poissons_ratio);
+        (modulus / self.density).sqrt()
+    }
+
+    /// Speeds of the compressional and of the shear wave along a direction of unit length, m/s. `plane` counts in two dimensions.
+    pub fn wave_speeds<const D: usize, const N: usize>(&self, plane: Plane, direction: [f64; D]) -> [f64; 2]
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        self.in_elements::<D, N>(plane)
+            .wave_moduli::<N>(direction)
+            .map(|modulus| (modulus / self.density).sqrt())
+    }
+
+    /// The law in elements.
+    pub(crate) fn in_elements<const D: usize, const N: usize>(&self, plane: Plane) -> AnyLaw<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        self.law.in_elements::<D, N>(self.youngs_modulus, self.poissons_ratio, plane)
+    }
+
+    /// Strength on a facet with this normal of unit length in the undeformed body.
+    pub(crate) fn strength_on<const D: usize>(&self, normal: Point<D>) -> Option<Strength> {
+        self.strength.map(|strength| self.law.strength_on(strength, normal))
+    }
 }
 
 /// A set of joints. They are in the mesh from the beginning, whatever the option for the insertion of others is.

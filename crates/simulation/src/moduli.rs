@@ -1,6 +1,20 @@
-//! The moduli of an isotropic material in plane stress, in plane strain and in space.
+//! Plane stress and plane strain, and the moduli of an isotropic material in them.
 
-/// Moduli of a material, Pa: in the plane, or in space.
+use serde::{Deserialize, Serialize};
+
+/// Plane stress or plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Plane {
+    /// The stress out of the plane vanishes: a thin plate.
+    #[default]
+    Stress,
+    /// The strain out of the plane vanishes: a slice of a long body.
+    Strain,
+}
+
+/// Moduli of an isotropic material, Pa: in the plane, or in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moduli {
     pub(crate) shear: f64,

@@ -201,8 +201,7 @@ where
         };
         match probe {
             Probe::Stress(elements) => self.weighed(elements, |element, weight| {
-                let stress = self.solid.stress(element);
-                let [a, b, c, d, e, f] = <[[f64; D]; N]>::in_tensor(&stress, self.solid.moduli(element));
+                let [a, b, c, d, e, f] = self.solid.stress_tensor(element);
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
             Probe::Strain(elements) => self.weighed(elements, |element, weight| {

@@ -7,8 +7,7 @@ mod tetrahedron;
 pub(crate) mod triangle;
 
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, smaller};
-use crate::model::{Material, Plane};
-use crate::moduli::Moduli;
+use crate::moduli::{Moduli, Plane};
 use crate::vector::{Matrix, Point, dot};
 
 #[cfg(test)]
@@ -98,8 +97,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         reach: f64,
     ) -> [([f64; D], f64); 3];
 
-    /// A stress as the components `[xx, yy, zz, xy, yz, xz]`, Pa.
-    fn in_tensor(stress: &Matrix<D>, moduli: &Moduli) -> [f64; 6];
+    /// A stress as the components `[xx, yy, zz, xy, yz, xz]`, Pa. `out_of_plane`: zz in two dimensions.
+    fn in_tensor(stress: &Matrix<D>, out_of_plane: f64) -> [f64; 6];
 
     /// The stress with these components; in two dimensions that in the plane.
     fn of_tensor(components: &[f64; 6]) -> Matrix<D>;
@@ -113,8 +112,11 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Upper bounds of the middle and of the radius of Mohr's largest circle, Pa, that are faster to compute.
     fn circle_bound(stress: &Matrix<D>) -> [f64; 2];
 
-    /// Moduli of a material; `plane` counts in two dimensions.
-    fn moduli(material: &Material, plane: Plane) -> Moduli;
+    /// Whether the stress out of the plane vanishes, which it never does in space.
+    fn is_plate(plane: Plane) -> bool;
+
+    /// Moduli of an isotropic material with this Young's modulus, Pa, and Poisson's ratio; `plane` counts in two dimensions.
+    fn moduli(youngs_modulus: f64, poissons_ratio: f64, plane: Plane) -> Moduli;
 
     /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient. `j` is its determinant; it must be positive.
     /// The moduli are those of shear and bulk, Pa.

@@ -1,6 +1,8 @@
 //! Elements and nodes, and the forces of their deformation.
 
 pub(crate) mod batch;
+mod by_law;
+mod viscous;
 
 use std::ops::Range;
 
@@ -8,12 +10,13 @@ use fdem_distributed::wire;
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
-use crate::model::Model;
-use crate::moduli::Moduli;
+use crate::lanes::{Available, LANES, set_tensor, tensor};
+use crate::laws::AnyLaw;
+use crate::model::{Material, Model};
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::solid::batch::{BatchInputs, BatchResults, Deformed, Undeformed, forces_of};
+use crate::solid::batch::{BatchInputs, BatchResults, Deformed, History, Undeformed, forces_of};
+use crate::solid::by_law::ElementBatch;
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
@@ -66,10 +69,12 @@ fn mean_mass<const N: usize>(constants: &[Constants], nodes: &[u32; N]) -> f64 {
     nodes.iter().map(|&node| constants[node as usize].mass / N as f64).sum()
 }
 
-/// Constants of a material for the forces of its elements.
+/// The law and the viscosity of a material in its elements.
 #[derive(Clone, Copy, Debug)]
-struct Response {
-    moduli: Moduli,
+struct Constitution<const D: usize> {
+    law: AnyLaw<D>,
+    /// Whether the law dissipates energy.
+    dissipates: bool,
     /// Viscosity over the smallest height of an element, Pa s/m.
     viscosity: f64,
 }
@@ -93,8 +98,10 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
     /// element.
     pub(crate) forces: Vec<[Point<D>; N]>,
-    /// Viscosity of the elements, likewise; empty without any.
-    viscous: Vec<Viscous<D>>,
+    /// Histories of the elements, in batches; empty if no element keeps anything.
+    histories: Vec<History<D>>,
+    /// Number of values of the memory of an element: that of the law with the most.
+    pub(crate) memory: usize,
     pub(crate) corners: Nodes<N>,
     pub(crate) share: Share,
     /// Thickness out of the plane, m; 1 in space.
@@ -103,24 +110,11 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) grains: Grains,
     /// Vector instructions of elements and joints.
     pub(crate) available: Available,
-    responses: Vec<Response>,
+    constitutions: Vec<Constitution<D>>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
     /// Initial stress of each element; empty for none.
     prestress: Vec<Prestress<D>>,
-}
-
-/// Viscosity in a batch of elements.
-#[derive(Clone, Copy, Debug)]
-struct Viscous<const D: usize> {
-    /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa.
-    stress: Tensors<D>,
-    /// Energy that has been dissipated so far, J.
-    dissipated: Lanes,
-}
-
-impl<const D: usize> Viscous<D> {
-    const NONE: Self = Self { stress: [[Lanes::ZERO; D]; D], dissipated: Lanes::ZERO };
 }
 
 /// The initial stress of an element.
@@ -156,16 +150,27 @@ where
             set_tensor(&mut batch.gradients, number % LANES, &gradients);
             batch.volume.set(number % LANES, element.volume);
         }
-        let responses: Vec<Response> = model
-            .materials
-            .iter()
-            .map(|material| Response {
-                moduli: <[[f64; D]; N]>::moduli(material, model.plane),
+        let constitution = |material: &Material| {
+            let law = material.in_elements::<D, N>(model.plane);
+            Constitution {
+                law,
+                dissipates: law.dissipates::<N>(),
                 // The highest angular frequency ω of an element is about 2 c/h, so E/ω is half of h √(E ρ).
-                viscosity: 0.5 * material.damping * (material.youngs_modulus * material.density).sqrt(),
-            })
-            .collect();
-        let viscous = responses.iter().any(|response| response.viscosity > 0.0);
+                viscosity: 0.5 * material.damping * (material.stiffest_modulus() * material.density).sqrt(),
+            }
+        };
+        let constitutions: Vec<Constitution<D>> = model.materials.iter().map(constitution).collect();
+        let of_element = |number: usize| &constitutions[elements[number].material as usize];
+        let viscous = constitutions.iter().any(|constitution| constitution.viscosity > 0.0);
+        let memory = constitutions.iter().map(|of| of.law.memory::<N>()).max().unwrap_or_default();
+        let lasts = viscous || memory > 0 || constitutions.iter().any(|of| of.dissipates);
+        let batches = if lasts { undeformed.len() } else { 0 };
+        let mut histories = vec![History::new(memory); batches];
+        let mut values = vec![0.0; memory];
+        for number in 0..if memory > 0 { elements.len() } else { 0 } {
+            of_element(number).law.begin::<N>(&mut values);
+            histories[number / LANES].set_memory(number % LANES, &values);
+        }
         let heights = if viscous {
             (0..elements.len()).map(|e| corners_of(mesh, e).least_height()).collect()
         } else {
@@ -181,14 +186,13 @@ where
         let constants =
             all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
         let corners = Nodes::new(mesh.elements.clone(), mesh.nodes.len());
-        let moduli = |element: usize| &responses[elements[element].material as usize].moduli;
         let prestress: Vec<Prestress<D>> = model
             .stresses
             .iter()
             .enumerate()
             .map(|(element, &stress)| Prestress {
                 stress,
-                energy: <[[f64; D]; N]>::stored(moduli(element), &stress),
+                energy: of_element(element).law.stored::<N>(&stress),
             })
             .collect();
         let mut deformed = vec![Deformed::NONE; undeformed.len()];
@@ -199,7 +203,8 @@ where
         }
         let mut solid = Self {
             forces: vec![[[0.0; D]; N]; elements.len()],
-            viscous: vec![Viscous::NONE; heights.len().div_ceil(LANES)],
+            histories,
+            memory,
             origin,
             true_masses: if model.mass_factors.is_empty() { Vec::new() } else { vec![0.0; mesh.nodes.len()] },
             nodes,
@@ -212,7 +217,7 @@ where
             share: Share::default(),
             grains: Grains::of(0.0),
             thickness: model.thickness,
-            responses,
+            constitutions,
             heights,
             prestress,
         };
@@ -224,7 +229,7 @@ where
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { nodes, constants, elements, undeformed, deformed, forces, viscous, .. } = self;
+        let Self { nodes, constants, elements, undeformed, deformed, forces, histories, .. } = self;
         let Self { corners, share, heights, prestress, true_masses, .. } = self;
         size_of_val(&**nodes)
             + size_of_val(&**constants)
@@ -233,7 +238,8 @@ where
             + size_of_val(&**undeformed)
             + size_of_val(&**deformed)
             + size_of_val(&**forces)
-            + size_of_val(&**viscous)
+            + size_of_val(&**histories)
+            + histories.iter().map(|history| size_of_val(&*history.memory)).sum::<usize>()
             + corners.bytes()
             + size_of_val(&*share.corners)
             + size_of_val(&*share.nodes)
@@ -440,32 +446,66 @@ where
 
     /// The viscous part of the stress of each element, Pa: 0 without viscosity.
     pub(crate) fn viscous(&self) -> Vec<Matrix<D>> {
-        let of = |element: usize| match self.viscous.get(element / LANES) {
-            Some(batch) => tensor(&batch.stress, element % LANES),
+        let of = |element: usize| match self.histories.get(element / LANES) {
+            Some(batch) => tensor(&batch.viscous, element % LANES),
             None => [[0.0; D]; D],
         };
         (0..self.elements.len()).map(of).collect()
     }
 
-    /// Energy that viscosity has dissipated in each element so far, J; empty without viscosity.
+    /// Energy that viscosity and laws have dissipated in each element so far, J; empty without any of them.
     pub(crate) fn dissipated(&self) -> Vec<f64> {
-        let all = self.viscous.iter().flat_map(|batch| (0..LANES).map(|lane| batch.dissipated.get(lane)));
-        all.take(self.heights.len()).collect()
+        let all = self.histories.iter().flat_map(|batch| (0..LANES).map(|lane| batch.dissipated.get(lane)));
+        all.take(if self.dissipates() { self.elements.len() } else { 0 }).collect()
     }
 
-    /// Sets the stresses of all elements, Pa, the viscous parts of them, and the dissipated energies to those of a saved run.
-    pub(crate) fn restore(&mut self, stresses: &[Matrix<D>], viscous: &[Matrix<D>], dissipated: &[f64]) {
+    /// Whether viscosity or a law dissipates energy.
+    fn dissipates(&self) -> bool {
+        !self.heights.is_empty() || self.constitutions.iter().any(|of| of.dissipates)
+    }
+
+    /// The memory of the law in each element, [`Solid::memory`] values each.
+    pub(crate) fn memories(&self) -> Vec<f64> {
+        let of = |element: usize| self.memory_of(element).take(self.memory);
+        (0..if self.memory > 0 { self.elements.len() } else { 0 }).flat_map(of).collect()
+    }
+
+    /// The memory of the law in an element.
+    pub(crate) fn memory_of(&self, element: usize) -> impl Iterator<Item = f64> {
+        let batch = self.histories.get(element / LANES).into_iter();
+        batch.flat_map(move |batch| batch.memory.iter().map(move |value| value.get(element % LANES)))
+    }
+
+    /// Cauchy stress of an element in the last pass as the components `[xx, yy, zz, xy, yz, xz]`, Pa.
+    pub(crate) fn stress_tensor(&self, element: usize) -> [f64; 6] {
+        let memory: Vec<f64> = self.memory_of(element).collect();
+        self.law(element).in_tensor::<N>(&self.stress(element), &memory)
+    }
+
+    /// Sets the stresses of all elements, Pa, the viscous parts of them, the dissipated energies and the memories to those of a saved run.
+    pub(crate) fn restore(
+        &mut self,
+        stresses: &[Matrix<D>],
+        viscous: &[Matrix<D>],
+        dissipated: &[f64],
+        memories: &[f64],
+    ) {
         for (number, stress) in stresses.iter().enumerate() {
             self.deformed[number / LANES].set_stress(number % LANES, stress);
         }
         for (number, viscous) in viscous.iter().enumerate() {
-            if let Some(batch) = self.viscous.get_mut(number / LANES) {
-                set_tensor(&mut batch.stress, number % LANES, viscous);
+            if let Some(batch) = self.histories.get_mut(number / LANES) {
+                set_tensor(&mut batch.viscous, number % LANES, viscous);
             }
         }
         for (number, dissipated) in dissipated.iter().enumerate() {
-            if let Some(batch) = self.viscous.get_mut(number / LANES) {
+            if let Some(batch) = self.histories.get_mut(number / LANES) {
                 batch.dissipated.set(number % LANES, *dissipated);
+            }
+        }
+        for (number, values) in memories.chunks_exact(self.memory.max(1)).enumerate() {
+            if let Some(batch) = self.histories.get_mut(number / LANES) {
+                batch.set_memory(number % LANES, values);
             }
         }
     }
@@ -489,7 +529,7 @@ where
     /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns the first inverted element, with its ratio of deformed to undeformed area or
     /// volume.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Option<(u32, f64)> {
-        match (self.is_prestressed(), !self.viscous.is_empty()) {
+        match (self.is_prestressed(), !self.heights.is_empty()) {
             (false, false) => self.deform_with::<false, false>(step, team),
             (false, true) => self.deform_with::<false, true>(step, team),
             (true, false) => self.deform_with::<true, false>(step, team),
@@ -503,18 +543,19 @@ where
         step: f64,
         team: &Team,
     ) -> Option<(u32, f64)> {
-        let Self { nodes, elements, undeformed, deformed, forces, viscous, corners, responses, .. } = self;
+        let Self { nodes, elements, undeformed, deformed, forces, histories, corners, .. } = self;
+        let constitutions = &self.constitutions;
+        let any_dissipates = constitutions.iter().any(|of| of.dissipates);
         let (heights, prestress, available, share) =
             (&self.heights, &self.prestress, self.available, &self.share);
         let found = team.change_batches::<LANES, _, _, _, _>(
             deformed,
             forces,
-            viscous,
-            |first, deformed, forces, viscous| {
+            histories,
+            |first, deformed, forces, histories| {
                 let mut inverted = None;
                 let (mut given, mut told) = (BatchInputs::NONE, BatchResults::NONE);
-                let mut none = Viscous::NONE;
-                let mut material = NONE;
+                let mut none = History::new(0);
                 for (k, deformed) in deformed.iter_mut().enumerate() {
                     let batch = first + k;
                     let range = batch * LANES..((batch + 1) * LANES).min(elements.len());
@@ -529,37 +570,26 @@ where
                     }
                     for (lane, number) in range.clone().enumerate() {
                         if VISCOUS {
-                            let response = &responses[elements[number].material as usize];
-                            given.viscosity.set(lane, response.viscosity * heights[number]);
+                            let viscosity = constitutions[elements[number].material as usize].viscosity;
+                            given.viscosity.set(lane, viscosity * heights[number]);
                         }
                         if INITIAL {
                             set_tensor(&mut given.initial, lane, &prestress[number].stress);
                             given.stored.set(lane, prestress[number].energy);
                         }
                     }
-                    // Most batches have the material of the one before.
                     let own = &elements[range.clone()];
-                    if own.iter().any(|element| element.material != material) {
-                        for (lane, element) in own.iter().enumerate() {
-                            let moduli = &responses[element.material as usize].moduli;
-                            given.shear.set(lane, moduli.shear);
-                            given.bulk.set(lane, moduli.bulk);
-                        }
-                        material = own[0].material;
-                        if own.iter().any(|element| element.material != material) {
-                            material = NONE;
-                        }
-                    }
                     let undeformed = &undeformed[batch];
-                    let viscous = if VISCOUS { &mut viscous[k] } else { &mut none };
-                    batch::strain::<D, N, INITIAL, VISCOUS>(
+                    let history = histories.get_mut(k).unwrap_or(&mut none);
+                    let batch = ElementBatch {
                         available,
                         undeformed,
-                        &given,
-                        deformed,
-                        &mut viscous.stress,
-                        &mut told,
-                    );
+                        given: &given,
+                        count: own.len(),
+                        alike: own.iter().all(|element| element.material == own[0].material),
+                    };
+                    let law_of = |lane: usize| &constitutions[own[lane].material as usize].law;
+                    batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut told);
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = told.forces(lane);
@@ -574,7 +604,11 @@ where
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
                             // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
                             let work = 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
-                            viscous.dissipated.set(lane, viscous.dissipated.get(lane) + work);
+                            history.dissipated.set(lane, history.dissipated.get(lane) + work);
+                        }
+                        if any_dissipates && constitutions[own[lane].material as usize].dissipates {
+                            let lost = told.dissipated.get(lane) * undeformed.volume.get(lane);
+                            history.dissipated.set(lane, history.dissipated.get(lane) + lost);
                         }
                     }
                 }
@@ -584,11 +618,11 @@ where
         found.into_iter().flatten().next()
     }
 
-    /// Strain energy in the last pass, and energy that viscosity has dissipated so far, J.
+    /// Strain energy in the last pass, and energy that viscosity and laws have dissipated so far, J.
     pub(crate) fn energies(&self, team: &Team) -> [Sum; 2] {
         let of = |range: Range<usize>| {
             let dissipated = |element: usize| {
-                self.viscous.get(element / LANES).map(|batch| batch.dissipated.get(element % LANES))
+                self.histories.get(element / LANES).map(|batch| batch.dissipated.get(element % LANES))
             };
             let counted = || range.clone().filter(|&element| self.share.element(element as u32));
             [
@@ -619,9 +653,9 @@ where
         tensor(&self.undeformed[element / LANES].gradients, element % LANES)
     }
 
-    /// Out-of-plane stress of an element in two dimensions, Pa.
-    pub(crate) fn moduli(&self, element: usize) -> &Moduli {
-        &self.responses[self.elements[element].material as usize].moduli
+    /// The law of an element.
+    pub(crate) fn law(&self, element: usize) -> &AnyLaw<D> {
+        &self.constitutions[self.elements[element].material as usize].law
     }
 }
 

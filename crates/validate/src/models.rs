@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use fdem_simulation::{
-    Boundary, Interface, Load, Material, Mesh, Model, Schedule, Simulation, Strength, Target,
+    Boundary, Interface, Load, Material, MaterialLaw, Mesh, Model, Schedule, Simulation, Strength, Target,
 };
 
 /// Density of all materials here, kg/m³.
@@ -16,6 +16,7 @@ pub(super) fn granite() -> Material {
         density: DENSITY,
         youngs_modulus: 50e9,
         poissons_ratio: 0.0,
+        law: MaterialLaw::NeoHookean,
         damping: 0.0,
         strength: None,
         friction: 0.0,

@@ -112,8 +112,7 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
 /// Loads, stresses and speeds beyond all that the materials carry.
 pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     let largest = |of: fn(&Material) -> f64| model.materials.iter().map(of).fold(0.0, f64::max);
-    let (stiffest, wave) =
-        (largest(|of| of.youngs_modulus), largest(|of| (of.youngs_modulus / of.density).sqrt()));
+    let (stiffest, wave) = (largest(Material::stiffest_modulus), largest(Material::bar_speed));
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let (section, product) = if D == 2 {

@@ -125,7 +125,7 @@ fn is_damped<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, 
 
 /// Speed of a wave along a bar, m/s.
 fn wave(material: &Material) -> f64 {
-    (material.youngs_modulus / material.density).sqrt()
+    material.bar_speed()
 }
 
 fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {

@@ -2,7 +2,7 @@
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Simplex;
-use fdem_simulation::{Model, Plane};
+use fdem_simulation::{Element, Model};
 
 /// Share of the elements that may be slivers, and how many may be in any case.
 const FEW: (f64, usize) = (0.005, 10);
@@ -31,7 +31,7 @@ impl Slivers {
     /// The few elements that a wave crosses in much less time than all others.
     pub(crate) fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<Self>
     where
-        [[f64; D]; N]: Simplex<D, N>,
+        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
     {
         let mut times: Vec<(f64, f64, u32)> = (0..)
             .zip(model.mesh.elements.iter().zip(&model.mesh.materials))
@@ -78,13 +78,15 @@ impl Slivers {
     }
 }
 
-/// Speed of a wave of compression, m/s.
-fn speed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
-    let material = &model.materials[material];
-    let nu = material.poissons_ratio;
-    let modulus = match model.plane {
-        Plane::Stress if D == 2 => material.youngs_modulus / (1.0 - nu * nu),
-        _ => material.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)),
+/// Speed of a wave of compression along the axis on which it is fastest, m/s.
+fn speed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let along = |axis: usize| {
+        let direction = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+        let [compressional, _] = model.materials[material].wave_speeds::<D, N>(model.plane, direction);
+        compressional
     };
-    (modulus / material.density).sqrt()
+    (0..D).map(along).fold(0.0, f64::max)
 }

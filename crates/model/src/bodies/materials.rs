@@ -1,6 +1,6 @@
 //! Materials and interfaces: names, ranges, strengths.
 
-use fdem_simulation::{Interface, Material, Plane, Strength};
+use fdem_simulation::{Interface, Material, MaterialLaw, Plane, Strength};
 
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
@@ -46,6 +46,7 @@ pub(crate) fn materials(
             density: material.density,
             youngs_modulus: material.youngs_modulus,
             poissons_ratio: material.poissons_ratio,
+            law: MaterialLaw::NeoHookean,
             damping: material.damping,
             strength: keys.strength(&format!("[[material]] \"{}\"", material.name), table, document, faults),
             friction: material.friction,

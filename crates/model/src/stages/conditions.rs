@@ -93,7 +93,7 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
                 // A row of nodes has half of the mass of a row of elements.
                 let mass = material.density * measure * model.thickness * count as f64 / N as f64;
                 let width = (2.0 * measure).powf(1.0 / D as f64);
-                impedance += 2.0 * mass * (material.youngs_modulus / material.density).sqrt() / width;
+                impedance += 2.0 * mass * material.bar_speed() / width;
             }
         }
         if impedance * speed > LOUD * servo.band {

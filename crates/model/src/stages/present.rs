@@ -58,7 +58,7 @@ where
         model.time.local_damping = stage.local_damping;
         model.time.dynamic_relaxation = stage.dynamic_relaxation;
         if !stage.materials.is_empty() {
-            let modulus = |material: u32| self.model.materials[material as usize].youngs_modulus;
+            let modulus = |material: u32| self.model.materials[material as usize].stiffest_modulus();
             // Initial stress is that of a strain, which stays.
             for (element, stress) in model.stresses.iter_mut().enumerate() {
                 let [old, new] = [self.model.mesh.materials[element], stage.materials[element]].map(modulus);

@@ -170,7 +170,7 @@ pub struct Fragment<const D: usize = 2> {
 /// # use fdem_results::{ElementMasses, Fragments, Names};
 /// # use fdem_simulation::{Material, Mesh, Model, Simulation};
 /// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
-/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, law: fdem_simulation::MaterialLaw::NeoHookean, damping: 0.0, strength: None, friction: 0.5 };
 /// # let model = Model { mesh, materials: vec![material], ..Model::default() };
 /// let masses = ElementMasses::of(&model)?;
 /// let run = Simulation::new(model, 1)?;

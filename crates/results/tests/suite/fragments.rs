@@ -8,7 +8,7 @@ use fdem_mesh::Simplex;
 use fdem_results::{
     ElementMasses, Field, Fragments, Names, Report, SnapshotError, SpaceReport, fragment_sizes,
 };
-use fdem_simulation::{Element, Interface, Material, Mesh, Model, Simulation, Strength};
+use fdem_simulation::{Element, Interface, Material, MaterialLaw, Mesh, Model, Simulation, Strength};
 
 const DENSITY: f64 = 2500.0;
 const THICKNESS: f64 = 0.1;
@@ -19,6 +19,7 @@ fn material(name: &str, strength: Option<Strength>) -> Material {
         density: DENSITY,
         youngs_modulus: 1e9,
         poissons_ratio: 0.2,
+        law: MaterialLaw::NeoHookean,
         damping: 0.0,
         strength,
         friction: 0.3,

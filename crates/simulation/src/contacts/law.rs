@@ -22,7 +22,7 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
     let penalty = interface
         .and_then(|interface| interface.penalty)
-        .unwrap_or(model.contact.penalty * one.youngs_modulus.min(two.youngs_modulus))
+        .unwrap_or(model.contact.penalty * one.stiffest_modulus().min(two.stiffest_modulus()))
         * model.thickness;
     let friction = interface.map_or(one.friction.min(two.friction), |interface| interface.friction);
     ContactLaw {

@@ -323,6 +323,7 @@ mod tests {
     use super::*;
     use crate::cohesive::tests::ROCK;
     use crate::joints::Joints;
+    use crate::laws::MaterialLaw;
     use crate::model::{Material, Model};
     use crate::topology::Topology;
     use fdem_mesh::Mesh;
@@ -333,6 +334,7 @@ mod tests {
             density: 2700.0,
             youngs_modulus: 30e9,
             poissons_ratio: 0.2,
+            law: MaterialLaw::NeoHookean,
             damping: 0.0,
             strength: Some(ROCK),
             friction: 0.0,

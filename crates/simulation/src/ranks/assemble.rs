@@ -81,6 +81,7 @@ where
             &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),
             &all.iter().map(|piece| piece.viscous).collect::<Vec<_>>(),
             &all.iter().map(|piece| piece.dissipated).collect::<Vec<_>>(),
+            &all.iter().flat_map(|piece| piece.memory.iter().copied()).collect::<Vec<_>>(),
         );
         let is_here = |moving: &MovingJoint<D>| topology.facet_with(moving.joint.facet).is_some();
         let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.iter().partition(|moving| is_here(moving));

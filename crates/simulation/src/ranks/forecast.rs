@@ -28,7 +28,7 @@ use crate::vector::Point;
 /// ```
 /// # use fdem_simulation::*;
 /// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], elements: vec![[0, 1, 2], [2, 1, 3]], bodies: vec![0; 2], materials: vec![0; 2] };
-/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, law: fdem_simulation::MaterialLaw::NeoHookean, damping: 0.0, strength: None, friction: 0.5 };
 /// let model = Model { mesh, materials: vec![material], ..Model::default() };
 /// let mut run = Simulation::new(model, 1)?;
 /// let forecast = Forecast::of(&mut run, 2)?;
@@ -343,6 +343,7 @@ mod tests {
     use fdem_mesh::Mesh;
 
     use super::*;
+    use crate::laws::MaterialLaw;
     use crate::model::{FractureOptions, Insertion, Material, Strength};
     use crate::ranks::distributed::Distributed;
 
@@ -371,6 +372,7 @@ mod tests {
             density: 2700.0,
             youngs_modulus: 50e9,
             poissons_ratio: 0.2,
+            law: MaterialLaw::NeoHookean,
             damping: 0.0,
             strength: Some(strength),
             friction: 0.4,

@@ -51,9 +51,11 @@ wire!([const D: usize, const N: usize] OwnElement<D, N> { number, body, material
 pub(super) struct OwnResults<const D: usize, const N: usize> {
     nodes: Vec<OwnNode<D>>,
     elements: Vec<OwnElement<D, N>>,
-    /// Viscous stress, and dissipated energy, of each of the elements; empty without viscosity.
+    /// Viscous stress, and dissipated energy, of each of the elements; empty if nothing is dissipated.
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
+    /// Memories of the laws in the elements, one after the other.
+    memories: Vec<f64>,
     joints: Vec<MovingJoint<D>>,
     touching: Vec<Touch<D, N>>,
     parted: Vec<[u32; 2]>,
@@ -63,7 +65,7 @@ pub(super) struct OwnResults<const D: usize, const N: usize> {
 }
 
 wire!([const D: usize, const N: usize] OwnResults<D, N> {
-    nodes, elements, viscous, dissipated, joints, touching, parted, bared, seams, forces,
+    nodes, elements, viscous, dissipated, memories, joints, touching, parted, bared, seams, forces,
 });
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -102,6 +104,7 @@ where
             elements: counted().map(element).collect(),
             viscous: counted().filter_map(|element| viscous.get(element).copied()).collect(),
             dissipated: counted().filter_map(|element| dissipated.get(element).copied()).collect(),
+            memories: counted().flat_map(|element| solid.memory_of(element)).collect(),
             joints: self.own_joints(),
             touching: self.own_touching(),
             parted,
@@ -128,6 +131,8 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     stresses: Vec<Matrix<D>>,
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
+    /// Memories of the laws in the elements, one after the other.
+    memories: Vec<f64>,
     /// In the order of their facets, with the numbers of their nodes.
     joints: Vec<MovingJoint<D>>,
     contacts: SavedContacts<D, N>,
@@ -160,6 +165,7 @@ where
             stresses: vec![[[0.0; D]; D]; elements],
             viscous: vec![[[0.0; D]; D]; elements],
             dissipated: Vec::new(),
+            memories: Vec::new(),
             joints: Vec::new(),
             contacts: SavedContacts { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() },
             seams: Vec::new(),
@@ -186,6 +192,13 @@ where
         for ((element, viscous), dissipated) in own.elements.iter().zip(own.viscous).zip(own.dissipated) {
             let k = element.number as usize;
             (self.viscous[k], self.dissipated[k]) = (viscous, dissipated);
+        }
+        let length = own.memories.len() / own.elements.len().max(1);
+        if length > 0 {
+            self.memories.resize(length * self.elements.len(), 0.0);
+            for (element, memory) in own.elements.iter().zip(own.memories.chunks_exact(length)) {
+                self.memories[element.number as usize * length..][..length].copy_from_slice(memory);
+            }
         }
         self.nodes.extend(own.nodes);
         self.joints.extend(own.joints);
@@ -222,10 +235,12 @@ where
 
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
-        let moduli: Vec<_> =
-            self.model.materials.iter().map(|at| <[[f64; D]; N]>::moduli(at, self.model.plane)).collect();
-        let tensor = |(stress, &material): (&Matrix<D>, &u32)| {
-            <[[f64; D]; N]>::in_tensor(stress, &moduli[material as usize])
+        let laws: Vec<_> =
+            self.model.materials.iter().map(|at| at.in_elements::<D, N>(self.model.plane)).collect();
+        let length = self.memories.len() / self.elements.len().max(1);
+        let tensor = |(element, stress): (usize, &Matrix<D>)| {
+            let memory = &self.memories[element * length..][..length];
+            laws[self.materials[element] as usize].in_tensor::<N>(stress, memory)
         };
         let nodes = self.moving_nodes();
         let joints = self.joints.iter().map(MovingJoint::seen::<N>);
@@ -237,7 +252,7 @@ where
             displacements: self.nodes.iter().map(|node| node.displacement).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
             elements: self.elements.clone(),
-            stresses: self.stresses.iter().zip(&self.materials).map(tensor).collect(),
+            stresses: self.stresses.iter().enumerate().map(tensor).collect(),
             damage,
             bodies: self.bodies.clone(),
             materials: self.materials.clone(),
@@ -258,6 +273,7 @@ where
             stresses: self.stresses.clone(),
             viscous: self.viscous.clone(),
             dissipated: self.dissipated.clone(),
+            memories: self.memories.clone(),
             joints: SavedJoints::of(self.joints.clone()),
             contacts: self.contacts.clone(),
             seams: self.seams.iter().map(|point| point.hold).collect(),

@@ -81,12 +81,14 @@ pub(super) struct ElementPiece<const D: usize, const N: usize> {
     pub(super) stress: Matrix<D>,
     pub(super) viscous: Matrix<D>,
     pub(super) dissipated: f64,
+    /// Memory of its law.
+    pub(super) memory: Vec<f64>,
     pub(super) corners: [CornerState<D>; N],
     pub(super) sides: Vec<BoundarySide<D>>,
 }
 
 wire!([const D: usize, const N: usize] ElementPiece<D, N> {
-    number, body, material, watched, outer, initial, mass_factor, sets, stress, viscous, dissipated, corners, sides,
+    number, body, material, watched, outer, initial, mass_factor, sets, stress, viscous, dissipated, memory, corners, sides,
 });
 
 impl<const D: usize, const N: usize> ElementPiece<D, N> {
@@ -373,6 +375,7 @@ where
             stress: solid.stress(k),
             viscous: self.viscous[k],
             dissipated: self.dissipated.get(k).copied().unwrap_or_default(),
+            memory: solid.memory_of(k).collect(),
             corners: std::array::from_fn(corner),
             sides: self.sides.get(&element).cloned().unwrap_or_default(),
         }

@@ -11,8 +11,7 @@ mod plane;
 mod potential;
 
 use crate::lanes::Available;
-use crate::model::{Material, Plane};
-use crate::moduli::Moduli;
+use crate::moduli::{Moduli, Plane};
 use crate::simplex::tetrahedron::numbering::FACES;
 use crate::simplex::{Interactions, Shapes, Simplex, Tetrahedron};
 use crate::vector::{Matrix, Point, cross3, dot, length, minus, unit};
@@ -126,7 +125,7 @@ impl Simplex<3, 4> for Tetrahedron {
         plane::tractions_near(&Self::axes(facet).map(unit), stress, friction, reach)
     }
 
-    fn in_tensor(&[[xx, xy, xz], [_, yy, yz], [.., zz]]: &Matrix<3>, _: &Moduli) -> [f64; 6] {
+    fn in_tensor(&[[xx, xy, xz], [_, yy, yz], [.., zz]]: &Matrix<3>, _: f64) -> [f64; 6] {
         [xx, yy, zz, xy, yz, xz]
     }
 
@@ -156,8 +155,12 @@ impl Simplex<3, 4> for Tetrahedron {
         [mean + 0.288_675_2 * radius + rounding, radius + rounding]
     }
 
-    fn moduli(material: &Material, _: Plane) -> Moduli {
-        elastic::moduli(material)
+    fn is_plate(_: Plane) -> bool {
+        false
+    }
+
+    fn moduli(youngs_modulus: f64, poissons_ratio: f64, _: Plane) -> Moduli {
+        elastic::moduli(youngs_modulus, poissons_ratio)
     }
 
     #[inline]

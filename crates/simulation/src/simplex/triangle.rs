@@ -6,8 +6,7 @@ mod plane;
 mod potential;
 
 use crate::lanes::Available;
-use crate::model::{Material, Plane};
-use crate::moduli::Moduli;
+use crate::moduli::{Moduli, Plane};
 use crate::simplex::{Interactions, Shapes, Simplex, Triangle};
 use crate::vector::{Matrix, Point, cross, dot, length, minus};
 
@@ -114,8 +113,8 @@ impl Simplex<2, 3> for Triangle {
     }
 
     #[inline]
-    fn in_tensor([[xx, xy], [_, yy]]: &Matrix, moduli: &Moduli) -> [f64; 6] {
-        [*xx, *yy, moduli.out_of_plane * (xx + yy), *xy, 0.0, 0.0]
+    fn in_tensor(&[[xx, xy], [_, yy]]: &Matrix, out_of_plane: f64) -> [f64; 6] {
+        [xx, yy, out_of_plane, xy, 0.0, 0.0]
     }
 
     fn of_tensor(&[xx, yy, _, xy, ..]: &[f64; 6]) -> Matrix {
@@ -137,8 +136,12 @@ impl Simplex<2, 3> for Triangle {
         Self::circle(stress)
     }
 
-    fn moduli(material: &Material, plane: Plane) -> Moduli {
-        elastic::moduli(material, plane)
+    fn is_plate(plane: Plane) -> bool {
+        plane == Plane::Stress
+    }
+
+    fn moduli(youngs_modulus: f64, poissons_ratio: f64, plane: Plane) -> Moduli {
+        elastic::moduli(youngs_modulus, poissons_ratio, plane)
     }
 
     #[inline]

@@ -179,6 +179,7 @@ mod tests {
     use super::*;
     use fdem_mesh::Mesh;
 
+    use crate::laws::MaterialLaw;
     use crate::model::{Material, Model};
 
     /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
@@ -195,6 +196,7 @@ mod tests {
             density: 2700.0,
             youngs_modulus: 50e9,
             poissons_ratio: 0.25,
+            law: MaterialLaw::NeoHookean,
             damping: 0.0,
             strength: None,
             friction: 0.5,

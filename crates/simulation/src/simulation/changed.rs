@@ -266,11 +266,18 @@ impl Numbers {
                 }
                 *number
             });
-            let Some(old) = before.map(|old| old as usize) else { continue };
-            new.stresses[element] = state.stresses[old];
-            new.viscous[element] = state.viscous[old];
-            if let (Some(new), Some(old)) = (new.dissipated.get_mut(element), state.dissipated.get(old)) {
+            let Some(number) = before.map(|old| old as usize) else { continue };
+            new.stresses[element] = state.stresses[number];
+            new.viscous[element] = state.viscous[number];
+            if let (Some(new), Some(old)) = (new.dissipated.get_mut(element), state.dissipated.get(number)) {
                 *new = *old;
+            }
+            // An element of another material begins with a memory of its law.
+            let materials = [old.model.mesh.materials[number], fresh.model.mesh.materials[element]];
+            if old.solid.memory == fresh.solid.memory && materials[0] == materials[1] {
+                let length = old.solid.memory;
+                let from = &state.memories[number * length..][..length];
+                new.memories[element * length..][..length].copy_from_slice(from);
             }
         }
         let of = |run: &Simulation<D, N>| -> Vec<MovingJoint<D>> {

@@ -40,7 +40,7 @@ const NEGLIGIBLE_SHARE: f64 = 1e-9;
 /// ```
 /// # use fdem_simulation::*;
 /// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
-/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, law: fdem_simulation::MaterialLaw::NeoHookean, damping: 0.0, strength: None, friction: 0.5 };
 /// let model = Model { mesh, materials: vec![material], gravity: [0.0, -9.81], ..Model::default() };
 /// let mut run = Simulation::new(model, 1)?;
 /// run.advance(1000)?;
@@ -167,9 +167,9 @@ where
                 force
             });
         }
-        let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
-        let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
-        let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
+        let wave = model.materials.iter().map(crate::model::Material::bar_speed).fold(0.0, f64::max);
+        let speed_limit = RUNAWAY * wave;
+        let modulus = |material: u32| model.materials[material as usize].stiffest_modulus();
         let stiffnesses = || solid.elements.iter().map(|element| element.volume * modulus(element.material));
         let stiffness: Sum = stiffnesses().collect();
         let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);

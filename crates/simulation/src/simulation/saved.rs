@@ -31,6 +31,8 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) stresses: Vec<Matrix<D>>,
     pub(crate) viscous: Vec<Matrix<D>>,
     pub(crate) dissipated: Vec<f64>,
+    /// Memories of the laws of the material in the elements, one after the other; empty if no law keeps anything.
+    pub(crate) memories: Vec<f64>,
     pub(crate) joints: SavedJoints<D>,
     pub(crate) contacts: SavedContacts<D, N>,
     pub(crate) seams: Vec<SeamState<D>>,
@@ -61,6 +63,7 @@ where
             stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
             viscous: self.solid.viscous(),
             dissipated: self.solid.dissipated(),
+            memories: self.solid.memories(),
             joints: self.joints.save(&self.topology),
             contacts: self.contacts.save(),
             seams: self.seams.save(),
@@ -80,6 +83,7 @@ where
             ("viscous stresses", state.viscous.len(), elements),
             ("elements", state.of_corner.len(), elements),
             ("dissipated energies", state.dissipated.len(), run.solid.dissipated().len()),
+            ("memories of laws", state.memories.len(), run.solid.memories().len()),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
         for (what, found, expected) in lengths {
@@ -95,7 +99,7 @@ where
             return Err(missing(node));
         }
         run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
-        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
+        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         let couples = Contacts::without_forces(state.contacts);
         run.contacts.restore(couples, &run.joints, &run.topology);

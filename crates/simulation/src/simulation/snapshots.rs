@@ -29,11 +29,7 @@ where
             displacements: nodes().map(|node| self.solid.displacement(node, &self.model)).collect(),
             velocities: nodes().map(|node| self.solid.nodes[node].velocity).collect(),
             elements: self.solid.in_order(&order),
-            stresses: (0..elements)
-                .map(|element| {
-                    <[[f64; D]; N]>::in_tensor(&self.solid.stress(element), self.solid.moduli(element))
-                })
-                .collect(),
+            stresses: (0..elements).map(|element| self.solid.stress_tensor(element)).collect(),
             damage,
             bodies: self.model.mesh.bodies.clone(),
             materials: self.model.mesh.materials.clone(),

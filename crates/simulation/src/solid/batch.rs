@@ -1,8 +1,11 @@
 //! The deformation of elements, a batch of them side by side: see `lanes.rs`.
 
-use crate::elastic::viscous_stress;
-use crate::lanes::{Available, LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};
+use crate::lanes::{
+    Available, LANES, Lanes, Tensors, compiled_for_vectors, rows, set_rows, set_tensor, tensor,
+};
+use crate::laws::ElementLaw;
 use crate::simplex::Simplex;
+use crate::solid::viscous::viscous_stress;
 use crate::vector::{Matrix, Point, contraction, matrix, product, product_transposed, symmetric, transposed};
 
 /// The undeformed elements of a batch.
@@ -36,6 +39,12 @@ impl<const D: usize> Deformed<D> {
         matrix(|i, k| self.stress[i.min(k)][i.max(k)].get(lane))
     }
 
+    /// Takes one element from another batch.
+    pub(super) fn take_lane(&mut self, from: &Self, lane: usize) {
+        self.set_stress(lane, &from.stress(lane));
+        self.energy.set(lane, from.energy.get(lane));
+    }
+
     #[inline(always)]
     pub(crate) fn set_stress(&mut self, lane: usize, stress: &Matrix<D>) {
         for i in 0..D {
@@ -46,14 +55,49 @@ impl<const D: usize> Deformed<D> {
     }
 }
 
+/// Values that the elements of a batch keep from step to step.
+#[derive(Clone, Debug)]
+pub(crate) struct History<const D: usize> {
+    /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa.
+    pub(crate) viscous: Tensors<D>,
+    /// Energy that has been dissipated so far, J.
+    pub(crate) dissipated: Lanes,
+    /// The memories of their laws.
+    pub(crate) memory: Box<[Lanes]>,
+}
+
+impl<const D: usize> History<D> {
+    /// The history of a batch at the beginning, with a memory of `length` values.
+    pub(crate) fn new(length: usize) -> Self {
+        Self {
+            viscous: [[Lanes::ZERO; D]; D],
+            dissipated: Lanes::ZERO,
+            memory: vec![Lanes::ZERO; length].into_boxed_slice(),
+        }
+    }
+
+    /// Sets the memory of an element.
+    pub(super) fn set_memory(&mut self, lane: usize, values: &[f64]) {
+        for (to, value) in self.memory.iter_mut().zip(values) {
+            to.set(lane, *value);
+        }
+    }
+
+    /// Takes one element from another batch.
+    pub(super) fn take_lane(&mut self, from: &Self, lane: usize) {
+        set_tensor(&mut self.viscous, lane, &tensor(&from.viscous, lane));
+        self.dissipated.set(lane, from.dissipated.get(lane));
+        for (to, from) in self.memory.iter_mut().zip(&from.memory) {
+            to.set(lane, from.get(lane));
+        }
+    }
+}
+
 /// What the deformation of a batch depends on besides, in this step.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchInputs<const D: usize> {
     /// Matrices whose columns are the edges from corner 0, m.
     pub(crate) edges: Tensors<D>,
-    /// Moduli, Pa.
-    pub(crate) shear: Lanes,
-    pub(crate) bulk: Lanes,
     /// Initial stress (second Piola-Kirchhoff), Pa, and the energy that it has stored, J/m³; not read without initial stress.
     pub(crate) initial: Tensors<D>,
     pub(crate) stored: Lanes,
@@ -65,8 +109,6 @@ pub(crate) struct BatchInputs<const D: usize> {
 impl<const D: usize> BatchInputs<D> {
     pub(crate) const NONE: Self = Self {
         edges: [[Lanes::ZERO; D]; D],
-        shear: Lanes::ZERO,
-        bulk: Lanes::ZERO,
         initial: [[Lanes::ZERO; D]; D],
         stored: Lanes::ZERO,
         rates: [[Lanes::ZERO; D]; D],
@@ -83,13 +125,34 @@ pub(crate) struct BatchResults<const D: usize, const N: usize> {
     pub(crate) ratio: Lanes,
     /// Power of the last viscous stress and of the new one together, over the volume, W/m³; not written without viscosity.
     pub(crate) power: Lanes,
-    /// The measure of strain of [`Simplex::stress_of_small`].
+    /// Energy that a law has dissipated over the undeformed volume, J/m³; not written by a law that does not.
+    pub(crate) dissipated: Lanes,
+    /// The measure of strain of [`ElementLaw::SMALL`].
     strain: Lanes,
 }
 
 impl<const D: usize, const N: usize> BatchResults<D, N> {
-    pub(crate) const NONE: Self =
-        Self { forces: [[Lanes::ZERO; D]; N], ratio: Lanes::ZERO, power: Lanes::ZERO, strain: Lanes::ZERO };
+    pub(crate) const NONE: Self = Self {
+        forces: [[Lanes::ZERO; D]; N],
+        ratio: Lanes::ZERO,
+        power: Lanes::ZERO,
+        dissipated: Lanes::ZERO,
+        strain: Lanes::ZERO,
+    };
+
+    /// Takes one element from another batch.
+    pub(super) fn take_lane(&mut self, from: &Self, lane: usize) {
+        set_rows(&mut self.forces, lane, &rows(&from.forces, lane));
+        let Self { ratio, power, dissipated, strain, .. } = self;
+        for (to, from) in [
+            (ratio, &from.ratio),
+            (power, &from.power),
+            (dissipated, &from.dissipated),
+            (strain, &from.strain),
+        ] {
+            to.set(lane, from.get(lane));
+        }
+    }
 
     /// Forces on the corners of an element, N.
     #[inline]
@@ -120,12 +183,20 @@ pub(crate) fn forces_of<const D: usize, const N: usize>(
 
 /// Computes one element of a batch. `ANY` strain, or only small ones.
 #[inline(always)]
-fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool, const ANY: bool>(
+fn strain_one<
+    const D: usize,
+    const N: usize,
+    const INITIAL: bool,
+    const VISCOUS: bool,
+    const ANY: bool,
+    L: ElementLaw<D, N>,
+>(
     lane: usize,
     undeformed: &Undeformed<D>,
     given: &BatchInputs<D>,
+    constants: &L::Constants,
     deformed: &mut Deformed<D>,
-    viscous: &mut Tensors<D>,
+    history: &mut History<D>,
     told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
@@ -134,14 +205,17 @@ fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
     let volume = undeformed.volume.get(lane);
     let gradient = product(&tensor(&given.edges, lane), &gradients);
     let j = <[[f64; D]; N]>::determinant(&gradient);
-    let moduli = [given.shear.get(lane), given.bulk.get(lane)];
-    let (mut stress, mut energy) = if ANY {
-        <[[f64; D]; N]>::stress(moduli, &gradient, j)
+    let response = if ANY {
+        L::stress(constants, &mut history.memory, lane, &gradient, j)
     } else {
-        let (stress, energy, strain) = <[[f64; D]; N]>::stress_of_small(moduli, &gradient, j);
-        told.strain.set(lane, strain);
-        (stress, energy)
+        let response = L::stress_of_small(constants, &mut history.memory, lane, &gradient, j);
+        told.strain.set(lane, response.strain);
+        response
     };
+    if L::DISSIPATES {
+        told.dissipated.set(lane, response.dissipated);
+    }
+    let (mut stress, mut energy) = (response.stress, response.energy);
     if INITIAL {
         let initial = tensor(&given.initial, lane);
         let first = product(&gradient, &initial);
@@ -156,10 +230,10 @@ fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
     if VISCOUS {
         let rate = product(&tensor(&given.rates, lane), &gradients);
         let viscosity = given.viscosity.get(lane);
-        let before = tensor(viscous, lane);
+        let before = tensor(&history.viscous, lane);
         let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
         told.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
-        set_tensor(viscous, lane, &now);
+        set_tensor(&mut history.viscous, lane, &now);
         stress = matrix(|i, k| stress[i][k] + now[i][k]);
     }
     told.ratio.set(lane, j);
@@ -177,44 +251,59 @@ fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
 
 /// Computes a batch.
 #[inline(always)]
-fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
+fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool, L: ElementLaw<D, N>>(
     undeformed: &Undeformed<D>,
     given: &BatchInputs<D>,
+    constants: &L::Constants,
     deformed: &mut Deformed<D>,
-    viscous: &mut Tensors<D>,
+    history: &mut History<D>,
     told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     for lane in 0..LANES {
-        strain_one::<D, N, INITIAL, VISCOUS, false>(lane, undeformed, given, deformed, viscous, told);
+        strain_one::<D, N, INITIAL, VISCOUS, false, L>(
+            lane, undeformed, given, constants, deformed, history, told,
+        );
     }
 }
 
-compiled_for_vectors!(fn vectors = strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
+compiled_for_vectors!(fn vectors = strain_all<
+    const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool; L
+>(
     undeformed: &Undeformed<D>,
     given: &BatchInputs<D>,
+    constants: &L::Constants,
     deformed: &mut Deformed<D>,
-    viscous: &mut Tensors<D>,
+    history: &mut History<D>,
     told: &mut BatchResults<D, N>
-) where [[f64; D]; N]: Simplex<D, N>);
+) where [[f64; D]; N]: Simplex<D, N>, L: ElementLaw<D, N>);
 
-/// Computes the elements of a batch.
+/// Computes the elements of a batch, all of which have the same law.
 #[inline]
-pub(crate) fn strain<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
+pub(super) fn strain<
+    const D: usize,
+    const N: usize,
+    const INITIAL: bool,
+    const VISCOUS: bool,
+    L: ElementLaw<D, N>,
+>(
     available: Available,
     undeformed: &Undeformed<D>,
     given: &BatchInputs<D>,
+    constants: &L::Constants,
     deformed: &mut Deformed<D>,
-    viscous: &mut Tensors<D>,
+    history: &mut History<D>,
     told: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    vectors::<D, N, INITIAL, VISCOUS>(available, undeformed, given, deformed, viscous, told);
+    vectors::<D, N, INITIAL, VISCOUS, L>(available, undeformed, given, constants, deformed, history, told);
     for lane in 0..LANES {
-        if told.strain.get(lane) >= <[[f64; D]; N]>::SMALL {
-            strain_one::<D, N, INITIAL, VISCOUS, true>(lane, undeformed, given, deformed, viscous, told);
+        if told.strain.get(lane) >= L::SMALL {
+            strain_one::<D, N, INITIAL, VISCOUS, true, L>(
+                lane, undeformed, given, constants, deformed, history, told,
+            );
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Meshes and materials that several tests use.
 
-use fdem_simulation::{Boundary, Load, Material, Mesh, Schedule, Simulation, Strength, Target};
+use fdem_simulation::{Boundary, Load, Material, MaterialLaw, Mesh, Schedule, Simulation, Strength, Target};
 
 /// Granite, which does not break.
 pub(crate) fn granite() -> Material {
@@ -9,6 +9,7 @@ pub(crate) fn granite() -> Material {
         density: 2700.0,
         youngs_modulus: 50e9,
         poissons_ratio: 0.0,
+        law: MaterialLaw::NeoHookean,
         damping: 0.0,
         strength: None,
         friction: 0.0,

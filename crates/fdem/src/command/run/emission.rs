@@ -79,10 +79,7 @@ impl Emission {
 /// The speed of shear waves, m/s, √(G/ρ), in the slowest material that can break; in the slowest of all, if
 /// no material has a strength.
 fn shear_wave(materials: &[Material]) -> f64 {
-    let speed = |material: &Material| {
-        let Material { youngs_modulus, poissons_ratio, density, .. } = material;
-        (youngs_modulus / (2.0 * (1.0 + poissons_ratio)) / density).sqrt()
-    };
+    let speed = Material::shear_speed;
     let can_break = materials.iter().filter(|material| material.strength.is_some()).map(speed);
     let slowest = can_break.fold(f64::INFINITY, f64::min);
     if slowest.is_finite() { slowest } else { materials.iter().map(speed).fold(f64::INFINITY, f64::min) }

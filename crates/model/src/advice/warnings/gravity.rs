@@ -45,8 +45,8 @@ pub(super) fn sudden<const D: usize, const N: usize>(
     if !carried && (bodies.len() < 2 || !rests(model, |body| wholly[body as usize])) {
         return;
     }
-    let speed = |material: &fdem_simulation::Material| (material.youngs_modulus / material.density).sqrt();
-    let slowest = model.materials.iter().map(speed).fold(f64::INFINITY, f64::min);
+    let slowest =
+        model.materials.iter().map(fdem_simulation::Material::bar_speed).fold(f64::INFINITY, f64::min);
     warnings.push(format!(
         "gravity acts at once: what it carries swings to twice its static stress, and can fail where it would stand; \
          write gravity_ramp = {} in [model], or longer for what rocks",

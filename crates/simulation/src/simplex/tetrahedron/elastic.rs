@@ -1,11 +1,9 @@
-//! The stress in space: see `elastic.rs`.
+//! The stress in space: see `laws/neo_hookean.rs`.
 
-use crate::model::Material;
 use crate::moduli::Moduli;
 use crate::vector::Matrix;
 
-pub(super) fn moduli(material: &Material) -> Moduli {
-    let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
+pub(super) fn moduli(e: f64, nu: f64) -> Moduli {
     let (shear, bulk) = (e / (2.0 * (1.0 + nu)), e / (3.0 * (1.0 - 2.0 * nu)));
     Moduli { shear, bulk, wave: bulk + 4.0 / 3.0 * shear, out_of_plane: 0.0 }
 }

@@ -1,11 +1,9 @@
-//! The stress in the plane: see `elastic.rs`.
+//! The stress in the plane: see `laws/neo_hookean.rs`.
 
-use crate::model::{Material, Plane};
-use crate::moduli::Moduli;
+use crate::moduli::{Moduli, Plane};
 use crate::vector::Matrix;
 
-pub(super) fn moduli(material: &Material, plane: Plane) -> Moduli {
-    let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
+pub(super) fn moduli(e: f64, nu: f64, plane: Plane) -> Moduli {
     let shear = e / (2.0 * (1.0 + nu));
     let (bulk, out_of_plane) = match plane {
         Plane::Stress => (e / (2.0 * (1.0 - nu)), 0.0),

@@ -1,4 +1,4 @@
-//! The stress in an element: isotropic, exact under finite rotations, derived from an energy.
+//! The neo-Hookean law: isotropic, exact under finite rotations, derived from an energy.
 //!
 //! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area or
 //! volume, each with its modulus. It does not follow from an energy, so that a cycle of large strains gains
@@ -9,78 +9,98 @@
 //! ```
 //! whose stress `P = ∂W/∂F` equals his to first order in the strain and vanishes under any rotation
 //! (`simplex/triangle/elastic.rs` and `simplex/tetrahedron/elastic.rs`).
-//!
-//! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
-//!
-//! ```text
-//! U = σ:C⁻¹:σ / 2 + S:E + W,    E = (FᵀF - 1)/2,    σ = S at the beginning.
-//! ```
-//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the
-//! deformation. The first term of `U` is the energy that the stress stored by Hooke's law before the run.
-//! With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It is
-//! positive, and 0 where the element has lost all of its stress.
 
+use crate::lanes::Lanes;
+use crate::laws::element_law::{ElementLaw, Refusal, Response};
+use crate::moduli::{Moduli, Plane};
 use crate::simplex::Simplex;
-use crate::vector::{Matrix, matrix, product, symmetric};
+use crate::vector::{Matrix, Point};
 
-/// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the
-/// symmetric part of `rate F⁻¹`.
-#[inline(always)]
-pub(crate) fn viscous_stress<const D: usize, const N: usize>(
-    viscosity: f64,
-    f: &Matrix<D>,
-    j: f64,
-    rate: &Matrix<D>,
-) -> Matrix<D>
+/// Checks Poisson's ratio.
+pub(super) fn check<const D: usize, const N: usize>(poissons_ratio: f64, plane: Plane) -> Result<(), Refusal>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let (cofactor, over) = (<[[f64; D]; N]>::cofactor(f), 1.0 / j);
-    let inverse = matrix(|i, k| cofactor[k][i] * over);
-    let rate = symmetric(&product(rate, &inverse));
-    product(&rate.map(|row| row.map(|x| 2.0 * viscosity * x)), &cofactor)
+    // A material that cannot change its volume has no moduli, except in plane stress.
+    let at_most = <[[f64; D]; N]>::is_plate(plane);
+    let nu = poissons_ratio;
+    if nu > -1.0 && nu <= 0.5 && (nu < 0.5 || at_most) {
+        return Ok(());
+    }
+    let range = if at_most { "above -1 and at most 0.5" } else { "above -1 and below 0.5" };
+    Err(Refusal { what: "Poisson's ratio", value: nu, range })
+}
+
+impl<const D: usize, const N: usize> ElementLaw<D, N> for Moduli
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Moduli of shear and bulk, Pa.
+    type Constants = [Lanes; 2];
+
+    const SMALL: f64 = <[[f64; D]; N] as Simplex<D, N>>::SMALL;
+
+    #[inline(always)]
+    fn constants(&self) -> [Lanes; 2] {
+        [Lanes::all(self.shear), Lanes::all(self.bulk)]
+    }
+
+    #[inline(always)]
+    fn set(&self, constants: &mut [Lanes; 2], lane: usize) {
+        constants[0].set(lane, self.shear);
+        constants[1].set(lane, self.bulk);
+    }
+
+    #[inline(always)]
+    fn stress_of_small(
+        constants: &[Lanes; 2],
+        _: &mut [Lanes],
+        lane: usize,
+        f: &Matrix<D>,
+        j: f64,
+    ) -> Response<D> {
+        let moduli = [constants[0].get(lane), constants[1].get(lane)];
+        let (stress, energy, strain) = <[[f64; D]; N]>::stress_of_small(moduli, f, j);
+        Response { stress, energy, dissipated: 0.0, strain }
+    }
+
+    #[inline]
+    fn stress(constants: &[Lanes; 2], _: &mut [Lanes], lane: usize, f: &Matrix<D>, j: f64) -> Response<D> {
+        let moduli = [constants[0].get(lane), constants[1].get(lane)];
+        let (stress, energy) = <[[f64; D]; N]>::stress(moduli, f, j);
+        Response { stress, energy, dissipated: 0.0, strain: 0.0 }
+    }
+
+    fn stored(&self, stress: &Matrix<D>) -> f64 {
+        <[[f64; D]; N]>::stored(self, stress)
+    }
+
+    #[inline]
+    fn out_of_plane(&self, stress: &Matrix<D>, _: &[f64]) -> f64 {
+        let mut sum = stress[0][0];
+        for axis in 1..D {
+            sum += stress[axis][axis];
+        }
+        self.out_of_plane * sum
+    }
+
+    fn highest_square(&self, shape: &[Point<D>; N], density: f64) -> f64 {
+        shape.highest_square(self, density)
+    }
+
+    fn wave_moduli(&self, _: Point<D>) -> [f64; 2] {
+        [self.wave, self.shear]
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Material, Plane};
-    use crate::moduli::Moduli;
-    use crate::random::uniform;
-    use crate::vector::{contraction, product_transposed};
-
-    fn granite() -> Material {
-        Material {
-            name: String::new(),
-            density: 2700.0,
-            youngs_modulus: 50e9,
-            poissons_ratio: 0.25,
-            damping: 0.0,
-            strength: None,
-            friction: 0.0,
-        }
-    }
+    use crate::laws::tests::{any, one, rotation};
+    use crate::vector::{contraction, matrix, product, product_transposed, symmetric};
 
     fn of(moduli: &Moduli) -> [f64; 2] {
         [moduli.shear, moduli.bulk]
-    }
-
-    /// A matrix of numbers at random, between -1 and 1.
-    fn any<const D: usize>(seed: u64) -> Matrix<D> {
-        matrix(|i, k| 2.0 * uniform(seed, (D * i + k) as u64) - 1.0)
-    }
-
-    fn one<const D: usize>() -> Matrix<D> {
-        matrix(|i, k| f64::from(u8::from(i == k)))
-    }
-
-    /// A rotation, from reflections at random.
-    fn rotation<const D: usize>(seed: u64) -> Matrix<D> {
-        let reflection = |row: [f64; D]| -> Matrix<D> {
-            let squared = crate::vector::dot(row, row);
-            matrix(|i, k| f64::from(u8::from(i == k)) - 2.0 * row[i] * row[k] / squared)
-        };
-        product(&reflection(any::<D>(seed)[0]), &reflection(any::<D>(seed)[1]))
     }
 
     /// All states of plane strain, plane stress and space.
@@ -98,7 +118,7 @@ mod tests {
         where
             [[f64; D]; N]: Simplex<D, N>,
         {
-            let moduli = <[[f64; D]; N]>::moduli(&granite(), plane);
+            let moduli = <[[f64; D]; N]>::moduli(50e9, 0.25, plane);
             for seed in 0..300 {
                 let f = rotation::<D>(seed);
                 let (stress, energy) =
@@ -117,7 +137,7 @@ mod tests {
         where
             [[f64; D]; N]: Simplex<D, N>,
         {
-            let moduli = <[[f64; D]; N]>::moduli(&granite(), plane);
+            let moduli = <[[f64; D]; N]>::moduli(50e9, 0.25, plane);
             let (e, nu) = (50e9, 0.25);
             let lame = match (D, plane) {
                 (2, Plane::Stress) => e * nu / (1.0 - nu * nu),
@@ -155,7 +175,7 @@ mod tests {
         where
             [[f64; D]; N]: Simplex<D, N>,
         {
-            let moduli = <[[f64; D]; N]>::moduli(&granite(), plane);
+            let moduli = <[[f64; D]; N]>::moduli(50e9, 0.25, plane);
             let energy_of =
                 |f: &Matrix<D>| <[[f64; D]; N]>::stress(of(&moduli), f, <[[f64; D]; N]>::determinant(f)).1;
             for seed in 0..50 {
@@ -180,24 +200,6 @@ mod tests {
                     }
                 }
             }
-        }
-        in_two_and_three_dimensions!(check);
-    }
-
-    #[test]
-    fn viscous_stress_resists_stretching_and_not_rotation() {
-        fn check<const D: usize, const N: usize>(_: Plane)
-        where
-            [[f64; D]; N]: Simplex<D, N>,
-        {
-            let f = rotation::<D>(7);
-            let spin = matrix(|i, k| 3.0 * (i as f64 - k as f64));
-            let stress = viscous_stress::<D, N>(5.0, &f, 1.0, &product(&spin, &f));
-            assert!(stress.iter().flatten().all(|s| s.abs() < 1e-13), "{stress:?}");
-            let mut stretching = [[0.0; D]; D];
-            stretching[0][0] = 2.0;
-            let expected = stretching.map(|row| row.map(|x| 10.0 * x));
-            assert_eq!(viscous_stress::<D, N>(5.0, &one(), 1.0, &stretching), expected);
         }
         in_two_and_three_dimensions!(check);
     }
