@@ -1,5 +1,6 @@
 //! Model files: reading, refusals and their messages, and the meshes.
 //!
+//! - `anisotropy`: bedding of materials.
 //! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
 //! - `joint_sets`: joints in the mesh, and their laws.
@@ -22,6 +23,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+#[path = "model/anisotropy.rs"]
+mod anisotropy;
 #[path = "model/bonds.rs"]
 mod bonds;
 #[path = "model/examples.rs"]

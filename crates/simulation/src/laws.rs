@@ -17,10 +17,13 @@ mod element_law;
 mod neo_hookean;
 #[cfg(test)]
 pub(crate) mod tests;
+mod transversely_isotropic;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use crate::laws::element_law::{ElementLaw, Refusal};
+use crate::laws::transversely_isotropic::Bedded;
+pub use crate::laws::transversely_isotropic::Bedding;
 use crate::moduli::{Moduli, Plane};
 use crate::simplex::Simplex;
 use crate::strength::Strength;
@@ -33,6 +36,8 @@ pub enum MaterialLaw {
     /// Isotropic elasticity: the neo-Hookean energy of Young's modulus and Poisson's ratio.
     #[default]
     NeoHookean,
+    /// Transversely isotropic elasticity: Young's modulus and Poisson's ratio are those in the plane of the bedding.
+    TransverselyIsotropic(Bedding),
 }
 
 impl MaterialLaw {
@@ -50,13 +55,17 @@ impl MaterialLaw {
             Self::NeoHookean => {
                 AnyLaw::NeoHookean(<[[f64; D]; N]>::moduli(youngs_modulus, poissons_ratio, plane))
             }
+            Self::TransverselyIsotropic(bedding) => {
+                let plate = <[[f64; D]; N]>::is_plate(plane);
+                AnyLaw::Bedded(bedding.in_elements(youngs_modulus, poissons_ratio, plate))
+            }
         }
     }
 
     /// Checks the constants, of which Young's modulus is positive.
     pub(crate) fn check<const D: usize, const N: usize>(
         &self,
-        _youngs_modulus: f64,
+        youngs_modulus: f64,
         poissons_ratio: f64,
         plane: Plane,
     ) -> Result<(), Refusal>
@@ -65,6 +74,7 @@ impl MaterialLaw {
     {
         match self {
             Self::NeoHookean => neo_hookean::check::<D, N>(poissons_ratio, plane),
+            Self::TransverselyIsotropic(bedding) => bedding.check(D, youngs_modulus, poissons_ratio),
         }
     }
 
@@ -72,13 +82,16 @@ impl MaterialLaw {
     pub(crate) fn stiffest_modulus(&self, youngs_modulus: f64) -> f64 {
         match self {
             Self::NeoHookean => youngs_modulus,
+            Self::TransverselyIsotropic(bedding) => youngs_modulus.max(bedding.youngs_modulus),
         }
     }
 
     /// The least shear modulus of all planes, Pa.
     pub(crate) fn least_shear_modulus(&self, youngs_modulus: f64, poissons_ratio: f64) -> f64 {
+        let own = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
         match self {
-            Self::NeoHookean => youngs_modulus / (2.0 * (1.0 + poissons_ratio)),
+            Self::NeoHookean => own,
+            Self::TransverselyIsotropic(bedding) => own.min(bedding.shear_modulus),
         }
     }
 
@@ -86,13 +99,15 @@ impl MaterialLaw {
     pub(crate) fn has_directions(&self) -> bool {
         match self {
             Self::NeoHookean => false,
+            Self::TransverselyIsotropic(bedding) => bedding.strength.is_some(),
         }
     }
 
     /// Strength of a facet with this normal of unit length in the undeformed body; `strength`: that of the material.
-    pub(crate) fn strength_on<const D: usize>(&self, strength: Strength, _normal: Point<D>) -> Strength {
+    pub(crate) fn strength_on<const D: usize>(&self, strength: Strength, normal: Point<D>) -> Strength {
         match self {
             Self::NeoHookean => strength,
+            Self::TransverselyIsotropic(bedding) => bedding.strength_on(strength, normal),
         }
     }
 }
@@ -101,6 +116,7 @@ impl MaterialLaw {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum AnyLaw<const D: usize> {
     NeoHookean(Moduli),
+    Bedded(Bedded<D>),
 }
 
 /// Does something with the law of its own type that [`AnyLaw`] has.
@@ -108,6 +124,7 @@ macro_rules! with_law {
     ($any:expr, $law:ident => $result:expr) => {
         match $any {
             $crate::laws::AnyLaw::NeoHookean($law) => $result,
+            $crate::laws::AnyLaw::Bedded($law) => $result,
         }
     };
 }

@@ -148,7 +148,7 @@ pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
-pub use laws::MaterialLaw;
+pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,

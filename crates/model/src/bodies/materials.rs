@@ -1,6 +1,7 @@
 //! Materials and interfaces: names, ranges, strengths.
 
-use fdem_simulation::{Interface, Material, MaterialLaw, Plane, Strength};
+use fdem_io::numbers::brief;
+use fdem_simulation::{Bedding, Interface, Material, MaterialLaw, Plane, Strength};
 
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
@@ -21,7 +22,7 @@ pub(crate) fn materials(
     let mut materials = Vec::with_capacity(file.material.len());
     for (index, material) in file.material.iter().enumerate() {
         let table = Table::of("material", index);
-        if strain && material.poissons_ratio >= 0.5 {
+        if strain && material.poissons_ratio >= 0.5 && material.anisotropy.is_none() {
             faults.push(
                 Fault::at(
                     document.value(table, "poissons_ratio"),
@@ -41,18 +42,108 @@ pub(crate) fn materials(
             weibull_modulus: material.weibull_modulus,
             seed: material.weibull_seed,
         };
+        let name = format!("[[material]] \"{}\"", material.name);
+        let strength = keys.strength(&name, table, document, faults);
+        let law = law(material, dimensions, strength, (table, document), faults);
         materials.push(Material {
             name: material.name.clone(),
             density: material.density,
             youngs_modulus: material.youngs_modulus,
             poissons_ratio: material.poissons_ratio,
-            law: MaterialLaw::NeoHookean,
+            law,
             damping: material.damping,
-            strength: keys.strength(&format!("[[material]] \"{}\"", material.name), table, document, faults),
+            strength,
             friction: material.friction,
         });
     }
     materials
+}
+
+/// The law of a material. `across`: strength of the material, which is that across the bedding if it has one.
+fn law(
+    material: &crate::file::Material,
+    dimensions: u8,
+    across: Option<Strength>,
+    (table, document): (Table, &Document<'_>),
+    faults: &mut Vec<Fault>,
+) -> MaterialLaw {
+    let Some(anisotropy) = &material.anisotropy else { return MaterialLaw::NeoHookean };
+    let (dip, tensile_strength, cohesion) =
+        (anisotropy.dip, anisotropy.tensile_strength, anisotropy.cohesion);
+    let place = |key: &str| format!("anisotropy.{key}");
+    let [sin, cos] = [libm::sin(dip.to_radians()), libm::cos(dip.to_radians())];
+    let mut fault = |key: &str, text: String, label: &str| {
+        faults.push(Fault::at(document.value(table, &place(key)), text).label(label));
+    };
+    let normal = if dimensions == 3 {
+        if dip < 0.0 {
+            fault("dip", "in three dimensions the dip is 0 to 90 degrees".to_owned(), "out of range");
+        }
+        let direction = anisotropy.dip_direction.unwrap_or(0.0).to_radians();
+        [sin * libm::sin(direction), sin * libm::cos(direction), cos]
+    } else {
+        if anisotropy.dip_direction.is_some() {
+            let text = "in two dimensions the bedding has a dip and no direction".to_owned();
+            fault("dip_direction", text, "three dimensions only");
+        }
+        [-sin, cos, 0.0]
+    };
+    let given = [
+        ("tensile_strength", tensile_strength),
+        ("cohesion", cohesion),
+        ("fracture_energy_i", anisotropy.fracture_energy_i),
+        ("fracture_energy_ii", anisotropy.fracture_energy_ii),
+    ];
+    let first = given.iter().find(|(_, value)| value.is_some());
+    let strength = match (across, tensile_strength, cohesion) {
+        (Some(across), Some(tensile), Some(cohesion)) => Some(Strength {
+            tensile,
+            cohesion,
+            energy_i: anisotropy.fracture_energy_i.unwrap_or(across.energy_i),
+            energy_ii: anisotropy.fracture_energy_ii.unwrap_or(across.energy_ii),
+            ..across
+        }),
+        (Some(_), ..) => {
+            if let Some((key, _)) = first {
+                let lacks = if tensile_strength.is_none() { "tensile_strength" } else { "cohesion" };
+                fault(key, format!("the strength of the bedding lacks {lacks}"), "is not complete");
+            }
+            None
+        }
+        (None, ..) => {
+            if let Some((key, _)) = first {
+                let text = "the bedding has a strength, and the material has none".to_owned();
+                fault(key, text, "needs the strength across the bedding");
+            }
+            None
+        }
+    };
+    let bedding = Bedding {
+        normal,
+        youngs_modulus: anisotropy.youngs_modulus,
+        poissons_ratio: anisotropy.poissons_ratio,
+        shear_modulus: anisotropy.shear_modulus,
+        strength,
+    };
+    let along = [material.youngs_modulus, material.poissons_ratio];
+    faults.extend(unstable(&bedding, along, document.value(table, &place("poissons_ratio"))));
+    MaterialLaw::TransverselyIsotropic(bedding)
+}
+
+/// The fault of constants with which some deformation has a negative energy. `[e, nu]`: those along the bedding;
+/// `span`: the place of Poisson's ratio across it.
+fn unstable(bedding: &Bedding, [e, nu]: [f64; 2], span: std::ops::Range<usize>) -> Option<Fault> {
+    let stability = bedding.stability(e, nu);
+    let most = (0.5 * (1.0 - nu) * bedding.youngs_modulus / e).sqrt();
+    (stability <= 0.0).then(|| {
+        let text = format!(
+            "some deformations would have a negative energy: 1 - ν - 2 ν'² E/E' is {}, and has to be above 0",
+            brief(stability)
+        );
+        Fault::at(span, text)
+            .label("too large")
+            .help(format!("with these moduli, poissons_ratio across the bedding is below {}", brief(most)))
+    })
 }
 
 /// The interfaces; each pair once.

@@ -16,6 +16,8 @@ mod forces;
 mod fracture;
 /// Sets of joints with their own laws.
 mod joint_sets;
+/// Laws of the material besides the neo-Hookean one.
+mod laws;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
 /// Velocities, forces and factors that a caller sets between steps.

@@ -85,6 +85,16 @@ fn a_crash_of_jointed_bodies_is_the_same() {
     }
 }
 
+/// Elements of two laws, which share batches.
+#[test]
+fn a_crash_of_bedded_bodies_is_the_same() {
+    for (insertion, pressure) in [(Insertion::Adaptive, 0.0), (Insertion::Intrinsic, 1e5)] {
+        let model = crate::laws::crash(insertion, pressure);
+        let counts = same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 299, 700, 400]);
+        assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
+    }
+}
+
 #[test]
 fn a_crash_in_space_is_the_same() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {

@@ -26,6 +26,11 @@ pub struct Material {
     /// Poisson's ratio, from above -1 to 0.5; in plane strain and in three dimensions below 0.5.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5, "x-unit" = "1"))]
     pub poissons_ratio: f64,
+    /// Bedding, foliation or fibres: elasticity that differs across a plane. `youngs_modulus`, `poissons_ratio`
+    /// and strengths of the material are then those along the plane and across it: see there. Default: the
+    /// material is alike in all directions.
+    #[serde(default)]
+    pub anisotropy: Option<Anisotropy>,
     /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1000, "x-unit" = "1"))]
@@ -62,6 +67,52 @@ pub struct Material {
     /// Seed of that scatter. Default: 1.
     #[serde(default = "seed")]
     pub weibull_seed: u64,
+}
+
+/// A material that is alike in all directions of a plane, its bedding, and different across it: transversely
+/// isotropic elasticity. `youngs_modulus` E and `poissons_ratio` ν of the material are those of a stress along
+/// the bedding.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Anisotropy {
+    /// Young's modulus E' across the bedding, Pa.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub youngs_modulus: f64,
+    /// Poisson's ratio ν' of a stress across the bedding: contraction along it over extension across. For a
+    /// positive energy, 2 ν'² E/E' is below 1 - ν.
+    #[schemars(extend("x-unit" = "1"))]
+    pub poissons_ratio: f64,
+    /// Shear modulus G' of sliding along the bedding, Pa. That in the plane of the bedding is E/(2 + 2 ν).
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub shear_modulus: f64,
+    /// In two dimensions: angle of the bedding to the x axis, degrees; bedding with a positive angle rises to
+    /// the right. In three: angle at which it dips below the horizontal (x and y), 0 to 90 degrees. The bedding
+    /// turns with the elements.
+    #[schemars(extend("minimum" = -90, "maximum" = 90, "x-unit" = "deg"))]
+    pub dip: f64,
+    /// In three dimensions: direction in which the bedding dips, clockwise from y (north) seen from above, so
+    /// that 90 is x (east), degrees. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 360, "x-unit" = "deg"))]
+    pub dip_direction: Option<f64>,
+    /// Tensile strength of the bedding, Pa; needs `cohesion`. Strengths grow linearly with the angle between
+    /// an edge or face and the bedding, up to those of the material at 90 degrees. Default: the same in all
+    /// directions.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub tensile_strength: Option<f64>,
+    /// Cohesion of the bedding, Pa; needs `tensile_strength`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub cohesion: Option<f64>,
+    /// Fracture energy of opening (mode I) of the bedding, J/m². Default: that of the material.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_i: Option<f64>,
+    /// Fracture energy of sliding (mode II) of the bedding, J/m². Default: that of the material.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "J/m²"))]
+    pub fracture_energy_ii: Option<f64>,
 }
 
 /// Contacts between two materials, and the joints between their elements inside one body. Different bodies
