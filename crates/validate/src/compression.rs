@@ -16,26 +16,26 @@ const RAMP: f64 = 2e-4;
 
 /// A rock that is crushed.
 #[derive(Clone, Copy)]
-struct Rock {
+pub(super) struct Rock {
     /// kg/m³.
     density: f64,
     /// Pa.
-    youngs_modulus: f64,
-    poissons_ratio: f64,
+    pub(super) youngs_modulus: f64,
+    pub(super) poissons_ratio: f64,
     /// Pa.
-    tensile_strength: f64,
+    pub(super) tensile_strength: f64,
     /// Pa.
-    cohesion: f64,
+    pub(super) cohesion: f64,
     /// Tangent of the angle of internal friction.
-    friction: f64,
+    pub(super) friction: f64,
     /// Fracture energies of opening and of sliding, J/m².
-    energies: [f64; 2],
+    pub(super) energies: [f64; 2],
     /// Velocity of each of the ends, m/s.
     velocity: f64,
 }
 
 /// A soft rock, which fails in a short run.
-const SOFT: Rock = Rock {
+pub(super) const SOFT: Rock = Rock {
     density: 2700.0,
     youngs_modulus: 30e9,
     poissons_ratio: 0.3,
@@ -79,7 +79,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
         let (mut sum, mut farthest) = (0.0, 0.0);
         for seed in seeds.clone() {
             let rock = Rock { energies: [1.0, energy], ..SOFT };
-            let crushed = crush(&rock, mesh_size, seed, pressure)?;
+            let crushed = crush(&rock, "", mesh_size, seed, pressure)?;
             sum += crushed.strength;
             farthest = worse(farthest, crushed.strength - bound);
             balance = balance.max(crushed.balance.abs());
@@ -115,7 +115,7 @@ pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
     for pressure in pressures {
         let mut sum = 0.0;
         for seed in seeds.clone() {
-            sum += crush(&BEREA, mesh_size, seed, pressure)?.strength;
+            sum += crush(&BEREA, "", mesh_size, seed, pressure)?.strength;
         }
         strengths.push(sum / seeds.clone().count() as f64);
     }
@@ -137,16 +137,22 @@ pub(super) fn envelope(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-struct Crushed {
+pub(super) struct Crushed {
     /// Pa.
-    strength: f64,
+    pub(super) strength: f64,
     /// Error of the energy balance, a share.
-    balance: f64,
+    pub(super) balance: f64,
 }
 
-/// Crushes a block. `pressure`: on its sides, Pa.
-fn crush(rock: &Rock, mesh_size: f64, seed: u32, pressure: f64) -> Result<Crushed, String> {
-    let mut run = start(block(rock, mesh_size, seed, pressure)?)?;
+/// Crushes a block. `more`: further keys of its material. `pressure`: on its sides, Pa.
+pub(super) fn crush(
+    rock: &Rock,
+    more: &str,
+    mesh_size: f64,
+    seed: u32,
+    pressure: f64,
+) -> Result<Crushed, String> {
+    let mut run = start(block(rock, more, mesh_size, seed, pressure)?)?;
     let (mut peak, mut at) = (0.0_f64, 0.0);
     loop {
         let load = mean_load(&mut run, 1)?;
@@ -166,7 +172,7 @@ fn crush(rock: &Rock, mesh_size: f64, seed: u32, pressure: f64) -> Result<Crushe
     Ok(Crushed { strength: peak / WIDTH, balance: run.energies().error() })
 }
 
-fn block(rock: &Rock, mesh_size: f64, seed: u32, pressure: f64) -> Result<Model, String> {
+fn block(rock: &Rock, more: &str, mesh_size: f64, seed: u32, pressure: f64) -> Result<Model, String> {
     let Rock {
         density,
         youngs_modulus,
@@ -201,6 +207,7 @@ cohesion = {cohesion}
 friction_angle = {angle}
 fracture_energy_i = {opening}
 fracture_energy_ii = {sliding}
+{more}
 [[boundary]]
 name = "upper"
 body = "block"

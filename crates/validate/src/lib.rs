@@ -15,6 +15,7 @@
 //! The command `fdem validate` (`crates/fdem/src/command/validate.rs`) runs the cases.
 
 mod arch;
+mod bedding;
 mod brazilian;
 mod cantilever;
 mod compliance;
@@ -531,6 +532,20 @@ const CASES: &[Case] = &[
         what: "A semicircular arch of 32 voussoirs without mortar stands under its weight if it is thicker than 0.1075 of its mean radius, and falls if it is thinner.",
         source: "J. Heyman, Int. J. Solids Struct. 2 (1966) 249–279, after Couplet (1730) and Milankovitch (1907)",
         run: arch::run,
+    },
+    Case {
+        number: 39,
+        name: "waves in bedded rock",
+        what: "Plane waves of pressure and of shear travel along and across the bedding of a transversely isotropic rock, in the plane and in space, each at the speed of its constant.",
+        source: "S. G. Lekhnitskii, Theory of Elasticity of an Anisotropic Body (1963)",
+        run: bedding::waves,
+    },
+    Case {
+        number: 39,
+        name: "compression of bedded rock",
+        what: "Blocks whose bedding dips by 0 to 90 degrees are crushed. Cohesion and tensile strength grow linearly with the angle to the bedding. The strength is the least of all planes: a curve                like a U, with its least where the bedding dips as Mohr and Coulomb's plane. Jaeger's plane of weakness is the case of a strength that jumps.",
+        source: "J. C. Jaeger, Geol. Mag. 97 (1960) 65-72; A. Lisjak, G. Grasselli and T. Vietor, Int. J. Rock Mech. Min. Sci. 65 (2014) 96-115",
+        run: bedding::compression,
     },
 ];
 

@@ -49,6 +49,16 @@ fn an_arch_stands_from_the_thickness_of_couplet_on() {
 }
 
 #[test]
+fn waves_in_bedded_rock_have_the_speeds_of_its_constants() {
+    passes("waves in bedded rock");
+}
+
+#[test]
+fn bedded_rock_is_weakest_where_its_bedding_slides() {
+    passes("compression of bedded rock");
+}
+
+#[test]
 fn joints_soften_as_springs_in_series_do_and_adaptive_ones_not_at_all() {
     passes("artificial compliance");
 }

@@ -8,13 +8,13 @@ use fdem_simulation::{Boundary, Load, Mesh, Model, Schedule, Simulation, Target}
 use crate::models::worse;
 
 /// A mesh of tetrahedra.
-pub(super) type Body = Mesh<3, 4>;
+pub(crate) type Body = Mesh<3, 4>;
 
 /// A run of tetrahedra.
 pub(super) type Run = Simulation<3, 4>;
 
 /// A point or a vector.
-pub(super) type Point = [f64; 3];
+pub(crate) type Point = [f64; 3];
 
 /// Faces of a tetrahedron, counter-clockwise seen from outside.
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
@@ -24,7 +24,7 @@ const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 const EVEN: [[usize; 4]; 5] = [[0, 1, 2, 4], [3, 2, 1, 7], [5, 1, 4, 7], [6, 4, 2, 7], [1, 2, 4, 7]];
 
 /// A box of `cells` cells along each axis, each of five tetrahedra.
-pub(super) fn cuboid(min: Point, max: Point, cells: [usize; 3]) -> Body {
+pub(crate) fn cuboid(min: Point, max: Point, cells: [usize; 3]) -> Body {
     let along = |axis: usize, k: usize| min[axis] + (max[axis] - min[axis]) * k as f64 / cells[axis] as f64;
     let places: [Vec<f64>; 3] =
         std::array::from_fn(|axis| (0..=cells[axis]).map(|k| along(axis, k)).collect());
