@@ -708,7 +708,8 @@ where
     unit(<[[f64; D]; N]>::facet_normal(facet))
 }
 
-/// Strength of a facet that depends on its direction; `None` for one of a joint set or an interface, and for one that cannot break.
+/// Strength of a facet that depends on its direction; `None` for one of a joint set or an interface, and for
+/// one that cannot break.
 fn directed_strength<const D: usize, const N: usize>(
     model: &Model<D, N>,
     topology: &Topology<D, N>,
@@ -728,7 +729,8 @@ where
 }
 
 /// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
-/// material with the lower tensile strength. `None` if the facet cannot break. `normal`: that of the undeformed facet, of unit length, for strengths that depend on it.
+/// material with the lower tensile strength. `None` if the facet cannot break. `normal`: that of the
+/// undeformed facet, of unit length, for strengths that depend on it.
 fn strength_between<const D: usize, const N: usize>(
     model: &Model<D, N>,
     [a, b]: [u32; 2],

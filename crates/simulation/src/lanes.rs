@@ -125,7 +125,8 @@ impl Available {
     }
 }
 
-/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(fn name = function<const parameters; types>(arguments: types) where bounds)`. The function must be
+/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(fn name =
+/// function<const parameters; types>(arguments: types) where bounds)`. The function must be
 /// `#[inline(always)]`, and so must be what it calls.
 macro_rules! compiled_for_vectors {
     ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),* $(; $generic:ident)?>($($argument:ident: $type:ty),+) $(where $($bound:tt)+)?) => {

@@ -1,17 +1,19 @@
 //! Laws of the material: how the stress and the energy of an element follow from its deformation.
 //!
-//! A law implements [`ElementLaw`] in a file of its own beside `laws/neo_hookean.rs`. Here is the list of all laws: a variant of [`MaterialLaw`] with the constants
-//! that a model gives, a variant of [`AnyLaw`] with what elements make of them, and an arm of [`with_law`]. `solid.rs` makes batches of elements by their law, so
-//! that each law has a kernel of its own.
+//! A law implements [`ElementLaw`] in a file of its own beside `laws/neo_hookean.rs`. Here is the list of all
+//! laws: a variant of [`MaterialLaw`] with the constants that a model gives, a variant of [`AnyLaw`] with
+//! what elements make of them, and an arm of [`with_law`]. `solid.rs` makes batches of elements by their law,
+//! so that each law has a kernel of its own.
 //!
 //! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
 //!
 //! ```text
 //! U = σ:C⁻¹:σ / 2 + S:E + W,    E = (FᵀF - 1)/2,    σ = S at the beginning.
 //! ```
-//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the deformation. The first term of `U` is the energy
-//! that the stress stored by Hooke's law before the run. With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It
-//! is positive, and 0 where the element has lost all of its stress.
+//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the
+//! deformation. The first term of `U` is the energy that the stress stored by Hooke's law before the run.
+//! With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It is
+//! positive, and 0 where the element has lost all of its stress.
 
 mod element_law;
 mod neo_hookean;
@@ -36,7 +38,8 @@ pub enum MaterialLaw {
     /// Isotropic elasticity: the neo-Hookean energy of Young's modulus and Poisson's ratio.
     #[default]
     NeoHookean,
-    /// Transversely isotropic elasticity: Young's modulus and Poisson's ratio are those in the plane of the bedding.
+    /// Transversely isotropic elasticity: Young's modulus and Poisson's ratio are those in the plane of the
+    /// bedding.
     TransverselyIsotropic(Bedding),
 }
 
@@ -103,7 +106,8 @@ impl MaterialLaw {
         }
     }
 
-    /// Strength of a facet with this normal of unit length in the undeformed body; `strength`: that of the material.
+    /// Strength of a facet with this normal of unit length in the undeformed body; `strength`: that of the
+    /// material.
     pub(crate) fn strength_on<const D: usize>(&self, strength: Strength, normal: Point<D>) -> Strength {
         match self {
             Self::NeoHookean => strength,

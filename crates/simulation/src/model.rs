@@ -110,7 +110,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// Young's modulus in the direction in which the material is stiffest, Pa: that of penalties, of viscosity, and of the speed of waves in bars.
+    /// Young's modulus in the direction in which the material is stiffest, Pa: that of penalties, of
+    /// viscosity, and of the speed of waves in bars.
     pub fn stiffest_modulus(&self) -> f64 {
         self.law.stiffest_modulus(self.youngs_modulus)
     }
@@ -126,7 +127,8 @@ impl Material {
         (modulus / self.density).sqrt()
     }
 
-    /// Speeds of the compressional and of the shear wave along a direction of unit length, m/s. `plane` counts in two dimensions.
+    /// Speeds of the compressional and of the shear wave along a direction of unit length, m/s. `plane`
+    /// counts in two dimensions.
     pub fn wave_speeds<const D: usize, const N: usize>(&self, plane: Plane, direction: [f64; D]) -> [f64; 2]
     where
         [[f64; D]; N]: Simplex<D, N>,

@@ -115,7 +115,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Whether the stress out of the plane vanishes, which it never does in space.
     fn is_plate(plane: Plane) -> bool;
 
-    /// Moduli of an isotropic material with this Young's modulus, Pa, and Poisson's ratio; `plane` counts in two dimensions.
+    /// Moduli of an isotropic material with this Young's modulus, Pa, and Poisson's ratio; `plane` counts in
+    /// two dimensions.
     fn moduli(youngs_modulus: f64, poissons_ratio: f64, plane: Plane) -> Moduli;
 
     /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient. `j` is its determinant; it must be positive.

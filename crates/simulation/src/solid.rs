@@ -482,7 +482,8 @@ where
         self.law(element).in_tensor::<N>(&self.stress(element), &memory)
     }
 
-    /// Sets the stresses of all elements, Pa, the viscous parts of them, the dissipated energies and the memories to those of a saved run.
+    /// Sets the stresses of all elements, Pa, the viscous parts of them, the dissipated energies and the
+    /// memories to those of a saved run.
     pub(crate) fn restore(
         &mut self,
         stresses: &[Matrix<D>],

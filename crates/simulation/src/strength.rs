@@ -15,7 +15,8 @@ pub struct Strength {
     pub energy_i: f64,
     /// Fracture energy of sliding, beyond friction, J/m².
     pub energy_ii: f64,
-    /// Weibull modulus of the factor, with a mean of 1, that scatters tensile strength and cohesion from edge to edge; `None` for no scatter.
+    /// Weibull modulus of the factor, with a mean of 1, that scatters tensile strength and cohesion from edge
+    /// to edge; `None` for no scatter.
     pub weibull_modulus: Option<f64>,
     /// Seed of the scatter.
     pub seed: u64,

@@ -77,7 +77,8 @@ where
     Ok((STATIONS[1] - STATIONS[0]) / (passed[1] - passed[0]))
 }
 
-/// Speeds of plane waves of pressure and of shear, along the bedding and across it, in the plane and in space.
+/// Speeds of plane waves of pressure and of shear, along the bedding and across it, in the plane and in
+/// space.
 pub(super) fn waves(size: Size) -> Result<Vec<Outcome>, String> {
     let [e, across, nu, nu_across, shear] = SHALE;
     let density = granite().density;
@@ -117,13 +118,14 @@ pub(super) fn waves(size: Size) -> Result<Vec<Outcome>, String> {
 /// Cohesion of the bedding over that across it; the same for tensile strengths and fracture energies.
 const WEAKER: f64 = 0.4;
 
-/// Strength in compression, Pa, of a block whose bedding dips by an angle: that of the plane on which it is least,
+/// Strength in compression, Pa, of a block whose bedding dips by an angle: that of the plane on which it is
+/// least,
 ///
 /// ```text
 /// UCS(β) = min over ψ of c(|ψ − β|)/(sin ψ cos ψ − tan φ cos² ψ)
 /// ```
-/// with the dip ψ of the plane, and a cohesion `c` that grows linearly with its angle to the bedding. Jaeger's
-/// plane of weakness is the case of a `c` that jumps: there the shoulders are level.
+/// with the dip ψ of the plane, and a cohesion `c` that grows linearly with its angle to the bedding.
+/// Jaeger's plane of weakness is the case of a `c` that jumps: there the shoulders are level.
 fn least_strength(rock: &Rock, dip: f64) -> f64 {
     let planes = (-899..900).map(|k| 0.1 * f64::from(k));
     let strength = |plane: f64| {

@@ -130,8 +130,8 @@ fn law(
     MaterialLaw::TransverselyIsotropic(bedding)
 }
 
-/// The fault of constants with which some deformation has a negative energy. `[e, nu]`: those along the bedding;
-/// `span`: the place of Poisson's ratio across it.
+/// The fault of constants with which some deformation has a negative energy. `[e, nu]`: those along the
+/// bedding; `span`: the place of Poisson's ratio across it.
 fn unstable(bedding: &Bedding, [e, nu]: [f64; 2], span: std::ops::Range<usize>) -> Option<Fault> {
     let stability = bedding.stability(e, nu);
     let most = (0.5 * (1.0 - nu) * bedding.youngs_modulus / e).sqrt();

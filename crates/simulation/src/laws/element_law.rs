@@ -10,7 +10,8 @@ pub(crate) struct Response<const D: usize> {
     pub(crate) stress: Matrix<D>,
     /// Stored energy per undeformed volume, J/m³.
     pub(crate) energy: f64,
-    /// Energy dissipated in this step per undeformed volume, J/m³. It is read only if the law [dissipates](ElementLaw::DISSIPATES).
+    /// Energy dissipated in this step per undeformed volume, J/m³. It is read only if the law
+    /// [dissipates](ElementLaw::DISSIPATES).
     pub(crate) dissipated: f64,
     /// The measure of strain of [`ElementLaw::SMALL`].
     pub(crate) strain: f64,
@@ -28,18 +29,22 @@ pub(crate) struct Refusal {
 
 /// The law of one material, with its constants in the plane or in space.
 ///
-/// The stress is a function of the deformation gradient and of the memory of the element. It has to be the gradient of the stored energy while the memory does not
-/// change, and may not depend on the rotation of the element: then the balance of energy holds. A law works on batches of elements (`lanes.rs`): what
-/// [`stress_of_small`](Self::stress_of_small) calls is `#[inline(always)]`, and has no branch that depends on the element.
+/// The stress is a function of the deformation gradient and of the memory of the element. It has to be the
+/// gradient of the stored energy while the memory does not change, and may not depend on the rotation of the
+/// element: then the balance of energy holds. A law works on batches of elements (`lanes.rs`): what
+/// [`stress_of_small`](Self::stress_of_small) calls is `#[inline(always)]`, and has no branch that depends on
+/// the element.
 pub(crate) trait ElementLaw<const D: usize, const N: usize>: Copy + Send + Sync + 'static {
     /// Constants of the elements of a batch.
     type Constants: Clone;
 
-    /// Number of values that an element keeps from step to step: its memory, which is saved, and moves between ranks with the element.
+    /// Number of values that an element keeps from step to step: its memory, which is saved, and moves
+    /// between ranks with the element.
     const MEMORY: usize = 0;
     /// Whether energy is dissipated. It belongs to the term of damping in the balance.
     const DISSIPATES: bool = false;
-    /// The measure of strain from which an element is computed again by [`stress`](Self::stress). Infinite for a law with memory, which changes once a step.
+    /// The measure of strain from which an element is computed again by [`stress`](Self::stress). Infinite
+    /// for a law with memory, which changes once a step.
     const SMALL: f64 = f64::INFINITY;
 
     /// The constants of this law in every lane of a batch.
@@ -48,7 +53,8 @@ pub(crate) trait ElementLaw<const D: usize, const N: usize>: Copy + Send + Sync 
     /// Sets the constants of one lane of a batch.
     fn set(&self, constants: &mut Self::Constants, lane: usize);
 
-    /// The response to a deformation gradient without a branch. `j` is the determinant of `f`. `memory` has [`Self::MEMORY`] values of each element of the batch.
+    /// The response to a deformation gradient without a branch. `j` is the determinant of `f`. `memory` has
+    /// [`Self::MEMORY`] values of each element of the batch.
     fn stress_of_small(
         constants: &Self::Constants,
         memory: &mut [Lanes],
@@ -78,9 +84,11 @@ pub(crate) trait ElementLaw<const D: usize, const N: usize>: Copy + Send + Sync 
     /// Stress out of the plane, Pa, that belongs to this Cauchy stress in the plane. Not read in space.
     fn out_of_plane(&self, stress: &Matrix<D>, memory: &[f64]) -> f64;
 
-    /// Square of the highest angular frequency of a free element, 1/s²: the largest ratio of its stiffness to its lumped mass, or a bound above it.
+    /// Square of the highest angular frequency of a free element, 1/s²: the largest ratio of its stiffness to
+    /// its lumped mass, or a bound above it.
     fn highest_square(&self, shape: &[Point<D>; N], density: f64) -> f64;
 
-    /// Moduli of the compressional and of the shear wave that travel along a direction of unit length, Pa: density times the square of the speed.
+    /// Moduli of the compressional and of the shear wave that travel along a direction of unit length, Pa:
+    /// density times the square of the speed.
     fn wave_moduli(&self, direction: Point<D>) -> [f64; 2];
 }

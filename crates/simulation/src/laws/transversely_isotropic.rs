@@ -1,23 +1,31 @@
-//! Transversely isotropic elasticity: a material with bedding, foliation or fibres that is alike in all directions of a plane, and different across it.
+//! Transversely isotropic elasticity: a material with bedding, foliation or fibres that is alike in all
+//! directions of a plane, and different across it.
 //!
-//! With the strain `E = (FᵀF − 1)/2` and the normal `n` of the bedding in the undeformed body, the energy per undeformed area or volume is
+//! With the strain `E = (FᵀF − 1)/2` and the normal `n` of the bedding in the undeformed body, the energy per
+//! undeformed area or volume is
 //!
 //! ```text
 //! W = s W₀(F) + Q(E),    2 Q = λ (tr E)² + 2 µ E:E + 2 α (tr E)(n·E n) + 2 κ |E n|² + β (n·E n)².
 //! ```
-//! `W₀` is the neo-Hookean energy (`laws/neo_hookean.rs`) of the isotropic stiffness that is nearest to that of the material: Voigt's mean. The factor `s` is the
-//! largest for which the quadratic form `Q` is not negative for any strain. To first order in the strains, the stress is that of the five constants; an isotropic
-//! material has `s = 1` and no `Q`. As `W` depends on `FᵀF` alone, it does not change in a rotation; the stress `P = ∂W/∂F = s ∂W₀/∂F + F ∂Q/∂E` is its gradient.
-//! `W₀` resists being flattened to nothing, and `Q`, which as the energy of Saint-Venant and Kirchhoff does not, never makes it softer than its share.
+//! `W₀` is the neo-Hookean energy (`laws/neo_hookean.rs`) of the isotropic stiffness that is nearest to that
+//! of the material: Voigt's mean. The factor `s` is the largest for which the quadratic form `Q` is not
+//! negative for any strain. To first order in the strains, the stress is that of the five constants; an
+//! isotropic material has `s = 1` and no `Q`. As `W` depends on `FᵀF` alone, it does not change in a
+//! rotation; the stress `P = ∂W/∂F = s ∂W₀/∂F + F ∂Q/∂E` is its gradient. `W₀` resists being flattened to
+//! nothing, and `Q`, which as the energy of Saint-Venant and Kirchhoff does not, never makes it softer than
+//! its share.
 //!
-//! The same invariants describe plane strain. In plane stress the constants follow from the compliance in the plane.
+//! The same invariants describe plane strain. In plane stress the constants follow from the compliance in the
+//! plane.
 //!
 //! An element keeps the present normal of its bedding, from which the stress out of the plane follows.
 //!
 //! # Sources
-//! S.G. Lekhnitskii, *Theory of Elasticity of an Anisotropic Body* (1963): the five constants. A.J.M. Spencer, *Continuum Theory of the Mechanics of
-//! Fibre-Reinforced Composites* (1984): the quadratic form in invariants. A. Lisjak, G. Grasselli, T. Vietor, "Continuum-discontinuum analysis of failure mechanisms
-//! around unsupported circular excavations in anisotropic clay shales", Int. J. Rock Mech. Min. Sci. 65 (2014) 96–115: strengths that grow linearly with the angle.
+//! S.G. Lekhnitskii, *Theory of Elasticity of an Anisotropic Body* (1963): the five constants. A.J.M.
+//! Spencer, *Continuum Theory of the Mechanics of Fibre-Reinforced Composites* (1984): the quadratic form in
+//! invariants. A. Lisjak, G. Grasselli, T. Vietor, "Continuum-discontinuum analysis of failure mechanisms
+//! around unsupported circular excavations in anisotropic clay shales", Int. J. Rock Mech. Min. Sci. 65
+//! (2014) 96–115: strengths that grow linearly with the angle.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,11 +38,13 @@ use crate::vector::{
     unit,
 };
 
-/// The bedding of a transversely isotropic material: its normal, the constants across it, and the strength on it. The Young's modulus and Poisson's ratio of the
-/// material are those in the plane of the bedding, and its strength is that across.
+/// The bedding of a transversely isotropic material: its normal, the constants across it, and the strength on
+/// it. The Young's modulus and Poisson's ratio of the material are those in the plane of the bedding, and its
+/// strength is that across.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bedding {
-    /// Normal of the bedding in the undeformed body, of any length; in two dimensions the last component is 0.
+    /// Normal of the bedding in the undeformed body, of any length; in two dimensions the last component is
+    /// 0.
     pub normal: [f64; 3],
     /// Young's modulus across the bedding, Pa.
     pub youngs_modulus: f64,
@@ -42,13 +52,14 @@ pub struct Bedding {
     pub poissons_ratio: f64,
     /// Shear modulus of planes that contain the normal, Pa.
     pub shear_modulus: f64,
-    /// Strength of the bedding, whose angle of friction and scatter do not count; `None` for a strength that is the same in all directions.
+    /// Strength of the bedding, whose angle of friction and scatter do not count; `None` for a strength that
+    /// is the same in all directions.
     pub strength: Option<Strength>,
 }
 
 impl Bedding {
-    /// A number that has to be positive, or some deformation would have a negative energy: `1 − ν − 2 ν'² E/E'`, where E and ν are `youngs_modulus` and
-    /// `poissons_ratio`, those in the plane of the bedding.
+    /// A number that has to be positive, or some deformation would have a negative energy: `1 − ν − 2 ν'²
+    /// E/E'`, where E and ν are `youngs_modulus` and `poissons_ratio`, those in the plane of the bedding.
     pub fn stability(&self, youngs_modulus: f64, poissons_ratio: f64) -> f64 {
         let across = self.poissons_ratio;
         1.0 - poissons_ratio - 2.0 * across * across * youngs_modulus / self.youngs_modulus
@@ -79,7 +90,8 @@ impl Bedding {
         Ok(())
     }
 
-    /// The strength of a facet: linear in its angle to the bedding, from that on the bedding to `across`, that of the material.
+    /// The strength of a facet: linear in its angle to the bedding, from that on the bedding to `across`,
+    /// that of the material.
     pub(super) fn strength_on<const D: usize>(&self, across: Strength, facet: Point<D>) -> Strength {
         let Some(on) = self.strength else { return across };
         let cos = dot(self.direction(), facet).abs().min(1.0);
@@ -99,11 +111,13 @@ impl Bedding {
         unit(std::array::from_fn(|axis| self.normal[axis]))
     }
 
-    /// The law in elements. `e`, `nu`: the constants in the plane of the bedding; `plate`: whether the stress out of the plane vanishes.
+    /// The law in elements. `e`, `nu`: the constants in the plane of the bedding; `plate`: whether the stress
+    /// out of the plane vanishes.
     pub(super) fn in_elements<const D: usize>(&self, e: f64, nu: f64, plate: bool) -> Bedded<D> {
         let Self { youngs_modulus: across, poissons_ratio, shear_modulus: shear, .. } = *self;
         let stiffness = if plate {
-            // The inverse of the compliance in the plane, of which one axis is the normal and the other lies in the bedding.
+            // The inverse of the compliance in the plane, of which one axis is the normal and the other lies
+            // in the bedding.
             let [along, coupling, normal] = [1.0 / e, -poissons_ratio / across, 1.0 / across];
             let determinant = along * normal - coupling * coupling;
             let (c11, c13, c33) = (normal / determinant, -coupling / determinant, along / determinant);
@@ -127,8 +141,8 @@ impl Bedding {
     }
 }
 
-/// A stiffness that is alike in all directions at right angles to a normal `n`, Pa: half of `λ (tr E)² + 2 µ E:E + 2 α (tr E)(n·E n) + 2 κ |E n|² + β (n·E n)²` is the
-/// energy of a strain.
+/// A stiffness that is alike in all directions at right angles to a normal `n`, Pa: half of `λ (tr E)² + 2 µ
+/// E:E + 2 α (tr E)(n·E n) + 2 κ |E n|² + β (n·E n)²` is the energy of a strain.
 #[derive(Clone, Copy, Debug)]
 struct Stiffness {
     /// λ, and µ: the shear modulus of the plane.
@@ -155,8 +169,8 @@ impl Stiffness {
         self.shear + 0.5 * self.excess
     }
 
-    /// Stiffness of two strains and their coupling: the change of size of the plane, as a tensor of unit magnitude, and the strain along the normal. `axes`: those of the
-    /// plane.
+    /// Stiffness of two strains and their coupling: the change of size of the plane, as a tensor of unit
+    /// magnitude, and the strain along the normal. `axes`: those of the plane.
     fn sizes(&self, axes: f64) -> [f64; 3] {
         let Self { lame, shear, coupling, excess, along } = *self;
         let normal = lame + 2.0 * (shear + coupling + excess) + along;
@@ -232,7 +246,8 @@ impl<const D: usize> Bedded<D> {
         [lame, shear, coupling, excess, along]
     }
 
-    /// A stress or strain as its part along the normal, the sum of its parts in the plane, and the squares of the rest: across, and in the plane.
+    /// A stress or strain as its part along the normal, the sum of its parts in the plane, and the squares of
+    /// the rest: across, and in the plane.
     fn parts(&self, stress: &Matrix<D>) -> [f64; 4] {
         let across = applied(stress, self.normal);
         let normal = dot(self.normal, across);
@@ -316,8 +331,8 @@ where
         of_along * (sum - across) + of_across * across
     }
 
-    /// The largest eigenvalue of the stiffness of the element. In a basis of symmetric tensors, with the stiffness `C = L Lᵀ` and the sums `G` over the corners of products of
-    /// strains, it is that of `Lᵀ G L`.
+    /// The largest eigenvalue of the stiffness of the element. In a basis of symmetric tensors, with the
+    /// stiffness `C = L Lᵀ` and the sums `G` over the corners of products of strains, it is that of `Lᵀ G L`.
     fn highest_square(&self, shape: &[Point<D>; N], density: f64) -> f64 {
         let inverse = <[[f64; D]; N]>::inverse_edges(shape);
         let first = std::array::from_fn(|axis| -(0..D).map(|k| inverse[k][axis]).sum::<f64>());
@@ -336,8 +351,9 @@ where
         N as f64 / density * largest_eigenvalue(reduced)
     }
 
-    /// Exact along the bedding and across it in two dimensions. In space, shear waves along the bedding have two speeds, of which this is a mean; aslant to the bedding,
-    /// waves are not quite compressional or shear.
+    /// Exact along the bedding and across it in two dimensions. In space, shear waves along the bedding have
+    /// two speeds, of which this is a mean; aslant to the bedding, waves are not quite compressional or
+    /// shear.
     fn wave_moduli(&self, direction: Point<D>) -> [f64; 2] {
         let traction = |moved: Point<D>| {
             let strain = symmetric(&matrix(|i, k| moved[i] * direction[k]));
@@ -383,7 +399,8 @@ where
 /// Number of components of a symmetric tensor in space.
 const MOST: usize = 6;
 
-/// Symmetric tensors of unit magnitude at right angles, which span all others, and their number. The remaining ones are 0.
+/// Symmetric tensors of unit magnitude at right angles, which span all others, and their number. The
+/// remaining ones are 0.
 fn basis<const D: usize>() -> ([Matrix<D>; MOST], usize) {
     let (mut basis, mut size) = ([[[0.0; D]; D]; MOST], 0);
     for axis in 0..D {
@@ -622,7 +639,8 @@ mod tests {
         in_two_and_three_dimensions!(check);
     }
 
-    /// The part that is added to the neo-Hookean energy is nowhere negative, and the share of that is no less than it can be.
+    /// The part that is added to the neo-Hookean energy is nowhere negative, and the share of that is no less
+    /// than it can be.
     #[test]
     fn the_neo_hookean_share_is_the_largest_that_leaves_a_positive_rest() {
         fn check<const D: usize, const N: usize>(plate: bool)

@@ -31,7 +31,8 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) stresses: Vec<Matrix<D>>,
     pub(crate) viscous: Vec<Matrix<D>>,
     pub(crate) dissipated: Vec<f64>,
-    /// Memories of the laws of the material in the elements, one after the other; empty if no law keeps anything.
+    /// Memories of the laws of the material in the elements, one after the other; empty if no law keeps
+    /// anything.
     pub(crate) memories: Vec<f64>,
     pub(crate) joints: SavedJoints<D>,
     pub(crate) contacts: SavedContacts<D, N>,

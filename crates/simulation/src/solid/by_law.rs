@@ -1,7 +1,8 @@
 //! Batches of elements by their laws.
 //!
-//! A batch has elements with successive numbers, and most batches have elements of one law: its kernel computes them all. A batch with elements of several laws is
-//! computed once by each of their kernels, and every element takes the result of its own.
+//! A batch has elements with successive numbers, and most batches have elements of one law: its kernel
+//! computes them all. A batch with elements of several laws is computed once by each of their kernels, and
+//! every element takes the result of its own.
 
 use crate::lanes::{Available, LANES};
 use crate::laws::{AnyLaw, ElementLaw, with_law};

@@ -24,8 +24,8 @@ fn shale(dip: f64) -> Material {
     }
 }
 
-/// A tilted block of shale that falls on a layer of shale and granite, whose elements alternate, and breaks. Under
-/// initial stress, and with viscosity in the granite.
+/// A tilted block of shale that falls on a layer of shale and granite, whose elements alternate, and breaks.
+/// Under initial stress, and with viscosity in the granite.
 pub(crate) fn crash(insertion: Insertion, pressure: f64) -> Model {
     let ground = rectangle([0.0, -0.1], [0.4, 0.0], 13, 5);
     let block = turned(&rectangle([0.0, 0.0], [0.1, 0.1], 6, 6), 0.5, [0.2, 0.001]);

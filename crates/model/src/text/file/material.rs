@@ -26,9 +26,9 @@ pub struct Material {
     /// Poisson's ratio, from above -1 to 0.5; in plane strain and in three dimensions below 0.5.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5, "x-unit" = "1"))]
     pub poissons_ratio: f64,
-    /// Bedding, foliation or fibres: elasticity that differs across a plane. `youngs_modulus`, `poissons_ratio`
-    /// and strengths of the material are then those along the plane and across it: see there. Default: the
-    /// material is alike in all directions.
+    /// Bedding, foliation or fibres: elasticity that differs across a plane. `youngs_modulus`,
+    /// `poissons_ratio` and strengths of the material are then those along the plane and across it: see
+    /// there. Default: the material is alike in all directions.
     #[serde(default)]
     pub anisotropy: Option<Anisotropy>,
     /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
@@ -70,8 +70,8 @@ pub struct Material {
 }
 
 /// A material that is alike in all directions of a plane, its bedding, and different across it: transversely
-/// isotropic elasticity. `youngs_modulus` E and `poissons_ratio` ν of the material are those of a stress along
-/// the bedding.
+/// isotropic elasticity. `youngs_modulus` E and `poissons_ratio` ν of the material are those of a stress
+/// along the bedding.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Anisotropy {
@@ -86,8 +86,8 @@ pub struct Anisotropy {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
     pub shear_modulus: f64,
     /// In two dimensions: angle of the bedding to the x axis, degrees; bedding with a positive angle rises to
-    /// the right. In three: angle at which it dips below the horizontal (x and y), 0 to 90 degrees. The bedding
-    /// turns with the elements.
+    /// the right. In three: angle at which it dips below the horizontal (x and y), 0 to 90 degrees. The
+    /// bedding turns with the elements.
     #[schemars(extend("minimum" = -90, "maximum" = 90, "x-unit" = "deg"))]
     pub dip: f64,
     /// In three dimensions: direction in which the bedding dips, clockwise from y (north) seen from above, so
