@@ -28,7 +28,7 @@ const ORDER: [(&str, &[&str]); 14] = [
             "Refine",
         ],
     ),
-    ("material", &[]),
+    ("material", &["Anisotropy"]),
     ("interface", &[]),
     ("joint_set", &[]),
     ("boundary", &["servo"]),
