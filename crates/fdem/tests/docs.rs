@@ -8,6 +8,8 @@ use std::process::Command;
 
 #[path = "../examples/book_figures/main.rs"]
 mod book_figures;
+#[path = "docs/fields.rs"]
+mod fields;
 #[path = "docs/figures.rs"]
 mod figures;
 #[path = "docs/layers.rs"]
@@ -197,6 +199,12 @@ fn the_figures_of_the_book_are_up_to_date() {
 #[test]
 fn every_key_of_a_model_file_is_in_the_book() {
     assert_written("book/src/simulation/keys.md", &model_keys::page(&fdem::model::schema()));
+}
+
+/// The book's list of fields is the table from which results take them; `BLESS=1` writes it.
+#[test]
+fn every_field_of_the_results_is_in_the_book() {
+    assert_written("book/src/simulation/fields.md", &fields::page());
 }
 
 /// The book's table of materials is the one of the library; `BLESS=1` writes it.

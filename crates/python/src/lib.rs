@@ -35,6 +35,7 @@
 //! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
 //! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |
 //! | models and runs in Python | `src/model.rs`, `src/simulation.rs`, `python/fdem/_model.py`, `python/fdem/_simulation.py`; below them `crates/fdem/src/command/session.rs` |
+//! | fields of results in Python | `src/fields.rs`, `python/fdem/_fields.py`; the table: `crates/results/src/fields/table.rs` |
 //! | sweeps in Python | `src/sweep.rs`, `python/fdem/_sweep.py`; below them `crates/fdem/src/command/sweep.rs` |
 //! | folders of results in Python | `python/fdem/_results.py`, `python/fdem/_vtk.py` |
 //! | Ctrl-C during a search | `src/interrupt.rs`, `crates/contact/src/stop.rs` |
@@ -56,6 +57,7 @@ mod network;
 mod rows;
 mod buffered;
 
+mod fields;
 mod image;
 mod index;
 mod kdtree;
@@ -101,6 +103,7 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(read::read, module)?)?;
     module.add_class::<model::PyReady>()?;
     module.add_class::<simulation::PyRun>()?;
+    module.add_function(wrap_pyfunction!(fields::fields, module)?)?;
     module.add_function(wrap_pyfunction!(model::to_toml, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::materials, module)?)?;

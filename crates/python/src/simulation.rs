@@ -11,6 +11,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use crate::fields::values;
 use crate::model::{PyReady, about, described};
 use crate::number::rows_of;
 
@@ -259,6 +260,12 @@ impl PyRun {
         done.map_err(pyo3::exceptions::PyOSError::new_err)
     }
 
+    /// The values of a field now: see [`values`].
+    #[pyo3(signature = (name, at))]
+    fn field<'py>(&self, py: Python<'py>, name: &str, at: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        values(py, &self.0, name, at)
+    }
+
     /// The PNG of a picture; `None`: the first field of the model's output.
     #[pyo3(signature = (field, width))]
     fn picture<'py>(
@@ -269,8 +276,8 @@ impl PyRun {
     ) -> PyResult<Bound<'py, PyBytes>> {
         let first = || both!(&self.0, session => session.prepared().output.fields.first().copied());
         let field = match field {
-            None => first().unwrap_or(Field::MaxPrincipal),
-            Some(name) => Field::ALL.into_iter().find(|field| field.key() == name).ok_or_else(|| {
+            None => first().unwrap_or(Field::MAX_PRINCIPAL),
+            Some(name) => Field::named(name).ok_or_else(|| {
                 let all: Vec<&str> = Field::ALL.iter().map(|field| field.key()).collect();
                 PyValueError::new_err(format!("there is no field '{name}': {}", all.join(", ")))
             })?,

@@ -369,6 +369,9 @@ def test_results_of_a_folder(torn):
     np.testing.assert_array_equal(last.nodes["velocity"][:, :2], run.velocities)
     np.testing.assert_array_equal(last.cells["stress"], run.stress)
     np.testing.assert_array_equal(last.cells["fragment"], run.fragments)
+    # The files have the fields of the table, and pictures two more that are parts of one.
+    assert set(last.nodes) == {field.key for field in fdem.fields("node")}
+    assert set(last.cells) == {field.key for field in fdem.fields("element")} - {"max_principal", "min_principal"}
     np.testing.assert_array_equal(last.cracks["elements"], run.cracks["elements"])
     np.testing.assert_array_equal(last.contacts["elements"].reshape(-1, 2), run.contacts["elements"])
     assert found.frames[1:].times.tolist() == found.frames.times[1:].tolist()
@@ -396,6 +399,39 @@ def test_pictures_of_a_run(tables, tmp_path):
     assert run._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="there is no field 'heat': max_principal, min_principal"):
         run.picture("heat")
+
+
+@pytest.mark.parametrize("tables", [TORN, IN_SPACE], ids=["plane", "space"])
+def test_every_field_of_the_table_is_an_array(tables):
+    run = fdem.Simulation(fdem.Model(**tables), threads=1)
+    run.advance()
+    rows = {"node": len(run.positions), "element": len(run.elements), "joint": len(run.joints["damage"]), "contact": len(run.contacts["elements"])}
+    for field in fdem.fields():
+        if field.dimensions not in (None, run.dimensions):
+            with pytest.raises(ValueError, match=f"there is no field '{field.key}' at"):
+                run.field(field.key, at=field.at)
+            continue
+        values = run.field(field.key, at=field.at)
+        assert values.shape == ((rows[field.at], len(field.components)) if field.components else (rows[field.at],)), field
+        least, most = field.span
+        assert np.all(np.isnan(values) | (least <= values) & (values <= most)), field
+        assert not values.flags.writeable and run.field(field.key, at=field.at) is values
+        if field.drawn:
+            assert run.picture(field.key, width=300).png.startswith(b"\x89PNG")
+    np.testing.assert_array_equal(run.field("velocity")[:, : run.dimensions], run.velocities)
+    np.testing.assert_array_equal(run.field("stress"), run.stress)
+    np.testing.assert_array_equal(run.field("damage"), run.damage)
+    np.testing.assert_array_equal(run.field("damage", at="joint"), run.joints["damage"])
+    np.testing.assert_array_equal(run.field("reaction")[:, : run.dimensions], run.reactions)
+    deviator = run.stress[:, :3] - run.stress[:, :3].mean(axis=1)[:, None]
+    mises = np.sqrt(1.5 * ((deviator**2).sum(axis=1) + 2 * (run.stress[:, 3:] ** 2).sum(axis=1)))
+    np.testing.assert_allclose(run.field("von_mises"), mises, rtol=1e-9, atol=1e-3)
+    with pytest.raises(ValueError, match="there is no field 'heat': displacement, velocity"):
+        run.field("heat")
+    with pytest.raises(ValueError, match="there is no field 'damage' at \"node\": displacement, velocity, reaction"):
+        run.field("damage", at="node")
+    with pytest.raises(ValueError, match="at must be one of 'node', 'element', 'joint', 'contact', not 'edge'"):
+        fdem.fields("edge")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl-C there")

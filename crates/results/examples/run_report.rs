@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     took("pictures: seven fields as PNG and SVG");
 
-    let field = Field::MaxPrincipal;
+    let field = Field::MAX_PRINCIPAL;
     let pictures = Pictures { title, field, range: Range::of(&frames, field), view };
     let mut animation = Animation::new(pictures, None, 8);
     for frame in &frames {

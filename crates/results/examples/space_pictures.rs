@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = Mesh { nodes: cube_of(24).nodes.into_iter().map(rounded).collect(), ..cube_of(24) };
     for (name, title, mesh) in [("cube", "A cube", cube), ("ball", "A ball", ball)] {
         let frames = [SpaceFrame::new(&still(&mesh), &Shell::new(&mesh, &[]))?];
-        let field = Field::MaxPrincipal;
+        let field = Field::MAX_PRINCIPAL;
         let view = SpaceView::of(&frames);
         let pictures = SpacePictures {
             title,
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             cut: None,
         };
         write(name, &pictures, &frames[0])?;
-        let field = Field::Velocity;
+        let field = Field::VELOCITY;
         let aslant = Cut { normal: [0.3, -1.0, 0.4], offset: 0.05 };
         for (cut, name) in [(Cut::across(1, 0.0), format!("{name}_cut")), (aslant, format!("{name}_aslant"))]
         {
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         frames.push(SpaceFrame::new(&run.snapshot(), &shell)?);
     }
     took("run");
-    let (field, view) = (Field::MinPrincipal, SpaceView::of(&frames));
+    let (field, view) = (Field::MIN_PRINCIPAL, SpaceView::of(&frames));
     let pictures = SpacePictures {
         title: "A prism that is crushed",
         field,
@@ -85,11 +85,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("prism_start", &pictures, &frames[2])?;
     write("prism", &pictures, last)?;
     write("prism_cracks", &SpacePictures { show: Show::Cracks, ..pictures }, last)?;
-    let field = Field::Velocity;
+    let field = Field::VELOCITY;
     let speeds = SpacePictures { field, range: Range::of_space(&frames, field), ..pictures };
     write("prism_cut", &SpacePictures { cut: Some(Cut::across(1, 0.0)), ..speeds }, last)?;
     write("prism_below", &SpacePictures { view: view.seen_from(-60.0, -20.0), ..speeds }, last)?;
-    write("prism_bodies", &SpacePictures { field: Field::Body, ..pictures }, last)?;
+    write("prism_bodies", &SpacePictures { field: Field::BODY, ..pictures }, last)?;
     fs::write(folder.join("prism.svg"), pictures.svg(last)?)?;
     for (name, pictures) in
         [("prism", pictures), ("prism_cracks", SpacePictures { show: Show::Cracks, ..pictures })]

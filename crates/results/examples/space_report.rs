@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         materials: ["rock", "steel"].map(String::from).to_vec(),
     };
     let facts = [("model", "examples/space_report.rs"), ("elements", elements.as_str())];
-    let field = Field::MaxPrincipal;
+    let field = Field::MAX_PRINCIPAL;
     let title = "A plate that a block strikes";
     let (range, view) = (Range::of_space(&frames, field), SpaceView::of(&frames));
     let pictures = SpacePictures { title, field, range, view, show: Show::Solid, cut: None };
@@ -123,7 +123,7 @@ fn still(folder: &std::path::Path, cells: usize, most: usize) -> Result<(), Box<
     took("shell");
     let frames = [SpaceFrame::with_inside(&snapshot, &shell, most)?];
     took("frame");
-    let (field, names) = (Field::VonMises, Names::default());
+    let (field, names) = (Field::VON_MISES, Names::default());
     let report = SpaceReport {
         title: "A bent cube",
         facts: &[],

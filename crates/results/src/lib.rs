@@ -17,6 +17,10 @@
 //! page as compressed arrays. The page's scripts (`src/page`) are our own;
 //! `crates/fdem/tests/browser/test_report.py` runs them in a browser.
 //!
+//! `fields` is one table of all quantities of a run, [`QUANTITIES`]. Files for ParaView, frames, pictures, pages, model files,
+//! options of the command, the Python package and the book take keys, names, units, colours and values from it. A [`Field`]
+//! is a row that colours elements.
+//!
 //! # To change X, open Y
 //!
 //! | to change | open |
@@ -27,6 +31,7 @@
 //! | the report: its numbers, its page, its view | `src/page/network.rs`, `src/page/network/page.html`, `src/page/network/view.js` |
 //! | pictures of meshes in a plane | `src/picture/mesh.rs` |
 //! | pictures of bodies of meshes, walls and images | `src/picture/bodies.rs`, `crates/fdem/src/command/shapes.rs` |
+//! | a field: key, name, unit, sign, colours, value | `src/fields/table.rs`; the input of its value: `src/fields/state.rs` |
 //! | results, plots and pictures | `src/run/vtk.rs`, `src/run/history.rs`, `src/run/plots.rs`, `src/run/pictures.rs` |
 //! | curves of one column of a history over another, peak and modulus | `src/run/curves.rs` |
 //! | acoustic emission: events, magnitudes, b-value | `src/run/emission.rs` |
@@ -42,10 +47,12 @@ mod arrays;
 pub mod network;
 pub mod analysis;
 pub mod picture;
+mod fields;
 mod run;
 mod space;
 pub mod page;
 
+pub use fields::{Field, Place, QUANTITIES, Quantity, QuantityValues, Range, Span};
 pub use page::run::MOST_FRAMES;
 pub use page::run::flat::{MOST_ELEMENTS, Report, SAMPLE};
 pub use page::run::space::SpaceReport;

@@ -245,7 +245,7 @@ def test_fields_cracks_and_mesh_can_be_chosen(browser, disc):
             name = page.locator(f'#field option[value="{key}"]').text_content()
             assert (name in page.text_content("#legends")) == (key not in ("body", "material"))
             seen[key] = watched.pixels()
-        assert len(set(seen.values())) == 8
+        assert len(seen) >= 8 and len(set(seen.values())) == len(seen)
         page.select_option("#field", "max_principal")
         same = page.text_content("#legends .ends")
         page.select_option("#range", "frame")

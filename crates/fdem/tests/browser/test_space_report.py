@@ -361,7 +361,7 @@ def test_fields_have_their_colours_and_legends(browser, plate):  # noqa: F811
             assert (name in page.text_content("#legends")) == (key not in ("body", "material", "fragment"))
             seen[key] = watched.pixels()
         # The two bodies have different materials.
-        assert len(seen) == 9 and len(set(seen.values())) == 8 and seen["body"] == seen["material"]
+        assert len(seen) >= 9 and len(set(seen.values())) == len(seen) - 1 and seen["body"] == seen["material"]
         page.select_option("#field", "von_mises")
         same = page.text_content("#legends .ends")
         page.select_option("#range", "frame")

@@ -118,7 +118,7 @@ pub(crate) fn settings<const D: usize, const N: usize>(
 ) -> OutputSettings {
     let output = &file.output;
     let fields = output.fields.clone().filter(|fields| !fields.is_empty());
-    let fields = fields.unwrap_or_else(|| vec![Field::MaxPrincipal, Field::Velocity, Field::Damage]);
+    let fields = fields.unwrap_or_else(|| vec![Field::MAX_PRINCIPAL, Field::VELOCITY, Field::DAMAGE]);
     let interval = output.history_interval.unwrap_or(file.model.end_time / ROWS);
     OutputSettings {
         interval: output

@@ -148,7 +148,7 @@ fn what_is_left_out_has_its_default() {
     assert!(model.velocities.is_empty() && model.stresses.is_empty());
     let output = &prepared.output;
     assert_eq!((output.interval, output.history_interval), (1e-3 / 50.0, 1e-3 / 1000.0));
-    assert_eq!(output.fields, [Field::MaxPrincipal, Field::Velocity, Field::Damage]);
+    assert_eq!(output.fields, [Field::MAX_PRINCIPAL, Field::VELOCITY, Field::DAMAGE]);
     assert_eq!((output.animate, output.checkpoint), (None, Checkpoint::Seconds(60.0)));
 }
 
@@ -205,7 +205,7 @@ checkpoint_steps = 100
     // The lowest point of the disc, which is a node.
     assert_eq!(model.mesh.nodes[tip as usize], [0.5, 0.8]);
     assert_eq!(prepared.output.history_interval, 1e-8);
-    assert_eq!(prepared.output.animate, Some(Field::Velocity));
+    assert_eq!(prepared.output.animate, Some(Field::VELOCITY));
     assert_eq!(prepared.output.checkpoint, Checkpoint::Steps(100));
 }
 

@@ -24,6 +24,7 @@ code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighb
 a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`
 many runs of a model with other values            :func:`sweep`
 a folder of results of a simulation               :func:`results`
+names, units and signs of results                 :func:`fields`
 ================================================= ====================================================
 
 Elements that just touch count as contacts. Each couple is listed once, ``i < j``. The couples do not depend on the engine; neither the couples nor their order depend on the
@@ -39,6 +40,7 @@ from ._box import Box
 from ._contacts import Contacts, Csr
 from ._detector import Detector
 from ._fdem import __version__
+from ._fields import Field, fields
 from ._kdtree import KDTree
 from ._labels import LabelContacts, labels
 from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
@@ -60,6 +62,7 @@ __all__ = [
     "CrossContacts",
     "Csr",
     "Detector",
+    "Field",
     "Frame",
     "KDTree",
     "LabelContacts",
@@ -78,6 +81,7 @@ __all__ = [
     "between",
     "boxes",
     "contacts",
+    "fields",
     "labels",
     "material",
     "mesh",

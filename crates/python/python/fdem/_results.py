@@ -63,22 +63,22 @@ class Frame:
 
     @property
     def nodes(self) -> Mapping[str, _Array]:
-        """Arrays of the nodes by their names: ``displacement``, ``velocity``, ``reaction``."""
+        """Arrays of the nodes by the keys of their fields: those of ``fields("node")``, such as ``velocity``."""
         return self._sections(".vtu")["PointData"]
 
     @property
     def cells(self) -> Mapping[str, _Array]:
-        """Arrays of the elements by their names: ``stress``, ``principal_stress``, ``von_mises``, ``damage``, ``body``, ``material``, ``fragment``."""
+        """Arrays of the elements by the keys of their fields: those of ``fields("element")``, such as ``von_mises``. ``principal_stress`` has both principal stresses."""
         return self._sections(".vtu")["CellData"]
 
     @property
     def cracks(self) -> Mapping[str, _Array]:
-        """Broken joints: ``mode`` (0 tension, 1 shear, 2 mixed), ``opening``, ``sliding``, ``time_of_failure``, ``elements`` and so on."""
+        """Broken joints, by the keys of ``fields("joint")``: ``mode`` (0 tension, 1 shear, 2 mixed), ``opening`` and so on."""
         return self._sections("_cracks.vtp").get("CellData", {})
 
     @property
     def contacts(self) -> Mapping[str, _Array]:
-        """Contact forces: ``force``, ``normal_force``, ``tangential_force``, ``elements``, ``bodies``, ``fragments``, and the ``position`` of each."""
+        """Contact forces, by the keys of ``fields("contact")``: ``force``, ``elements`` and so on, and the ``position`` of each."""
         sections = self._sections("_contacts.vtp")
         return {"position": sections["Points"]["Points"], **sections.get("PointData", {})}
 

@@ -74,6 +74,7 @@ class Simulation:
 
     def _clear(self) -> None:
         self._seen: Optional[dict[str, Any]] = None
+        self._fields: dict[tuple[str, Optional[str]], npt.NDArray[Any]] = {}
         self._forces: Optional[dict[str, Any]] = None
 
     @property
@@ -251,6 +252,28 @@ class Simulation:
         2 mixed), ``opening`` and ``sliding`` (m), ``time`` (of failure, s; NaN while the joint holds), ``measure`` (length, m, or area, m²)."""
         return self._state("joints")  # type: ignore[no-any-return]
 
+    def field(self, name: str, at: Optional[str] = None) -> npt.NDArray[Any]:
+        """Values of a field now: a number, or a row of components, for each node, element, joint or contact. Read-only. :func:`fields` lists the fields with their
+        units and signs.
+
+        Parameters
+        ----------
+        name : str
+            Its key, such as "von_mises".
+        at : str, optional
+            "node", "element", "joint" or "contact", where a key occurs twice. Otherwise the first of these that has it.
+
+        Raises
+        ------
+        ValueError
+            A field that does not exist. The message lists those that do.
+        """
+        if (name, at) not in self._fields:
+            values = self._run.field(name, at)
+            values.flags.writeable = False
+            self._fields[name, at] = values
+        return self._fields[name, at]
+
     @property
     def cracks(self) -> dict[str, npt.NDArray[Any]]:
         """The broken joints, with the columns of :attr:`joints`. Copies."""
@@ -358,7 +381,7 @@ class Simulation:
         Parameters
         ----------
         field : str, optional
-            "max_principal", "min_principal", "von_mises", "velocity", "displacement", "damage", "body" or "material"; otherwise the first of the model's output.
+            A field of :func:`fields` that is ``drawn``, such as "von_mises"; otherwise the first of the model's output.
         width : int, optional
             Width in pixels.
         """

@@ -15,10 +15,13 @@ use base64::engine::general_purpose::STANDARD;
 use fdem_io::numbers::{brief, grouped};
 use serde_json::{Value, json};
 
+use crate::fields::colours::{NO_VALUE, NUMBERED};
+use crate::fields::field::{Field, SCALES};
+use crate::fields::quantity::{Ends, Quantity};
+use crate::fields::range::{Range, Scale};
 use crate::page::{Parts, STYLE, rows};
 use crate::picture::PictureError;
 use crate::picture::svg::escape;
-use crate::run::field::{Field, NO_VALUE, NUMBERED, Range, SCALES, Scale};
 use crate::run::fragments::Fragments;
 use crate::run::names::Names;
 use crate::run::pictures::{CRACKS, NARROWEST_OUTLINE, OUTLINE, OUTLINES};
@@ -53,8 +56,8 @@ struct RunPage<'a> {
     field: Field,
     /// Fields and their ranges.
     ranges: [(Field, Range); Field::ALL.len()],
-    /// Further fields with separate numbers: key and name.
-    numbered: &'a [(&'a str, &'a str)],
+    /// Further fields with separate numbers.
+    numbered: &'a [&'a Quantity],
     /// A picture of the last frame as PNG, for browsers that cannot show the view.
     preview: Option<Vec<u8>>,
     /// The text below the view.
@@ -62,7 +65,7 @@ struct RunPage<'a> {
     /// Number of frames in the page.
     count: usize,
     /// Names of the columns of the table of frames, and its rows.
-    columns: &'a [&'a str],
+    columns: Vec<String>,
     rows: String,
     /// The section with the largest fragments; empty without fragments.
     fragments: String,
@@ -105,7 +108,7 @@ impl RunPage<'_> {
                 "notes" => self.notes.clone(),
                 "facts" => rows(self.facts),
                 "plots" => figures(self.plots),
-                "columns" => headings(self.columns),
+                "columns" => headings(self.columns.iter().map(String::as_str)),
                 "rows" => self.rows.clone(),
                 "fragments" => self.fragments.clone(),
                 "meta" => meta.clone(),
@@ -121,7 +124,7 @@ impl RunPage<'_> {
     fn meta(&self) -> String {
         let mut fields: Vec<Value> =
             self.ranges.iter().map(|&(field, range)| about_field(field, range)).collect();
-        fields.extend(self.numbered.iter().map(|(key, name)| {
+        fields.extend(self.numbered.iter().map(|Quantity { key, name, .. }| {
             json!({ "key": key, "name": name, "unit": "", "signed": false, "scale": null, "range": [0, 1], "ramp": [] })
         }));
         let outlines = [1, 0].map(|kind| {
@@ -151,7 +154,8 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
         "key": field.key(),
         "name": field.name(),
         "unit": field.unit(),
-        "signed": field.signed(),
+        "signed": field.ends() == Some(Ends::Symmetric),
+        "fixed": matches!(field.ends(), Some(Ends::Fixed(..))),
         "scale": field.scale(),
         "range": [low, high],
         "ramp": field.ramp(),
@@ -166,20 +170,26 @@ fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     })
 }
 
-fn options(selected: Field, numbered: &[(&str, &str)]) -> String {
+fn options(selected: Field, numbered: &[&Quantity]) -> String {
     let mut options = String::new();
-    for (key, name) in
-        Field::ALL.iter().map(|field| (field.key(), field.name())).chain(numbered.iter().copied())
+    for Quantity { key, name, .. } in
+        Field::ALL.iter().map(|field| field.quantity()).chain(numbered.iter().copied())
     {
-        let selected = if key == selected.key() { " selected" } else { "" };
+        let selected = if *key == selected.key() { " selected" } else { "" };
         // Writing to a string does not fail.
         let _ = write!(options, "<option value=\"{key}\"{selected}>{name}</option>");
     }
     options
 }
 
-fn headings(columns: &[&str]) -> String {
-    columns.iter().map(|name| ["<th scope=\"col\">", name, "</th>"].concat()).collect()
+fn headings<'a>(columns: impl IntoIterator<Item = &'a str>) -> String {
+    columns.into_iter().map(|name| ["<th scope=\"col\">", name, "</th>"].concat()).collect()
+}
+
+/// Returns the names of the columns of the table of frames: these, and those with the largest values of fields.
+fn columns(first: &[&str]) -> Vec<String> {
+    let largest = Field::ALL.into_iter().filter_map(Field::column);
+    first.iter().copied().map(str::to_owned).chain(largest).collect()
 }
 
 /// Returns a sentence on the frames that are not in the page; empty if all are in it.
@@ -278,7 +288,7 @@ fn largest<const D: usize>(fragments: &Fragments<D>, names: &Names) -> String {
         "<section aria-labelledby=\"fragments-heading\" id=\"fragments-table\">\n  <h2 id=\"fragments-heading\">Fragments</h2>\n  <p class=\"hint\">{text} The diameter is that of a {} of the same {}.</p>\n  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"fragments-heading\">\n    <table class=\"numbers\">\n      <thead><tr>{}</tr></thead>\n      <tbody>\n{rows}</tbody>\n    </table>\n  </div>\n</section>\n",
         if D == 2 { "disc" } else { "sphere" },
         if D == 2 { "area" } else { "volume" },
-        headings(&columns)
+        headings(columns)
     )
 }
 
@@ -303,9 +313,9 @@ fn row(
 ) -> String {
     let mut row = format!("<tr><td><button type=\"button\" data-frame=\"{k}\">{place}</button></td>");
     let [tension, shear, mixed] = broken;
-    let largest = |field: Field| scales[field.scale().unwrap_or(0)].ends[1];
     let numbers = [time, tension + shear + mixed, tension, shear, mixed];
-    let values = [Field::MaxPrincipal, Field::VonMises, Field::Velocity].map(largest);
+    let shown = SCALES.iter().zip(scales).filter(|(field, _)| field.column().is_some());
+    let values = shown.map(|(_, scale)| scale.ends[1]);
     let counts = std::iter::once(&step).chain(counts).map(|&count| grouped(count));
     for cell in counts.chain(numbers.into_iter().chain(values).map(brief)) {
         // Writing to a string does not fail.

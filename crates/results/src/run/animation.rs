@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use crate::fields::colours::{NO_VALUE, NUMBERED, numbered_colour};
+use crate::fields::field::Field;
 use crate::picture::PictureError;
 use crate::picture::colour::{self, Rgb};
-use crate::run::field::{Field, NO_VALUE, NUMBERED, numbered_colour};
 use crate::run::frame::Frame;
 use crate::run::pictures::{CRACKS, Pictures};
 use crate::space::drawing::{CRACK, SHADES, shaded};

@@ -4,14 +4,17 @@ use std::fmt;
 
 use fdem_simulation::{Crack, Mode, Snapshot};
 
-use crate::run::field::{Field, Range, SCALES, Scale};
+use crate::fields::field::{Field, SCALES, line_of_keys};
+use crate::fields::quantity::Number;
+use crate::fields::range::{Range, Scale};
+use crate::fields::state::Instant;
 use crate::run::outlines::Outlines;
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::sample::Sample;
 use crate::run::snapshot::{SnapshotError, checked};
 
-/// First bytes of a file: its kind and its version.
-const MAGIC: &[u8; 8] = b"fdemfrm3";
+/// First bytes of a file: its kind and its version. The keys of its fields follow.
+const MAGIC: &[u8; 8] = b"fdemfrm4";
 
 /// Level at which frames are deflated: level 6 makes them 3 % smaller and takes three times as long.
 pub(crate) const LEVEL: u8 = 1;
@@ -74,6 +77,16 @@ pub(crate) struct Opened {
     pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
 }
 
+impl Opened {
+    /// Returns the numbers of the elements by which they are coloured.
+    pub(crate) fn numbers_of(&self, number: Number) -> &[u32] {
+        match number {
+            Number::Body => &self.bodies,
+            Number::Material => &self.materials,
+        }
+    }
+}
+
 /// The reason why bytes cannot be read as a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -97,10 +110,10 @@ impl std::error::Error for FrameError {}
 
 impl Range {
     /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a
-    /// few extreme values do not use up the colours. Ranges of principal stresses are symmetric about 0. All
-    /// other ranges begin at 0; the range of damage ends at 1.
+    /// few extreme values do not use up the colours. Ranges of fields with a sign are symmetric about 0. All
+    /// other ranges begin at 0, or are the same in all runs, as that of damage.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
-        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
+        field.range(frames.into_iter().map(|frame| &frame.scales))
     }
 }
 
@@ -155,8 +168,9 @@ impl Frame {
         }
         let elements = corners.len();
         drop(corners);
+        let state = Instant::of(snapshot);
         let scales = SCALES.map(|field| {
-            let values = field.values(snapshot);
+            let values = field.values(&state);
             let scale = Scale::of(&values);
             packed.places(&of_sample(sample.as_ref(), values), scale.ends);
             scale
@@ -216,7 +230,7 @@ impl Frame {
 
     /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = [MAGIC, line_of_keys().as_bytes()].concat();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
         for number in [self.whole, self.elements, self.cracks, self.size] {
@@ -235,7 +249,8 @@ impl Frame {
     /// # Errors
     /// [`FrameError`] if the bytes are not a frame, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FrameError> {
-        let rest = bytes.strip_prefix(MAGIC).ok_or(FrameError::NotAFrame)?;
+        let rest = bytes.strip_prefix(MAGIC).and_then(|rest| rest.strip_prefix(line_of_keys().as_bytes()));
+        let rest = rest.ok_or(FrameError::NotAFrame)?;
         let mut words = Words { bytes: rest };
         let damaged = FrameError::Damaged;
         let frame = (|| {

@@ -7,6 +7,9 @@ use std::fmt::Write;
 use fdem_io::numbers::{brief, grouped};
 use fdem_simulation::Mode;
 
+use crate::fields::colours::{NO_VALUE, numbered_colour};
+use crate::fields::field::Field;
+use crate::fields::range::Range;
 use crate::picture::colour::{Rgb, hex};
 use crate::picture::encode::{self, Layer};
 use crate::picture::furniture::{self, BAR, FOOT, HEAD};
@@ -14,7 +17,6 @@ use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
-use crate::run::field::{Field, Range, numbered_colour};
 use crate::run::fill::Fill;
 use crate::run::frame::{Frame, Opened, code};
 use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
@@ -125,7 +127,7 @@ pub(crate) fn time_text(time: f64, last: f64) -> String {
 ///     ..Snapshot::default()
 /// };
 /// let frames = [Frame::new(&snapshot)?];
-/// let field = Field::VonMises;
+/// let field = Field::VON_MISES;
 /// let pictures =
 ///     Pictures { title: "a triangle", field, range: Range::of(&frames, field), view: FrameView::of(&frames) };
 /// assert!(pictures.svg(&frames[0])?.contains("von Mises stress (MPa)"));
@@ -227,10 +229,10 @@ impl Pictures<'_> {
     }
 
     fn colour(&self, opened: &Opened, element: usize) -> Rgb {
-        match self.field.scale() {
-            Some(scale) => self.field.colour(opened.values[scale][element], self.range),
-            None if self.field == Field::Material => numbered_colour(opened.materials[element]),
-            None => numbered_colour(opened.bodies[element]),
+        match (self.field.scale(), self.field.number()) {
+            (Some(scale), _) => self.field.colour(opened.values[scale][element], self.range),
+            (None, Some(number)) => numbered_colour(opened.numbers_of(number)[element]),
+            (None, None) => NO_VALUE,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io;
 
-use fdem_simulation::Snapshot;
+use fdem_simulation::{Forces, Snapshot};
 
 /// A snapshot that contradicts itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -104,4 +104,29 @@ pub(crate) fn checked<const D: usize, const N: usize>(
         }
     }
     Ok(())
+}
+
+/// Checks that there is a reaction for each node, or none at all.
+pub(crate) fn checked_reactions<const D: usize, const N: usize>(
+    snapshot: &Snapshot<D, N>,
+    forces: &Forces<D>,
+) -> Result<(), SnapshotError> {
+    let (found, expected) = (forces.reactions.len(), snapshot.positions.len());
+    if found != 0 && found != expected {
+        return Err(SnapshotError::Length { name: "reactions", found, expected });
+    }
+    Ok(())
+}
+
+/// Checks that the elements of every contact exist.
+pub(crate) fn checked_contacts<const D: usize, const N: usize>(
+    snapshot: &Snapshot<D, N>,
+    forces: &Forces<D>,
+) -> Result<(), SnapshotError> {
+    let elements = snapshot.elements.len();
+    let mut named = forces.contacts.iter().flat_map(|contact| contact.elements);
+    match named.find(|&element| element as usize >= elements) {
+        Some(element) => Err(SnapshotError::Contact { element, elements }),
+        None => Ok(()),
+    }
 }

@@ -4,7 +4,9 @@ use std::fmt;
 
 use fdem_simulation::Snapshot;
 
-use crate::run::field::{Field, Range, SCALES, Scale};
+use crate::fields::field::{Field, SCALES, line_of_keys};
+use crate::fields::range::{Range, Scale};
+use crate::fields::state::Instant;
 use crate::run::frame::{FrameError, LEVEL, Words, bounds, code, mode};
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
@@ -12,8 +14,8 @@ use crate::space::facets::{FACETS, Marks};
 use crate::space::opened::{OpenedCrack, OpenedSpace};
 use crate::space::shell::{Seen, Shell};
 
-/// First bytes of a file: its kind and its version.
-const MAGIC: &[u8; 8] = b"fdemspc1";
+/// First bytes of a file: its kind and its version. The keys of its fields follow.
+const MAGIC: &[u8; 8] = b"fdemspc2";
 
 /// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have
 /// only the elements at the surface.
@@ -89,7 +91,7 @@ impl fmt::Debug for SpaceFrame {
 impl Range {
     /// Returns the range of a series in three dimensions, by the same rules.
     pub fn of_space<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>, field: Field) -> Self {
-        Self::covering(frames.into_iter().map(|frame| &frame.scales), field)
+        field.range(frames.into_iter().map(|frame| &frame.scales))
     }
 }
 
@@ -135,8 +137,9 @@ impl SpaceFrame {
             numbers.extend((0..whole as u32).filter(hidden));
         }
 
+        let state = Instant::of(snapshot);
         let scales = SCALES.map(|field| {
-            let values = field.values(snapshot);
+            let values = field.values(&state);
             (Scale::of(&values), numbers.iter().map(|&k| values[k as usize]).collect::<Vec<_>>())
         });
         let pack = |places: std::ops::Range<usize>| {
@@ -209,7 +212,7 @@ impl SpaceFrame {
 
     /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = [MAGIC, line_of_keys().as_bytes()].concat();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
         let counts = [
@@ -237,7 +240,8 @@ impl SpaceFrame {
     /// # Errors
     /// [`FrameError`] if the bytes are not a frame, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FrameError> {
-        let rest = bytes.strip_prefix(MAGIC).ok_or(FrameError::NotAFrame)?;
+        let rest = bytes.strip_prefix(MAGIC).and_then(|rest| rest.strip_prefix(line_of_keys().as_bytes()));
+        let rest = rest.ok_or(FrameError::NotAFrame)?;
         let mut words = Words { bytes: rest };
         let frame = (|| {
             let (step, time) = (words.u64()?, words.f64()?);

@@ -2,6 +2,7 @@
 
 use fdem_simulation::Mode;
 
+use crate::fields::quantity::Number;
 use crate::space::facets::{FACETS, Marks, edge};
 
 /// A decompressed frame. All arrays have an entry for each element that the frame has.
@@ -14,7 +15,7 @@ pub(crate) struct OpenedSpace {
     pub(crate) numbers: Vec<u32>,
     /// Corners of the elements, m; all are finite.
     pub(crate) corners: Vec<[[f64; 3]; 4]>,
-    /// Values of each field of [`crate::run::field::SCALES`]; NaN if not finite.
+    /// Values of each field of [`crate::fields::field::SCALES`]; NaN if not finite.
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) bodies: Vec<u32>,
     pub(crate) materials: Vec<u32>,
@@ -54,6 +55,14 @@ pub(crate) struct OpenedCrack {
 }
 
 impl OpenedSpace {
+    /// Returns the numbers of the elements by which they are coloured.
+    pub(crate) fn numbers_of(&self, number: Number) -> &[u32] {
+        match number {
+            Number::Body => &self.bodies,
+            Number::Material => &self.materials,
+        }
+    }
+
     /// Returns the facets that are seen.
     pub(crate) fn facets(&self) -> impl Iterator<Item = OpenedFacet> + '_ {
         (0..self.surface).flat_map(move |element| {

@@ -5,13 +5,15 @@ use std::fmt::Write;
 
 use fdem_io::numbers::{brief, grouped};
 
+use crate::fields::colours::{NO_VALUE, numbered_colour};
+use crate::fields::field::Field;
+use crate::fields::range::Range;
 use crate::picture::colour::{Rgb, hex};
 use crate::picture::encode::{self, Layer};
 use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
-use crate::run::field::{Field, Range, numbered_colour};
 use crate::run::pictures::{colour_bar, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, Camera, CrackFacet, Edge, Facet, Scene, Tetrahedron};
@@ -91,7 +93,7 @@ impl Cut {
 ///     ..Snapshot::default()
 /// };
 /// let frames = [SpaceFrame::new(&snapshot, &Shell::new(&mesh, &[]))?];
-/// let field = Field::VonMises;
+/// let field = Field::VON_MISES;
 /// let pictures = SpacePictures {
 ///     title: "a tetrahedron",
 ///     field,
@@ -208,10 +210,10 @@ impl SpacePictures<'_> {
 
     /// Returns the colour of an element.
     fn colour(&self, opened: &OpenedSpace, element: usize) -> Rgb {
-        match self.field.scale() {
-            Some(scale) => self.field.colour(opened.values[scale][element], self.range),
-            None if self.field == Field::Material => numbered_colour(opened.materials[element]),
-            None => numbered_colour(opened.bodies[element]),
+        match (self.field.scale(), self.field.number()) {
+            (Some(scale), _) => self.field.colour(opened.values[scale][element], self.range),
+            (None, Some(number)) => numbered_colour(opened.numbers_of(number)[element]),
+            (None, None) => NO_VALUE,
         }
     }
 

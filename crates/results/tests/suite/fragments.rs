@@ -298,7 +298,7 @@ fn the_page_has_the_heaviest_fragments() {
         plots: &[],
         frames: &[],
         fragments: &flat,
-        field: Field::Damage,
+        field: Field::DAMAGE,
         names: &names,
     };
     let page = report.html().unwrap();
@@ -317,7 +317,7 @@ fn the_page_has_the_heaviest_fragments() {
         plots: &[],
         frames: &[],
         fragments: &space,
-        field: Field::Damage,
+        field: Field::DAMAGE,
         names: &names,
     };
     let page = report.html(None).unwrap();
@@ -332,7 +332,7 @@ fn the_page_has_the_heaviest_fragments() {
         plots: &[],
         frames: &[],
         fragments: &fragments,
-        field: Field::Damage,
+        field: Field::DAMAGE,
         names: &names,
     };
     assert!(report.html().unwrap().contains("The 2 fragments at the end"));

@@ -53,7 +53,7 @@ fn frames_come_back_from_their_bytes_and_damaged_ones_are_refused() {
             damaged[place] ^= flip;
             if let Ok(frame) = Frame::from_bytes(&damaged) {
                 let frames = [frame];
-                let pictures = pictures(&frames, Field::VonMises);
+                let pictures = pictures(&frames, Field::VON_MISES);
                 let _ = pictures.svg(&frames[0]);
             }
         }
@@ -204,7 +204,7 @@ fn bodies_and_grains_have_outlines() {
     let outlined = Frame::outlined(&snapshot, &Outlines::new(&mesh, &grains)).unwrap();
     assert_eq!(Frame::from_bytes(&outlined.to_bytes()).as_ref(), Ok(&outlined));
     let frames = [outlined, Frame::new(&snapshot).unwrap()];
-    let picture = pictures(&frames, Field::VonMises);
+    let picture = pictures(&frames, Field::VON_MISES);
     let svg = picture.svg(&frames[0]).unwrap();
     let lines = |class: &str| {
         let path = svg.split(&format!("class=\"{class}\" d=\"")).nth(1).unwrap().split('"').next().unwrap();
@@ -233,7 +233,7 @@ fn bodies_and_grains_have_outlines() {
 fn a_title_is_whole_while_there_is_room() {
     let frames = frames(6, 3);
     let title = "A disc of sandstone between two platens, which splits along its loaded diameter";
-    let svg = Pictures { title, ..pictures(&frames, Field::Damage) }.svg(&frames[0]).unwrap();
+    let svg = Pictures { title, ..pictures(&frames, Field::DAMAGE) }.svg(&frames[0]).unwrap();
     assert!(svg.matches(title).count() >= 2, "as the name of the picture, and in it");
     assert!(!svg.contains('…'));
 }
@@ -262,7 +262,7 @@ fn a_state_that_has_gone_wrong_is_still_drawn() {
         plots: &[],
         frames: &frames,
         fragments: &Fragments::default(),
-        field: Field::VonMises,
+        field: Field::VON_MISES,
         names: &Names::default(),
     };
     let page = report.html().unwrap();
@@ -274,7 +274,7 @@ fn a_state_that_has_gone_wrong_is_still_drawn() {
     );
     // Nothing at all.
     let none = [Frame::new(&Snapshot::default()).unwrap()];
-    assert!(pictures(&none, Field::Damage).png(&none[0], None).is_ok());
+    assert!(pictures(&none, Field::DAMAGE).png(&none[0], None).is_ok());
     assert!(Report { frames: &none, ..report }.html().is_ok());
     assert!(Report { frames: &[], ..report }.html().is_ok());
 }
@@ -282,7 +282,7 @@ fn a_state_that_has_gone_wrong_is_still_drawn() {
 #[test]
 fn pixels_have_the_colours_of_their_elements() {
     let frames = frames(10, 11);
-    let picture = pictures(&frames, Field::Body);
+    let picture = pictures(&frames, Field::BODY);
     let (width, height, all) = pixels(&picture.png(&frames[0], None).unwrap());
     assert!((600..=900).contains(&width), "{width}");
     // The middle of the disc is the middle of the area, which is between 66 and 74 from top and bottom.
@@ -303,7 +303,7 @@ fn pixels_have_the_colours_of_their_elements() {
 #[test]
 fn cracks_are_drawn_in_the_colours_of_their_modes() {
     let frames = frames(10, 11);
-    let picture = pictures(&frames, Field::VonMises);
+    let picture = pictures(&frames, Field::VON_MISES);
     let (first, last) = (picture.svg(&frames[0]).unwrap(), picture.svg(&frames[10]).unwrap());
     for class in ["class=\"tension\"", "class=\"shear\"", "class=\"mixed\""] {
         assert!(!first.contains(class) && last.contains(class), "{class}");
@@ -321,12 +321,12 @@ fn cracks_are_drawn_in_the_colours_of_their_modes() {
 fn the_view_and_the_colours_are_those_of_the_series() {
     let frames = frames(8, 11);
     let view = FrameView::of(&frames);
-    let range = Range::of(&frames, Field::MaxPrincipal);
+    let range = Range::of(&frames, Field::MAX_PRINCIPAL);
     assert_eq!(range.low, -range.high, "no stress is in the middle");
     assert!(range.high > 5e6 && range.high < 3e7, "{range:?}");
-    assert_eq!(Range::of(&frames[..1], Field::Velocity).low, 0.0);
-    assert_eq!(Range::of(&frames, Field::Damage), Range { low: 0.0, high: 1.0 });
-    let pictures = Pictures { title: "disc", field: Field::MaxPrincipal, range, view };
+    assert_eq!(Range::of(&frames[..1], Field::VELOCITY).low, 0.0);
+    assert_eq!(Range::of(&frames, Field::DAMAGE), Range { low: 0.0, high: 1.0 });
+    let pictures = Pictures { title: "disc", field: Field::MAX_PRINCIPAL, range, view };
     let sizes: BTreeSet<(usize, usize)> = frames
         .iter()
         .map(|frame| {
@@ -359,8 +359,8 @@ fn a_fragment_that_flies_away_leaves_the_picture_instead_of_making_it_small() {
     }
     later.elements[20] = [nodes, nodes + 1, nodes + 2];
     let frames = [Frame::new(&start).unwrap(), Frame::new(&later).unwrap()];
-    let svg = pictures(&frames, Field::Body).svg(&frames[0]).unwrap();
-    let before = pictures(&frames[..1], Field::Body).svg(&frames[0]).unwrap();
+    let svg = pictures(&frames, Field::BODY).svg(&frames[0]).unwrap();
+    let before = pictures(&frames[..1], Field::BODY).svg(&frames[0]).unwrap();
     let scale = |svg: &str| svg.contains(">10 mm<") || svg.contains(">5 mm<");
     assert!(scale(&svg) && scale(&before), "millimetres, not metres");
 }
@@ -368,7 +368,7 @@ fn a_fragment_that_flies_away_leaves_the_picture_instead_of_making_it_small() {
 #[test]
 fn more_elements_than_a_browser_likes_are_an_image() {
     let frames = [Frame::new(&Disc::new(60).snapshot(0.7)).unwrap()];
-    let svg = pictures(&frames, Field::Displacement).svg(&frames[0]).unwrap();
+    let svg = pictures(&frames, Field::DISPLACEMENT).svg(&frames[0]).unwrap();
     assert!(svg.contains("<image ") && !svg.contains("class=\"elements\""));
     assert!(svg.contains("21,600 elements"));
 }
@@ -376,7 +376,7 @@ fn more_elements_than_a_browser_likes_are_an_image() {
 #[test]
 fn an_animation_has_all_frames_and_the_last_is_that_of_the_picture() {
     let frames = frames(8, 9);
-    let pictures = pictures(&frames, Field::Velocity);
+    let pictures = pictures(&frames, Field::VELOCITY);
     let made = || {
         let mut animation = Animation::new(pictures, Some(400), 8);
         for frame in &frames {
@@ -510,7 +510,7 @@ fn the_page_is_whole_safe_and_says_what_it_leaves_out() {
         plots: &plots,
         frames: &frames,
         fragments: &Fragments::default(),
-        field: Field::Damage,
+        field: Field::DAMAGE,
         names: &Names { bodies: vec![hostile.to_owned()], materials: vec![hostile.to_owned()] },
     };
     let page = report.html().unwrap();

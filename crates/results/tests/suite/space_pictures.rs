@@ -91,6 +91,7 @@ fn snapshot(mesh: &Mesh<3, 4>, gap: f64, broken: bool) -> Snapshot<3, 4> {
         materials: mesh.materials.clone(),
         fragments: (0..count).map(|element| u32::from(broken && right(element))).collect(),
         cracks,
+        ..Snapshot::default()
     }
 }
 
@@ -105,7 +106,7 @@ const RANGE: Range = Range { low: -4e6, high: 4e6 };
 fn pictures(frames: &[SpaceFrame]) -> SpacePictures<'static> {
     SpacePictures {
         title: "A bar",
-        field: Field::MaxPrincipal,
+        field: Field::MAX_PRINCIPAL,
         range: RANGE,
         view: SpaceView::of(frames).seen_from(0.0, 0.0),
         show: Show::Solid,
@@ -149,7 +150,7 @@ fn elements_have_the_colours_of_their_values() {
         |high: f64| SpacePictures { range: Range { low: -high, high }, ..all }.png(&frames[0], None).unwrap();
     let narrow = colours(&png(2e6), places);
     assert_eq!((narrow[1], narrow[2], narrow[3]), (found[3], found[3], found[3]));
-    let bodies = SpacePictures { field: Field::Body, ..all }.png(&frames[0], None).unwrap();
+    let bodies = SpacePictures { field: Field::BODY, ..all }.png(&frames[0], None).unwrap();
     let mut bodies = colours(&bodies, places).to_vec();
     bodies.dedup();
     assert_eq!(bodies.len(), 4);
@@ -237,7 +238,7 @@ fn coordinates_as_large_as_numbers_are_too_wide() {
 fn a_cut_shows_the_inside_in_the_colours_of_the_scale() {
     let frames = [frame(0.0, false)];
     let places = [[0.4, 0.2], [3.4, 0.2]];
-    let field = Field::Body;
+    let field = Field::BODY;
     let cut = |offset: f64| SpacePictures { field, cut: Some(Cut::across(1, offset)), ..pictures(&frames) };
     // The section is without light: the colours of the first and of the fourth body.
     let expected = [[127, 172, 214], [222, 180, 120]];
@@ -335,10 +336,10 @@ fn pictures_are_as_wide_as_asked_and_the_same_again() {
 fn an_animation_has_all_frames_and_the_last_is_that_of_the_picture() {
     let frames = [0.0, 0.2, 0.4].map(|gap| frame(gap, gap > 0.05));
     for (show, field) in [
-        (Show::Solid, Field::MaxPrincipal),
-        (Show::Solid, Field::Body),
-        (Show::Solid, Field::VonMises),
-        (Show::Cracks, Field::Body),
+        (Show::Solid, Field::MAX_PRINCIPAL),
+        (Show::Solid, Field::BODY),
+        (Show::Solid, Field::VON_MISES),
+        (Show::Cracks, Field::BODY),
     ] {
         let view = SpaceView::of(&frames);
         let pictures = SpacePictures { show, field, view, ..pictures(&frames) };
@@ -350,7 +351,7 @@ fn an_animation_has_all_frames_and_the_last_is_that_of_the_picture() {
             animation.finish().unwrap()
         };
         let file = made();
-        if field == Field::VonMises {
+        if field == Field::VON_MISES {
             assert_eq!(file, made(), "the same bytes again");
         }
         let mut options = gif::DecodeOptions::new();

@@ -215,9 +215,7 @@ pub(crate) struct ValidateArguments {
 /// The fields of results by their keys.
 fn fields() -> impl TypedValueParser<Value = Field> {
     let values = Field::ALL.map(|field| PossibleValue::new(field.key()).help(field.name()));
-    PossibleValuesParser::new(values).try_map(|key| {
-        Field::ALL.into_iter().find(|field| field.key() == key).ok_or("there is no such field")
-    })
+    PossibleValuesParser::new(values).try_map(|key| Field::named(&key).ok_or("there is no such field"))
 }
 
 /// The templates by their names.

@@ -301,7 +301,7 @@ where
                 facts,
                 plots: &drawn,
                 fragments,
-                field: prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal),
+                field: prepared.output.fields.first().copied().unwrap_or(Field::MAX_PRINCIPAL),
                 animate: prepared.output.animate,
                 names: &self.names,
             },

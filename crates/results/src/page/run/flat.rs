@@ -3,9 +3,10 @@
 use fdem_io::numbers::{brief, grouped};
 use serde_json::{Value, json};
 
-use crate::page::run::{RunPage, finite, largest, row, text, thinned, thinning};
+use crate::fields::field::Field;
+use crate::fields::range::Range;
+use crate::page::run::{RunPage, columns, finite, largest, row, text, thinned, thinning};
 use crate::picture::PictureError;
-use crate::run::field::{Field, Range};
 use crate::run::fragments::Fragments;
 use crate::run::frame::Frame;
 use crate::run::names::Names;
@@ -25,18 +26,8 @@ const SHOW: &str = include_str!("flat/show.html");
 const HELP: &str = include_str!("flat/help.html");
 const SCRIPTS: [&str; 3] =
     [include_str!("flat/frames.js"), include_str!("flat/view.js"), include_str!("flat/main.js")];
-const COLUMNS: [&str; 10] = [
-    "frame",
-    "step",
-    "time (s)",
-    "cracks (m)",
-    "by tension",
-    "by shear",
-    "mixed",
-    "largest tension (Pa)",
-    "largest von Mises stress (Pa)",
-    "largest velocity (m/s)",
-];
+/// Columns of the table of frames before those with the largest values of fields.
+const COLUMNS: [&str; 7] = ["frame", "step", "time (s)", "cracks (m)", "by tension", "by shear", "mixed"];
 
 /// Contents of the page of a run.
 ///
@@ -51,7 +42,7 @@ const COLUMNS: [&str; 10] = [
 ///     plots: &[],
 ///     frames: &frames,
 ///     fragments: &Fragments::default(),
-///     field: Field::MaxPrincipal,
+///     field: Field::MAX_PRINCIPAL,
 ///     names: &Names::default(),
 /// };
 /// assert!(report.html()?.contains("nothing &lt;happens&gt;"));
@@ -116,7 +107,7 @@ impl Report<'_> {
             preview: preview.transpose()?,
             notes: thinning(self.frames.len(), &places) + &self.sampling(),
             count: places.len(),
-            columns: &COLUMNS,
+            columns: columns(&COLUMNS),
             rows,
             fragments: largest(self.fragments, self.names),
             meta: self.meta(&places, whole, &view),

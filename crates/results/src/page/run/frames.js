@@ -109,7 +109,7 @@ function prefixed(unit, largest) {
 }
 
 function quantity(x, unit, digits = 5) {
-  if (Number.isNaN(x)) return "not finite";
+  if (Number.isNaN(x)) return "no value";
   const [factor, name] = prefixed(unit, Math.abs(x));
   return `${brief(Number((x * factor).toPrecision(digits)))}${name ? ` ${name}` : ""}`;
 }

@@ -66,13 +66,13 @@ class Page {
   }
 
   range(field) {
-    if ($("range").value === "series") return field.range;
+    if (field.fixed || $("range").value === "series") return field.range;
     const [low, high] = this.shown.about.usual[field.scale];
     if (field.signed) {
       const most = Math.max(high, -low) || 1;
       return [-most, most];
     }
-    return field.key === "damage" ? [0, 1] : [0, high || 1];
+    return [0, high || 1];
   }
 
   crackColour(mode) {

@@ -3,9 +3,13 @@
 use fdem_io::numbers::{brief, grouped};
 use serde_json::{Value, json};
 
-use crate::page::run::{MOST_BYTES, RunPage, even, finite, largest, row, text, thinned, thinning};
+use crate::fields::field::Field;
+use crate::fields::place::Place;
+use crate::fields::quantity::Quantity;
+use crate::fields::range::Range;
+use crate::fields::table::QUANTITIES;
+use crate::page::run::{MOST_BYTES, RunPage, columns, even, finite, largest, row, text, thinned, thinning};
 use crate::picture::PictureError;
-use crate::run::field::{Field, Range};
 use crate::run::fragments::Fragments;
 use crate::run::names::Names;
 use crate::run::pictures::{extent, time_text};
@@ -29,19 +33,9 @@ const SCRIPTS: [&str; 4] = [
     include_str!("space/view.js"),
     include_str!("space/main.js"),
 ];
-const COLUMNS: [&str; 11] = [
-    "frame",
-    "step",
-    "fragments",
-    "time (s)",
-    "cracks (m²)",
-    "by tension",
-    "by shear",
-    "mixed",
-    "largest tension (Pa)",
-    "largest von Mises stress (Pa)",
-    "largest velocity (m/s)",
-];
+/// Columns of the table of frames before those with the largest values of fields.
+const COLUMNS: [&str; 8] =
+    ["frame", "step", "fragments", "time (s)", "cracks (m²)", "by tension", "by shear", "mixed"];
 
 /// Contents of the page of a run in three dimensions.
 ///
@@ -56,7 +50,7 @@ const COLUMNS: [&str; 11] = [
 ///     plots: &[],
 ///     frames: &frames,
 ///     fragments: &Fragments::default(),
-///     field: Field::MaxPrincipal,
+///     field: Field::MAX_PRINCIPAL,
 ///     names: &Names::default(),
 /// };
 /// assert!(report.html(None)?.contains("nothing &lt;happens&gt;"));
@@ -109,6 +103,8 @@ impl SpaceReport<'_> {
             });
         }
         let kept = self.kept();
+        let is_fragment = |row: &&Quantity| row.place == Place::Element && row.key == "fragment";
+        let fragment: Vec<&Quantity> = QUANTITIES.iter().filter(is_fragment).collect();
         let (mut frames, mut rows) = (String::new(), String::new());
         for (k, &place) in kept.places.iter().enumerate() {
             let frame = &self.frames[place];
@@ -127,11 +123,11 @@ impl SpaceReport<'_> {
             names: self.names,
             field: self.field,
             ranges: Field::ALL.map(|field| (field, Range::of_space(self.frames, field))),
-            numbered: &[("fragment", "fragment")],
+            numbered: &fragment,
             preview: preview.map(<[u8]>::to_vec),
             notes: thinning(self.frames.len(), &kept.places) + &self.opening(&kept),
             count: kept.places.len(),
-            columns: &COLUMNS,
+            columns: columns(&COLUMNS),
             rows,
             fragments: largest(self.fragments, self.names),
             meta: self.meta(&kept),
@@ -301,7 +297,7 @@ mod tests {
             plots: &[],
             frames,
             fragments: &Fragments::default(),
-            field: Field::Damage,
+            field: Field::DAMAGE,
             names: &names,
         };
         report.html(Some(b"png")).unwrap()

@@ -1,4 +1,4 @@
-//! The equivalent stress.
+//! Values of fields that follow from the stress.
 
 /// Returns the von Mises equivalent stress of `[xx, yy, zz, xy, yz, xz]`.
 pub(crate) fn von_mises([xx, yy, zz, xy, yz, xz]: [f64; 6]) -> f64 {

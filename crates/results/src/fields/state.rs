@@ -1,0 +1,178 @@
+//! The input of the values of fields: a snapshot of either dimension, and the forces at its instant.
+
+use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot};
+
+use crate::arrays::each;
+use crate::fields::place::Place;
+
+/// A snapshot, as the table of fields reads it. Vectors of the plane have a third component of 0. Numbers of
+/// nodes, elements, joints and contacts are below [`State::count`].
+pub(crate) trait State {
+    /// Number of nodes, elements, joints or contacts.
+    fn count(&self, place: Place) -> usize;
+
+    /// Displacement of a node, m.
+    fn displacement(&self, node: usize) -> [f64; 3];
+    /// Velocity of a node, m/s.
+    fn velocity(&self, node: usize) -> [f64; 3];
+    /// Force of all boundaries on a node, N.
+    fn reaction(&self, node: usize) -> [f64; 3];
+
+    /// Nodes of an element.
+    fn corners(&self, element: usize) -> &[u32];
+    /// Cauchy stress of an element, `[xx, yy, zz, xy, yz, xz]` in Pa, tension positive.
+    fn stress(&self, element: usize) -> &[f64; 6];
+    /// Largest and smallest principal stress of an element, Pa: of those in the plane, in two dimensions.
+    fn principal_stresses(&self, element: usize) -> [f64; 2];
+    /// Largest damage of the joints of an element.
+    fn damage(&self, element: usize) -> f64;
+    /// Body of an element.
+    fn body(&self, element: usize) -> u32;
+    /// Material of an element.
+    fn material(&self, element: usize) -> u32;
+    /// Fragment of an element.
+    fn fragment(&self, element: usize) -> u32;
+
+    /// A joint.
+    fn joint(&self, joint: usize) -> Joint;
+
+    /// Elements on both sides of a contact.
+    fn contact_elements(&self, contact: usize) -> [u32; 2];
+    /// Force of a contact on its first element, N.
+    fn contact_force(&self, contact: usize) -> [f64; 3];
+    /// Magnitudes of the normal and of the tangential part of that force, N.
+    fn contact_sizes(&self, contact: usize) -> [f64; 2];
+}
+
+/// A joint that softens or is broken: a [`Crack`] without its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    pub(crate) elements: [u32; 2],
+    pub(crate) damage: f64,
+    pub(crate) mode: Mode,
+    /// Mean opening, m.
+    pub(crate) opening: f64,
+    /// Mean sliding, m.
+    pub(crate) sliding: f64,
+    /// Time of failure, s; `None` while the joint holds.
+    pub(crate) time: Option<f64>,
+    /// Length, m, or area, m².
+    pub(crate) measure: f64,
+}
+
+/// A snapshot and the forces at its instant.
+pub(crate) struct Instant<'a, const D: usize, const N: usize> {
+    snapshot: &'a Snapshot<D, N>,
+    joints: Vec<&'a Crack<D>>,
+    contacts: &'a [ContactForce<D>],
+    /// Forces of boundaries on nodes; empty where all are 0.
+    reactions: &'a [[f64; D]],
+}
+
+impl<'a, const D: usize, const N: usize> Instant<'a, D, N> {
+    /// A snapshot without forces.
+    pub(crate) fn of(snapshot: &'a Snapshot<D, N>) -> Self {
+        Self { snapshot, joints: snapshot.cracks.iter().collect(), contacts: &[], reactions: &[] }
+    }
+
+    /// The same with the forces at its instant.
+    pub(crate) fn with_forces(self, forces: &'a Forces<D>) -> Self {
+        Self { contacts: &forces.contacts, reactions: &forces.reactions, ..self }
+    }
+
+    /// The same with the joints that are broken, or with those that hold.
+    pub(crate) fn with_joints(mut self, broken: bool) -> Self {
+        self.joints.retain(|crack| crack.time.is_some() == broken);
+        self
+    }
+
+    /// Returns its joints.
+    pub(crate) fn joints(&self) -> &[&'a Crack<D>] {
+        &self.joints
+    }
+}
+
+impl<const D: usize, const N: usize> State for Instant<'_, D, N>
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    fn count(&self, place: Place) -> usize {
+        match place {
+            Place::Node => self.snapshot.positions.len(),
+            Place::Element => self.snapshot.elements.len(),
+            Place::Joint => self.joints.len(),
+            Place::Contact => self.contacts.len(),
+        }
+    }
+
+    fn displacement(&self, node: usize) -> [f64; 3] {
+        in_space(self.snapshot.displacements[node])
+    }
+
+    fn velocity(&self, node: usize) -> [f64; 3] {
+        in_space(self.snapshot.velocities[node])
+    }
+
+    fn reaction(&self, node: usize) -> [f64; 3] {
+        self.reactions.get(node).map_or([0.0; 3], |&force| in_space(force))
+    }
+
+    fn corners(&self, element: usize) -> &[u32] {
+        &self.snapshot.elements[element]
+    }
+
+    fn stress(&self, element: usize) -> &[f64; 6] {
+        &self.snapshot.stresses[element]
+    }
+
+    fn principal_stresses(&self, element: usize) -> [f64; 2] {
+        self.snapshot.principal_stresses(element)
+    }
+
+    fn damage(&self, element: usize) -> f64 {
+        self.snapshot.damage[element]
+    }
+
+    fn body(&self, element: usize) -> u32 {
+        self.snapshot.bodies[element]
+    }
+
+    fn material(&self, element: usize) -> u32 {
+        self.snapshot.materials[element]
+    }
+
+    fn fragment(&self, element: usize) -> u32 {
+        self.snapshot.fragments[element]
+    }
+
+    fn joint(&self, joint: usize) -> Joint {
+        let &Crack { elements, damage, mode, opening, sliding, time, measure, .. } = self.joints[joint];
+        Joint { elements, damage, mode, opening, sliding, time, measure }
+    }
+
+    fn contact_elements(&self, contact: usize) -> [u32; 2] {
+        self.contacts[contact].elements
+    }
+
+    fn contact_force(&self, contact: usize) -> [f64; 3] {
+        in_space(self.contacts[contact].force())
+    }
+
+    fn contact_sizes(&self, contact: usize) -> [f64; 2] {
+        let ContactForce { normal, tangential, .. } = self.contacts[contact];
+        [size(normal), size(tangential)]
+    }
+}
+
+/// Returns a vector of the plane or of space with three components.
+pub(crate) fn in_space<const D: usize>(vector: [f64; D]) -> [f64; 3] {
+    each(|axis| vector.get(axis).copied().unwrap_or(0.0))
+}
+
+/// Returns the magnitude of a vector.
+fn size<const D: usize>(vector: [f64; D]) -> f64 {
+    match vector[..] {
+        [x, y] => x.hypot(y),
+        _ => vector.iter().map(|x| x * x).sum::<f64>().sqrt(),
+    }
+}

@@ -1,0 +1,311 @@
+//! The table of fields: every quantity of the results, in the order of files for ParaView.
+
+use fdem_simulation::Mode;
+
+use crate::fields::colours::SIGNED;
+use crate::fields::place::Place;
+use crate::fields::quantity::{Ends, Number, Quantity, Shown, Span, Value};
+use crate::fields::stress::von_mises;
+use crate::picture::colour::{HEAT, SEA};
+
+/// Names of the components of vectors in space.
+const SPACE: [&str; 3] = ["x", "y", "z"];
+
+/// Names of the two elements of a joint or a contact.
+const COUPLE: [&str; 2] = ["one", "other"];
+
+/// Entries that most rows share: one number of an element, without a unit and a sign, in files only.
+const OF_ELEMENTS: Quantity = Quantity {
+    key: "",
+    name: "",
+    about: "",
+    definition: "",
+    unit: "",
+    sign: "",
+    span: Span::NotNegative,
+    place: Place::Element,
+    components: &[],
+    dimensions: None,
+    in_files: true,
+    shown: None,
+    value: Value::Real(|_, _, _| f64::NAN),
+};
+
+/// Entries that the rows of nodes share: vectors.
+const OF_NODES: Quantity = Quantity {
+    sign: "along the axes",
+    span: Span::Any,
+    place: Place::Node,
+    components: &SPACE,
+    ..OF_ELEMENTS
+};
+
+/// Entries that the rows of joints share.
+const OF_JOINTS: Quantity = Quantity { place: Place::Joint, ..OF_ELEMENTS };
+
+/// Entries that the rows of contacts share.
+const OF_CONTACTS: Quantity = Quantity { place: Place::Contact, ..OF_ELEMENTS };
+
+/// Every quantity of the results. Names, units, colours and values of fields are here and nowhere else.
+pub const QUANTITIES: &[Quantity] = &[
+    Quantity {
+        key: "displacement",
+        name: "displacement",
+        about: "the displacement",
+        unit: "m",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, node, axis| state.displacement(node)[axis]),
+        ..OF_NODES
+    },
+    Quantity {
+        key: "velocity",
+        name: "velocity",
+        about: "the velocity, half a step before the positions",
+        unit: "m/s",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: Some("largest velocity") }),
+        value: Value::Real(|state, node, axis| state.velocity(node)[axis]),
+        ..OF_NODES
+    },
+    Quantity {
+        key: "reaction",
+        name: "reaction",
+        about: "the force of all boundaries on the node at the beginning of the last step",
+        unit: "N",
+        value: Value::Real(|state, node, axis| state.reaction(node)[axis]),
+        ..OF_NODES
+    },
+    Quantity {
+        key: "stress",
+        name: "stress",
+        about: "the Cauchy stress",
+        unit: "Pa",
+        sign: "tension positive",
+        span: Span::Any,
+        components: &["xx", "yy", "zz", "xy", "yz", "xz"],
+        value: Value::Real(|state, element, part| state.stress(element)[part]),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "principal_stress",
+        name: "principal stresses",
+        about: "the largest and the smallest principal stress, in two dimensions those in the plane",
+        unit: "Pa",
+        sign: "tension positive",
+        span: Span::Any,
+        components: &["max", "min"],
+        value: Value::Real(|state, element, part| state.principal_stresses(element)[part]),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "max_principal",
+        name: "largest principal stress",
+        about: "the largest principal stress, in two dimensions that in the plane",
+        unit: "Pa",
+        sign: "tension positive",
+        span: Span::Any,
+        // `principal_stress` has it.
+        in_files: false,
+        shown: Some(Shown::Scale { ramp: &SIGNED, ends: Ends::Symmetric, column: Some("largest tension") }),
+        value: Value::Real(|state, element, _| state.principal_stresses(element)[0]),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "min_principal",
+        name: "smallest principal stress",
+        about: "the smallest principal stress, in two dimensions that in the plane",
+        unit: "Pa",
+        sign: "tension positive",
+        span: Span::Any,
+        in_files: false,
+        shown: Some(Shown::Scale { ramp: &SIGNED, ends: Ends::Symmetric, column: None }),
+        value: Value::Real(|state, element, _| state.principal_stresses(element)[1]),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "von_mises",
+        name: "von Mises stress",
+        about: "the von Mises equivalent stress",
+        definition: "All three principal stresses count, in two dimensions that out of the plane too.",
+        unit: "Pa",
+        shown: Some(Shown::Scale {
+            ramp: &HEAT,
+            ends: Ends::FromZero,
+            column: Some("largest von Mises stress"),
+        }),
+        value: Value::Real(|state, element, _| von_mises(*state.stress(element))),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "damage",
+        name: "damage",
+        about: "the largest damage of the joints of the element",
+        span: Span::Between(0.0, 1.0),
+        shown: Some(Shown::Scale { ramp: &HEAT, ends: Ends::Fixed(0.0, 1.0), column: None }),
+        value: Value::Real(|state, element, _| state.damage(element)),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "body",
+        name: "body",
+        about: "number of the body",
+        shown: Some(Shown::Number(Number::Body)),
+        value: Value::Whole(|state, element, _| state.body(element).into()),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "material",
+        name: "material",
+        about: "number of the material",
+        shown: Some(Shown::Number(Number::Material)),
+        value: Value::Whole(|state, element, _| state.material(element).into()),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "fragment",
+        name: "fragment",
+        about: "number of the fragment: elements that hang together by facets have one number",
+        value: Value::Whole(|state, element, _| state.fragment(element).into()),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "mode",
+        name: "mode of failure",
+        about: "0 for tension, 1 for shear, 2 for a mixture of both",
+        span: Span::Between(0.0, 2.0),
+        value: Value::Short(|state, joint, _| match state.joint(joint).mode {
+            Mode::Tension => 0,
+            Mode::Shear => 1,
+            Mode::Mixed => 2,
+        }),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "broken",
+        name: "broken",
+        about: "1 if the joint is broken, 0 while it holds",
+        span: Span::Between(0.0, 1.0),
+        value: Value::Short(|state, joint, _| state.joint(joint).time.is_some().into()),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "damage",
+        name: "damage",
+        about: "from 0, whole, to 1, broken; the mean of its corners",
+        span: Span::Between(0.0, 1.0),
+        value: Value::Real(|state, joint, _| state.joint(joint).damage),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "opening",
+        name: "opening",
+        about: "the mean distance of its two sides across the joint",
+        unit: "m",
+        sign: "negative where it is closed",
+        span: Span::Any,
+        value: Value::Real(|state, joint, _| state.joint(joint).opening),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "sliding",
+        name: "sliding",
+        about: "the mean distance of its two sides along the joint",
+        unit: "m",
+        sign: "with a sign in two dimensions, the magnitude in three",
+        span: Span::Any,
+        value: Value::Real(|state, joint, _| state.joint(joint).sliding),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "time_of_failure",
+        name: "time of failure",
+        about: "the time when it broke; not a number while it holds",
+        unit: "s",
+        value: Value::Real(|state, joint, _| state.joint(joint).time.unwrap_or(f64::NAN)),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "length",
+        name: "length",
+        about: "the length of the undeformed edge",
+        unit: "m",
+        dimensions: Some(2),
+        value: Value::Real(|state, joint, _| state.joint(joint).measure),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "area",
+        name: "area",
+        about: "the area of the undeformed face",
+        unit: "m²",
+        dimensions: Some(3),
+        value: Value::Real(|state, joint, _| state.joint(joint).measure),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "elements",
+        name: "elements",
+        about: "the elements on its two sides",
+        components: &COUPLE,
+        value: Value::Whole(|state, joint, side| state.joint(joint).elements[side].into()),
+        ..OF_JOINTS
+    },
+    Quantity {
+        key: "force",
+        name: "contact force",
+        about: "the force on the first element; the second has the opposite",
+        unit: "N",
+        sign: "along the axes",
+        span: Span::Any,
+        components: &SPACE,
+        value: Value::Real(|state, contact, axis| state.contact_force(contact)[axis]),
+        ..OF_CONTACTS
+    },
+    Quantity {
+        key: "normal_force",
+        name: "normal force",
+        about: "the magnitude of the normal part of the force",
+        unit: "N",
+        value: Value::Real(|state, contact, _| state.contact_sizes(contact)[0]),
+        ..OF_CONTACTS
+    },
+    Quantity {
+        key: "tangential_force",
+        name: "tangential force",
+        about: "the magnitude of the tangential part of the force: friction",
+        unit: "N",
+        value: Value::Real(|state, contact, _| state.contact_sizes(contact)[1]),
+        ..OF_CONTACTS
+    },
+    Quantity {
+        key: "elements",
+        name: "elements",
+        about: "the two elements, the lower number first",
+        components: &COUPLE,
+        value: Value::Whole(|state, contact, side| state.contact_elements(contact)[side].into()),
+        ..OF_CONTACTS
+    },
+    Quantity {
+        key: "bodies",
+        name: "bodies",
+        about: "the bodies of the two elements",
+        components: &COUPLE,
+        value: Value::Whole(|state, contact, side| {
+            state.body(state.contact_elements(contact)[side] as usize).into()
+        }),
+        ..OF_CONTACTS
+    },
+    Quantity {
+        key: "fragments",
+        name: "fragments",
+        about: "the fragments of the two elements",
+        components: &COUPLE,
+        value: Value::Whole(|state, contact, side| {
+            state.fragment(state.contact_elements(contact)[side] as usize).into()
+        }),
+        ..OF_CONTACTS
+    },
+];
+
+/// Keys of the fields by which elements are coloured, in the order of menus and lists.
+pub(crate) const SHOWN: [&str; 8] =
+    ["max_principal", "min_principal", "von_mises", "velocity", "displacement", "damage", "body", "material"];

@@ -1,0 +1,100 @@
+//! Tests of the table of fields.
+
+use std::collections::BTreeSet;
+
+use fdem_simulation::{Forces, Snapshot};
+
+use crate::fields::state::Instant;
+use crate::fields::table::SHOWN;
+use crate::fields::{Field, Place, QUANTITIES, QuantityValues, Span};
+
+/// A snapshot of a triangle, with this stress.
+pub(super) fn triangle(stress: [f64; 6]) -> Snapshot {
+    Snapshot {
+        positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+        displacements: vec![[0.0; 2]; 3],
+        velocities: vec![[3.0, 0.0], [0.0, 6.0], [0.0, 6.0]],
+        elements: vec![[0, 1, 2]],
+        stresses: vec![stress],
+        damage: vec![0.25],
+        bodies: vec![0],
+        materials: vec![0],
+        fragments: vec![0],
+        ..Snapshot::default()
+    }
+}
+
+#[test]
+fn every_row_says_all_that_its_readers_need() {
+    let mut keys = BTreeSet::new();
+    for row in QUANTITIES {
+        assert!(!row.name.is_empty() && !row.about.is_empty(), "{}", row.key);
+        assert!(!row.about.ends_with('.') && row.definition.is_empty() | row.definition.ends_with('.'));
+        // A reader must know what the sign of a number means.
+        assert_eq!(
+            row.sign.is_empty(),
+            matches!(row.span, Span::NotNegative | Span::Between(..)),
+            "{}",
+            row.key
+        );
+        let plain = |c: char| c.is_ascii_lowercase() || c == '_';
+        assert!(!row.key.is_empty() && row.key.chars().all(plain), "{:?}", row.key);
+        for dimensions in (2..=3).filter(|&dimensions| row.exists_in(dimensions)) {
+            assert!(keys.insert((row.place.word(), row.key, dimensions)), "{} occurs twice", row.key);
+        }
+    }
+}
+
+#[test]
+fn the_fields_that_are_drawn_are_in_menus_and_those_in_menus_are_drawn() {
+    let drawn: BTreeSet<&str> = QUANTITIES.iter().filter(|row| row.is_drawn()).map(|row| row.key).collect();
+    assert_eq!(BTreeSet::from(SHOWN), drawn);
+    assert_eq!(Field::ALL.map(Field::key), SHOWN);
+    // A drawn field is one number of an element, or a vector of nodes.
+    for row in QUANTITIES.iter().filter(|row| row.is_drawn()) {
+        let vector = row.place == Place::Node;
+        assert!(
+            (vector || row.place == Place::Element) && row.components.is_empty() != vector,
+            "{}",
+            row.key
+        );
+    }
+}
+
+#[test]
+fn model_files_call_fields_by_their_keys() {
+    for field in Field::ALL {
+        assert_eq!(serde_json::json!(field), field.key());
+        assert_eq!(serde_json::from_value::<Field>(serde_json::json!(field)).unwrap(), field);
+    }
+    let error = serde_json::from_str::<Field>("\"heat\"").unwrap_err().to_string();
+    assert!(
+        error.starts_with("unknown variant `heat`, expected one of `max_principal`, `min_principal`"),
+        "{error}"
+    );
+    assert_eq!(Field::named("heat"), None);
+}
+
+#[test]
+fn a_vector_of_nodes_is_drawn_by_the_magnitude_of_its_mean() {
+    let snapshot = triangle([0.0; 6]);
+    let state = Instant::of(&snapshot);
+    assert_eq!(Field::VELOCITY.values(&state), [17.0_f64.sqrt()]);
+    assert_eq!(Field::DAMAGE.values(&state), [0.25]);
+}
+
+#[test]
+fn values_of_a_program_are_those_of_the_snapshot() {
+    let snapshot = triangle([5e6, -3e6, 1e6, 0.0, 0.0, 0.0]);
+    let row =
+        |place: Place, key: &str| QUANTITIES.iter().find(|row| row.place == place && row.key == key).unwrap();
+    let values = |place, key| row(place, key).values_of(&snapshot, &Forces::default()).unwrap();
+    assert_eq!(values(Place::Element, "principal_stress"), QuantityValues::Real(vec![5e6, -3e6]));
+    assert_eq!(values(Place::Element, "material"), QuantityValues::Whole(vec![0]));
+    assert_eq!(values(Place::Node, "reaction"), QuantityValues::Real(vec![0.0; 9]));
+    assert_eq!(values(Place::Joint, "mode"), QuantityValues::Whole(Vec::new()));
+    let mut short = snapshot.clone();
+    short.damage.clear();
+    let error = row(Place::Element, "damage").values_of(&short, &Forces::default()).unwrap_err();
+    assert_eq!(error.to_string(), "the snapshot has 0 values of damage, where 1 are needed");
+}
