@@ -67,6 +67,7 @@
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
+//! | how near a stress is to its strength | `src/exposure.rs` |
 //! | probes: means of stress, strain and velocity, gauges, forces between bodies | `src/probe.rs` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/peers.rs` and `src/ranks/links.rs`, `src/ranks/spread.rs` |
@@ -135,6 +136,7 @@ mod critical;
 mod mass;
 mod energy;
 mod forces;
+mod exposure;
 mod snapshot;
 mod probe;
 mod peers;

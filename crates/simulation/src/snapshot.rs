@@ -1,5 +1,7 @@
 //! The state of a run at one instant, as results show it.
 
+use crate::exposure::exposure;
+use crate::model::Strength;
 use crate::simplex::Simplex;
 
 /// Positions, motion, stress and cracks at one instant. SI units.
@@ -32,6 +34,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub fragments: Vec<u32>,
     /// Joints that are softening or broken, in the order of their elements.
     pub cracks: Vec<Crack<D>>,
+    /// Strength of each material; `None` for a material that does not break.
+    pub strengths: Vec<Option<Strength>>,
 }
 
 impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
@@ -50,6 +54,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             materials: Vec::new(),
             fragments: Vec::new(),
             cracks: Vec::new(),
+            strengths: Vec::new(),
         }
     }
 }
@@ -64,6 +69,17 @@ where
     /// If there is no such element.
     pub fn principal_stresses(&self, element: usize) -> [f64; 2] {
         principal_stresses::<D, N>(&<[[f64; D]; N]>::of_tensor(&self.stresses[element]))
+    }
+
+    /// Exposure of an element: the reciprocal of the factor by which its stress can grow until it reaches the strength of
+    /// its material. It is 1 where the stress reaches the strength; `None` if the material has none. The strength is the
+    /// mean one, without its scatter. See `src/exposure.rs` for the definition.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn exposure(&self, element: usize) -> Option<f64> {
+        let strength = self.strengths.get(self.materials[element] as usize)?.as_ref()?;
+        Some(exposure::<D, N>(strength, &<[[f64; D]; N]>::of_tensor(&self.stresses[element])))
     }
 }
 

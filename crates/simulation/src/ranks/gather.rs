@@ -258,6 +258,7 @@ where
             materials: self.materials.clone(),
             fragments: self.fragments.clone(),
             cracks,
+            strengths: self.model.materials.iter().map(|material| material.strength).collect(),
         }
     }
 

@@ -35,6 +35,7 @@ where
             materials: self.model.mesh.materials.clone(),
             fragments: self.fragments(),
             cracks,
+            strengths: self.model.materials.iter().map(|material| material.strength).collect(),
         }
     }
 
