@@ -153,6 +153,7 @@ def test_a_click_reads_the_element_as_it_was_simulated(browser, disc):
                 ("largest principal stress", middle + radius, stress),
                 ("smallest principal stress", middle - radius, stress),
                 ("von Mises stress", mises, 2 * stress),
+                ("largest shear stress", radius, stress),
                 ("velocity", math.hypot(mean("velocities", 0), mean("velocities", 1)), 10),
                 ("displacement", math.hypot(mean("displacements", 0), mean("displacements", 1)), 0.01),
                 ("damage", last["damage"][element], 1),

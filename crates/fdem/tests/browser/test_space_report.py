@@ -151,6 +151,7 @@ def test_a_click_reads_the_element_that_is_seen_there(browser, plate):  # noqa: 
             ("largest principal stress", last.principal[element][0], stress),
             ("smallest principal stress", last.principal[element][1], stress),
             ("von Mises stress", mises, 2 * stress),
+            ("largest shear stress", (last.principal[element][0] - last.principal[element][1]) / 2, stress),
             ("velocity", math.hypot(*last.mean(element, "velocities")), 60),
             ("displacement", math.hypot(*last.mean(element, "displacements")), 0.01),
             ("damage", last.damage[element], 1),

@@ -24,6 +24,9 @@ pub(crate) trait State {
     fn stress(&self, element: usize) -> &[f64; 6];
     /// Largest and smallest principal stress of an element, Pa: of those in the plane, in two dimensions.
     fn principal_stresses(&self, element: usize) -> [f64; 2];
+    /// Exposure of an element: 1 where its stress reaches the strength of its material; `None` if that has
+    /// none.
+    fn exposure(&self, element: usize) -> Option<f64>;
     /// Largest damage of the joints of an element.
     fn damage(&self, element: usize) -> f64;
     /// Body of an element.
@@ -127,6 +130,10 @@ where
 
     fn principal_stresses(&self, element: usize) -> [f64; 2] {
         self.snapshot.principal_stresses(element)
+    }
+
+    fn exposure(&self, element: usize) -> Option<f64> {
+        self.snapshot.exposure(element)
     }
 
     fn damage(&self, element: usize) -> f64 {

@@ -6,13 +6,23 @@ use crate::fields::colours::SIGNED;
 use crate::fields::place::Place;
 use crate::fields::quantity::{Ends, Number, Quantity, Shown, Span, Value};
 use crate::fields::stress::von_mises;
-use crate::picture::colour::{HEAT, SEA};
+use crate::picture::colour::{HEAT, Rgb, SEA};
 
 /// Names of the components of vectors in space.
 const SPACE: [&str; 3] = ["x", "y", "z"];
 
 /// Names of the two elements of a joint or a contact.
 const COUPLE: [&str; 2] = ["one", "other"];
+
+/// Colours of a distance: dark where it is small.
+const DISTANCE: [Rgb; 17] = {
+    let (mut colours, mut k) = (HEAT, 0);
+    while k < colours.len() {
+        colours[k] = HEAT[colours.len() - 1 - k];
+        k += 1;
+    }
+    colours
+};
 
 /// Entries that most rows share: one number of an element, without a unit and a sign, in files only.
 const OF_ELEMENTS: Quantity = Quantity {
@@ -133,6 +143,42 @@ pub const QUANTITIES: &[Quantity] = &[
             column: Some("largest von Mises stress"),
         }),
         value: Value::Real(|state, element, _| von_mises(*state.stress(element))),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "max_shear",
+        name: "largest shear stress",
+        about: "half of the difference between the largest and the smallest principal stress, in two \
+                dimensions those in the plane",
+        definition: "(σ₁ - σ₃)/2, the radius of Mohr's largest circle. In two dimensions σ₁ and σ₃ are \
+                     `max_principal` and `min_principal`, also in plane strain: the stress out of the plane \
+                     does not count, because all cracks are across the plane.",
+        unit: "Pa",
+        shown: Some(Shown::Scale { ramp: &HEAT, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, element, _| {
+            let [most, least] = state.principal_stresses(element);
+            0.5 * (most - least)
+        }),
+        ..OF_ELEMENTS
+    },
+    Quantity {
+        key: "distance_to_failure",
+        name: "distance to failure",
+        about: "1 without stress, 0 where the stress reaches the strength of the material; not a number \
+                without a strength",
+        definition: "1 - 1/F, where F is the factor by which all components of the stress can grow until \
+                     they reach the envelope of Mohr and Coulomb with a tension cut-off: \
+                     1/F = max(0, σ₁/f, (r √(1 + tan²φ) + m tan φ)/c) with the tensile strength f, the \
+                     cohesion c, the friction angle φ, and m and r, the middle and the radius of Mohr's \
+                     largest circle. 1/F is the largest share of the strength that a plane uses, the stress \
+                     exposure of its action plane (Puck and Schürmann, Compos. Sci. Technol. 62 (2002) \
+                     1633-1662). In two dimensions σ₁, m and r are those in the plane. The strength is \
+                     that of the material, without the scatter of `weibull_modulus`, and not that of an interface or \
+                     of a joint set.",
+        sign: "negative beyond the strength",
+        span: Span::Any,
+        shown: Some(Shown::Scale { ramp: &DISTANCE, ends: Ends::Fixed(0.0, 1.0), column: None }),
+        value: Value::Real(|state, element, _| state.exposure(element).map_or(f64::NAN, |used| 1.0 - used)),
         ..OF_ELEMENTS
     },
     Quantity {
@@ -307,5 +353,15 @@ pub const QUANTITIES: &[Quantity] = &[
 ];
 
 /// Keys of the fields by which elements are coloured, in the order of menus and lists.
-pub(crate) const SHOWN: [&str; 8] =
-    ["max_principal", "min_principal", "von_mises", "velocity", "displacement", "damage", "body", "material"];
+pub(crate) const SHOWN: [&str; 10] = [
+    "max_principal",
+    "min_principal",
+    "von_mises",
+    "max_shear",
+    "distance_to_failure",
+    "velocity",
+    "displacement",
+    "damage",
+    "body",
+    "material",
+];

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use fdem_simulation::{Forces, Snapshot};
+use fdem_simulation::{Element, Forces, Snapshot, Strength};
 
+use crate::fields::colours::NO_VALUE;
 use crate::fields::state::Instant;
 use crate::fields::table::SHOWN;
-use crate::fields::{Field, Place, QUANTITIES, QuantityValues, Span};
+use crate::fields::{Field, Place, QUANTITIES, QuantityValues, Range, Span};
+use crate::run::frame::Frame;
 
 /// A snapshot of a triangle, with this stress.
 pub(super) fn triangle(stress: [f64; 6]) -> Snapshot {
@@ -97,4 +99,93 @@ fn values_of_a_program_are_those_of_the_snapshot() {
     short.damage.clear();
     let error = row(Place::Element, "damage").values_of(&short, &Forces::default()).unwrap_err();
     assert_eq!(error.to_string(), "the snapshot has 0 values of damage, where 1 are needed");
+}
+
+/// Tensile strength 4e6 Pa, cohesion 10e6 Pa, and a friction angle with the tangent 3/4: √(1 + tan²φ) is 5/4,
+/// and the strength in compression is 40e6 Pa.
+const ROCK: Strength = Strength {
+    tensile: 4e6,
+    cohesion: 10e6,
+    friction: 0.75,
+    energy_i: 1.0,
+    energy_ii: 1.0,
+    weibull_modulus: None,
+    seed: 0,
+};
+
+/// Largest shear stress and distance to failure of the first element.
+fn found<const D: usize, const N: usize>(snapshot: &Snapshot<D, N>) -> [f64; 2]
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let state = Instant::of(snapshot);
+    ["max_shear", "distance_to_failure"].map(|key| Field::named(key).unwrap().values(&state)[0])
+}
+
+#[test]
+fn shear_and_distance_to_failure_of_the_plane_are_those_in_the_plane() {
+    for (stress, expected) in [
+        // Nothing, and uniaxial compression at half of the strength.
+        ([0.0; 6], [0.0, 1.0]),
+        ([0.0, -20e6, 0.0, 0.0, 0.0, 0.0], [10e6, 0.5]),
+        // Tension beyond the cut-off.
+        ([6e6, 0.0, 0.0, 0.0, 0.0, 0.0], [3e6, -0.5]),
+        // Pure shear: σ₁ is 2 MPa, half of the tensile strength.
+        ([0.0, 0.0, 0.0, 2e6, 0.0, 0.0], [2e6, 0.5]),
+        // Plane strain: the stress out of the plane is the largest of all, and does not count.
+        ([-6e6, -34e6, 30e6, 0.0, 0.0, 0.0], [14e6, 0.75]),
+        // Equal pressure never fails.
+        ([-50e6, -50e6, -20e6, 0.0, 0.0, 0.0], [0.0, 1.0]),
+    ] {
+        let snapshot = Snapshot { strengths: vec![Some(ROCK)], ..triangle(stress) };
+        assert_eq!(found(&snapshot), expected, "{stress:?}");
+    }
+}
+
+#[test]
+fn shear_and_distance_to_failure_in_space_are_those_of_the_largest_circle() {
+    for (stress, expected) in [
+        ([0.0, -8e6, -20e6, 0.0, 0.0, 0.0], [10e6, 0.5]),
+        ([-6e6, -34e6, -20e6, 0.0, 0.0, 0.0], [14e6, 0.75]),
+        ([0.0, 0.0, 0.0, 0.0, 2e6, 0.0], [2e6, 0.5]),
+    ] {
+        let snapshot = Snapshot::<3, 4> {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            displacements: vec![[0.0; 3]; 4],
+            velocities: vec![[0.0; 3]; 4],
+            elements: vec![[0, 1, 2, 3]],
+            stresses: vec![stress],
+            damage: vec![0.0],
+            bodies: vec![0],
+            materials: vec![0],
+            fragments: vec![0],
+            strengths: vec![Some(ROCK)],
+            ..Snapshot::default()
+        };
+        for (found, expected) in found(&snapshot).into_iter().zip(expected) {
+            assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{stress:?}: {found}");
+        }
+    }
+}
+
+#[test]
+fn without_a_strength_there_is_no_distance_to_failure() {
+    let field = Field::named("distance_to_failure").unwrap();
+    let stress = [0.0, -20e6, 0.0, 0.0, 0.0, 0.0];
+    for strengths in [vec![None], Vec::new()] {
+        let [shear, distance] = found(&Snapshot { strengths, ..triangle(stress) });
+        assert!(shear == 10e6 && distance.is_nan());
+    }
+    // A frame keeps both, and the colours are the same in all runs.
+    let with = Snapshot { strengths: vec![Some(ROCK)], ..triangle(stress) };
+    let frames = [with, triangle(stress)].map(|snapshot| Frame::new(&snapshot).unwrap());
+    let range = Range::of(&frames, field);
+    assert_eq!(range, Range { low: 0.0, high: 1.0 });
+    let values = frames.map(|frame| frame.open().unwrap().values[field.scale().unwrap()][0]);
+    assert_eq!(values[0], 0.5);
+    assert_eq!(field.colour(values[1], range), NO_VALUE);
+    // The nearer to failure, the darker.
+    let light =
+        |value: f64| field.colour(value, range).iter().map(|&channel| u32::from(channel)).sum::<u32>();
+    assert!(light(-2.0) == light(0.0) && light(0.0) < light(0.5) && light(0.5) < light(1.0));
 }
