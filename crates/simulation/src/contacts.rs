@@ -23,6 +23,7 @@ use crate::contacts::grips::{Histories, Works};
 use crate::contacts::law::{ContactLaw, laws};
 pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
+use crate::faces::Faces;
 use crate::forces::ContactForce;
 use crate::joints::{JointState, Joints};
 use crate::model::Model;
@@ -161,6 +162,7 @@ where
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
+        faces: &Faces<D>,
         edge: f64,
         team: &Team,
     ) -> Result<Self, ModelError> {
@@ -174,7 +176,7 @@ where
             options: laws(model),
             joint_facets: model.joint_facets.clone(),
             materials,
-            free: topology.outer_vertices(),
+            free: faces.vertices(topology),
             groups: vec![0; topology.vertices.len()],
             bare: vec![false; model.mesh.elements.len()],
             watched: vec![false; model.mesh.elements.len()],

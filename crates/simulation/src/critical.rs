@@ -13,9 +13,9 @@
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
 
+use crate::actions::ground::Ground;
 use crate::contacts;
 use crate::error::ModelError;
-use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
 use crate::share::Share;

@@ -1,6 +1,10 @@
 //! The energy balance of a run.
 
+use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
+
+use crate::model::STORED;
+use crate::sum::Sum;
 
 /// Energies and works, J. Their balance shows whether a run can be trusted.
 ///
@@ -25,6 +29,91 @@ pub struct Energies {
     pub initial: f64,
     /// Largest energy exchanged so far: see [`Energies::scale`].
     pub exchanged: f64,
+    /// Energy that each of [`STORED`] has; `None` in a run without such an action.
+    pub stored: [Option<f64>; STORED.len()],
+}
+
+wire!([] Energies { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged, stored });
+
+/// An entry of a [`Ledger`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Account {
+    Kinetic,
+    Strain,
+    Contact,
+    Friction,
+    Cohesive,
+    Damping,
+    External,
+    /// The work of applied forces, which [`Account::External`] contains.
+    Loads,
+    /// The work of gravity, which it contains too.
+    Gravity,
+}
+
+/// Number of accounts.
+const ACCOUNTS: usize = Account::Gravity as usize + 1;
+
+/// Sums of energies and works at one instant, to which elements, joints, contacts and actions add theirs, J.
+#[derive(Clone, Debug)]
+pub(crate) struct Ledger {
+    sums: [Sum; ACCOUNTS],
+    /// Sums of the terms in [`STORED`].
+    stored: [Option<Sum>; STORED.len()],
+}
+
+impl Default for Ledger {
+    fn default() -> Self {
+        Self { sums: std::array::from_fn(|_| Sum::default()), stored: std::array::from_fn(|_| None) }
+    }
+}
+
+impl Ledger {
+    /// Adds to an account.
+    pub(crate) fn add(&mut self, account: Account, more: &Sum) {
+        self.sums[account as usize].add_sum(more);
+    }
+
+    /// All sums. Every rank has the same ones, in one order.
+    pub(crate) fn sums_mut(&mut self) -> impl Iterator<Item = &mut Sum> {
+        self.sums.iter_mut().chain(self.stored.iter_mut().flatten())
+    }
+
+    /// The value of an account, J.
+    pub(crate) fn value(&self, account: Account) -> f64 {
+        self.sums[account as usize].value()
+    }
+
+    /// The sum of all energies that are present or dissipated, J.
+    pub(crate) fn used(&self) -> Sum {
+        let mut all = Sum::default();
+        let used = &self.sums[..Account::External as usize];
+        used.iter().chain(self.stored.iter().flatten()).for_each(|sum| all.add_sum(sum));
+        all
+    }
+
+    /// The energies, without those of the beginning and what has been exchanged.
+    pub(crate) fn energies(&self) -> Energies {
+        let value = |account: Account| self.value(account);
+        Energies {
+            kinetic: value(Account::Kinetic),
+            strain: value(Account::Strain),
+            contact: value(Account::Contact),
+            friction: value(Account::Friction),
+            cohesive: value(Account::Cohesive),
+            damping: value(Account::Damping),
+            external: value(Account::External),
+            stored: std::array::from_fn(|k| self.stored[k].as_ref().map(Sum::value)),
+            ..Energies::default()
+        }
+    }
+
+    /// Sum of the magnitudes of the external works that may cancel, J: of loads, of gravity, and of boundaries that move or hold nodes.
+    pub(crate) fn done(&self) -> f64 {
+        let [external, loads, gravity] =
+            [Account::External, Account::Loads, Account::Gravity].map(|account| self.value(account));
+        loads.abs() + gravity.abs() + (external - loads - gravity).abs()
+    }
 }
 
 /// What a term of the energy balance is.
@@ -55,21 +144,8 @@ pub struct Term {
 const ROUNDING: f64 = 1e-9;
 
 impl Energies {
-    /// All of them, in the order of their fields.
-    pub(crate) fn numbers(&self) -> [f64; 9] {
-        let Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged } =
-            *self;
-        [kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged]
-    }
-
-    /// The energies of these [`numbers`](Self::numbers).
-    pub(crate) fn of_numbers(numbers: [f64; 9]) -> Self {
-        let [kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged] = numbers;
-        Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged }
-    }
-
-    /// All terms of the balance. Tables, files and plots list them in this order.
-    pub fn terms(&self) -> [Term; 8] {
+    /// The terms that the balance of every run has.
+    fn common(&self) -> [Term; 8] {
         use TermKind::{Initial, Supplied, Used};
         let term = |key, name, kind, value| Term { key, name, kind, value };
         [
@@ -84,9 +160,17 @@ impl Energies {
         ]
     }
 
-    /// The terms that change with time: all but the initial energy.
+    /// All terms of the balance: those that every run has, then the energies that actions store. Tables and files list them in this order.
+    pub fn terms(&self) -> Vec<Term> {
+        let stored = STORED.iter().zip(self.stored).filter_map(|(&(key, name), value)| {
+            Some(Term { key, name, kind: TermKind::Used, value: value? })
+        });
+        self.common().into_iter().chain(stored).collect()
+    }
+
+    /// The terms that every run has and that change with time: all of them but the initial energy.
     pub fn changing(&self) -> impl Iterator<Item = Term> {
-        self.terms().into_iter().filter(|term| term.kind != TermKind::Initial)
+        self.common().into_iter().filter(|term| term.kind != TermKind::Initial)
     }
 
     /// Error of the energy balance, J: present and dissipated energy, less initial energy and external work. The error of the time integration makes it differ
@@ -127,6 +211,9 @@ impl Energies {
             + (self.friction - first.friction).abs()
             + (self.cohesive - first.cohesive).abs()
             + self.damping.abs()
+            + self.stored.iter().zip(&first.stored).fold(0.0, |sum, (now, first)| {
+                sum + (now.unwrap_or_default() - first.unwrap_or_default()).abs()
+            })
     }
 }
 

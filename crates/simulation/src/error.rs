@@ -135,8 +135,6 @@ pub enum ModelError {
         /// Name of the boundary.
         boundary: String,
     },
-    /// A run whose caller has set forces or velocities cannot be divided among ranks.
-    Actions,
     /// There are more corners of elements than can be numbered.
     TooLarge {
         /// Number of elements.
@@ -225,9 +223,6 @@ impl fmt::Display for ModelError {
             Self::NoFactor { boundary } => {
                 write!(out, "boundary '{boundary}' absorbs waves: it has no factor")
             }
-            Self::Actions => out.write_str(
-                "forces or velocities have been set in this run: it cannot be divided among ranks",
-            ),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{JointLaw, JointPlane, TooLittle};
 use crate::error::ModelError;
+use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
 use crate::joint_sets::common_set;
 use crate::joints::joint::JointAxes;
@@ -145,6 +146,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     forces: Vec<[Point<D>; D]>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
+    /// Outer facets, and facets of broken joints.
+    pub(crate) faces: Faces<D>,
     /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
     at_corner: Vec<[u32; D]>,
     /// The joint of each facet, or [`NONE`].
@@ -247,6 +250,7 @@ impl<const D: usize> Joints<D> {
             links: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
+            faces: Faces::new(topology),
             at_corner: if strengths.is_empty() {
                 Vec::new()
             } else {
@@ -276,7 +280,7 @@ impl<const D: usize> Joints<D> {
             joints.weakest =
                 batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
             joints.near = vec![StressLevel::Far; mesh.elements.len()];
-            let outer = topology.outer_vertices();
+            let outer = joints.faces.vertices(topology);
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
             joints.find_tips(&outer, topology, share);
         }
@@ -292,6 +296,7 @@ impl<const D: usize> Joints<D> {
             + size_of_val(&**links)
             + size_of_val(&**forces)
             + size_of_val(&**breaks)
+            + self.faces.bytes()
             + size_of_val(&**at_corner)
             + size_of_val(&**of_facet)
             + size_of_val(&**class)
@@ -411,6 +416,20 @@ impl<const D: usize> Joints<D> {
         self.breaks.iter().map(|broken| (broken.joint, &self.all[broken.joint as usize], broken))
     }
 
+    /// Broken joints, and those of open sets, with the names that are the same on all ranks. A joint at the end of an open set never breaks, because its sides have one node there.
+    pub(crate) fn broken_sides<const N: usize>(
+        &self,
+        topology: &Topology<D, N>,
+    ) -> impl Iterator<Item = BrokenSides<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let is_open = |facet: &u32| self.set(*facet).is_some_and(|set| self.open_sets[set as usize]);
+        let open = self.all.iter().map(|joint| joint.facet).filter(is_open);
+        let all = self.faces.broken.iter().copied().chain(open);
+        all.map(|facet| BrokenSides::of(&topology.facets[facet as usize], topology))
+    }
+
     /// When and how a joint broke, if it did.
     pub(crate) fn break_of(&self, joint: u32) -> Option<(f64, [f64; 2])> {
         let place = self.breaks.binary_search_by_key(&joint, |broken| broken.joint).ok()?;
@@ -497,6 +516,7 @@ impl<const D: usize> Joints<D> {
         }
         self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
+        self.faces.broken = self.breaks().map(|(_, joint, _)| joint.facet).collect();
         Ok(())
     }
 
@@ -560,6 +580,8 @@ impl<const D: usize> Joints<D> {
         }
         let broken = breaks.iter().map(|broken: &Break| broken.joint).collect();
         if !breaks.is_empty() {
+            let facet = |broken: &Break| self.all[broken.joint as usize].facet;
+            self.faces.broken.extend(breaks.iter().map(facet));
             self.breaks.extend(breaks);
             self.breaks.sort_unstable_by_key(|broken| broken.joint);
         }

@@ -4,7 +4,7 @@
 //! day in this crate. One step reads from top to bottom in `simulation.rs`; each part is a file:
 //!
 //! ```text
-//! solid (laws) ─> joints (cohesive) ─> contacts (detection, simplex) ─> seams ─> loads (ground) ─> motion ─> energy
+//! solid (laws) ─> joints (cohesive) ─> contacts (detection, simplex) ─> actions (seams, loads, ground, ...) ─> motion ─> energy
 //! ```
 //!
 //! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
@@ -44,9 +44,12 @@
 //! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). What it must know of the rest is in three places: `Share` says what it owns and counts, `Topology`
 //! what the elements are called in the whole model, and `Part` what it needs to give elements away.
 //!
-//! What is not here has no use yet. Contact, joints and loads each ask `Topology` for the outer facets or vertices that they need, once; nothing reads all faces of all cracks in each
-//! step, so no such list is kept. All couples are couples of elements, and all that acts from outside are loads: a trait for other shapes, or for other actions, comes with
-//! the second of its kind.
+//! All forces besides those of elements, joints and contacts are actions: each kind is a file in `src/actions` that implements the trait `Action` (`src/action.rs`), and `src/actions.rs` lists them. An action sees the state, adds
+//! forces, and names its energies. It gives what it remembers as records that belong to elements, so that checkpoints, stages and ranks need not know it.
+//!
+//! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact, tips of cracks, and seams read it.
+//!
+//! What is not here has no use yet. All couples are couples of elements: a trait for other shapes comes with the second of its kind.
 //!
 //! # To change X, open Y
 //!
@@ -58,14 +61,16 @@
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
-//! | loads, schedules, absorbing edges | `src/loads.rs` |
+//! | an action: what adds forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions` |
+//! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
+//! | outer facets and faces of cracks | `src/faces.rs` |
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
-//! | what a caller sets between steps | `src/simulation/actions.rs` |
+//! | what a caller sets between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
 //! | mass that is added for a longer time step | `src/mass.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
-//! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
+//! | initial stress in contacts and at absorbing edges | `src/actions/seams.rs`, `src/actions/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | how near a stress is to its strength | `src/exposure.rs` |
 //! | probes: means of stress, strain and velocity, gauges, forces between bodies | `src/probe.rs` |
@@ -125,16 +130,16 @@ mod laws;
 mod solid;
 mod cohesive;
 mod joint_sets;
+mod faces;
 mod joints;
 mod contacts;
-mod seams;
 mod outer_side;
-mod ground;
-mod loads;
+mod energy;
+mod action;
+mod actions;
 mod motion;
 mod critical;
 mod mass;
-mod energy;
 mod forces;
 mod exposure;
 mod snapshot;
@@ -144,6 +149,7 @@ mod simulation;
 mod ranks;
 mod error;
 
+pub use actions::seams::InitialContacts;
 pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
@@ -154,14 +160,13 @@ pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,
-    Material, Model, Plane, Schedule, Strength, Target, TimeOptions,
+    Material, Model, Plane, STORED, Schedule, Strength, Target, TimeOptions,
 };
 pub use probe::{MaterialPoint, Probe};
 pub use ranks::distributed::{Distributed, Traffic};
 pub use ranks::forecast::{Forecast, Network, RankForecast, Sizes};
 pub use ranks::gather::Gathered;
 pub use ranks::leader::{Leader, dismiss, follow};
-pub use seams::InitialContacts;
 pub use simulation::advance::Element;
 pub use simulation::changed::Change;
 pub use simulation::run::{Counts, Simulation};

@@ -273,6 +273,9 @@ pub enum Load<const D: usize = 2> {
     Held,
 }
 
+/// Key and name of each term of the energy balance in which loads store energy of their own. A run that has no such load has no such term.
+pub const STORED: [(&str, &str); 0] = [];
+
 /// The factor of a [`Load`] in time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Schedule {

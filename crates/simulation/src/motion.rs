@@ -3,9 +3,9 @@
 //! Velocities stand half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the kinetic energy at the positions between them: with it, the sum of
 //! kinetic and strain energy of a linear system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
 
+use crate::actions::prescribed::Hold;
 use crate::joints::Joints;
-use crate::loads::Loads;
-use crate::model::Model;
+use crate::model::{Model, Schedule};
 use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
@@ -17,7 +17,9 @@ use crate::vector::{Point, add, dot, minus, plus};
 pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
     pub(crate) joints: &'a Joints<D>,
-    pub(crate) loads: &'a Loads<D, N>,
+    /// Prescribed motions, and the factor of each boundary in time.
+    pub(crate) holds: &'a [[Option<Hold>; D]],
+    pub(crate) schedules: &'a [Schedule],
     /// Acceleration of gravity at the beginning of the step, m/s².
     pub(crate) gravity: Point<D>,
     pub(crate) time: f64,
@@ -249,7 +251,7 @@ fn take<const D: usize, const N: usize>(
     sum: &mut MotionSums<Pile, D>,
 ) {
     for axis in 0..D {
-        if constants.hold != NONE && motion.loads.holds[constants.hold as usize][axis].is_some() {
+        if constants.hold != NONE && motion.holds[constants.hold as usize][axis].is_some() {
             continue;
         }
         if motion.taken == RelaxationSums::After {
@@ -313,12 +315,12 @@ fn hold_node<const D: usize, const N: usize>(
     let mut damped = damping(motion, mass, force, before);
     let mut after = accelerated(before, step / mass, minus(force, damped));
     let mut reactions = [0.0; D];
-    let held = motion.loads.holds[constants.hold as usize];
+    let held = motion.holds[constants.hold as usize];
     for axis in 0..D {
         let Some(hold) = held[axis] else { continue };
         let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
         let moved = node.position[axis] - start;
-        after[axis] = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
+        after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
         damped[axis] = 0.0;
         reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
     }

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use crate::contacts::Contacts;
 use crate::error::Stop;
+use crate::faces::BrokenSides;
 use crate::joints::{Joints, VertexSplit};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -67,6 +68,9 @@ where
     /// Reports elements that became bare in this step and may touch elements of other ranks that do not know
     /// them. `bared`: elements that became bare.
     fn note_bared(&mut self, bared: &[u32]);
+
+    /// The joints that broke in this step on any rank. `own`: those of this rank.
+    fn all_broken(&self, own: Vec<BrokenSides<D>>) -> Vec<BrokenSides<D>>;
 
     /// Adds up sums over all ranks.
     fn add_up(&self, sums: &mut [&mut Sum]);
@@ -130,6 +134,10 @@ where
     }
 
     fn note_bared(&mut self, _: &[u32]) {}
+
+    fn all_broken(&self, own: Vec<BrokenSides<D>>) -> Vec<BrokenSides<D>> {
+        own
+    }
 
     fn add_up(&self, _: &mut [&mut Sum]) {}
 

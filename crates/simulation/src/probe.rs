@@ -247,7 +247,7 @@ where
                 });
             }
             Probe::Reaction(nodes) => {
-                let applied = self.loads.applied(&self.solid);
+                let applied = self.actions.applied(&self.solid);
                 let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
                 let own = self.held.iter().copied().filter(|(node, _)| self.solid.share.node(*node as usize));
                 for (node, force) in own.chain(applied) {
@@ -314,7 +314,7 @@ where
             visit(contact.elements, contact.normal);
             visit(contact.elements, contact.tangential);
         }
-        for (elements, force) in self.seams.pushes::<N>() {
+        for (elements, force) in self.actions.seams.pushes::<N>() {
             if self.solid.share.element(elements[0]) {
                 visit(elements, force);
             }

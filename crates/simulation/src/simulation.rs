@@ -3,17 +3,19 @@
 //! A step asks other ranks for what it needs by [`Peers`], and does not know whether there are any.
 //! ARCHITECTURE.md and the book print its lines from here; a test compares them.
 
-pub(crate) mod actions;
 pub(crate) mod advance;
 mod audit;
 pub(crate) mod changed;
+pub(crate) mod program;
 mod relaxation;
 pub(crate) mod run;
 pub(crate) mod saved;
 pub(crate) mod snapshots;
 pub(crate) mod totals;
 
+use crate::action::{Event, Scene};
 use crate::error::Stop;
+use crate::faces::BrokenSides;
 use crate::motion::{self, Motion, MotionSums, Selected};
 use crate::peers::{Peers, StepReport};
 use crate::simplex::Simplex;
@@ -65,8 +67,8 @@ where
         if undetected.is_some() {
             return Failures { joints, stop: inverted.or(undetected) };
         }
-        self.touch(energies); // couples that overlap: contacts.rs; surfaces under initial stress: seams.rs
-        self.load(); // pressures, tractions, forces, absorbing edges: loads.rs
+        self.touch(energies); // couples that overlap: contacts.rs
+        self.act(); // loads, absorbing edges, surfaces under initial stress: actions.rs
         Failures { joints, stop: inverted }
     }
 
@@ -104,30 +106,30 @@ where
     /// Computes the forces between elements that touch.
     fn touch(&mut self, energies: bool) {
         let mut clock = Clock::new();
-        let Self { solid, joints, contacts, seams, team, totals, .. } = self;
+        let Self { solid, joints, contacts, team, totals, .. } = self;
         let touching = contacts.press(solid, joints, self.scales.time_step, energies, team);
         totals.friction.add_sum(&touching.friction);
         totals.damping.add_sum(&touching.damping);
         totals.cohesive.subtract(&touching.handed_over);
         self.touching = touching;
-        seams.press(solid, team);
         clock.read(&mut self.timings.contact);
     }
 
-    /// Applies loads, and adds their works up to the positions.
-    fn load(&mut self) {
+    /// Adds the forces of actions, and their works up to the positions.
+    fn act(&mut self) {
         let mut clock = Clock::new();
-        let time = self.time();
-        let Self { model, solid, loads, totals, actions, .. } = self;
-        loads.apply(solid, model, &actions.forces, time);
-        totals.add_works(loads.half_works(solid, self.scales.time_step));
+        let (time, step) = (self.time(), self.scales.time_step);
+        let Self { model, topology, solid, joints, actions, team, totals, .. } = self;
+        actions.act(model, solid, team, time);
+        totals.add_works(actions.half_works(solid, step));
+        let works = actions.works(&Scene { model, topology, solid, joints, team, time, step });
+        totals.add_works(works.into_iter().map(|work| [work, 0.0]));
         clock.read(&mut self.timings.integration);
     }
 
     /// The facets on which forces have reached the strength. They get joints, which act from the next step
     /// on.
     fn failing(&mut self) -> Vec<u32> {
-        self.add_works_of_changes();
         let mut clock = Clock::new();
         let Self { model, topology, solid, joints, team, .. } = self;
         let failing = joints.failing(solid, model, topology, team);
@@ -139,13 +141,13 @@ where
     fn move_nodes(&mut self, energies: bool, peers: &mut dyn Peers<D, N>) -> MotionSums<Sum, D> {
         let mut clock = Clock::new();
         let (time, taken) = (self.time(), self.taken());
-        let Self { model, solid, joints, loads, team, totals, .. } = self;
-        let factor = model.gravity_schedule.factor(time);
+        let Self { model, solid, joints, actions, team, totals, .. } = self;
         let motion = Motion {
             model,
             joints,
-            loads,
-            gravity: model.gravity.map(|acceleration| factor * acceleration),
+            holds: &actions.prescribed.holds,
+            schedules: &actions.schedules,
+            gravity: actions.acceleration(model, time),
             time,
             step: self.scales.time_step,
             speed_limit: self.scales.speed_limit,
@@ -196,10 +198,11 @@ where
             self.imbalance = (largest[0] / largest[1]).sqrt();
         }
         self.relax(moved, peers);
-        let Self { solid, loads, totals, .. } = self;
-        totals.add_works(loads.half_works(solid, self.scales.time_step));
+        let Self { solid, actions, totals, .. } = self;
+        totals.add_works(actions.half_works(solid, self.scales.time_step));
         totals.external.add_sum(&moved.external[1]);
         totals.damping.add_sum(&moved.damping[1]);
+        self.note(&Event::Moved, peers);
         clock.read(&mut self.timings.integration);
     }
 
@@ -214,6 +217,32 @@ where
         peers.exchange_splits(&split, &vertices, solid, joints, contacts, topology);
         peers.note_bared(&contacts.bared);
         clock.read(&mut self.timings.joints);
+        let sides = self.sides_of(broken);
+        let all = if self.actions.follow_events() { peers.all_broken(sides) } else { Vec::new() };
+        self.note(&Event::Broke(&all), peers);
+    }
+
+    /// The joints that have broken and that this rank counts, with the names that are the same on all ranks.
+    fn sides_of(&self, broken: &[u32]) -> Vec<BrokenSides<D>> {
+        let Self { joints, topology, .. } = self;
+        let counted = broken.iter().map(|&joint| &joints.all[joint as usize]).filter(|joint| joint.counted);
+        counted.map(|joint| BrokenSides::of(&topology.facets[joint.facet as usize], topology)).collect()
+    }
+
+    /// Lets the actions measure what has happened, on all ranks together.
+    fn note(&mut self, event: &Event<'_, D>, peers: &dyn Peers<D, N>) {
+        if !self.actions.follow_events() {
+            return;
+        }
+        let (time, step) = (self.time(), self.scales.time_step);
+        let Self { model, topology, solid, joints, actions, team, totals, .. } = self;
+        let scene = Scene { model, topology, solid, joints, team, time, step };
+        let mut sums = actions.measure(event, &scene);
+        peers.add_up(&mut sums.iter_mut().flatten().collect::<Vec<_>>());
+        let dissipated = actions.settle(event, &sums);
+        if scene.counts_common() {
+            totals.damping.add(dissipated);
+        }
     }
 
     /// The reason to stop if a node is too fast.

@@ -44,6 +44,8 @@ pub(crate) struct Topology<const D: usize = 2, const N: usize = 3> {
 pub(crate) struct PartOf<const N: usize> {
     /// Numbers of the elements in the whole mesh, ascending.
     pub(crate) numbers: Vec<u32>,
+    /// Numbers of the vertices in the whole mesh, ascending.
+    pub(crate) vertices: Vec<u32>,
     /// Whether each facet of each element is on the surface of the whole mesh.
     pub(crate) outer: Vec<[bool; N]>,
 }
@@ -88,7 +90,9 @@ where
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { vertices, offsets, corners, facets, facet_of, part } = self;
-        let of_part = |part: &PartOf<N>| size_of_val(&*part.numbers) + size_of_val(&*part.outer);
+        let of_part = |part: &PartOf<N>| {
+            size_of_val(&*part.numbers) + size_of_val(&*part.vertices) + size_of_val(&*part.outer)
+        };
         size_of_val(&**vertices)
             + size_of_val(&**offsets)
             + size_of_val(&**corners)
@@ -106,6 +110,31 @@ where
     #[inline]
     pub(crate) fn number(&self, element: u32) -> u32 {
         self.part.as_ref().map_or(element, |part| part.numbers[element as usize])
+    }
+
+    /// Whether this is the whole mesh.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.part.is_none()
+    }
+
+    /// The number of a vertex in the whole mesh.
+    pub(crate) fn vertex(&self, vertex: u32) -> u32 {
+        self.part.as_ref().map_or(vertex, |part| part.vertices[vertex as usize])
+    }
+
+    /// The vertex with a number in the whole mesh; `None` if it is not in this part.
+    pub(crate) fn vertex_with(&self, number: u32) -> Option<u32> {
+        match &self.part {
+            Some(part) => part.vertices.binary_search(&number).ok().map(|vertex| vertex as u32),
+            None => Some(number),
+        }
+    }
+
+    /// Whether there is a facet between two elements with these vertices.
+    pub(crate) fn has_facet(&self, vertices: &[u32; D]) -> bool {
+        let of = |facet: u32| self.facets[facet as usize].corners[0].map(|at| self.vertices[at as usize]);
+        let is = |facet: u32| of(facet).iter().all(|vertex| vertices.contains(vertex));
+        self.facets_around(vertices[0]).any(|(facet, _)| is(facet))
     }
 
     /// The element with a number in the whole mesh; `None` if it is not in this part.
@@ -168,15 +197,6 @@ where
             let at = <[[f64; D]; N]>::AT_CORNER[corner as usize % N];
             at.into_iter().filter(outer).map(move |k| corners_of_facet(element, k))
         })
-    }
-
-    /// Returns for each vertex whether it is on the surface.
-    pub(crate) fn outer_vertices(&self) -> Vec<bool> {
-        let mut outer = vec![false; self.vertex_count()];
-        for corner in self.surface().flatten() {
-            outer[self.vertices[corner as usize] as usize] = true;
-        }
-        outer
     }
 
     /// Numbers the pieces whose elements are connected by facets that hold, from 0 in the order of their first elements. Returns the piece of each element.

@@ -4,17 +4,18 @@ use std::collections::BTreeSet;
 
 use fdem_mesh::Mesh;
 
+use crate::action::Wide;
+use crate::actions::Actions;
+use crate::actions::ground::is_ground;
+use crate::actions::seams::Seams;
 use crate::contacts::{Contacts, SavedContacts};
 use crate::error::ModelError;
-use crate::ground::is_ground;
 use crate::joints::{Joints, MovingJoint, SavedJoints};
-use crate::loads::{Loads, Wide};
 use crate::model::{Model, Target};
 use crate::ranks::part::RankPart;
 use crate::ranks::piece::{
     BoundarySide, CarriedState, CommonData, CornerState, ElementPiece, RunPieces, acts_on_nodes,
 };
-use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::simulation::run::{Components, Simulation};
@@ -46,6 +47,7 @@ where
         let (model, places) = known.model(frame, all);
         let part = PartOf {
             numbers: all.iter().map(|piece| piece.number).collect(),
+            vertices: known.vertices.clone(),
             outer: all.iter().map(|piece| piece.outer).collect(),
         };
         let owners: Vec<u32> = corners(all).map(|corner| corner.owner).collect();
@@ -62,11 +64,11 @@ where
         let topology = Topology::of_part(&model.mesh, part)?;
         let mut solid = Solid::with_origin(&model, frame.origin);
         let mut joints = Joints::new(&model, &topology, &share);
-        let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
-        loads.ground.hold(held_by_ground(all, &model));
-        let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
+        let mut actions = Actions::new(&model, &topology, &mut solid, Some(&wide))?;
+        actions.ground.hold(held_by_ground(all, &model));
+        let mut contacts = Contacts::new(&model, &topology, &joints.faces, frame.edge, &team)?;
         // These are found where the model was before the run.
-        let mut seams = Seams::new(&model, &topology, &solid)?;
+        actions.seams = Seams::new(&model, &joints.faces, &solid)?;
 
         let nodes = NodesOf::of(all);
         share.nodes = nodes.first.iter().map(|corner| corner.owner == rank).collect();
@@ -100,23 +102,14 @@ where
         );
         contacts.restore_couples(couples_of(&pieces, &topology));
         contacts.detections = carried.detections;
-        let mut loose_seams = pieces.seams.clone();
-        loose_seams.retain(|point| {
-            let counts = topology
-                .element(point.sides[0] / N as u32)
-                .is_some_and(|element| solid.share.element(element));
-            !seams.set_point(point.sides, point.place, point.hold, &topology) && counts
-        });
         let part = RankPart {
             owners,
             first: known.at().map(|corner| corner.first).collect(),
-            vertices: known.vertices.clone(),
             wide,
             places,
             loose_joints,
-            loose_seams,
         };
-        let parts = Components { topology, solid, joints, contacts, seams, loads };
+        let parts = Components { topology, solid, joints, contacts, actions };
         let mut run = Self::with_parts(model, parts, team, frame.scales);
         run.part = Some(part);
         run.step = carried.step;
@@ -127,6 +120,11 @@ where
         for (boundary, factor) in carried.factors {
             run.set_factor(boundary as usize, Some(factor))?;
         }
+        // Of an action between two elements, this part may have one alone.
+        for record in pieces.records.iter().chain(&carried.records) {
+            run.take_record(record);
+        }
+        run.begin_actions()?;
         run.timings = carried.timings;
         run.watch();
         Ok(run)

@@ -90,7 +90,7 @@ where
     /// processor.
     ///
     /// # Errors
-    /// If threads cannot be started; [`ModelError::Actions`].
+    /// If threads cannot be started.
     ///
     /// # Panics
     /// If rank 0 gives no run.
@@ -103,18 +103,12 @@ where
         let mut bytes = Vec::new();
         if communicator.rank() == 0 {
             let run = run.as_mut().expect("rank 0 has the run");
-            // Otherwise nothing is sent, from which all ranks see that the run is refused.
-            if run.actions.are_factors() {
-                run.watch();
-                bytes = bytes_of(&[CommonData::of(run).bytes(), run.carried().bytes()]);
-            }
+            run.watch();
+            bytes = bytes_of(&[CommonData::of(run).bytes(), run.carried().bytes()]);
         } else {
             run = None;
         }
         communicator.broadcast(&mut bytes);
-        if bytes.is_empty() {
-            return Err(ModelError::Actions);
-        }
         let [frame, common]: [Vec<u8>; 2] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
         let team = Team::new(threads)?;
@@ -430,6 +424,7 @@ where
             imbalance: f64::INFINITY,
             reactions: Vec::new(),
             factors: Vec::new(),
+            records: Vec::new(),
             timings: Timings::default(),
             detections: 0,
         };

@@ -4,21 +4,20 @@
 
 use fdem_distributed::wire;
 
+use crate::action::Record;
 use crate::contacts::SavedContacts;
 use crate::forces::{Forces, OwnForces};
 use crate::joints::{MovingJoint, SavedJoints};
 use crate::lists::once_each;
 use crate::model::Model;
-use crate::ranks::part::SeamPoint;
 use crate::ranks::piece::{CarriedState, CommonData, Touch};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
 use crate::simulation::snapshots::cracks;
-use crate::simulation::totals::Actions;
 use crate::snapshot::Snapshot;
 use crate::solid::Node;
-use crate::topology::{NONE, corners_of_facet};
+use crate::topology::NONE;
 use crate::vector::{Matrix, Point, plus};
 
 /// A node that a rank owns.
@@ -60,12 +59,12 @@ pub(super) struct OwnResults<const D: usize, const N: usize> {
     touching: Vec<Touch<D, N>>,
     parted: Vec<[u32; 2]>,
     bared: Vec<u32>,
-    seams: Vec<SeamPoint<D>>,
+    records: Vec<Record>,
     forces: OwnForces<D>,
 }
 
 wire!([const D: usize, const N: usize] OwnResults<D, N> {
-    nodes, elements, viscous, dissipated, memories, joints, touching, parted, bared, seams, forces,
+    nodes, elements, viscous, dissipated, memories, joints, touching, parted, bared, records, forces,
 });
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -109,7 +108,7 @@ where
             touching: self.own_touching(),
             parted,
             bared,
-            seams: self.own_seams(),
+            records: self.own_records(),
             forces: self.own_forces(),
         }
     }
@@ -136,7 +135,7 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     /// In the order of their facets, with the numbers of their nodes.
     joints: Vec<MovingJoint<D>>,
     contacts: SavedContacts<D, N>,
-    seams: Vec<SeamPoint<D>>,
+    records: Vec<Record>,
     fragments: Vec<u32>,
     forces: OwnForces<D>,
 }
@@ -168,7 +167,7 @@ where
             memories: Vec::new(),
             joints: Vec::new(),
             contacts: SavedContacts { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() },
-            seams: Vec::new(),
+            records: Vec::new(),
             fragments,
             forces: OwnForces::default(),
         };
@@ -205,13 +204,13 @@ where
         self.contacts.grips.extend(own.touching.into_iter().map(|touch| (touch.elements, touch.grip)));
         self.contacts.parted.extend(own.parted);
         self.contacts.bared.extend(own.bared);
-        self.seams.extend(own.seams);
+        self.records.extend(own.records);
         self.forces.add(own.forces);
     }
 
     /// Gives nodes their numbers, and everything the order that it has in one process.
     fn put_in_order(&mut self) {
-        let Self { nodes, elements, joints, seams, contacts, .. } = self;
+        let Self { nodes, elements, joints, records, contacts, carried, .. } = self;
         nodes.sort_unstable_by_key(|node| (!node.is_first, node.vertex, node.code));
         let mut number_of = vec![NONE; N * elements.len()];
         for (number, node) in (0..).zip(&*nodes) {
@@ -224,10 +223,8 @@ where
         for moving in joints {
             moving.find_nodes(|corner| elements[corner as usize / N][corner as usize % N]);
         }
-        let sides = |point: &SeamPoint<D>| {
-            point.sides.map(|code| corners_of_facet::<D, N>(code as usize / N, code as usize % N))
-        };
-        seams.sort_unstable_by_key(|point| (sides(point), point.place));
+        records.extend(carried.records.iter().cloned());
+        records.sort_unstable();
         contacts.grips.sort_unstable_by_key(|(elements, _)| *elements);
         once_each(&mut contacts.parted);
         once_each(&mut contacts.bared);
@@ -277,11 +274,8 @@ where
             memories: self.memories.clone(),
             joints: SavedJoints::of(self.joints.clone()),
             contacts: self.contacts.clone(),
-            seams: self.seams.iter().map(|point| point.hold).collect(),
-            actions: Actions {
-                factors: self.carried.factors.iter().copied().collect(),
-                ..Actions::default()
-            },
+            factors: self.carried.factors.iter().copied().collect(),
+            records: self.records.clone(),
         }
     }
 

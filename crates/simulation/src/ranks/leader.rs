@@ -79,7 +79,7 @@ where
     /// Leads a run. `threads`: threads of this rank; 0 for one per processor.
     ///
     /// # Errors
-    /// If threads cannot be started; [`ModelError::Actions`].
+    /// If threads cannot be started.
     ///
     /// # Panics
     /// On another rank than 0.

@@ -12,6 +12,7 @@ use fdem_distributed::{Communicator, Halo, Message, Port};
 
 use crate::contacts::Contacts;
 use crate::error::Stop;
+use crate::faces::BrokenSides;
 use crate::joints::{Joints, VertexSplit};
 use crate::lists::once_each;
 use crate::peers::{Peers, StepReport, first_of_largest};
@@ -302,6 +303,10 @@ where
         if any[0] > 0.0 {
             self.ask();
         }
+    }
+
+    fn all_broken(&self, own: Vec<BrokenSides<D>>) -> Vec<BrokenSides<D>> {
+        self.all(&own).concat()
     }
 
     fn add_up(&self, sums: &mut [&mut Sum]) {

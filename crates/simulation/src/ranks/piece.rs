@@ -8,13 +8,13 @@ use fdem_distributed::wire;
 use fdem_distributed::wire::{Wire, bytes_of};
 use fdem_mesh::Mesh;
 
+use crate::action::Record;
+use crate::actions::ground::{is_ground, radii};
 use crate::contacts::{Contacts, Grip, edges, mean_edge};
 use crate::energy::Energies;
-use crate::ground::{is_ground, radii};
 use crate::joints::MovingJoint;
 use crate::model::{Load, Model, Target};
 use crate::outer_side::outer_side;
-use crate::ranks::part::SeamPoint;
 use crate::simplex::Simplex;
 use crate::simulation::advance::Concrete;
 use crate::simulation::run::{Scales, Simulation};
@@ -137,13 +137,14 @@ pub(super) struct RunPieces<const D: usize, const N: usize> {
     pub(super) elements: Vec<ElementPiece<D, N>>,
     pub(super) joints: Vec<MovingJoint<D>>,
     pub(super) touching: Vec<Touch<D, N>>,
-    pub(super) seams: Vec<SeamPoint<D>>,
+    /// What the actions remember at these elements.
+    pub(super) records: Vec<Record>,
     /// Elements that have separated or become bare in the last step: see [`Contacts`].
     pub(super) parted: Vec<[u32; 2]>,
     pub(super) bared: Vec<u32>,
 }
 
-wire!([const D: usize, const N: usize] RunPieces<D, N> { elements, joints, touching, seams, parted, bared });
+wire!([const D: usize, const N: usize] RunPieces<D, N> { elements, joints, touching, records, parted, bared });
 
 impl<const D: usize, const N: usize> Default for RunPieces<D, N> {
     fn default() -> Self {
@@ -151,7 +152,7 @@ impl<const D: usize, const N: usize> Default for RunPieces<D, N> {
             elements: Vec::new(),
             joints: Vec::new(),
             touching: Vec::new(),
-            seams: Vec::new(),
+            records: Vec::new(),
             parted: Vec::new(),
             bared: Vec::new(),
         }
@@ -163,7 +164,7 @@ impl<const D: usize, const N: usize> RunPieces<D, N> {
         self.elements.extend(more.elements);
         self.joints.extend(more.joints);
         self.touching.extend(more.touching);
-        self.seams.extend(more.seams);
+        self.records.extend(more.records);
         self.parted.extend(more.parted);
         self.bared.extend(more.bared);
     }
@@ -218,7 +219,7 @@ where
             longest: edges(whole).fold(0.0, f64::max),
             elements: whole.mesh.elements.len() as u32,
             nodes: whole.boundaries.iter().map(|boundary| boundary.target.nodes().len() as u32).collect(),
-            radii: if run.loads.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
+            radii: if run.actions.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
         }
     }
 }
@@ -259,6 +260,8 @@ pub(super) struct CarriedState<const D: usize> {
     pub(super) reactions: Vec<Point<D>>,
     /// Factors of boundaries that the caller has set.
     pub(super) factors: Vec<(u32, f64)>,
+    /// What the actions remember besides, at no element.
+    pub(super) records: Vec<Record>,
     pub(super) timings: Timings,
     pub(super) detections: u64,
 }
@@ -268,12 +271,13 @@ impl<const D: usize> CarriedState<D> {
     pub(super) fn bytes(&self) -> Vec<u8> {
         let Totals { first, exchanged, most_cohesive, relaxation, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);
-        first.map(|energies| energies.numbers()).put(&mut bytes);
+        first.put(&mut bytes);
         [*exchanged, *most_cohesive, relaxation.power, relaxation.damping].put(&mut bytes);
-        self.energies.numbers().put(&mut bytes);
+        self.energies.put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
         self.factors.put(&mut bytes);
+        self.records.put(&mut bytes);
         bytes
     }
 
@@ -281,15 +285,15 @@ impl<const D: usize> CarriedState<D> {
     pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
-        let first = <Option<[f64; 9]> as Wire>::take(bytes).map(Energies::of_numbers);
+        let first = Wire::take(bytes);
         let [exchanged, most_cohesive, power, damping] = Wire::take(bytes);
         let relaxation = Relaxation { power, damping };
-        let energies = Energies::of_numbers(Wire::take(bytes));
+        let energies = Wire::take(bytes);
         let imbalance = f64::take(bytes);
-        let (reactions, factors) = (Vec::take(bytes), Vec::take(bytes));
+        let (reactions, factors, records) = (Vec::take(bytes), Vec::take(bytes), Vec::take(bytes));
         let totals = Totals { first, exchanged, most_cohesive, relaxation, ..Totals::default() };
         let timings = Timings::default();
-        Self { step, totals, energies, imbalance, reactions, factors, timings, detections: 0 }
+        Self { step, totals, energies, imbalance, reactions, factors, records, timings, detections: 0 }
     }
 }
 
@@ -310,7 +314,7 @@ where
     pub(super) fn new(run: &'a Simulation<D, N>) -> Self {
         let (mut boundaries, mut sides) =
             (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, Vec<BoundarySide<D>>>::new());
-        let mut held = run.loads.ground.held();
+        let mut held = run.actions.ground.held();
         for (number, boundary) in (0..).zip(&run.model.boundaries) {
             if acts_on_nodes(&boundary.load) {
                 for vertex in boundary.target.nodes() {
@@ -393,15 +397,12 @@ where
 {
     /// Number of a vertex in the whole mesh.
     pub(crate) fn vertex(&self, vertex: u32) -> u32 {
-        self.part.as_ref().map_or(vertex, |part| part.vertices[vertex as usize])
+        self.topology.vertex(vertex)
     }
 
     /// Vertex with a number in the whole mesh.
     pub(super) fn vertex_with(&self, number: u32) -> Option<u32> {
-        match &self.part {
-            Some(part) => part.vertices.binary_search(&number).ok().map(|vertex| vertex as u32),
-            None => Some(number),
-        }
+        self.topology.vertex_with(number)
     }
 
     /// The elements that this rank counts.
@@ -424,11 +425,9 @@ where
         counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
     }
 
-    /// The points of seams that this rank counts.
-    pub(super) fn own_seams(&self) -> Vec<SeamPoint<D>> {
-        let points = self.seams.points(&self.topology, &self.solid.share);
-        let points = points.map(|(sides, place, hold)| SeamPoint { sides, place, hold });
-        points.chain(self.part.iter().flat_map(|part| part.loose_seams.iter().copied())).collect()
+    /// What the actions remember at elements, as far as this rank counts it.
+    pub(super) fn own_records(&self) -> Vec<Record> {
+        self.records().into_iter().filter(|record| !record.is_common()).collect()
     }
 
     /// The elements that have separated or become bare in the last step, as far as this rank knows.
@@ -447,6 +446,7 @@ where
             imbalance: self.imbalance,
             reactions: self.reactions.clone(),
             factors: self.actions.factors.iter().map(|(&boundary, &factor)| (boundary, factor)).collect(),
+            records: self.records().into_iter().filter(Record::is_common).collect(),
             timings: self.timings,
             detections: self.contacts.detections,
         }

@@ -7,10 +7,10 @@ use fdem_distributed::curve::{Curve, owner, splitters};
 use fdem_distributed::wire::{Wire, bytes_of, value_of};
 use fdem_distributed::{Communicator, Message};
 
+use crate::actions::seams;
 use crate::lists::once_each;
 use crate::ranks::links::{Links, Neighbour};
 use crate::ranks::piece::{CommonData, ElementPiece, Lookup, RunPieces};
-use crate::seams;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::vector::Point;
@@ -300,7 +300,7 @@ where
     own
 }
 
-/// Sends joints, couples, points of seams, and which elements came apart in the last step. Returns those of this rank.
+/// Sends joints, couples, what actions remember, and which elements came apart in the last step. Returns those of this rank.
 fn send_between<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     owners: &[u32],
@@ -335,9 +335,9 @@ where
                 to.entry(rank as usize).or_default().touching.push(touch);
             }
         }
-        for point in run.own_seams() {
-            for rank in of_both(point.sides.map(|side| side / N as u32)) {
-                to.entry(rank as usize).or_default().seams.push(point);
+        for record in run.own_records() {
+            for rank in of_both(record.codes.map(|code| code / N as u32)) {
+                to.entry(rank as usize).or_default().records.push(record.clone());
             }
         }
         let (parted, bared) = run.apart();

@@ -1,8 +1,6 @@
 //! The energies of a run, and the check of their balance.
 
-use std::ops::Range;
-
-use crate::energy::Energies;
+use crate::energy::{Account, Energies, Ledger};
 use crate::error::Stop;
 use crate::model::Insertion;
 use crate::peers::{Peers, first_of_largest};
@@ -27,48 +25,31 @@ where
 
     /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
     pub(super) fn account(&mut self, kinetic: &Sum, peers: &dyn Peers<D, N>) {
-        let [mut strain, viscous] = self.solid.energies(&self.team);
-        let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
-        let mut damping = viscous;
-        let Totals { cohesive, external, loads, .. } = &self.totals;
-        let [mut kinetic, mut cohesive, mut external, mut loads] =
-            [kinetic, cohesive, external, loads].map(Clone::clone);
-        let mut gravity = self.work_of_gravity();
-        contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
-        friction.add_sum(&self.totals.friction);
-        damping.add_sum(&self.totals.damping);
-        if let Some(part) = &self.part {
-            friction.add_sum(&part.friction());
+        let [strain, viscous] = self.solid.energies(&self.team);
+        let Totals { friction, cohesive, damping, external, loads, .. } = &self.totals;
+        let mut ledger = Ledger::default();
+        let contact = self.touching.energy.clone().unwrap_or_default();
+        for (account, sum) in [
+            (Account::Kinetic, kinetic),
+            (Account::Strain, &strain),
+            (Account::Contact, &contact),
+            (Account::Friction, friction),
+            (Account::Cohesive, cohesive),
+            (Account::Damping, &viscous),
+            (Account::Damping, damping),
+            (Account::External, external),
+            (Account::Loads, loads),
+        ] {
+            ledger.add(account, sum);
         }
+        self.actions.add_energies(&self.scene(), &mut ledger);
         let mut reactions = self.reactions_of_boundaries();
-        let mut sums = vec![
-            &mut kinetic,
-            &mut strain,
-            &mut contact,
-            &mut friction,
-            &mut cohesive,
-            &mut damping,
-            &mut external,
-            &mut loads,
-            &mut gravity,
-        ];
+        let mut sums: Vec<&mut Sum> = ledger.sums_mut().collect();
         sums.extend(reactions.iter_mut().flatten());
         peers.add_up(&mut sums);
-        let now = Energies {
-            kinetic: kinetic.value(),
-            strain: strain.value(),
-            contact: contact.value(),
-            friction: friction.value(),
-            cohesive: cohesive.value(),
-            damping: damping.value(),
-            external: external.value(),
-            ..Energies::default()
-        };
-        // Three works that may cancel: of loads, of gravity, and of boundaries that move or hold nodes.
-        let (loads, gravity) = (loads.value(), gravity.value());
-        let done = loads.abs() + gravity.abs() + (now.external - loads - gravity).abs();
+        let now = ledger.energies();
         let first = *self.totals.first.get_or_insert(now);
-        let exchanged = now.changed(&first).max(done).max(self.totals.exchanged);
+        let exchanged = now.changed(&first).max(ledger.done()).max(self.totals.exchanged);
         self.energies = Energies { initial: first.balance(), exchanged, ..now };
         self.reactions =
             reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
@@ -113,14 +94,14 @@ where
     fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
         let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
         for (node, reaction) in &self.held {
-            let hold = self.loads.holds[self.solid.constants[*node as usize].hold as usize];
+            let hold = self.actions.prescribed.holds[self.solid.constants[*node as usize].hold as usize];
             for axis in 0..D {
                 if let Some(hold) = hold[axis] {
                     sums[hold.boundary as usize][axis].add(reaction[axis]);
                 }
             }
         }
-        for ([boundary, _], force) in self.loads.applied(&self.solid) {
+        for ([boundary, _], force) in self.actions.applied(&self.solid) {
             // Forces of the caller belong to no boundary.
             let Some(sums) = sums.get_mut(boundary as usize) else { continue };
             for axis in 0..D {
@@ -155,22 +136,6 @@ where
         };
         let all = self.solid.nodes.iter().zip(&self.solid.constants).enumerate();
         all.filter(|(node, _)| self.solid.share.node(*node)).map(|(_, node)| of(node)).collect()
-    }
-
-    /// Work of gravity so far, J.
-    fn work_of_gravity(&self) -> Sum {
-        if self.model.gravity == [0.0; D] {
-            return Sum::default();
-        }
-        let factor = self.model.gravity_schedule.factor(self.time());
-        let work = |node: usize| {
-            let moved = self.solid.displacement(node, &self.model);
-            factor * self.solid.true_mass(node) * dot(self.model.gravity, moved)
-        };
-        let of =
-            |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
-        let [sum] = Sum::all(self.team.look(self.solid.nodes.len(), of));
-        sum
     }
 }
 

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 
 use crate::contacts::SavedContacts;
+use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::joints::{MovingJoint, SavedJoints};
 use crate::model::{Boundary, Load, Model, Schedule, Target};
@@ -15,7 +16,6 @@ use crate::motion::force_on;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
-use crate::simulation::totals::Actions;
 use crate::subset::Subset;
 use crate::sum::Sum;
 use crate::topology::NONE;
@@ -85,7 +85,13 @@ where
         }
         let state = numbers.carry(self, &old, &fresh);
         let mut new = Simulation::resume(model.clone(), state, threads)?;
-        numbers.carry_seams(&old, &mut new);
+        // Places that the new model does not have keep nothing.
+        for record in old.records() {
+            if let Some(record) = record.renumbered::<N>(|element| numbers.now(element)) {
+                new.take_record(&record);
+            }
+        }
+        new.begin_actions()?;
         for vertex in 0..new.topology.vertex_count() as u32 {
             // Elements may have hung together by vanished ones alone.
             new.joints.part(vertex, &mut new.solid, false, &new.model, &new.topology);
@@ -139,10 +145,11 @@ where
         };
         let forces = (0..self.solid.nodes.len()).map(force).collect();
         let [mut energy, viscous] = self.solid.energies(&self.team);
-        let seams = self.seams.energies(&self.solid.share);
+        let mut of_actions = Ledger::default();
+        self.actions.add_energies(&self.scene(), &mut of_actions);
         let contact = self.touching.energy.clone().unwrap_or_default();
-        for part in [kinetic, impulses, viscous, contact].iter().chain(&seams) {
-            energy.add_sum(part);
+        for part in [kinetic, impulses, viscous, contact, of_actions.used()] {
+            energy.add_sum(&part);
         }
         ForcesAndEnergy { forces, energy }
     }
@@ -150,7 +157,7 @@ where
     /// Works in half a step of the forces on nodes, without those of loads, J.
     fn impulses_of_half_step(&self) -> Sum {
         let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
-        for ([_, corner], force) in self.loads.applied(&self.solid) {
+        for ([_, corner], force) in self.actions.applied(&self.solid) {
             let node = self.solid.corners.node_at(corner);
             add(by_loads.entry(node).or_insert([0.0; D]), force, 1.0);
         }
@@ -172,7 +179,8 @@ where
         };
         let nodes = |side: &[u32; D]| side.map(|corner| self.solid.corners.node_at(corner) as usize);
         let mut widths = vec![0.0; forces.len()];
-        for side in self.topology.surface() {
+        let outer = &self.joints.faces.outer;
+        for &side in outer {
             for node in nodes(&side) {
                 widths[node] += measure(&side);
             }
@@ -181,7 +189,7 @@ where
             let part = |node: usize| forces[node].map(|force| force * measure(&side) / widths[node]);
             (vertices(&side), nodes(&side).map(part))
         };
-        let all = self.topology.surface().map(shares);
+        let all = outer.iter().copied().map(shares);
         all.filter(|(_, forces)| forces.as_flattened().iter().any(|force| *force != 0.0)).unzip()
     }
 }
@@ -233,11 +241,6 @@ impl Numbers {
     /// The number now of an element before.
     fn now(&self, element: u32) -> Option<u32> {
         self.after[element as usize]
-    }
-
-    /// The code now of a corner or a side before.
-    fn code<const N: usize>(&self, code: u32) -> Option<u32> {
-        Some(self.now(code / N as u32)? * N as u32 + code % N as u32)
     }
 
     /// The state of the elements that stay, and that of the others at the beginning of a run of the new model, `fresh`.
@@ -292,21 +295,14 @@ impl Numbers {
             let same = old.model.boundaries.iter().position(|other| other.name == boundary.name);
             same.map_or([0.0; D], |same| state.reactions[same])
         };
-        let Actions { forces, factors, replaced } = state.actions;
-        let corners = |of: BTreeMap<u32, Point<D>>| {
-            of.into_iter().filter_map(|(corner, value)| Some((self.code::<N>(corner)?, value))).collect()
-        };
         let factor = |(boundary, factor): (u32, f64)| {
             let name = &old.model.boundaries[boundary as usize].name;
             let same = fresh.model.boundaries.iter().position(|other| other.name == *name);
             same.map(|same| (same as u32, factor))
         };
         State {
-            actions: Actions {
-                forces: corners(forces),
-                factors: factors.into_iter().filter_map(factor).collect(),
-                replaced: corners(replaced),
-            },
+            factors: state.factors.into_iter().filter_map(factor).collect(),
+            records: Vec::new(),
             step: state.step,
             totals: state.totals,
             energies: state.energies,
@@ -319,18 +315,6 @@ impl Numbers {
                 bared: bared.into_iter().filter_map(|element| self.now(element)).collect(),
             },
             ..new
-        }
-    }
-
-    /// Sets the points of seams between elements that stay.
-    fn carry_seams<const D: usize, const N: usize>(&self, old: &Simulation<D, N>, new: &mut Simulation<D, N>)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        for (sides, place, hold) in old.seams.points(&old.topology, &old.solid.share) {
-            if let [Some(one), Some(other)] = sides.map(|side| self.code::<N>(side)) {
-                new.seams.set_point([one, other], place, hold, &new.topology);
-            }
         }
     }
 
@@ -347,7 +331,7 @@ impl Numbers {
     {
         let holds = |run: &Simulation<D, N>, node: usize| match run.solid.constants[node].hold {
             NONE => [false; D],
-            hold => run.loads.holds[hold as usize].map(|hold| hold.is_some()),
+            hold => run.actions.prescribed.holds[hold as usize].map(|hold| hold.is_some()),
         };
         let lost = |node: usize| {
             let corner = new.solid.corners.of(node)[0];

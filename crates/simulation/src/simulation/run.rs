@@ -3,6 +3,9 @@
 use fdem_contact::Simd;
 use fdem_distributed::wire;
 
+use crate::action::{Record, Scene};
+use crate::actions::seams::Seams;
+use crate::actions::{Actions, prescribed};
 use crate::checks;
 use crate::contacts::{Contacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
@@ -10,13 +13,11 @@ use crate::energy::Energies;
 use crate::error::ModelError;
 use crate::joints::Joints;
 use crate::lanes::Available;
-use crate::loads::{self, Loads};
 use crate::model::{Insertion, Model};
 use crate::ranks::part::RankPart;
-use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::simulation::totals::{Actions, Totals};
+use crate::simulation::totals::Totals;
 use crate::solid::Solid;
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
@@ -55,8 +56,7 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) solid: Solid<D, N>,
     pub(crate) joints: Joints<D>,
     pub(crate) contacts: Contacts<D, N>,
-    pub(crate) seams: Seams<D>,
-    pub(crate) loads: Loads<D, N>,
+    pub(crate) actions: Actions<D, N>,
     pub(crate) team: Team,
     pub(crate) scales: Scales,
     pub(crate) step: u64,
@@ -73,8 +73,6 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) held: Vec<(u32, Point<D>)>,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
-    /// What the caller has set between steps.
-    pub(crate) actions: Actions<D>,
     /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<RankPart<D>>,
 }
@@ -102,8 +100,7 @@ pub(crate) struct Components<const D: usize, const N: usize> {
     pub(crate) solid: Solid<D, N>,
     pub(crate) joints: Joints<D>,
     pub(crate) contacts: Contacts<D, N>,
-    pub(crate) seams: Seams<D>,
-    pub(crate) loads: Loads<D, N>,
+    pub(crate) actions: Actions<D, N>,
 }
 
 /// Numbers of joints, contacts and nodes, which change during a run.
@@ -141,9 +138,9 @@ where
         for facet in 0..topology.facets.len() as u32 {
             joints.law(facet, &model, &topology)?;
         }
-        let mut loads = Loads::new(&model, &topology, &mut solid, None)?;
+        let mut actions = Actions::new(&model, &topology, &mut solid, None)?;
         let team = Team::new(threads)?;
-        let contacts = Contacts::new(&model, &topology, mean_edge(&model), &team)?;
+        let contacts = Contacts::new(&model, &topology, &joints.faces, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
@@ -158,14 +155,19 @@ where
             solid.number_by_corners();
             joints.find_nodes(&topology, &solid);
         }
-        let seams = Seams::new(&model, &topology, &solid)?;
+        actions.seams = Seams::new(&model, &joints.faces, &solid)?;
+        let scene = Scene {
+            model: &model,
+            topology: &topology,
+            solid: &solid,
+            joints: &joints,
+            team: &team,
+            time: 0.0,
+            step: 0.0,
+        };
+        actions.begin(&scene)?;
         if solid.is_prestressed() {
-            let by_seams = seams.initial_forces(&solid);
-            loads.support(&model, &solid, |corner| {
-                let mut force = by_seams.get(corner as usize).copied().unwrap_or([0.0; D]);
-                joints.add_initial_force(corner, &solid, &mut force);
-                force
-            });
+            actions.support(&scene);
         }
         let wave = model.materials.iter().map(crate::model::Material::bar_speed).fold(0.0, f64::max);
         let speed_limit = RUNAWAY * wave;
@@ -174,7 +176,7 @@ where
         let stiffness: Sum = stiffnesses().collect();
         let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
         let heaviest = solid.constants.iter().map(|node| node.mass).fold(0.0, f64::max);
-        let fastest = loads::fastest(&model, time_step).min(speed_limit);
+        let fastest = prescribed::fastest(&model, time_step).min(speed_limit);
         // A node of a light body may rebound at twice the speed of a heavy one. Then it has four times the
         // kinetic energy, m/2 v².
         let size = stiffnesses().fold(4.0 * heaviest * fastest * fastest, f64::max);
@@ -190,7 +192,7 @@ where
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
                 + NEGLIGIBLE_SHARE * strain,
         };
-        let parts = Components { topology, solid, joints, contacts, seams, loads };
+        let parts = Components { topology, solid, joints, contacts, actions };
         let mut run = Self::with_parts(model, parts, team, scales);
         run.totals = totals;
         run.energies = Energies { strain, initial: strain, ..Energies::default() };
@@ -204,7 +206,7 @@ where
         team: Team,
         scales: Scales,
     ) -> Self {
-        let Components { topology, solid, joints, contacts, seams, loads } = parts;
+        let Components { topology, solid, joints, contacts, actions } = parts;
         Self {
             scales,
             reactions: vec![[0.0; D]; model.boundaries.len()],
@@ -216,16 +218,39 @@ where
             held: Vec::new(),
             touching: Touching::default(),
             timings: Timings::default(),
-            actions: Actions::default(),
             model,
             topology,
             solid,
             joints,
             contacts,
-            seams,
-            loads,
+            actions,
             part: None,
         }
+    }
+
+    /// The state, as actions see it.
+    pub(crate) fn scene(&self) -> Scene<'_, D, N> {
+        let Self { model, topology, solid, joints, team, .. } = self;
+        Scene { model, topology, solid, joints, team, time: self.time(), step: self.scales.time_step }
+    }
+
+    /// What the actions remember, as far as this rank counts it.
+    pub(crate) fn records(&self) -> Vec<Record> {
+        self.actions.records(&self.scene())
+    }
+
+    /// Gives an action a record. Returns `false` if it does not fit the model.
+    pub(crate) fn take_record(&mut self, record: &Record) -> bool {
+        let (time, step) = (self.time(), self.scales.time_step);
+        let Self { model, topology, solid, joints, actions, team, .. } = self;
+        actions.take(record, &Scene { model, topology, solid, joints, team, time, step })
+    }
+
+    /// Begins the actions after their records have been taken over.
+    pub(crate) fn begin_actions(&mut self) -> Result<(), ModelError> {
+        let (time, step) = (self.time(), self.scales.time_step);
+        let Self { model, topology, solid, joints, actions, team, .. } = self;
+        actions.begin(&Scene { model, topology, solid, joints, team, time, step })
     }
 
     /// The model as it was given.

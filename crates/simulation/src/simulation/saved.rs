@@ -1,16 +1,18 @@
 //! The state of a run, which is saved and from which it is resumed.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use crate::action::Record;
 use crate::contacts::{Contacts, SavedContacts};
 use crate::energy::Energies;
 use crate::error::ModelError;
 use crate::joints::{Joint, SavedJoints};
 use crate::model::Model;
-use crate::seams::SeamState;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
-use crate::simulation::totals::{Actions, Totals};
+use crate::simulation::totals::Totals;
 use crate::solid::Node;
 use crate::vector::{Matrix, Point};
 
@@ -36,8 +38,9 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) memories: Vec<f64>,
     pub(crate) joints: SavedJoints<D>,
     pub(crate) contacts: SavedContacts<D, N>,
-    pub(crate) seams: Vec<SeamState<D>>,
-    pub(crate) actions: Actions<D>,
+    /// Factors of boundaries that the caller has set.
+    pub(crate) factors: BTreeMap<u32, f64>,
+    pub(crate) records: Vec<Record>,
 }
 
 impl<const D: usize, const N: usize> State<D, N> {
@@ -67,8 +70,8 @@ where
             memories: self.solid.memories(),
             joints: self.joints.save(&self.topology),
             contacts: self.contacts.save(),
-            seams: self.seams.save(),
-            actions: self.actions.clone(),
+            factors: self.actions.factors.clone(),
+            records: self.records(),
         }
     }
 
@@ -104,9 +107,18 @@ where
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         let couples = Contacts::without_forces(state.contacts);
         run.contacts.restore(couples, &run.joints, &run.topology);
-        run.seams.restore(state.seams)?;
-        run.restore_actions(state.actions)?;
+        for (boundary, factor) in state.factors {
+            run.set_factor(boundary as usize, Some(factor))?;
+        }
+        for record in &state.records {
+            if !run.take_record(record) {
+                let [index, _] = record.codes;
+                let place = "the actions of the saved state".to_owned();
+                return Err(ModelError::Missing { what: "corner or facet", index, place });
+            }
+        }
         run.step = state.step;
+        run.begin_actions()?;
         run.totals = state.totals;
         run.energies = state.energies;
         run.reactions = state.reactions;

@@ -76,7 +76,7 @@ where
         let counted = |force: &ContactForce<D>| self.solid.share.element(force.elements[0]);
         let contacts = self.contacts.forces(&self.solid).into_iter().filter(counted).map(numbered);
         let joints = self.joints.pressing(&self.solid, &self.topology).into_iter().map(numbered);
-        let applied = self.loads.applied(&self.solid);
+        let applied = self.actions.applied(&self.solid);
         let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
         let mut reactions = BTreeMap::new();
         for (node, force) in self.held.iter().copied().chain(applied) {

@@ -1,12 +1,9 @@
-//! Sums over the steps of a run, and what a caller has set between them.
-
-use std::collections::BTreeMap;
+//! Sums over the steps of a run.
 
 use serde::{Deserialize, Serialize};
 
 use crate::energy::Energies;
 use crate::sum::Sum;
-use crate::vector::Point;
 
 /// Sums over a run, J.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,24 +43,5 @@ impl Totals {
             self.loads.add(work);
             self.damping.add(-absorbed);
         }
-    }
-}
-
-/// Actions of the caller that later steps depend on.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
-pub(crate) struct Actions<const D: usize> {
-    /// Forces on corners of elements, N.
-    pub(crate) forces: BTreeMap<u32, Point<D>>,
-    /// Factors of boundaries that replace their schedules.
-    pub(crate) factors: BTreeMap<u32, f64>,
-    /// Velocities, m/s, that the caller has replaced since the last step, by the first corner of the node.
-    pub(crate) replaced: BTreeMap<u32, Point<D>>,
-}
-
-impl<const D: usize> Actions<D> {
-    /// Whether there are none but factors, which do not belong to places.
-    pub(crate) fn are_factors(&self) -> bool {
-        self.forces.is_empty() && self.replaced.is_empty()
     }
 }

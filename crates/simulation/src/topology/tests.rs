@@ -74,10 +74,22 @@ fn facets_are_found_from_both_sides() {
     }
     let square = check::<2, 3>(5, &SQUARE);
     assert_eq!(square.corners_of(4), [2, 5, 8, 11]);
-    assert_eq!(square.outer_vertices(), [true, true, true, true, false]);
+    assert_eq!(outer_vertices(&square), [0, 1, 2, 3]);
     let octahedron = check::<3, 4>(6, &OCTAHEDRON);
     assert_eq!(octahedron.corners_of(4), [0, 4, 8, 12]);
-    assert_eq!(octahedron.outer_vertices(), [true; 6]);
+    assert_eq!(outer_vertices(&octahedron), [0, 1, 2, 3, 4, 5]);
+}
+
+/// The vertices of the surface, ascending.
+fn outer_vertices<const D: usize, const N: usize>(topology: &Topology<D, N>) -> Vec<u32>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut vertices: Vec<u32> =
+        topology.surface().flatten().map(|corner| topology.vertices[corner as usize]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 #[test]

@@ -170,15 +170,29 @@ fn refused_actions_change_nothing() {
     assert_eq!(run.energies(), plain.energies());
 }
 
+/// Forces and velocities that are set before a run is distributed act as on one rank, and are in its checkpoints.
 #[test]
-fn a_run_with_actions_is_not_divided_among_ranks() {
-    let errors = threads::run(2, |ranks: &dyn Communicator| {
-        let run = (ranks.rank() == 0).then(|| {
-            let mut run = Simulation::new(bar(), 1).expect("a model");
-            run.set_forces(&[3], &[[1.0, 0.0]]).expect("a node");
-            run
-        });
-        Distributed::<2, 3>::new(ranks, run, 1).err()
+fn a_run_with_actions_is_the_same_on_ranks() {
+    let begun = || {
+        let mut run = Simulation::new(bar(), 1).expect("a model");
+        run.advance(5).expect("steps");
+        run.set_forces(&[3, 4], &[[1e3, 0.0], [0.0, -2e3]]).expect("nodes");
+        run.set_velocities(&[0, 4], &[[0.5, 0.0], [0.0, 0.25]]).expect("nodes");
+        run
+    };
+    let mut one = begun();
+    one.advance(20).expect("steps");
+    let found = threads::run(3, |ranks: &dyn Communicator| {
+        let run = (ranks.rank() == 0).then(begun);
+        let mut run = Distributed::<2, 3>::new(ranks, run, 1).expect("a run");
+        run.advance(20).expect("steps");
+        (run.gathered(), run.energies())
     });
-    assert!(errors.iter().all(|error| *error == Some(ModelError::Actions)), "{errors:?}");
+    let (whole, energies) = &found[0];
+    let whole = whole.as_ref().expect("rank 0 has the whole run");
+    assert_eq!((whole.snapshot(), *energies), (one.snapshot(), one.energies()));
+    let mut resumed = Simulation::resume(bar(), whole.state(), 1).expect("a state");
+    resumed.advance(5).expect("steps");
+    one.advance(5).expect("steps");
+    assert_eq!(resumed.snapshot(), one.snapshot());
 }

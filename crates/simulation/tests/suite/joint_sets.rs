@@ -4,7 +4,7 @@ use crate::common::*;
 use fdem_simulation::*;
 
 /// A set without strength, with friction alone.
-fn open(friction: f64) -> JointSet {
+pub(crate) fn open(friction: f64) -> JointSet {
     JointSet {
         name: "bedding".to_owned(),
         strength: Strength { tensile: 0.0, cohesion: 0.0, friction, energy_i: 0.0, energy_ii: 0.0, ..rock() },

@@ -26,16 +26,15 @@
 
 use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
 use fdem_distributed::wire;
-use serde::{Deserialize, Serialize};
 
+use crate::action::{Acting, Action, Record, Scene};
 use crate::contacts;
+use crate::energy::{Account, Ledger};
 use crate::error::ModelError;
-use crate::model::Model;
-use crate::share::Share;
+use crate::faces::Faces;
+use crate::model::{Model, Schedule};
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::sum::Sum;
-use crate::team::Team;
 use crate::topology::{Topology, corners_of_facet, place_in_element};
 use crate::vector::{Matrix, Point, add, along, applied, at_most, dot, length, matrix, minus, plus, unit};
 
@@ -81,7 +80,8 @@ impl InitialContacts {
         [[f64; D]; N]: Simplex<D, N>,
     {
         crate::checks::check(model)?;
-        Ok(Seams::new(model, &Topology::of(&model.mesh)?, &Solid::new(model))?.found)
+        let faces = Faces::new(&Topology::of(&model.mesh)?);
+        Ok(Seams::new(model, &faces, &Solid::new(model))?.found)
     }
 }
 
@@ -107,9 +107,8 @@ struct Place<const D: usize> {
 }
 
 /// State of a point of a seam. Vectors are along the surface, with a first component across it of 0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
-pub(crate) struct SeamState<const D: usize = 2> {
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SeamState<const D: usize = 2> {
     /// Sliding, and sliding at which the tangential spring is relaxed, m.
     sliding: [f64; D],
     slip: [f64; D],
@@ -124,13 +123,6 @@ pub(crate) struct SeamState<const D: usize = 2> {
 
 wire!([const D: usize] SeamState<D> { sliding, slip, traction, faded, friction });
 
-impl<const D: usize> SeamState<D> {
-    /// Work against friction so far, J, with all that counts as such.
-    pub(crate) fn friction(&self) -> f64 {
-        self.friction
-    }
-}
-
 impl<const D: usize> Default for SeamState<D> {
     fn default() -> Self {
         Self { sliding: [0.0; D], slip: [0.0; D], traction: [0.0; D], faded: 0.0, friction: 0.0 }
@@ -144,6 +136,8 @@ pub(crate) struct Seams<const D: usize = 2> {
     holds: Vec<SeamState<D>>,
     /// Results of the last step.
     pressed: Vec<PointForces<D>>,
+    /// Points that this rank counts, whose other element is elsewhere: they have no force any more.
+    loose: Vec<(Record, SeamState<D>)>,
     found: InitialContacts,
 }
 
@@ -164,7 +158,7 @@ impl<const D: usize> Seams<D> {
     /// The seams of a model; none without initial stress.
     pub(crate) fn new<const N: usize>(
         model: &Model<D, N>,
-        topology: &Topology<D, N>,
+        faces: &Faces<D>,
         solid: &Solid<D, N>,
     ) -> Result<Self, ModelError>
     where
@@ -175,8 +169,7 @@ impl<const D: usize> Seams<D> {
             return Ok(seams);
         }
         let position = |corner: u32| solid.at_corner(corner).position;
-        let facets: Vec<[u32; D]> = topology.surface().collect();
-        for touching in near::<D, N>(&facets, |facet| facet.map(position))? {
+        for touching in near::<D, N>(&faces.outer, |facet| facet.map(position))? {
             seams.join(model, touching, position);
         }
         Ok(seams)
@@ -249,58 +242,6 @@ impl<const D: usize> Seams<D> {
         }
     }
 
-    /// Energy stored in the potentials in the last step, and work against friction so far, J.
-    pub(crate) fn energies(&self, share: &Share) -> [Sum; 2] {
-        let counted = || {
-            (0..self.places.len())
-                .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / (D as u32 + 1)))
-        };
-        [
-            counted().map(|k| self.pressed[k].energy).collect(),
-            counted().map(|k| self.holds[k].friction).collect(),
-        ]
-    }
-
-    /// Force on each corner at the beginning, N; empty without seams.
-    pub(crate) fn initial_forces<const N: usize>(&self, solid: &Solid<D, N>) -> Vec<Point<D>>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        if self.places.is_empty() {
-            return Vec::new();
-        }
-        let mut forces = vec![[0.0; D]; N * solid.elements.len()];
-        for (place, hold) in self.places.iter().zip(&self.holds) {
-            let ends = place.corners.map(|facet| facet.map(|corner| solid.at_corner(corner).position));
-            let frame = place.frame::<N>(ends);
-            place.give(place.forces::<N>(&frame, place.pressure, hold.traction), |corner, force| {
-                add(&mut forces[corner as usize], force, 1.0);
-            });
-        }
-        forces
-    }
-
-    /// Adds the forces of all seams to the corners of elements.
-    pub(crate) fn press<const N: usize>(&mut self, solid: &mut Solid<D, N>, team: &Team)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let Self { places, holds, pressed, .. } = self;
-        let on = &*solid;
-        team.change_both(holds, pressed, |first, holds, pressed| {
-            for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
-                let place = &places[first + k];
-                let ends = place.corners.map(|facet| facet.map(|corner| on.at_corner(corner).position));
-                *pressed = place.press::<N>(hold, ends);
-            }
-        });
-        for (place, pressed) in places.iter().zip(pressed) {
-            place.give(pressed.forces, |corner, force| {
-                solid.add_force(corner, force);
-            });
-        }
-    }
-
     /// The two elements at each point, and the force on the first of them in the last step, N.
     pub(crate) fn pushes<const N: usize>(&self) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
         self.places.iter().zip(&self.pressed).map(|(place, pressed)| {
@@ -309,32 +250,8 @@ impl<const D: usize> Seams<D> {
         })
     }
 
-    /// The points that this rank counts, each by the codes of its two sides, its place among their points,
-    /// and its state.
-    pub(crate) fn points<const N: usize>(
-        &self,
-        topology: &Topology<D, N>,
-        share: &Share,
-    ) -> impl Iterator<Item = ([u32; 2], u32, SeamState<D>)>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let all = self.places.iter().zip(&self.holds).enumerate();
-        let counted = all.filter(|(_, (place, _))| share.element(place.corners[0][0] / N as u32));
-        counted.map(|(k, (place, hold))| {
-            let first = self.places.partition_point(|other| other.corners < place.corners);
-            (place.corners.map(|side| topology.code_of_side(&side)), (k - first) as u32, *hold)
-        })
-    }
-
-    /// Sets the state of a point. Returns whether there is such a point.
-    pub(crate) fn set_point<const N: usize>(
-        &mut self,
-        sides: [u32; 2],
-        place: u32,
-        hold: SeamState<D>,
-        topology: &Topology<D, N>,
-    ) -> bool
+    /// The place of a point among all of them, by the codes of its two sides and its number there.
+    fn place<const N: usize>(&self, record: &Record, topology: &Topology<D, N>) -> Option<usize>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -342,27 +259,83 @@ impl<const D: usize> Seams<D> {
             let element = topology.element(code / N as u32)?;
             Some(corners_of_facet::<D, N>(element as usize, code as usize % N))
         };
-        let [Some(one), Some(other)] = sides.map(corners) else { return false };
+        let [Some(one), Some(other)] = record.codes.map(corners) else { return None };
         let first = self.places.partition_point(|at| at.corners < [one, other]);
-        let is = self.places.get(first + place as usize).is_some_and(|at| at.corners == [one, other]);
-        if is {
-            self.holds[first + place as usize] = hold;
+        let place = first + record.place as usize;
+        self.places.get(place).is_some_and(|at| at.corners == [one, other]).then_some(place)
+    }
+}
+
+impl<const D: usize, const N: usize> Action<D, N> for Seams<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn act(&mut self, acting: &mut Acting<'_, D, N>) {
+        let Self { places, holds, pressed, .. } = self;
+        let on = &*acting.solid;
+        acting.team.change_both(holds, pressed, |first, holds, pressed| {
+            for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
+                let place = &places[first + k];
+                let ends = place.corners.map(|facet| facet.map(|corner| on.at_corner(corner).position));
+                *pressed = place.press::<N>(hold, ends);
+            }
+        });
+        for (place, pressed) in places.iter().zip(pressed) {
+            place.give(pressed.forces, |corner, force| {
+                acting.solid.add_force(corner, force);
+            });
         }
-        is
     }
 
-    pub(crate) fn save(&self) -> Vec<SeamState<D>> {
-        self.holds.clone()
+    fn initial_forces(&self, scene: &Scene<'_, D, N>, _schedules: &[Schedule]) -> Vec<Point<D>> {
+        if self.places.is_empty() {
+            return Vec::new();
+        }
+        let mut forces = vec![[0.0; D]; N * scene.solid.elements.len()];
+        for (place, hold) in self.places.iter().zip(&self.holds) {
+            let ends = place.corners.map(|facet| facet.map(|corner| scene.solid.at_corner(corner).position));
+            let frame = place.frame::<N>(ends);
+            place.give(place.forces::<N>(&frame, place.pressure, hold.traction), |corner, force| {
+                add(&mut forces[corner as usize], force, 1.0);
+            });
+        }
+        forces
     }
 
-    /// Restores the saved seams.
-    pub(crate) fn restore(&mut self, saved: Vec<SeamState<D>>) -> Result<(), ModelError> {
-        let (found, expected) = (saved.len(), self.holds.len());
-        if found != expected {
-            return Err(ModelError::Length { what: "contacts under initial stress", found, expected });
+    fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
+        let share = &scene.solid.share;
+        let counted = || {
+            (0..self.places.len())
+                .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / N as u32))
+        };
+        ledger.add(Account::Contact, &counted().map(|k| self.pressed[k].energy).collect());
+        ledger.add(Account::Friction, &counted().map(|k| self.holds[k].friction).collect());
+        ledger.add(Account::Friction, &self.loose.iter().map(|(_, hold)| hold.friction).collect());
+    }
+
+    fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
+        let Scene { solid, topology, .. } = scene;
+        let all = self.places.iter().zip(&self.holds).enumerate();
+        let counted = all.filter(|(_, (place, _))| solid.share.element(place.corners[0][0] / N as u32));
+        let points = counted.map(|(k, (place, hold))| {
+            let first = self.places.partition_point(|other| other.corners < place.corners);
+            Record::new(place.corners.map(|side| topology.code_of_side(&side)), (k - first) as u32, hold)
+        });
+        points.chain(self.loose.iter().map(|(record, _)| record.clone())).collect()
+    }
+
+    fn take(&mut self, record: &Record, scene: &Scene<'_, D, N>) -> bool {
+        let Some(hold) = record.value(&SeamState::default()) else { return false };
+        if let Some(place) = self.place(record, scene.topology) {
+            self.holds[place] = hold;
+            return true;
         }
-        self.holds = saved;
-        Ok(())
+        let own = scene.topology.element(record.codes[0] / N as u32);
+        let counted = !scene.solid.share.is_whole() && own.is_some_and(|own| scene.solid.share.element(own));
+        if counted {
+            self.loose.push((record.clone(), hold));
+        }
+        counted
     }
 }
 

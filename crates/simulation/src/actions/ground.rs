@@ -13,13 +13,14 @@
 
 use std::collections::BTreeMap;
 
+use crate::action::{Acting, Action, Applied, Scene};
 use crate::error::ModelError;
 use crate::model::{Load, Model, Target};
 use crate::outer_side::outer_side;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Topology;
-use crate::vector::{Point, add, dot, minus, unit};
+use crate::vector::{Point, add, dot, minus, plus, unit};
 
 /// The ground beyond all absorbing facets of a model.
 #[derive(Debug, Default)]
@@ -45,16 +46,6 @@ struct Beyond<const D: usize> {
     held: [Point<D>; D],
     /// Whether this is no ground, but the forces of something that was there: [`Load::Held`].
     is_held: bool,
-}
-
-/// Forces of the ground on a corner of an element.
-pub(crate) struct Reaction<const D: usize> {
-    pub(crate) boundary: u32,
-    pub(crate) corner: u32,
-    /// Force of springs, and static force, N.
-    pub(crate) elastic: Point<D>,
-    /// Force of dashpots, N.
-    pub(crate) viscous: Point<D>,
 }
 
 impl<const D: usize, const N: usize> Ground<D, N>
@@ -121,14 +112,57 @@ where
         self.facets.is_empty()
     }
 
-    /// Sets the static forces so that they hold the nodes of absorbing facets in equilibrium now, at the beginning. `others`: force on a corner besides that of
-    /// the initial stress of its element, N.
-    pub(crate) fn support(
-        &mut self,
-        model: &Model<D, N>,
-        solid: &Solid<D, N>,
-        others: impl Fn(u32) -> Point<D>,
-    ) {
+    /// Adds the forces at a time, s, to a list.
+    fn collect(&self, solid: &Solid<D, N>, model: &Model<D, N>, time: f64, applied: &mut Vec<Applied<D>>) {
+        for facet in &self.facets {
+            let schedule = &model.boundaries[facet.boundary as usize].schedule;
+            let factor = if facet.is_held { schedule.factor(time) } else { 1.0 };
+            let corners = facet.corners.map(|corner| solid.at_corner(corner).position);
+            let now = unit(<[[f64; D]; N]>::axes(&corners)[0]);
+            applied.extend((0..D).map(|end| {
+                let corner = facet.corners[end];
+                let node = solid.corners.node_at(corner) as usize;
+                let moved = solid.displacement(node, model);
+                let velocity = solid.nodes[node].velocity;
+                let springs = Self::against(moved, facet.normal, facet.stiffness);
+                let dashpots = Self::against(velocity, now, facet.impedance);
+                let elastic: Point<D> =
+                    std::array::from_fn(|axis| factor * facet.held[end][axis] + facet.area * springs[axis]);
+                let viscous = dashpots.map(|traction| facet.area * traction);
+                Applied { corner, boundary: facet.boundary, force: plus(elastic, viscous), viscous }
+            }));
+        }
+    }
+
+    /// Traction against a displacement or velocity, with one factor along `normal` and one across it.
+    fn against(vector: Point<D>, normal: Point<D>, [along, across]: [f64; 2]) -> Point<D> {
+        let axes = <[[f64; D]; N]>::axes_around(normal);
+        let mut traction = normal.map(|n| -(along * dot(vector, normal)) * n);
+        for axis in &axes[1..] {
+            add(&mut traction, *axis, -(across * dot(vector, *axis)));
+        }
+        traction
+    }
+
+    /// Stiffness of the springs on corners of elements, N/m, in the stiffer of the two directions.
+    pub(crate) fn springs(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
+        self.facets.iter().flat_map(|facet| {
+            facet.corners.map(|corner| (corner, facet.area * facet.stiffness[0].max(facet.stiffness[1])))
+        })
+    }
+}
+
+impl<const D: usize, const N: usize> Action<D, N> for Ground<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn act(&mut self, acting: &mut Acting<'_, D, N>) {
+        let (model, time) = (acting.model, acting.time);
+        acting.apply(|solid, applied| self.collect(solid, model, time, applied));
+    }
+
+    fn support(&mut self, scene: &Scene<'_, D, N>, others: &dyn Fn(u32) -> Point<D>) {
+        let Scene { model, solid, .. } = *scene;
         let node_at = |corner: u32| solid.corners.node_at(corner) as usize;
         // Edges at the same node share its force in proportion to their lengths.
         let mut width = vec![0.0; solid.nodes.len()];
@@ -151,54 +185,6 @@ where
                 facet.held[end] = force.map(|f| share * f);
             }
         }
-    }
-
-    /// Forces of the ground at a time, s.
-    pub(crate) fn reactions<'a>(
-        &'a self,
-        solid: &'a Solid<D, N>,
-        model: &'a Model<D, N>,
-        time: f64,
-    ) -> impl Iterator<Item = Reaction<D>> + 'a {
-        self.facets.iter().flat_map(move |facet| {
-            let schedule = &model.boundaries[facet.boundary as usize].schedule;
-            let factor = if facet.is_held { schedule.factor(time) } else { 1.0 };
-            let corners = facet.corners.map(|corner| solid.at_corner(corner).position);
-            let now = unit(<[[f64; D]; N]>::axes(&corners)[0]);
-            (0..D).map(move |end| {
-                let corner = facet.corners[end];
-                let node = solid.corners.node_at(corner) as usize;
-                let moved = solid.displacement(node, model);
-                let velocity = solid.nodes[node].velocity;
-                let springs = Self::against(moved, facet.normal, facet.stiffness);
-                let dashpots = Self::against(velocity, now, facet.impedance);
-                Reaction {
-                    boundary: facet.boundary,
-                    corner,
-                    elastic: std::array::from_fn(|axis| {
-                        factor * facet.held[end][axis] + facet.area * springs[axis]
-                    }),
-                    viscous: dashpots.map(|traction| facet.area * traction),
-                }
-            })
-        })
-    }
-
-    /// Traction against a displacement or velocity, with one factor along `normal` and one across it.
-    fn against(vector: Point<D>, normal: Point<D>, [along, across]: [f64; 2]) -> Point<D> {
-        let axes = <[[f64; D]; N]>::axes_around(normal);
-        let mut traction = normal.map(|n| -(along * dot(vector, normal)) * n);
-        for axis in &axes[1..] {
-            add(&mut traction, *axis, -(across * dot(vector, *axis)));
-        }
-        traction
-    }
-
-    /// Stiffness of the springs on corners of elements, N/m, in the stiffer of the two directions.
-    pub(crate) fn springs(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
-        self.facets.iter().flat_map(|facet| {
-            facet.corners.map(|corner| (corner, facet.area * facet.stiffness[0].max(facet.stiffness[1])))
-        })
     }
 }
 

@@ -1,0 +1,180 @@
+//! Prescribed motions of nodes, by velocities or displacements of boundaries. They are no forces: the motion of the nodes finds the reactions.
+
+use crate::error::ModelError;
+use crate::model::{Load, Model, Schedule};
+use crate::simplex::Simplex;
+use crate::solid::Solid;
+use crate::topology::NONE;
+use crate::vector::dot;
+
+/// Prescribed motion of a node along one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hold {
+    pub(crate) boundary: u32,
+    motion: PrescribedMotion,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PrescribedMotion {
+    /// Velocity, m/s.
+    Velocity(f64),
+    /// Displacement, m.
+    Displacement(f64),
+}
+
+impl Hold {
+    /// Velocity in the step that begins at `time`, of a node that has moved by `displacement` so far.
+    #[inline]
+    pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
+        let schedule = &schedules[self.boundary as usize];
+        match self.motion {
+            PrescribedMotion::Velocity(velocity) => velocity * schedule.factor(time + 0.5 * step),
+            PrescribedMotion::Displacement(goal) => {
+                (goal * schedule.factor(time + step) - displacement) / step
+            }
+        }
+    }
+}
+
+/// The greatest speed that a model gives to nodes, m/s: at the beginning, and by prescribed motions.
+pub(crate) fn fastest<const D: usize, const N: usize>(model: &Model<D, N>, step: f64) -> f64 {
+    let length = |vector: [f64; D]| dot(vector, vector).sqrt();
+    let initial = model.velocities.iter().map(|&velocity| length(velocity));
+    let prescribed = model.boundaries.iter().map(|boundary| match boundary.load {
+        Load::Velocity(velocity) => {
+            length(velocity.map(Option::unwrap_or_default)) * boundary.schedule.most()
+        }
+        Load::Displacement(goal) => {
+            length(goal.map(Option::unwrap_or_default)) * boundary.schedule.steepest(step)
+        }
+        _ => 0.0,
+    });
+    initial.chain(prescribed).fold(0.0, f64::max)
+}
+
+impl Schedule {
+    /// The largest magnitude of the factor.
+    fn most(&self) -> f64 {
+        match self {
+            Self::Constant | Self::Ramp(_) => 1.0,
+            Self::Table(rows) => rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max),
+            Self::From(_, schedule) => schedule.most(),
+        }
+    }
+
+    /// The largest magnitude of the change of the factor in time, 1/s. At the beginning it changes from 0 within a step, s.
+    fn steepest(&self, step: f64) -> f64 {
+        let first = self.factor(0.0).abs() / step;
+        match self {
+            Self::Constant => first,
+            Self::Ramp(duration) => first.max(0.5 * std::f64::consts::PI / duration.max(step)),
+            Self::Table(rows) => {
+                let slope = |pair: &[[f64; 2]]| ((pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).abs();
+                rows.windows(2).map(slope).fold(first, f64::max)
+            }
+            Self::From(_, schedule) => schedule.steepest(step),
+        }
+    }
+
+    /// The factor at a time, s.
+    pub fn factor(&self, time: f64) -> f64 {
+        match self {
+            Self::Ramp(duration) if time < *duration => {
+                0.5 * (1.0 - libm::cos(std::f64::consts::PI * time.max(0.0) / duration))
+            }
+            Self::Constant | Self::Ramp(_) => 1.0,
+            Self::Table(rows) => {
+                let after = rows.partition_point(|row| row[0] <= time);
+                match (after.checked_sub(1).map(|k| rows[k]), rows.get(after).copied()) {
+                    (Some([t, f]), Some([u, g])) => f + (g - f) * (time - t) / (u - t),
+                    (Some([_, f]), None) | (None, Some([_, f])) => f,
+                    (None, None) => 0.0,
+                }
+            }
+            Self::From(start, schedule) => schedule.factor((time - start).max(0.0)),
+        }
+    }
+}
+
+/// All prescribed motions of a model.
+#[derive(Debug, Default)]
+pub(crate) struct Prescribed<const D: usize> {
+    /// Motions by axis. Nodes refer to them by their numbers.
+    pub(crate) holds: Vec<[Option<Hold>; D]>,
+}
+
+impl<const D: usize> Prescribed<D> {
+    /// Marks the nodes of a boundary that prescribes their motion. Returns `false` for another boundary.
+    pub(crate) fn prescribe<const N: usize>(
+        &mut self,
+        boundary: u32,
+        model: &Model<D, N>,
+        solid: &mut Solid<D, N>,
+    ) -> Result<bool, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let of_model = &model.boundaries[boundary as usize];
+        let motion = match of_model.load {
+            Load::Velocity(velocity) => velocity.map(|v| v.map(PrescribedMotion::Velocity)),
+            Load::Displacement(goal) => goal.map(|u| u.map(PrescribedMotion::Displacement)),
+            _ => return Ok(false),
+        };
+        self.hold(model, solid, boundary, &of_model.target.nodes(), motion)?;
+        Ok(true)
+    }
+
+    fn hold<const N: usize>(
+        &mut self,
+        model: &Model<D, N>,
+        solid: &mut Solid<D, N>,
+        boundary: u32,
+        nodes: &[u32],
+        motion: [Option<PrescribedMotion>; D],
+    ) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if nodes.is_empty() {
+            let boundary = model.boundaries[boundary as usize].name.clone();
+            return Err(ModelError::Target { boundary, needs: "nodes" });
+        }
+        for &number in nodes {
+            let node = &mut solid.constants[number as usize];
+            if node.hold == NONE {
+                node.hold = self.holds.len() as u32;
+                self.holds.push([None; D]);
+            }
+            let held = &mut self.holds[node.hold as usize];
+            for axis in 0..D {
+                let Some(motion) = motion[axis] else { continue };
+                match held[axis] {
+                    None => held[axis] = Some(Hold { boundary, motion }),
+                    // At a corner of a body two boundaries may both hold a node still.
+                    Some(other) if other.motion == motion && motion == PrescribedMotion::Velocity(0.0) => {}
+                    Some(other) => {
+                        let name = |k: u32| model.boundaries[k as usize].name.clone();
+                        let boundaries = [name(other.boundary), name(boundary)];
+                        return Err(ModelError::HeldTwice { node: number, axis, boundaries });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schedules_at_their_ends_and_between() {
+        assert_eq!(Schedule::Constant.factor(3.0), 1.0);
+        let ramp = Schedule::Ramp(2.0);
+        assert_eq!([0.0, 2.0, 5.0].map(|t| ramp.factor(t)), [0.0, 1.0, 1.0]);
+        assert!((ramp.factor(1.0) - 0.5).abs() < 1e-15);
+        let table = Schedule::Table(vec![[1.0, 2.0], [3.0, 4.0], [4.0, 0.0]]);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 3.5, 9.0].map(|t| table.factor(t)), [2.0, 2.0, 3.0, 4.0, 2.0, 0.0]);
+    }
+}
