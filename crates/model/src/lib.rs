@@ -55,7 +55,7 @@
 //! | joint sets: keys and laws, lines, files of lines | `src/joints/sets.rs`, `src/joints/lines.rs`, `src/joints/polylines.rs` |
 //! | joint sets in space: polygons, files of polygons | `src/joints/planes.rs`, `src/joints/polygons.rs` |
 //! | bonds between bodies | `src/joints/bonds.rs` |
-//! | loads and motions of boundaries | `src/stages/boundaries.rs` |
+//! | loads and motions of boundaries, their schedules, cavities | `src/stages/boundaries.rs`, `schedules.rs` and `cavities.rs` beside it |
 //! | stages of a run | `src/stages/resolve.rs`, `crates/fdem/src/command/run/stages.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
 //! | histories of probes, curves | `src/output/probes.rs`, `src/output/curves.rs` |

@@ -21,7 +21,7 @@ use crate::prepared::{AnyPrepared, Body, Group, Prepared};
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
-use crate::stages::{boundaries, resolve};
+use crate::stages::{boundaries, cavities, resolve, schedules};
 use crate::text::document::{Document, Table, line_of};
 use crate::text::fault::{Fault, ModelErrors};
 use crate::text::file::{self, ModelFile};
@@ -176,6 +176,8 @@ fn prepare_or_faults(
     let joint_sets = sets::check(&file, &document, dimensions, &mut found);
     build::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
+    schedules::check(&file, &document, &mut found);
+    cavities::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     resolve::check(&file, &document, &mut found);
     scaling::check(&file, &document, &mut found);
@@ -246,7 +248,7 @@ impl Checked<'_> {
         let lines = JointLines::of(D, file, document, load, &mut found);
         let (mesh, placed, missing) = build::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
-            boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
+            boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), load, &mut found);
         let mut stages = if missing.is_empty() {
             resolve::resolve(file, document, &mesh, &placed, &mut found)
         } else {

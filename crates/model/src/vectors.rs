@@ -64,6 +64,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             ("displacement", boundary.displacement.as_ref().map(Vec::len), d),
             ("force", boundary.force.as_ref().map(|force| force.0.len()), d),
             ("traction", boundary.traction.as_ref().map(|traction| traction.0.len()), d),
+            ("at", boundary.at.as_ref().map(|at| at.0.len()), d),
         ];
         for (key, found, wanted) in lengths {
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));

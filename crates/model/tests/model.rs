@@ -3,6 +3,7 @@
 //! - `anisotropy`: bedding of materials.
 //! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
+//! - `cavities`: pressures in holes and cracks, schedules of loads.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
@@ -27,6 +28,8 @@
 mod anisotropy;
 #[path = "model/bonds.rs"]
 mod bonds;
+#[path = "model/cavities.rs"]
+mod cavities;
 #[path = "model/examples.rs"]
 mod examples;
 #[path = "model/joint_sets.rs"]

@@ -5,6 +5,7 @@
 //! them all; nothing else knows how many there are. What an action remembers between steps it gives away as [`Record`]s, which belong to elements: checkpoints, stages and ranks carry records and do not know
 //! what is in them.
 
+pub(crate) mod cavity;
 pub(crate) mod gravity;
 pub(crate) mod ground;
 pub(crate) mod loads;
@@ -15,6 +16,7 @@ pub(crate) mod seams;
 use std::collections::BTreeMap;
 
 use crate::action::{Acting, Action, Applied, Event, Record, Scene, Wide};
+use crate::actions::cavity::Cavities;
 use crate::actions::gravity::Gravity;
 use crate::actions::ground::Ground;
 use crate::actions::loads::Loads;
@@ -44,6 +46,7 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     loads: Loads<D, N>,
     pub(crate) ground: Ground<D, N>,
     pub(crate) program: Program<D>,
+    pub(crate) cavities: Cavities<D>,
     gravity: Gravity,
     /// Forces of this step whose work is external work.
     applied: Vec<Applied<D>>,
@@ -63,8 +66,10 @@ where
         let ground = Ground::new(model, topology, wide.map(|wide| &wide.radii))?;
         let mut prescribed = Prescribed::default();
         let mut loads = Loads::default();
+        let mut cavities = Cavities::default();
         for (number, boundary) in (0..).zip(&model.boundaries) {
-            if wide.is_some() && boundary.target.is_empty() {
+            let is_part = wide.is_some();
+            if cavities.add(number, model, is_part)? || is_part && boundary.target.is_empty() {
                 continue;
             }
             if !prescribed.prescribe(number, model, solid)? {
@@ -79,20 +84,21 @@ where
             loads,
             ground,
             program: Program::default(),
+            cavities,
             gravity: Gravity,
             applied: Vec::new(),
         })
     }
 
     /// All kinds of actions, in the order in which their forces are added.
-    fn all(&self) -> [&dyn Action<D, N>; 5] {
-        [&self.seams, &self.loads, &self.ground, &self.program, &self.gravity]
+    fn all(&self) -> [&dyn Action<D, N>; 6] {
+        [&self.seams, &self.loads, &self.ground, &self.program, &self.cavities, &self.gravity]
     }
 
     /// The same list.
-    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 5], &mut Vec<Applied<D>>, &[Schedule]) {
-        let Self { seams, loads, ground, program, gravity, applied, schedules, .. } = self;
-        ([seams, loads, ground, program, gravity], applied, schedules)
+    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 6], &mut Vec<Applied<D>>, &[Schedule]) {
+        let Self { seams, loads, ground, program, cavities, gravity, applied, schedules, .. } = self;
+        ([seams, loads, ground, program, cavities, gravity], applied, schedules)
     }
 
     /// Adds the forces of all actions to the corners of elements.

@@ -159,6 +159,7 @@ fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
             Load::Velocity(values) | Load::Displacement(values) => values.into_iter().flatten().collect(),
             Load::Force(values) | Load::Traction(values) => values.to_vec(),
             Load::Pressure(value) => vec![value],
+            Load::Cavity { pressure, gas } => vec![pressure, gas.unwrap_or_default()],
             Load::Absorbing => Vec::new(),
             Load::Held => match &boundary.target {
                 Target::Held(facets, forces) if facets.len() == forces.len() => {
@@ -170,6 +171,11 @@ fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
             },
         };
         finite(&place, "a value", &values)?;
+        if let Load::Cavity { gas: Some(value), .. } = boundary.load
+            && value <= 1.0
+        {
+            return Err(out_of_range(&place, "the ratio of the specific heats", value, "above 1"));
+        }
         schedule(&place, &boundary.schedule)?;
     }
     Ok(())

@@ -3,7 +3,7 @@
 use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
 
-use crate::model::STORED;
+use crate::model::{STORED, Stored};
 use crate::sum::Sum;
 
 /// Energies and works, J. Their balance shows whether a run can be trusted.
@@ -72,6 +72,11 @@ impl Ledger {
     /// Adds to an account.
     pub(crate) fn add(&mut self, account: Account, more: &Sum) {
         self.sums[account as usize].add_sum(more);
+    }
+
+    /// Adds to the energy that actions store. All ranks add to the same ones.
+    pub(crate) fn store(&mut self, stored: Stored, more: &Sum) {
+        self.stored[stored as usize].get_or_insert_default().add_sum(more);
     }
 
     /// All sums. Every rank has the same ones, in one order.

@@ -1,7 +1,6 @@
 //! The faces of bodies that can be seen from outside: outer facets of the mesh, and both sides of each broken joint.
 //!
-//! The list is kept while joints break. Contact begins at its vertices, and cracks spread from them; seams look for outer facets that
-//! touch.
+//! The list is kept while joints break. Contact begins at its vertices, and cracks spread from them; seams look for outer facets that touch; cavities follow the sides of broken joints.
 
 use fdem_distributed::wire;
 

@@ -47,7 +47,7 @@
 //! All forces besides those of elements, joints and contacts are actions: each kind is a file in `src/actions` that implements the trait `Action` (`src/action.rs`), and `src/actions.rs` lists them. An action sees the state, adds
 //! forces, and names its energies. It gives what it remembers as records that belong to elements, so that checkpoints, stages and ranks need not know it.
 //!
-//! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact, tips of cracks, and seams read it.
+//! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact, tips of cracks, seams and cavities read it.
 //!
 //! What is not here has no use yet. All couples are couples of elements: a trait for other shapes comes with the second of its kind.
 //!
@@ -65,6 +65,7 @@
 //! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
 //! | outer facets and faces of cracks | `src/faces.rs` |
 //! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
+//! | pressure in holes and cracks | `src/actions/cavity.rs` |
 //! | what a caller sets between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
@@ -149,6 +150,7 @@ mod simulation;
 mod ranks;
 mod error;
 
+pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;
 pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};

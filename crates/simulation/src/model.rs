@@ -267,6 +267,14 @@ pub enum Load<const D: usize = 2> {
     Traction([f64; D]),
     /// A pressure on facets, Pa, against the outward normal of the deformed facet.
     Pressure(f64),
+    /// A pressure, Pa, on facets and on the faces of all broken joints that are connected with them, against their outward normals. Facets between elements stand for open joints with which the
+    /// cavity begins. `gas`: ratio of the specific heats of a gas, above 1, which has this pressure at the beginning and then follows its volume instead of the schedule.
+    Cavity {
+        /// Pressure, Pa.
+        pressure: f64,
+        /// Ratio of the specific heats; `None` for a pressure that follows the schedule.
+        gas: Option<f64>,
+    },
     /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
     /// Forces that are given node by node: [`Target::Held`]. They hold what an excavation or a boundary held that is not there any more.
@@ -274,7 +282,13 @@ pub enum Load<const D: usize = 2> {
 }
 
 /// Key and name of each term of the energy balance in which loads store energy of their own. A run that has no such load has no such term.
-pub const STORED: [(&str, &str); 0] = [];
+pub const STORED: [(&str, &str); 1] = [("gas", "gas")];
+
+/// A place in [`STORED`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stored {
+    Gas,
+}
 
 /// The factor of a [`Load`] in time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

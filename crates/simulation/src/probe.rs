@@ -7,6 +7,7 @@ use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
 use fdem_mesh::Mesh;
 
+use crate::actions::cavity::CavityState;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::solid::corners_of;
@@ -83,6 +84,8 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     ContactForce([Vec<u32>; 2]),
     /// Force of all boundaries on these nodes of the mesh, N, at the beginning of the last step.
     Reaction(Vec<u32>),
+    /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the pressure and energy of a gas, J, of the cavity of the boundary with this name.
+    Cavity(String),
 }
 
 impl<const D: usize, const N: usize> Probe<D, N>
@@ -98,6 +101,9 @@ where
             Self::Velocity(_) | Self::PointVelocity(_) => of(&["vx", "vy", "vz"][..D], "m/s"),
             Self::Gauge { .. } => of(&["strain"], "m/m"),
             Self::ContactForce(_) | Self::Reaction(_) => of(&["fx", "fy", "fz"][..D], "N"),
+            Self::Cavity(_) => {
+                vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
+            }
         }
     }
 
@@ -122,6 +128,7 @@ where
                 Self::Gauge { ends: ends.each_ref().map(point), span: span.clone() }
             }
             Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
+            Self::Cavity(name) => Self::Cavity(name.clone()),
             Self::Reaction(nodes) => {
                 Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect())
             }
@@ -139,7 +146,7 @@ where
 
     /// Whether the values are those at the beginning of the last step, and are known only after the first one.
     pub fn follows_a_step(&self) -> bool {
-        matches!(self, Self::Stress(_) | Self::ContactForce(_) | Self::Reaction(_))
+        matches!(self, Self::Stress(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Cavity(_))
     }
 
     /// Number of sums.
@@ -150,6 +157,8 @@ where
             Self::Velocity(_) => D + 1,
             Self::Gauge { .. } => 2 * D,
             Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => D,
+            // The last counts the cavities of this name: 0 in a stage that has none.
+            Self::Cavity(_) => 6,
         }
     }
 
@@ -174,6 +183,7 @@ where
                 vec![dot(plus(span, plus(span, moved)), moved) / (before * (before + now))]
             }
             Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => sums,
+            Self::Cavity(_) => (0..5).map(mean).collect(),
         }
     }
 }
@@ -245,6 +255,14 @@ where
                         add(&force, -1.0);
                     }
                 });
+            }
+            Probe::Cavity(name) => {
+                let number = self.model.boundaries.iter().position(|boundary| boundary.name == *name);
+                let state = number.and_then(|number| self.cavity(number));
+                if let Some(state) = state.filter(|_| self.scene().counts_common()) {
+                    let CavityState { pressure, volume, area, work, stored } = state;
+                    add(&[pressure, volume, area, work, stored, 1.0], 1.0);
+                }
             }
             Probe::Reaction(nodes) => {
                 let applied = self.actions.applied(&self.solid);
@@ -332,6 +350,7 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::Gauge { ends, span } => (4_u8, (*ends, span.clone())).put(out),
             Self::ContactForce(bodies) => (5_u8, bodies.clone()).put(out),
             Self::Reaction(nodes) => (6_u8, nodes.clone()).put(out),
+            Self::Cavity(name) => (7_u8, name.clone()).put(out),
         }
     }
 
@@ -346,7 +365,8 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
                 Self::Gauge { ends, span }
             }
             5 => Self::ContactForce(<[Vec<u32>; 2]>::take(bytes)),
-            _ => Self::Reaction(Vec::take(bytes)),
+            6 => Self::Reaction(Vec::take(bytes)),
+            _ => Self::Cavity(String::take(bytes)),
         }
     }
 }

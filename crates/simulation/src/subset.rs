@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use fdem_mesh::Mesh;
 
 use crate::error::ModelError;
-use crate::model::{Model, Target};
+use crate::model::{Load, Model, Target};
 use crate::simplex::Simplex;
 use crate::topology::{NONE, Topology};
 
@@ -103,6 +103,11 @@ where
         for boundary in &mut model.boundaries {
             match &mut boundary.target {
                 Target::Nodes(all) => *all = all.iter().filter_map(|&node| nodes[node as usize]).collect(),
+                // A cavity may begin with open joints, which are facets between elements.
+                Target::Facets(facets) if matches!(boundary.load, Load::Cavity { .. }) => {
+                    facets.retain(|facet| facet.iter().all(|&node| nodes[node as usize].is_some()));
+                    renumber(facets);
+                }
                 Target::Facets(facets) => {
                     facets.retain(outer);
                     renumber(facets);

@@ -18,6 +18,7 @@ mod arch;
 mod bedding;
 mod brazilian;
 mod cantilever;
+mod cavity;
 mod compliance;
 mod compression;
 mod debris;
@@ -546,6 +547,27 @@ const CASES: &[Case] = &[
         what: "Blocks whose bedding dips by 0 to 90 degrees are crushed. Cohesion and tensile strength grow linearly with the angle to the bedding. The strength is the least of all planes: a curve                like a U, with its least where the bedding dips as Mohr and Coulomb's plane. Jaeger's plane of weakness is the case of a strength that jumps.",
         source: "J. C. Jaeger, Geol. Mag. 97 (1960) 65-72; A. Lisjak, G. Grasselli and T. Vietor, Int. J. Rock Mech. Min. Sci. 65 (2014) 96-115",
         run: bedding::compression,
+    },
+    Case {
+        number: 40,
+        name: "pressure in a line crack",
+        what: "A crack in the middle of a plate, in plane strain, under the pressure of a cavity, at rest. It opens by 4 p √(l² - x²)/E', extrapolated from elements of two sizes; the work is the pressure times                the volume.",
+        source: "I. N. Sneddon, Proc. R. Soc. A 187 (1946) 229-260",
+        run: cavity::line,
+    },
+    Case {
+        number: 40,
+        name: "pressure in a penny-shaped crack",
+        what: "The same in space: the crack opens by 8 (1 - ν²) p √(a² - r²)/(π E).",
+        source: "I. N. Sneddon, Proc. R. Soc. A 187 (1946) 229-260",
+        run: space::cavity::penny,
+    },
+    Case {
+        number: 40,
+        name: "gas in a hole",
+        what: "A gas in the hole of a plate that swings: p V^γ does not change, and the gas has lost the work that it has done.",
+        source: "energy of a gas without exchange of heat, p V/(γ - 1)",
+        run: cavity::gas,
     },
 ];
 

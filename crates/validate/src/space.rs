@@ -4,6 +4,7 @@ pub(super) mod bars;
 pub(super) mod bodies;
 pub(super) mod brazilian;
 pub(super) mod cantilever;
+pub(super) mod cavity;
 pub(super) mod compression;
 pub(super) mod debris;
 pub(super) mod disc;

@@ -204,6 +204,21 @@ fn a_round_crack_opens_as_sneddon_says() {
 }
 
 #[test]
+fn a_pressure_opens_a_line_crack_as_sneddon_says() {
+    passes("pressure in a line crack");
+}
+
+#[test]
+fn a_pressure_opens_a_round_crack_as_sneddon_says() {
+    passes("pressure in a penny-shaped crack");
+}
+
+#[test]
+fn a_gas_keeps_its_pressure_times_the_power_of_its_volume() {
+    passes("gas in a hole");
+}
+
+#[test]
 fn a_thick_sphere_grows_as_lame_says() {
     passes("thick sphere");
 }

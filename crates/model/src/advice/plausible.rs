@@ -126,7 +126,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
         let (what, stress) = match &boundary.load {
             Load::Force(force) => ("force", length(force) / section),
             Load::Traction(traction) => ("traction", length(traction)),
-            Load::Pressure(pressure) => ("pressure", pressure.abs()),
+            Load::Pressure(pressure) | Load::Cavity { pressure, .. } => ("pressure", pressure.abs()),
             Load::Velocity(velocity) => {
                 let speed = length(&velocity.map(|component| component.unwrap_or(0.0)));
                 warnings.extend(too_fast(&title, speed, wave));

@@ -44,7 +44,7 @@ fn acts<const D: usize>(boundary: &Boundary<D>) -> bool {
             components.iter().flatten().any(|component| *component != 0.0)
         }
         Load::Force(components) | Load::Traction(components) => components != [0.0; D],
-        Load::Pressure(pressure) => pressure != 0.0,
+        Load::Pressure(pressure) | Load::Cavity { pressure, .. } => pressure != 0.0,
         Load::Absorbing | Load::Held => false,
     }
 }
@@ -138,7 +138,7 @@ fn sudden<const D: usize>(boundary: &Boundary<D>, passage: f64, damping: &str) -
         Load::Displacement(_) => "displacement",
         Load::Force(_) => "force",
         Load::Traction(_) => "traction",
-        Load::Pressure(_) => "pressure",
+        Load::Pressure(_) | Load::Cavity { .. } => "pressure",
         Load::Velocity(_) | Load::Absorbing | Load::Held => return None,
     };
     let within = duration(&boundary.schedule)?;

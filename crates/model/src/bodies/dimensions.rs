@@ -34,6 +34,9 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
     /// The rotation by an angle, degrees, about an axis.
     fn turn(angle: f64, axis: Option<[f64; 3]>) -> [[f64; D]; D];
 
+    /// Share of the full angle under which a facet is seen from the origin, negative from its outer side.
+    fn seen(facet: [[f64; D]; D]) -> f64;
+
     /// The stress with these components, as the model file has them.
     fn stress(components: &[f64]) -> [[f64; D]; D];
 }
@@ -67,7 +70,7 @@ fn is_in_space(boundary: &file::Boundary) -> bool {
     let holds_z = boundary.fixed.is_some_and(|fixed| fixed.axes()[2]);
     let on_side = matches!(boundary.side, Some(Side::Front | Side::Back));
     let motions = [&boundary.velocity, &boundary.displacement];
-    let loads = [&boundary.force, &boundary.traction];
+    let loads = [&boundary.force, &boundary.traction, &boundary.at];
     holds_z
         || on_side
         || boundary.limits.as_ref().is_some_and(|limits| limits.len() == 6)

@@ -23,6 +23,7 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("gauge", history.gauge.is_some()),
         ("contact_force", history.contact_force.is_some()),
         ("reaction", history.reaction.is_some()),
+        ("cavity", history.cavity.is_some()),
         ("energy", history.energy),
         ("crack_length", history.crack_length),
     ]
@@ -34,13 +35,13 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
 
 /// Whether a history is that of a probe.
 pub(crate) fn is_probe(history: &History) -> bool {
-    let keys = ["stress", "strain", "velocity", "gauge", "contact_force", "reaction"];
+    let keys = ["stress", "strain", "velocity", "gauge", "contact_force", "reaction", "cavity"];
     quantities(history).first().is_some_and(|key| keys.contains(key))
 }
 
 /// Whether the key `body` restricts a probe.
 pub(crate) fn takes_body(history: &History) -> bool {
-    is_probe(history) && history.contact_force.is_none()
+    is_probe(history) && history.contact_force.is_none() && history.cavity.is_none()
 }
 
 /// The key of a stress, strain or velocity, and where it is measured.
@@ -189,6 +190,9 @@ where
         if let Some([by, on]) = history.contact_force.as_deref() {
             return self.contact_force([by, on]);
         }
+        if let Some(name) = &history.cavity {
+            return self.cavity(name);
+        }
         self.reaction(history.reaction.as_deref().unwrap_or(""))
     }
 
@@ -256,6 +260,17 @@ where
             return Err(("contact_force", format!("\"{name}\" is on both sides"), Some(help)));
         }
         Ok(Probe::ContactForce([by, on]))
+    }
+
+    /// The cavity of a boundary.
+    fn cavity(&self, name: &str) -> Result<Probe<D, N>, Wrong> {
+        let cavities = self.file.boundary.iter().filter(|boundary| boundary.cavity);
+        let all: Vec<&str> = cavities.map(|boundary| boundary.name.as_str()).collect();
+        if all.contains(&name) {
+            return Ok(Probe::Cavity(name.to_owned()));
+        }
+        let help = suggestion(name, &all, "boundary with cavity = true");
+        Err(("cavity", format!("there is no cavity \"{name}\""), Some(help)))
     }
 
     /// The reaction of a group of nodes.

@@ -3,13 +3,15 @@
 use std::collections::BTreeSet;
 
 use fdem_mesh::{Mesh, bounds};
-use fdem_simulation::{Boundary, Load, Schedule, Target};
+use fdem_simulation::{Boundary, Load, Target};
 
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::{self, Placed, is_piece};
+use crate::stages::{cavities, schedules};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
 use crate::text::file::{self, Component, ModelFile, Side};
+use crate::text::included;
 
 /// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
 const SIDE: f64 = 1e-6;
@@ -44,23 +46,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("{title} is in two places, {first} and {second}"),
                 )
                 .label("a second place")
-                .help("take one of side, box and group"),
-            );
-        }
-        if boundary.ramp.is_some() && boundary.table.is_some() {
-            faults.push(
-                Fault::at(document.key(table, "table"), format!("{title} has both ramp and table"))
-                    .label("a second schedule"),
-            );
-        }
-        let ascending = |times: &[[f64; 2]]| times.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        if boundary.table.as_deref().is_some_and(|times| !ascending(times)) {
-            faults.push(
-                Fault::at(
-                    document.value(table, "table"),
-                    format!("{title}: the times of its table do not ascend"),
-                )
-                .label("out of order"),
+                .help("take one of side, box, group and at"),
             );
         }
         let inverted = |limits: &Vec<f64>| {
@@ -99,6 +85,7 @@ fn places(boundary: &file::Boundary) -> Vec<&'static str> {
         ("side", boundary.side.is_some()),
         ("box", boundary.limits.is_some()),
         ("group", boundary.group.is_some()),
+        ("at", boundary.at.is_some()),
     ]
     .into_iter()
     .filter(|(_, given)| *given)
@@ -114,6 +101,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
     mesh: &Mesh<D, N>,
     placed: &[Placed<D, N>],
     (missing, wrong): (&BTreeSet<usize>, &[bool]),
+    read: &mut included::Load<'_>,
     faults: &mut Vec<Fault>,
 ) -> Vec<Boundary<D>>
 where
@@ -153,9 +141,13 @@ where
             );
             continue;
         }
-        let on_facets = matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Absorbing);
+        let on_facets =
+            matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Cavity { .. } | Load::Absorbing);
         let (target, count, what) = if on_facets {
-            let facets = place.facets();
+            let mut facets = place.facets();
+            if let Some(point) = &boundary.at {
+                facets = cavities::at(point.components(), &facets, mesh, file, placed);
+            }
             let count = facets.len();
             (Target::Facets(facets), count, <[[f64; D]; N]>::OUTER_FACET)
         } else {
@@ -170,7 +162,10 @@ where
                     document.value(table, key),
                     format!("[[boundary]] \"{}\" is in a place where there is no {what}", boundary.name),
                 )
-                .label("nothing there"),
+                .label("nothing there")
+                .maybe_help(
+                    boundary.at.is_some().then(|| "a cavity is in a hole or on an open joint".to_owned()),
+                ),
             );
             continue;
         }
@@ -196,7 +191,10 @@ where
             );
             continue;
         }
-        boundaries.push(Boundary { name: boundary.name.clone(), target, load, schedule: schedule(boundary) });
+        let schedule = schedules::schedule((file, boundary), (document, table), read, faults);
+        let boundary = Boundary { name: boundary.name.clone(), target, load, schedule };
+        cavities::check_gas(&boundary, (document, table), faults);
+        boundaries.push(boundary);
     }
     boundaries
 }
@@ -338,14 +336,6 @@ fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>> {
         .or_else(|| boundary.displacement.as_ref().map(|by| Load::Displacement(prescribed(by))))
         .or_else(|| boundary.force.as_ref().map(|force| Load::Force(force.components())))
         .or_else(|| boundary.traction.as_ref().map(|traction| Load::Traction(traction.components())))
-        .or_else(|| boundary.pressure.map(Load::Pressure))
+        .or_else(|| cavities::load(boundary).or_else(|| boundary.pressure.map(Load::Pressure)))
         .or_else(|| boundary.absorbing.then_some(Load::Absorbing))
-}
-
-fn schedule(boundary: &file::Boundary) -> Schedule {
-    match (boundary.ramp, &boundary.table) {
-        (Some(ramp), _) => Schedule::Ramp(ramp),
-        (None, Some(table)) => Schedule::Table(table.clone()),
-        (None, None) => Schedule::Constant,
-    }
 }

@@ -420,6 +420,23 @@ pub fn constant(text: &str) -> Result<(f64, Option<String>), String> {
     Ok((value.number(), value.dimension().map(|dimension| dimension.to_string())))
 }
 
+/// The values of an expression of the time `t`, s: each time with its value.
+///
+/// # Errors
+/// Says why it has none.
+pub(crate) fn of_time(text: &str, times: impl Iterator<Item = f64>) -> Result<Vec<[f64; 2]>, String> {
+    let wrong = |wrong: Wrong| format!("\"{text}\" has no value: {}", wrong.message);
+    let parsed = expression::parse(text).map_err(wrong)?;
+    let value = |time: f64| {
+        let value = parsed.value(&mut |name, at| match name {
+            "t" => Ok(Quantity::plain(time)),
+            _ => Err(Wrong::new(at, format!("\"{name}\" is not the time t, a unit or a function"))),
+        });
+        value.map(|value| [time, value.number()]).map_err(wrong)
+    };
+    times.map(value).collect()
+}
+
 /// The dimension of a unit of the schema or of a column; none for "1".
 pub(crate) fn dimension_of(unit: &str) -> Option<Dimension> {
     if unit == "1" {

@@ -81,6 +81,7 @@ where
                     Load::Velocity(_)
                     | Load::Displacement(_)
                     | Load::Force(_)
+                    | Load::Cavity { .. }
                     | Load::Absorbing
                     | Load::Held => [0.0; D],
                 };

@@ -4,6 +4,7 @@ use fdem_contact::Simd;
 use fdem_distributed::wire;
 
 use crate::action::{Record, Scene};
+use crate::actions::cavity::CavityState;
 use crate::actions::seams::Seams;
 use crate::actions::{Actions, prescribed};
 use crate::checks;
@@ -251,6 +252,11 @@ where
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, solid, joints, actions, team, .. } = self;
         actions.begin(&Scene { model, topology, solid, joints, team, time, step })
+    }
+
+    /// Pressure, volume and work of the cavity of a boundary; `None` if it has none.
+    pub fn cavity(&self, boundary: usize) -> Option<CavityState> {
+        self.actions.cavities.state(u32::try_from(boundary).ok()?)
     }
 
     /// The model as it was given.

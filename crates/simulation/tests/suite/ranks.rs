@@ -104,6 +104,16 @@ fn a_crash_in_space_is_the_same() {
     }
 }
 
+/// A gas bursts a plate, and a cube: the ranks add up its volume, and know all cracks that are connected with it.
+#[test]
+fn a_gas_in_a_growing_cavity_is_the_same() {
+    let counts = same_on_ranks!(crate::cavity::bursting(), 2, 3, &[1, 2, 3, 4], &[1, 299, 300]);
+    assert!(counts.broken > 10, "{counts:?}");
+    let weak = Strength { tensile: 2e6, cohesion: 6e6, energy_i: 5.0, energy_ii: 25.0, ..rock() };
+    let counts = same_on_ranks!(crate::cavity::cube(Some(weak), 100e6), 3, 4, &[2, 3], &[1, 99, 100]);
+    assert!(counts.broken > 10, "{counts:?}");
+}
+
 /// Added masses: nodes that part take theirs along, and weight is that of the true masses.
 #[test]
 fn a_crash_of_bodies_with_added_mass_is_the_same() {

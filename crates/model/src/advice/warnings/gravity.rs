@@ -63,7 +63,7 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
                 (0..D).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
             }
             Load::Absorbing | Load::Held => true,
-            Load::Force(_) | Load::Traction(_) | Load::Pressure(_) => false,
+            Load::Force(_) | Load::Traction(_) | Load::Pressure(_) | Load::Cavity { .. } => false,
         };
         if holds {
             for node in boundary.target.nodes() {

@@ -7,8 +7,8 @@ use crate::text::file::condition::Servo;
 use crate::text::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of
-/// side, box, group. How: exactly one of fixed, velocity, displacement, force, traction, pressure, absorbing.
-/// When: ramp or table (default: constant from the start).
+/// side, box, group, at. How: exactly one of fixed, velocity, displacement, force, traction, pressure,
+/// absorbing. When: one of ramp, table, table_file, expression (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
@@ -34,6 +34,10 @@ pub struct Boundary {
     /// shapes in space see their descriptions.
     #[serde(default)]
     pub group: Option<String>,
+    /// Point [x, y] or [x, y, z], m, in a hole or on an open joint: the place of a `cavity`.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub at: Option<Vector>,
     /// Directions in which the nodes are held: "x", "y", "z" or several of them, such as "xy" or "xyz".
     #[serde(default)]
     pub fixed: Option<Fixed>,
@@ -59,6 +63,15 @@ pub struct Boundary {
     #[serde(default)]
     #[schemars(extend("x-unit" = "Pa"))]
     pub pressure: Option<f64>,
+    /// true: the pressure also acts on the faces of all broken joints that are connected with this place, and
+    /// follows the cracks as they grow: a blast, a borehole under pressure. Default: false.
+    #[serde(default)]
+    pub cavity: bool,
+    /// Ratio of the specific heats of a gas in the cavity, such as 1.4: `pressure` is that at the beginning,
+    /// and falls as the volume grows, p = p0 (V0/V)^gamma. Default: none; the pressure follows the schedule.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 1, "x-unit" = "1"))]
+    pub gas_exponent: Option<f64>,
     /// true: edges of the outline, or outer faces, absorb waves (Lysmer and Kuhlemeyer), carry the initial
     /// stress, and support the body with the stiffness of the ground beyond. Default: false.
     #[serde(default)]
@@ -73,6 +86,13 @@ pub struct Boundary {
     #[schemars(length(min = 1))]
     #[schemars(extend("x-unit" = ["s", "1"]))]
     pub table: Option<Vec<[f64; 2]>>,
+    /// CSV file with such a table: one row for each time, s, with its factor.
+    #[serde(default)]
+    pub table_file: Option<String>,
+    /// Factor of the load as an expression of the time `t` in seconds, such as "exp(-t/1e-3)". Straight lines
+    /// over 4000 intervals of the run stand for it.
+    #[serde(default)]
+    pub expression: Option<String>,
     /// Control of `velocity`, so that a force, a stress or a strain gets to a target. The `ramp` or the
     /// `table` is that of the target. Default: none.
     #[serde(default)]

@@ -147,6 +147,10 @@ pub struct History {
     /// boundaries on its nodes, N.
     #[serde(default)]
     pub reaction: Option<String>,
+    /// Name of a boundary with `cavity = true`: pressure, Pa, volume, m³, area of its faces, m², work of the
+    /// pressure, J, and energy of a gas in it, J.
+    #[serde(default)]
+    pub cavity: Option<String>,
     /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
