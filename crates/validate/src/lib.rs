@@ -10,7 +10,7 @@
 //! | a case, its bound | `src/lib.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space` |
 //! | models that several cases share | `src/models.rs`, `src/rocks.rs` |
 //! | the table and the page of reports | `src/page.rs` |
-//! | the tests of single cases | `src/tests.rs` |
+//! | the tests of the harness | `tests/ladder.rs` |
 //!
 //! The command `fdem validate` (`crates/fdem/src/command/validate.rs`) runs the cases.
 
@@ -41,8 +41,6 @@ mod rotation;
 mod shear;
 mod space;
 mod tension;
-#[cfg(test)]
-mod tests;
 mod wave;
 
 pub use page::{html, table};

@@ -182,8 +182,14 @@ fn at_the_limit<T: FromF64>(
     candidate == 0 && update.count() == 1
 }
 
+/// Cases of rounding at the limit: many under `.ci/run`, which sets `FDEM_THOROUGH`.
+fn rounding_cases() -> ProptestConfig {
+    let cases = if std::env::var_os("FDEM_THOROUGH").is_some() { 20_000 } else { 2000 };
+    ProptestConfig { cases, ..ProptestConfig::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+    #![proptest_config(rounding_cases())]
 
     #[test]
     fn no_rounding_loses_a_couple(

@@ -1,12 +1,16 @@
 //! `fdem validate` runs the verification ladder, case by case.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
 use std::time::Instant;
 
 use crate::command::args::ValidateArguments;
 use crate::command::failure::Failure;
 use crate::command::output::Output;
-use fdem_validate::{Case, Size, cases, html, table};
+use fdem_validate::{Case, CaseReport, Size, cases, html, table};
 
 pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     let size = if arguments.full { Size::Full } else { Size::Reduced };
@@ -14,8 +18,7 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     let mut output = arguments.html.as_deref().map(|path| Output::open(Some(path))).transpose()?;
     let start = Instant::now();
     let mut reports = Vec::new();
-    for case in chosen {
-        let report = case.report(size);
+    reports_in_order(&chosen, size, |report| {
         let seconds = start.elapsed().as_secs_f64();
         // A message that cannot be shown is not an error.
         let _ = writeln!(io::stdout(), "{}", table(std::slice::from_ref(&report)).trim_end());
@@ -23,7 +26,7 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
             let _ = writeln!(io::stderr(), "after {seconds:.0} s");
         }
         reports.push(report);
-    }
+    });
     if let Some(output) = &mut output {
         output.write(|out| out.write_all(html(&reports, size).as_bytes()))?;
     }
@@ -34,6 +37,37 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     }
     let _ = writeln!(io::stdout(), "all {} cases passed", reports.len());
     Ok(())
+}
+
+/// Runs cases on all processors, and passes their reports to `show` in the order of the cases.
+fn reports_in_order(cases: &[&'static Case], size: Size, mut show: impl FnMut(CaseReport)) {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(cases.len());
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            let (next, sender) = (&next, sender.clone());
+            scope.spawn(move || {
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(case) = cases.get(place) else { break };
+                    // The receiver lives as long as this scope.
+                    let _ = sender.send((place, case.report(size)));
+                }
+            });
+        }
+        drop(sender);
+        // Reports that have come before one of an earlier case.
+        let mut early = BTreeMap::new();
+        let mut shown = 0;
+        for (place, report) in receiver {
+            early.insert(place, report);
+            while let Some(report) = early.remove(&shown) {
+                show(report);
+                shown += 1;
+            }
+        }
+    });
 }
 
 /// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case.

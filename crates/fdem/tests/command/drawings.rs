@@ -80,6 +80,7 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
         [(small, 15_000), ("--plots p.png", 25_000), ("--report p.html", 25_000), ("--picture p.svg", 75_000)]
     {
         let mut ends = [0, 0];
+        let step = if crate::thorough() { step } else { 3 * step };
         for kilobytes in (least..least + 300_000).step_by(step) {
             let line = format!(
                 "ulimit -v {kilobytes} && RUST_BACKTRACE=0 exec {fdem} contacts gas.npy -q {drawing}"

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use fdem_simulation::{ContactOptions, FractureOptions};
 use serde::de::DeserializeOwned;
+use toml::de::ValueDeserializer;
 use toml::{Table as Toml, Value};
 
 use crate::text::document::{Document, Table};
@@ -81,7 +82,7 @@ impl Partial {
             }
         }
         let Reader { broken, nameless, .. } = reader;
-        let file = Value::Table(root).try_into().ok()?;
+        let file = value_as(&Value::Table(root))?;
         Some(Self { file, broken, nameless })
     }
 
@@ -99,6 +100,12 @@ impl Partial {
             self.broken.iter().any(|broken| broken.start <= span.start && span.end <= broken.end)
         })
     }
+}
+
+/// Reads a value as its type, through its text: types are then compiled for one source of values, that of
+/// `Document::read`.
+fn value_as<T: DeserializeOwned>(value: &Value) -> Option<T> {
+    T::deserialize(ValueDeserializer::parse(&value.to_string()).ok()?).ok()
 }
 
 /// Whether a body, or its outline, has a shape in three dimensions.
@@ -131,7 +138,7 @@ impl Reader<'_, '_> {
         };
         for (index, item) in list.iter_mut().enumerate() {
             self.look(Table::of(name, index));
-            if item.clone().try_into::<T>().is_ok() {
+            if value_as::<T>(item).is_some() {
                 continue;
             }
             let empty = Toml::new();
@@ -153,7 +160,7 @@ impl Reader<'_, '_> {
     fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str) {
         let Some(value) = root.get(name) else { return };
         self.look(Table::one(name));
-        if value.clone().try_into::<T>().is_err() {
+        if value_as::<T>(value).is_none() {
             root.remove(name);
         }
     }
