@@ -154,8 +154,8 @@ where
     let balance = [("balance", energies.balance()), ("error", energies.error())];
     let told_energies: serde_json::Map<String, serde_json::Value> = energies
         .terms()
-        .map(|term| (term.key, term.value))
         .into_iter()
+        .map(|term| (term.key, term.value))
         .chain(balance)
         .map(|(key, value)| (key.to_owned(), json!(value)))
         .collect();
