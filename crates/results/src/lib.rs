@@ -17,9 +17,9 @@
 //! page as compressed arrays. The page's scripts (`src/page`) are our own;
 //! `crates/fdem/tests/browser/test_report.py` runs them in a browser.
 //!
-//! `fields` is one table of all quantities of a run, [`QUANTITIES`]. Files for ParaView, frames, pictures, pages, model files,
-//! options of the command, the Python package and the book take keys, names, units, colours and values from it. A [`Field`]
-//! is a row that colours elements.
+//! `fields` is one table of all quantities of a run, [`QUANTITIES`]. Files for ParaView, frames, pictures,
+//! pages, model files, options of the command, the Python package and the book take keys, names, units,
+//! colours and values from it. A [`Field`] is a row that colours elements.
 //!
 //! # To change X, open Y
 //!

@@ -59,7 +59,8 @@ impl<const D: usize, const N: usize> Acting<'_, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Adds forces whose work is external work. Forces that are the gradient of an energy of the action are added with [`Solid::add_force`] instead.
+    /// Adds forces whose work is external work. Forces that are the gradient of an energy of the action are
+    /// added with [`Solid::add_force`] instead.
     pub(crate) fn apply(&mut self, list: impl FnOnce(&Solid<D, N>, &mut Vec<Applied<D>>)) {
         let first = self.applied.len();
         list(self.solid, self.applied);
@@ -81,7 +82,8 @@ pub(crate) struct Applied<const D: usize> {
     pub(crate) viscous: Point<D>,
 }
 
-/// A part of what an action remembers between steps. It belongs to one element, to two, or to none; then all ranks have it.
+/// A part of what an action remembers between steps. It belongs to one element, to two, or to none; then all
+/// ranks have it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct Record {
     /// Place of the action in the list of all kinds.
@@ -152,10 +154,12 @@ pub(crate) trait Action<const D: usize, const N: usize>: fmt::Debug + Send + Syn
         Vec::new()
     }
 
-    /// Sets static forces so that they hold the nodes in equilibrium at the beginning. `others`: force on a corner besides that of its element, N.
+    /// Sets static forces so that they hold the nodes in equilibrium at the beginning. `others`: force on a
+    /// corner besides that of its element, N.
     fn support(&mut self, _scene: &Scene<'_, D, N>, _others: &dyn Fn(u32) -> Point<D>) {}
 
-    /// Works that are known only when all forces of a step are, J. `applied`: forces whose work is counted already.
+    /// Works that are known only when all forces of a step are, J. `applied`: forces whose work is counted
+    /// already.
     fn works(&mut self, _scene: &Scene<'_, D, N>, _applied: &[Applied<D>]) -> Vec<f64> {
         Vec::new()
     }

@@ -1,9 +1,10 @@
 //! Actions on the bodies: all forces besides those of elements, joints and contacts.
 //!
-//! Each kind of action is a file in `src/actions` that implements [`Action`] (`src/action.rs`): it sees the state,
-//! adds forces, and names its energies. [`Actions`] has one field for each kind, and two lists that name
-//! them all; nothing else knows how many there are. What an action remembers between steps it gives away as [`Record`]s, which belong to elements: checkpoints, stages and ranks carry records and do not know
-//! what is in them.
+//! Each kind of action is a file in `src/actions` that implements [`Action`] (`src/action.rs`): it sees the
+//! state, adds forces, and names its energies. [`Actions`] has one field for each kind, and two lists that
+//! name them all; nothing else knows how many there are. What an action remembers between steps it gives away
+//! as [`Record`]s, which belong to elements: checkpoints, stages and ranks carry records and do not know what
+//! is in them.
 
 pub(crate) mod cavity;
 pub(crate) mod gravity;
@@ -40,7 +41,8 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     pub(crate) schedules: Vec<Schedule>,
     /// Factors of boundaries that the caller has set in place of their schedules.
     pub(crate) factors: BTreeMap<u32, f64>,
-    /// Motions of nodes that boundaries prescribe. They add no force: the motion of the nodes finds their reactions.
+    /// Motions of nodes that boundaries prescribe. They add no force: the motion of the nodes finds their
+    /// reactions.
     pub(crate) prescribed: Prescribed<D>,
     pub(crate) seams: Seams<D>,
     loads: Loads<D, N>,
@@ -56,7 +58,8 @@ impl<const D: usize, const N: usize> Actions<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Checks the boundaries, and marks the nodes that they hold. `wide`: numbers of the whole model, if this is a part.
+    /// Checks the boundaries, and marks the nodes that they hold. `wide`: numbers of the whole model, if this
+    /// is a part.
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
@@ -117,7 +120,8 @@ where
         all.reduce(plus).unwrap_or([0.0; D])
     }
 
-    /// Holds the nodes of absorbing facets in equilibrium at the beginning, under initial stress, weight, and the forces of the other actions and of joints.
+    /// Holds the nodes of absorbing facets in equilibrium at the beginning, under initial stress, weight, and
+    /// the forces of the other actions and of joints.
     pub(crate) fn support(&mut self, scene: &Scene<'_, D, N>) {
         if self.ground.is_empty() {
             return;
@@ -145,7 +149,8 @@ where
         all.into_iter().flat_map(|action| action.works(scene, applied)).collect()
     }
 
-    /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing facets, one pair for each force.
+    /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of
+    /// absorbing facets, one pair for each force.
     pub(crate) fn half_works(&self, solid: &Solid<D, N>, step: f64) -> impl Iterator<Item = [f64; 2]> {
         self.owned(solid).map(move |applied| {
             let velocity = solid.at_corner(applied.corner).velocity;
@@ -154,7 +159,8 @@ where
         })
     }
 
-    /// The forces that were applied in the last step on corners that this rank owns, each with its boundary, or [`NONE`], and its corner.
+    /// The forces that were applied in the last step on corners that this rank owns, each with its boundary,
+    /// or [`NONE`], and its corner.
     pub(crate) fn applied(&self, solid: &Solid<D, N>) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
         self.owned(solid).map(|applied| ([applied.boundary, applied.corner], applied.force))
     }
@@ -203,7 +209,8 @@ where
         self.all_mut().0.into_iter().map(|action| action.measure(event, scene)).collect()
     }
 
-    /// Gives the sums back to their actions, added up over all ranks. Returns the energy that is dissipated, J.
+    /// Gives the sums back to their actions, added up over all ranks. Returns the energy that is dissipated,
+    /// J.
     pub(crate) fn settle(&mut self, event: &Event<'_, D>, sums: &[Vec<Sum>]) -> f64 {
         let all = self.all_mut().0.into_iter().zip(sums);
         all.map(|(action, sums)| action.settle(event, sums)).sum()

@@ -1,12 +1,14 @@
 //! Contacts between elements: detection of couples, and their forces.
 //!
-//! Only elements near a free surface can touch elements to which they are not connected. A vertex is free if an outer edge or a broken joint ends there.
-//! Elements within two rings around the free vertices are *watched*: contact detection gets their boxes, with a buffer. When a crack reaches an element that is
-//! not watched, the watched elements are found anew.
+//! Only elements near a free surface can touch elements to which they are not connected. A vertex is free if
+//! an outer edge or a broken joint ends there. Elements within two rings around the free vertices
+//! are *watched*: contact detection gets their boxes, with a buffer. When a crack reaches an element that is
+//! not watched, the watched elements are determined again.
 //!
-//! The detection gets new boxes only when elements may have moved by a part of the buffer. Of the couples whose boxes are near, those stay whose elements are
-//! nearer than the buffer: in three dimensions a few of a hundred. A couple that does not touch is skipped until nodes may have travelled half of its gap.
-//! All these bounds add up the distance of the fastest node in each step, so that no contact is found too late.
+//! The detection gets new boxes only when elements may have moved by a part of the buffer. Couples whose
+//! boxes are near stay only if their elements are nearer than the buffer: in three dimensions a few of a
+//! hundred. A couple that does not touch is skipped until nodes may have travelled half of its gap. All these
+//! bounds add up the distance of the fastest node in each step, so that no contact is found too late.
 
 mod couple;
 mod forces;
@@ -35,8 +37,9 @@ use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
 use crate::vector::{Point, minus};
 
-/// Number of chunks of couples for each thread whose forces are computed together. Meanwhile, those of the round before are added to the forces of elements. The memory for the forces
-/// of couples does not grow beyond two rounds.
+/// Number of chunks of couples for each thread whose forces are computed together. Meanwhile, those of the
+/// round before are added to the forces of elements. The memory for the forces of couples does not grow
+/// beyond two rounds.
 const ROUND: usize = 16;
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
@@ -62,7 +65,8 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     materials: usize,
     /// Whether each vertex is free: on an outer facet or a broken joint.
     pub(crate) free: Vec<bool>,
-    /// Group of each corner among those of its vertex, by the code of its first corner: elements of one group are connected there.
+    /// Group of each corner among those of its vertex, by the code of its first corner: elements of one group
+    /// are connected there.
     pub(crate) groups: Vec<u32>,
     /// Whether each element is bare: whether one of its vertices is free. Only bare elements touch others.
     bare: Vec<bool>,
@@ -74,17 +78,19 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     buffer: f64,
     /// After each update of the search, all couples with a smaller gap than this are among the candidates, m.
     slack: f64,
-    /// Upper bound of the distance that nodes have travelled in all steps so far, m, its value at the last update of the search, and when couples were chosen.
+    /// Upper bound of the distance that nodes have travelled in all steps so far, m, its value at the last
+    /// update of the search, and when couples were chosen.
     travel: f64,
     looked: f64,
     chosen: f64,
     /// Couples that may touch in the present state of the joints, ascending.
     couples: Vec<Couple>,
-    /// For each chunk of couples, the histories of those that touch.
+    /// For each chunk of couples, the histories of the couples that touch.
     histories: Vec<Histories<D, N>>,
     /// Forces of the couples of two rounds. They are not kept.
     pressed: [Vec<ChunkForces<D, N>>; 2],
-    /// Pairs of elements that separated in the last step, at a vertex or along a facet, and elements that became bare in it. Their overlap must not count at once.
+    /// Pairs of elements that separated in the last step, at a vertex or along a facet, and elements that
+    /// became bare in it. Their overlap must not count immediately.
     pub(crate) parted: Vec<[u32; 2]>,
     pub(crate) bared: Vec<u32>,
     /// Whether an element at a free vertex is not watched yet.
@@ -95,7 +101,7 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
 /// Results of a pass over the couples. Energies and works in J.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Touching {
-    /// Energy stored in the potentials, if it is asked for.
+    /// Energy stored in the potentials, if requested.
     pub(crate) energy: Option<Sum>,
     /// Work against friction since the last pass.
     pub(crate) friction: Sum,
@@ -110,8 +116,8 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    /// Takes the works of a round of couples, and adds their forces to those of their elements. One by one: sums of chunks would depend on the couples that do not touch,
-    /// and a resumed run may have others.
+    /// Takes the works of a round of couples, and adds their forces to those of their elements. One by one:
+    /// sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
     fn take<const D: usize, const N: usize>(
         &mut self,
         couples: &[Couple],
@@ -206,7 +212,7 @@ where
         Ok(contacts)
     }
 
-    /// Memory of what is known of elements, bytes; without couples and without the search.
+    /// Memory of the properties of elements, bytes; without couples and without the search.
     pub(crate) fn bytes(&self) -> usize {
         let Self { joint_facets, free, groups, bare, watched, list, .. } = self;
         size_of_val(&**joint_facets)
@@ -238,7 +244,8 @@ where
         self.bared.clear();
     }
 
-    /// Registers joints that broke: their elements may touch from the next step on. Returns the vertices at which they are, ascending.
+    /// Registers joints that broke: their elements may touch from the next step on. Returns the vertices at
+    /// which they are, ascending.
     pub(crate) fn part(
         &mut self,
         broken: &[u32],
@@ -405,7 +412,7 @@ where
 
     /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> SavedContacts<D, N> {
-        // Couples that do not touch have no history. They are found anew.
+        // Couples that do not touch have no history. They are found again.
         SavedContacts {
             grips: self.touching().collect(),
             parted: self.parted.clone(),
@@ -445,7 +452,7 @@ where
         self.group_grips(saved.into_iter().map(|(_, grip)| grip));
     }
 
-    /// Forgets the forces of the last step: a resumed run tells none before its first.
+    /// Forgets the forces of the last step: a resumed run has none before its first step.
     pub(crate) fn without_forces(saved: SavedContacts<D, N>) -> SavedContacts<D, N> {
         let grips = saved.grips.into_iter().map(|(elements, grip)| (elements, grip.without_push()));
         SavedContacts { grips: grips.collect(), ..saved }
@@ -499,7 +506,7 @@ where
             if let Some((known, grip)) = &known
                 && known.elements == couple.elements
             {
-                // The distance that was found now may be larger than the one that was told then.
+                // The distance found now may be larger than the one found then.
                 let apart_until = if !known.touches && !known.initial_overlap {
                     known.apart_until.max(couple.apart_until)
                 } else {
@@ -535,7 +542,7 @@ where
         if bared.is_empty() {
             return;
         }
-        // Those that are known to be apart do not overlap.
+        // Couples that are known to be apart do not overlap.
         let travel = self.travel;
         let near = |couple: &&mut Couple| !couple.touches && couple.apart_until <= travel;
         for couple in self.couples.iter_mut().filter(near) {
@@ -544,7 +551,8 @@ where
         }
     }
 
-    /// Computes the forces of all couples, and adds them to those of their elements. `energy`: whether the energy of the potentials is asked for.
+    /// Computes the forces of all couples, and adds them to those of their elements. `energy`: whether to
+    /// compute the energy of the potentials.
     pub(crate) fn press(
         &mut self,
         solid: &mut Solid<D, N>,
@@ -600,7 +608,8 @@ where
     }
 }
 
-/// Groups the corners of a vertex: elements are connected by the facets that `holds` accepts. Returns each corner with the code of the first corner of its group.
+/// Groups the corners of a vertex: elements are connected by the facets that `holds` accepts. Returns each
+/// corner with the code of the first corner of its group.
 fn group<const D: usize, const N: usize>(
     vertex: u32,
     topology: &Topology<D, N>,

@@ -1,14 +1,16 @@
 //! The longest stable time step.
 //!
-//! Central differences are stable up to a time step of 2/ω, with ω the highest angular frequency of the elastic system (book, (5.34)). The following bound
-//! holds for any mesh. λ is the square of the highest angular frequency of a free element, mₑ its mass at the node, and a spring k between two nodes is at most
+//! Central differences are stable up to a time step of 2/ω, with ω the highest angular frequency of the
+//! elastic system (book, (5.34)). The following bound holds for any mesh. λ is the square of the highest
+//! angular frequency of a free element, mₑ its mass at the node, and a spring k between two nodes is at most
 //! as stiff as 2 k on each:
 //!
 //! ```text
 //! ω² ≤ max over nodes of (Σ λ mₑ + 2 Σ k) / Σ mₑ
 //! ```
-//! The sums are over the elements and *all* springs at the node: for every facet that is, or may become, free, the stiffer of its joint and its contact. Each
-//! node is as small as it can become, as if all facets around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
+//! The sums are over the elements and *all* springs at the node: for every facet that is, or may become,
+//! free, the stiffer of its joint and its contact. Each node is as small as it can become, as if all facets
+//! around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
 
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
@@ -24,7 +26,7 @@ use crate::solid::corners_of;
 use crate::topology::Facet;
 use crate::topology::{NONE, Topology};
 
-/// The longest stable time step, and what sets it.
+/// The longest stable time step, and the part that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
     /// Time step, s.
@@ -126,7 +128,8 @@ pub(crate) fn reduction<const D: usize, const N: usize>(model: &Model<D, N>) -> 
     (1.0 + damping * damping).sqrt() - damping
 }
 
-/// Calls `visit` with the corners of each node that the model may get, where each is as small as it can become.
+/// Calls `visit` with the corners of each node that the model may get, where each is as small as it can
+/// become.
 pub(crate) fn least_nodes<const D: usize, const N: usize>(
     model: &Model<D, N>,
     topology: &Topology<D, N>,

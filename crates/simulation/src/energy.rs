@@ -8,7 +8,8 @@ use crate::sum::Sum;
 
 /// Energies and works, J. Their balance shows whether a run can be trusted.
 ///
-/// Stored energy is counted in full: elements, joints and contacts under initial stress begin with the energy of that stress.
+/// Stored energy is counted in full: elements, joints and contacts under initial stress begin with the energy
+/// of that stress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic energy.
@@ -113,7 +114,8 @@ impl Ledger {
         }
     }
 
-    /// Sum of the magnitudes of the external works that may cancel, J: of loads, of gravity, and of boundaries that move or hold nodes.
+    /// Sum of the magnitudes of the external works that may cancel, J: of loads, of gravity, and of
+    /// boundaries that move or hold nodes.
     pub(crate) fn done(&self) -> f64 {
         let [external, loads, gravity] =
             [Account::External, Account::Loads, Account::Gravity].map(|account| self.value(account));
@@ -121,7 +123,7 @@ impl Ledger {
     }
 }
 
-/// What a term of the energy balance is.
+/// Meaning of a term of the energy balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TermKind {
     /// Present or dissipated: a function of time.
@@ -139,7 +141,7 @@ pub struct Term {
     pub key: &'static str,
     /// Name for people.
     pub name: &'static str,
-    /// What it is.
+    /// Meaning of the term.
     pub kind: TermKind,
     /// Energy or work, J.
     pub value: f64,
@@ -165,7 +167,8 @@ impl Energies {
         ]
     }
 
-    /// All terms of the balance: those that every run has, then the energies that actions store. Tables and files list them in this order.
+    /// All terms of the balance: those that every run has, then the energies that actions store. Tables and
+    /// files list them in this order.
     pub fn terms(&self) -> Vec<Term> {
         let stored = STORED.iter().zip(self.stored).filter_map(|(&(key, name), value)| {
             Some(Term { key, name, kind: TermKind::Used, value: value? })
@@ -178,8 +181,8 @@ impl Energies {
         self.common().into_iter().filter(|term| term.kind != TermKind::Initial)
     }
 
-    /// Error of the energy balance, J: present and dissipated energy, less initial energy and external work. The error of the time integration makes it differ
-    /// from 0.
+    /// Error of the energy balance, J: present and dissipated energy, less initial energy and external work.
+    /// The error of the time integration makes it differ from 0.
     pub fn balance(&self) -> f64 {
         self.terms().iter().fold(0.0, |sum, term| match term.kind {
             TermKind::Used => sum + term.value,
@@ -189,10 +192,11 @@ impl Energies {
 
     /// Energy, J, with which an error of the balance is compared: the largest energy exchanged so far.
     ///
-    /// The exchanged energy is the larger of two sums of magnitudes. The first has kinetic energy, changes of the stored energies, and dissipated energies. The
-    /// second has the work of loads, of gravity, and of boundaries that move or hold nodes. Terms of different signs do not cancel, the scale never falls, and
-    /// energy that stays stored from beginning to end does not count. The scale is at least 1e-9 of the energy at the beginning: below that, rounding of that energy would
-    /// be an error of a body at rest.
+    /// The exchanged energy is the larger of two sums of magnitudes. The first has kinetic energy, changes of
+    /// the stored energies, and dissipated energies. The second has the work of loads, of gravity, and of
+    /// boundaries that move or hold nodes. Terms of different signs do not cancel, the scale never falls, and
+    /// energy that stays stored from beginning to end does not count. The scale is at least 1e-9 of the
+    /// energy at the beginning: below that, rounding of that energy would be an error of a body at rest.
     pub fn scale(&self) -> f64 {
         self.exchanged.max(ROUNDING * self.initial)
     }
@@ -208,7 +212,8 @@ impl Energies {
         self.initial + self.external
     }
 
-    /// Sum, J, of the kinetic energy, the magnitude of the energy dissipated by damping, and the magnitudes of the changes of all other energies since `first`.
+    /// Sum, J, of the kinetic energy, the magnitude of the energy dissipated by damping, and the magnitudes
+    /// of the changes of all other energies since `first`.
     pub(crate) fn changed(&self, first: &Self) -> f64 {
         self.kinetic
             + (self.strain - first.strain).abs()

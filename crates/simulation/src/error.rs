@@ -34,26 +34,26 @@ pub enum ModelError {
         place: String,
         /// The quantity.
         what: &'static str,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
         /// Range in words.
         range: &'static str,
     },
     /// An element has no area, or its nodes are in clockwise order.
     Area {
-        /// Its number.
+        /// Number of the element.
         element: usize,
-        /// Its area, m².
+        /// Area of the element, m².
         area: f64,
     },
     /// A node belongs to no element.
     LooseNode {
-        /// Its number.
+        /// Number of the node.
         node: usize,
     },
     /// Two elements lie on the same side of their common edge.
     Folded {
-        /// Their numbers.
+        /// Numbers of the elements.
         elements: [u32; 2],
     },
     /// More than two elements have an edge in common.
@@ -123,7 +123,7 @@ pub enum ModelError {
         /// Message of the detection.
         message: String,
     },
-    /// A run cannot be divided among so many ranks.
+    /// A run cannot be divided among this number of ranks.
     Ranks {
         /// Number of ranks.
         ranks: usize,
@@ -240,7 +240,7 @@ pub enum Stop {
         element: u32,
         /// The step.
         step: u64,
-        /// Its area over its undeformed area.
+        /// Area of the element over its undeformed area.
         ratio: f64,
     },
     /// A node is faster than is physically possible.
@@ -292,11 +292,11 @@ pub enum Stop {
         /// The error of the detection.
         fdem_contact::Error,
     ),
-    /// A rank of a run of many cannot go on.
+    /// A rank of a run of many cannot continue.
     OnRank {
         /// The rank.
         rank: usize,
-        /// Its reason.
+        /// The reason of that rank.
         reason: String,
     },
 }

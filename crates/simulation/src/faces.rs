@@ -1,6 +1,8 @@
-//! The faces of bodies that can be seen from outside: outer facets of the mesh, and both sides of each broken joint.
+//! The faces of bodies that can be seen from outside: outer facets of the mesh, and both sides of each broken
+//! joint.
 //!
-//! The list is kept while joints break. Contact begins at its vertices, and cracks spread from them; seams look for outer facets that touch; cavities follow the sides of broken joints.
+//! The list is kept while joints break. Contact begins at its vertices, and cracks spread from them; seams
+//! look for outer facets that touch; cavities follow the sides of broken joints.
 
 use fdem_distributed::wire;
 
@@ -12,7 +14,8 @@ use crate::topology::{Facet, Topology};
 pub(crate) struct Faces<const D: usize> {
     /// Outer facets, each by its corners, in the order of the elements.
     pub(crate) outer: Vec<[u32; D]>,
-    /// Facets between elements whose joint has broken, in the order in which they were noted. Both of their sides are faces.
+    /// Facets between elements whose joint has broken, in the order in which they were noted. Both of their
+    /// sides are faces.
     pub(crate) broken: Vec<u32>,
 }
 

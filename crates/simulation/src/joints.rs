@@ -1,11 +1,15 @@
-//! Joints between elements: which facets can separate, when they do, and the tractions that joints carry until they are broken.
+//! Joints between elements: which facets can separate, when they do, and the tractions that joints carry
+//! until they are broken.
 //!
-//! A joint acts at its D ends, the vertices of its facet, each of which stands for a part of 1/D of the facet (Newton-Cotes integration). The force at an end acts
-//! between the node on one side and the node on the other. As long as both sides share one node, that end cannot open and has no force. A facet that reaches its
-//! strength within whole material therefore opens only when others at the same vertex reach theirs: this is how cracks begin and end.
+//! A joint acts at its D ends, the vertices of its facet, each of which represents a part of 1/D of the facet
+//! (Newton-Cotes integration). The force at an end acts between the node on one side and the node on the
+//! other. While both sides share one node, that end cannot open and has no force. A facet that reaches its
+//! strength within whole material therefore opens only when others at the same vertex reach theirs: this is
+//! how cracks begin and end.
 //!
-//! A joint that is inserted under load begins with the traction that acts there, so that no stress is released at once. This holds for adaptive insertion
-//! (`joints/insertion.rs`), and for intrinsic joints under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
+//! A joint that is inserted under load begins with the traction that acts there, so that the insertion
+//! releases no stress. This holds for adaptive insertion (`joints/insertion.rs`), and for intrinsic joints
+//! under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
 mod insertion;
 mod joint;
@@ -58,7 +62,7 @@ pub(crate) struct SavedJoints<const D: usize = 2> {
     breaks: Vec<Break>,
 }
 
-/// A joint with what is kept apart from it, for another rank. Its facet is a code.
+/// A joint with its data in other lists, for another rank. Its facet is a code.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovingJoint<const D: usize> {
     pub(crate) joint: Joint<D>,
@@ -73,7 +77,8 @@ pub(crate) struct MovingJoint<const D: usize> {
 
 wire!([const D: usize] MovingJoint<D> { joint, forces, broken, measure, corners });
 
-/// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their facets.
+/// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their
+/// facets.
 pub(crate) type VertexSplit<const D: usize> = (u32, Vec<(u32, [f64; D])>);
 
 /// A joint as results show it.
@@ -95,7 +100,8 @@ impl<const D: usize> MovingJoint<D> {
         self.joint.nodes = std::array::from_fn(|end| corners.map(|side| node_at(side[end])));
     }
 
-    /// The joint in another mesh; `None` if one of its elements is not there. `number`: the number there of an element here.
+    /// The joint in another mesh; `None` if one of its elements is not there. `number`: the number there of
+    /// an element here.
     pub(crate) fn renumbered<const N: usize>(mut self, number: impl Fn(u32) -> Option<u32>) -> Option<Self> {
         let code = |code: u32| Some(number(code / N as u32)? * N as u32 + code % N as u32);
         self.joint.facet = code(self.joint.facet)?;
@@ -140,7 +146,7 @@ impl<const D: usize> SavedJoints<D> {
 #[derive(Debug)]
 pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) all: Vec<Joint<D>>,
-    /// What most steps need of each joint.
+    /// The data of each joint that most steps need.
     links: Vec<Link<D>>,
     /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
     forces: Vec<[Point<D>; D]>,
@@ -148,7 +154,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     breaks: Vec<Break>,
     /// Outer facets, and facets of broken joints.
     pub(crate) faces: Faces<D>,
-    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
+    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet
+    /// can break.
     at_corner: Vec<[u32; D]>,
     /// The joint of each facet, or [`NONE`].
     pub(crate) of_facet: Vec<u32>,
@@ -170,7 +177,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip>,
-    /// Lowest strengths of the facets of each element, in batches, and how near its stress is to them; both lists are empty if joints are not inserted.
+    /// Lowest strengths of the facets of each element, in batches, and how near its stress is to them; both
+    /// lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     near: Vec<StressLevel>,
     slopes: Slopes,
@@ -180,9 +188,9 @@ pub(crate) struct Joints<const D: usize = 2> {
 #[derive(Debug)]
 struct Tip {
     vertex: u32,
-    /// Those that alone connect elements at the vertex: all of them in two dimensions.
+    /// Joints that alone connect elements at the vertex: all of them in two dimensions.
     alone: Box<[u32]>,
-    /// Those that connect elements only together with others.
+    /// Joints that connect elements only together with others.
     together: Box<[u32]>,
 }
 
@@ -416,7 +424,8 @@ impl<const D: usize> Joints<D> {
         self.breaks.iter().map(|broken| (broken.joint, &self.all[broken.joint as usize], broken))
     }
 
-    /// Broken joints, and those of open sets, with the names that are the same on all ranks. A joint at the end of an open set never breaks, because its sides have one node there.
+    /// Broken joints, and those of open sets, with the names that are the same on all ranks. A joint at the
+    /// end of an open set never breaks, because its sides have one node there.
     pub(crate) fn broken_sides<const N: usize>(
         &self,
         topology: &Topology<D, N>,
@@ -436,7 +445,8 @@ impl<const D: usize> Joints<D> {
         self.breaks.get(place).map(|broken| (broken.time, broken.modes))
     }
 
-    /// The numbers of all joints, in the order of their facets. Memory has them in the order in which they were inserted.
+    /// The numbers of all joints, in the order of their facets. Memory has them in the order in which they
+    /// were inserted.
     pub(crate) fn in_order(&self) -> Vec<u32> {
         self.of_facet.iter().copied().filter(|&joint| joint != NONE).collect()
     }
@@ -520,8 +530,8 @@ impl<const D: usize> Joints<D> {
         Ok(())
     }
 
-    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke, ascending, and the work done
-    /// against all joints since the last pass, J.
+    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke,
+    /// ascending, and the work done against all joints since the last pass, J.
     pub(crate) fn pull<const N: usize>(
         &mut self,
         solid: &Solid<D, N>,
@@ -644,7 +654,8 @@ impl<const D: usize> Joints<D> {
         pressing
     }
 
-    /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
+    /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint
+    /// has opened or slid.
     pub(crate) fn stored<const N: usize>(&self, solid: &Solid<D, N>) -> Sum {
         let of_joint = |joint: &Joint<D>| -> f64 {
             let part = joint.measure / D as f64 * solid.thickness;
@@ -706,7 +717,8 @@ impl<const D: usize, const N: usize> Model<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Strength of the joint between two elements with a common facet: that of its joint set, or else that between their materials; `None` if it cannot break.
+    /// Strength of the joint between two elements with a common facet: that of its joint set, or else that
+    /// between their materials; `None` if it cannot break.
     pub fn strength_of(&self, elements: [u32; 2]) -> Option<Strength> {
         if let Some(set) = common_set(&self.joint_facets, elements) {
             return self.joint_sets.get(set as usize).map(|set| set.strength);
@@ -750,9 +762,10 @@ where
     found.filter(|(_, of_interface)| !of_interface).map(|(strength, _)| strength)
 }
 
-/// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
-/// material with the lower tensile strength. `None` if the facet cannot break. `normal`: that of the
-/// undeformed facet, of unit length, for strengths that depend on it.
+/// Strength between two materials, and whether it belongs to an interface between two different ones: the
+/// strength of their interface if there is one, otherwise of the material with the lower tensile strength.
+/// `None` if the facet cannot break. `normal`: that of the undeformed facet, of unit length, for strengths
+/// that depend on it.
 fn strength_between<const D: usize, const N: usize>(
     model: &Model<D, N>,
     [a, b]: [u32; 2],

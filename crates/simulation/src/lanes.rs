@@ -1,9 +1,12 @@
-//! Numbers of several elements or joints side by side, and functions that are compiled for vector instructions.
+//! Numbers of several elements or joints side by side, and functions that are compiled for vector
+//! instructions.
 //!
-//! What a step does most is written for one element or joint of a batch, without a branch that depends on it, and called in a loop over the batch. The compiler makes vectors of such a
-//! loop: one for each set of instructions that [`compiled_for_vectors`] names, chosen at run time. All of them do the same operations on each element, so that the bits are the same.
+//! The frequent parts of a step are written for one element or joint of a batch, without a branch that
+//! depends on it, and called in a loop over the batch. The compiler makes vectors of such a loop: one for
+//! each set of instructions that [`compiled_for_vectors`] names, chosen at run time. All of them do the same
+//! operations on each element, so that the bits are the same.
 //!
-//! Section "Vectors" of `bench/NOTES.md` lists what prevents vectors, and tells how to check a loop.
+//! Section "Vectors" of `bench/NOTES.md` lists obstacles to vectors, and explains how to check a loop.
 
 use fdem_contact::Simd;
 
@@ -86,7 +89,7 @@ pub(crate) fn set_row<const D: usize>(of: &mut [Lanes; D], lane: usize, value: &
     }
 }
 
-/// The larger of two numbers. One instruction, where `f64::max` takes five, because it knows what is not a number.
+/// The larger of two numbers. One instruction, where `f64::max` takes five, because it handles NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -98,8 +101,8 @@ pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// One number where all bits of the mask are set, the other where none is. By its bits: of a comparison of numbers that lie in memory, the compiler makes a choice of the place that is
-/// read, and no vector.
+/// One number where all bits of the mask are set, the other where none is. By its bits: for a comparison of
+/// numbers in memory, the compiler chooses the address to read, and makes no vector.
 #[inline(always)]
 pub(crate) fn either(mask: u64, one: f64, other: f64) -> f64 {
     f64::from_bits((one.to_bits() & mask) | (other.to_bits() & !mask))
@@ -125,9 +128,9 @@ impl Available {
     }
 }
 
-/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(fn name =
-/// function<const parameters; types>(arguments: types) where bounds)`. The function must be
-/// `#[inline(always)]`, and so must be what it calls.
+/// Calls a function on batches, compiled for a set of instructions:
+/// `compiled_for_vectors!(fn name = function<const parameters; types>(arguments: types) where bounds)`. The
+/// function must be `#[inline(always)]`, and so must be the functions that it calls.
 macro_rules! compiled_for_vectors {
     ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),* $(; $generic:ident)?>($($argument:ident: $type:ty),+) $(where $($bound:tt)+)?) => {
         /// The loop over a batch, with these instructions.
@@ -150,7 +153,7 @@ macro_rules! compiled_for_vectors {
                 // SAFETY: this processor has the instructions, or there were no `Available`.
                 #[cfg(target_arch = "x86_64")]
                 fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter,)* $($generic)?>($($argument),+) },
-                // SAFETY: likewise.
+                // SAFETY: the same.
                 #[cfg(target_arch = "x86_64")]
                 fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter,)* $($generic)?>($($argument),+) },
                 _ => $all::<$($parameter,)* $($generic)?>($($argument),+),

@@ -1,4 +1,5 @@
-//! The combined finite-discrete element method in two and three dimensions: bodies of triangles or of tetrahedra that deform, collide and break.
+//! The combined finite-discrete element method in two and three dimensions: bodies of triangles or of
+//! tetrahedra that deform, collide and break.
 //!
 //! A [`Model`] goes in, [`Snapshot`]s and [`Energies`] come out. There is no file, no printing and no time of
 //! day in this crate. One step reads from top to bottom in `simulation.rs`; each part is a file:
@@ -7,49 +8,64 @@
 //! solid (laws) ─> joints (cohesive) ─> contacts (detection, simplex) ─> actions (seams, loads, ground, ...) ─> motion ─> energy
 //! ```
 //!
-//! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
-//! of tetrahedra. What differs between the two is in `simplex.rs` and its parts.
+//! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. The default is 2 and 3,
+//! so that `Model` is one of triangles and `Model<3, 4>` one of tetrahedra. The differences between the two
+//! are in `simplex.rs` and its parts.
 //!
-//! Results do not depend on the number of threads, nor on the number of ranks of a [`Distributed`] run: forces of couples are added to those of their elements in the order of the couples,
-//! every node adds up the forces of its elements and joints in a fixed order, and energies are exact sums (`src/sum.rs`).
-//! A run that is saved and resumed continues bit for bit, on any number of ranks.
+//! Results do not depend on the number of threads, nor on the number of ranks of a [`Distributed`] run:
+//! forces of couples are added to those of their elements in the order of the couples, every node adds up the
+//! forces of its elements and joints in a fixed order, and energies are exact sums (`src/sum.rs`). A run that
+//! is saved and resumed continues bit for bit, on any number of ranks.
 //!
 //! # How it is built
 //!
-//! `Topology` never changes: vertices of the mesh, corners of elements, facets. `Solid` has the present nodes, which become more as the mesh comes apart.
-//! Elements and joints write their forces on corners; couples are computed in rounds, and the forces of each round are added to those of their elements, couple by couple. Each node then
-//! adds the forces of its corners in a fixed order (`gather` in `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds
-//! their results in order.
+//! `Topology` never changes: vertices of the mesh, corners of elements, facets. `Solid` has the present
+//! nodes, which become more as the mesh comes apart. Elements and joints write their forces on corners;
+//! couples are computed in rounds, and the forces of each round are added to those of their elements, couple
+//! by couple. Each node then adds the forces of its corners in a fixed order (`gather` in `src/motion.rs`),
+//! so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds their
+//! results in order.
 //!
-//! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one function says what happens to one of them, without a branch, and the compiler makes
-//! vectors of the loop over a batch, for AVX2, AVX-512, and what every processor has. The best set of instructions is chosen at run time. All give the same bits; tests compare them.
-//! An element that is strained so much that its stress needs a branch, and a joint that does not stay whole, are computed again, one by one. The parts of faces that a contact of
-//! tetrahedra covers differ in how many lines cut them: each part is a task, and tasks with the same number of cuts share batches (`src/simplex/tetrahedron/part.rs`).
+//! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one
+//! function computes one of them, without a branch, and the compiler makes vectors of the loop over a batch,
+//! for AVX2, AVX-512, and the basic instructions of every processor. The best set of instructions is chosen
+//! at run time. All give the same bits; tests compare them. An element that is strained so much that its
+//! stress needs a branch, and a joint that does not stay whole, are computed again, one by one. The parts of
+//! faces that a contact of tetrahedra covers differ in how many lines cut them: each part is a task, and
+//! tasks with the same number of cuts share batches (`src/simplex/tetrahedron/part.rs`).
 //!
-//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint` and `Link`). A step skips everything
-//! that cannot have changed: edges of elements whose stress is far from the strength (`joints/stress_level.rs`), boxes of bodies that have moved less than the
-//! slack of the buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`). Skipping changes no result. The
-//! mesher numbers nodes and elements along Hilbert's curve. Where every element has its own nodes, nodes are numbered in the order of the elements.
-//! `bench/SIMULATION.md` compares the speed with bounds and with other programs.
+//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint`
+//! and `Link`). A step skips everything that cannot have changed: edges of elements whose stress is far from
+//! the strength (`joints/stress_level.rs`), boxes of bodies that have moved less than the slack of the
+//! buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`).
+//! Skipping changes no result. The mesher numbers nodes and elements along Hilbert's curve. Where every
+//! element has its own nodes, nodes are numbered in the order of the elements. `bench/SIMULATION.md` compares
+//! the speed with bounds and with other programs.
 //!
-//! Steps are compiled in this crate, once for each kind of element (`src/simulation/advance.rs`), and not in the
-//! crates that call them.
+//! Steps are compiled in this crate, once for each kind of element (`src/simulation/advance.rs`), and not in
+//! the crates that call them.
 //!
-//! `State` is all that persists between steps. It is saved with postcard, and sufficient to continue a run. It has nodes, joints and couples in the order of the model, and not of memory.
+//! `State` is all that persists between steps. It is saved with postcard, and sufficient to continue a run.
+//! It has nodes, joints and couples in the order of the model, and not of memory.
 //!
-//! Files import only from the layers below; a test reads the sources for it. `src/simulation/run.rs` has the state of
-//! a run, and the files beside it the functions that change it. A step asks other ranks by the trait `Peers`
-//! (`src/peers.rs`), which does nothing in one process.
+//! Files import only from the layers below; a test reads the sources for it. `src/simulation/run.rs` has the
+//! state of a run, and the files beside it the functions that change it. A step asks other ranks by the trait
+//! `Peers` (`src/peers.rs`), which does nothing in one process.
 //!
-//! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). What it must know of the rest is in three places: `Share` says what it owns and counts, `Topology`
-//! what the elements are called in the whole model, and `Part` what it needs to give elements away.
+//! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). Its knowledge of
+//! the rest is in three places: `Share` says what it owns and counts, `Topology` has the numbers of the
+//! elements in the whole model, and `Part` has the data for giving elements away.
 //!
-//! All forces besides those of elements, joints and contacts are actions: each kind is a file in `src/actions` that implements the trait `Action` (`src/action.rs`), and `src/actions.rs` lists them. An action sees the state, adds
-//! forces, and names its energies. It gives what it remembers as records that belong to elements, so that checkpoints, stages and ranks need not know it.
+//! All forces besides those of elements, joints and contacts are actions: each kind is a file in
+//! `src/actions` that implements the trait `Action` (`src/action.rs`), and `src/actions.rs` lists them. An
+//! action sees the state, adds forces, and names its energies. It gives what it remembers as records that
+//! belong to elements, so that checkpoints, stages and ranks need not know it.
 //!
-//! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact, tips of cracks, seams and cavities read it.
+//! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact,
+//! tips of cracks, seams and cavities read it.
 //!
-//! What is not here has no use yet. All couples are couples of elements: a trait for other shapes comes with the second of its kind.
+//! Abstractions without a second use are left out. All couples are couples of elements: a trait for other
+//! shapes comes with the second of its kind.
 //!
 //! # To change X, open Y
 //!
@@ -82,28 +98,35 @@
 //!
 //! # Decisions, and departures from the book
 //!
-//! - The simulation is a crate of its own and not a module of `fdem`: it must not know paths, and only a crate keeps that so; it is also compiled and
-//!   tested without pictures and formats.
-//! - Elements have a neo-Hookean energy instead of the book's stress (4.178) to (4.184), which is the same to the first order of the strain but follows
-//!   from no energy (`src/laws/neo_hookean.rs`).
-//! - The potential contact force is the exact gradient of its potential. The book's (2.25) lacks the share that the potential has because it moves with
-//!   the nodes of a triangle that deforms; without it, impacts of deformable bodies gain or lose energy (`src/simplex/triangle/potential.rs`).
-//! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the divergence theorem with a field of our own
-//!   (`src/simplex/triangle/potential.rs`); the book clips triangles against the three parts of the other. It is the same integral, in half of the time.
-//! - Joints are inserted where the strength is reached, and begin with the traction that acts there by an offset of their opening and sliding; the book
-//!   has them on all edges (`insertion = "intrinsic"`), which makes bodies softer.
-//! - Opening and sliding soften together, with one damage and one stiffness of their vector, and friction has a spring of its own; in the book each
-//!   softens on its own axis. With that law a crack along the edges of an unstructured mesh dissipates 1.3 to 1.6 times its fracture energy
-//!   (`src/cohesive.rs`; tables in `bench/NOTES.md`).
-//! - An edge fails as soon as a plane within 15° of it does, and its joint stands for that plane; in the book an edge fails by its own traction. Without
-//!   this a block in compression is up to a quarter stronger than its material (`src/joints/plane.rs`).
+//! - The simulation is a separate crate and not a module of `fdem`: it must not depend on paths, and only a
+//!   crate guarantees this; it is also compiled and tested without pictures and formats.
+//! - Elements have a neo-Hookean energy instead of the book's stress (4.178) to (4.184), which is the same to
+//!   the first order of the strain but follows from no energy (`src/laws/neo_hookean.rs`).
+//! - The potential contact force is the exact gradient of its potential. The book's (2.25) lacks the share
+//!   that the potential has because it moves with the nodes of a triangle that deforms; without it, impacts
+//!   of deformable bodies gain or lose energy (`src/simplex/triangle/potential.rs`).
+//! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the
+//!   divergence theorem with a field of our own (`src/simplex/triangle/potential.rs`); the book clips
+//!   triangles against the three parts of the other. It is the same integral, in half of the time.
+//! - Joints are inserted where the strength is reached, and begin with the traction that acts there by an
+//!   offset of their opening and sliding; the book has them on all edges (`insertion = "intrinsic"`), which
+//!   makes bodies softer.
+//! - Opening and sliding soften together, with one damage and one stiffness of their vector, and friction has
+//!   a separate spring; in the book each softens on its axis. With that law a crack along the edges of an
+//!   unstructured mesh dissipates 1.3 to 1.6 times its fracture energy (`src/cohesive.rs`; tables in
+//!   `bench/NOTES.md`).
+//! - An edge fails as soon as a plane within 15° of it does, and its joint represents that plane; in the book
+//!   an edge fails by its own traction. Without this a block in compression is up to a quarter stronger than
+//!   its material (`src/joints/plane.rs`).
 //! - The critical opening is the one that dissipates the fracture energy, G/(0.3863 f); 3 G/f is an option.
 //!
 //! # Unsafe code
-//! `src/lanes.rs` calls functions that are compiled for vector instructions, on processors that have them. There is no other in this crate.
+//! `src/lanes.rs` calls functions that are compiled for vector instructions, on processors that have them.
+//! There is no other in this crate.
 //!
 //! # Sources
-//! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs from the book and why.
+//! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs
+//! from the book and why.
 
 #![allow(private_bounds, reason = "elements are triangles or tetrahedra; nobody else can make others")]
 #![allow(

@@ -1,4 +1,5 @@
-//! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read elsewhere.
+//! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read
+//! elsewhere.
 
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,8 @@ use crate::simplex::Simplex;
 pub use crate::strength::Strength;
 use crate::vector::Point;
 
-/// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
+/// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI
+/// units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "[f64; D]: Serialize, [u32; D]: Serialize, [u32; N]: Serialize, [Option<f64>; D]: Serialize, [[f64; D]; D]: Serialize",
@@ -20,27 +22,32 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub mesh: Mesh<D, N>,
     /// Materials of the elements.
     pub materials: Vec<Material>,
-    /// Pairs of materials with properties of their own for contacts and joints. Other pairs take the lesser values of their two materials.
+    /// Pairs of materials with separate properties for contacts and joints. Other pairs take the lesser
+    /// values of their two materials.
     pub interfaces: Vec<Interface>,
-    /// Sets of joints with laws of their own.
+    /// Sets of joints, each with a common law.
     pub joint_sets: Vec<JointSet>,
-    /// For each element the joint set of each of its facets, `u32::MAX` for none; empty without joint sets. [`Model::add_joints`] fills it.
+    /// For each element the joint set of each of its facets, `u32::MAX` for none; empty without joint sets.
+    /// [`Model::add_joints`] fills it.
     pub joint_facets: Vec<[u32; N]>,
     /// Boundary conditions that hold, move and load the bodies.
     pub boundaries: Vec<Boundary<D>>,
     /// Whether the stress or the strain out of the plane vanishes, in two dimensions.
     pub plane: Plane,
-    /// Thickness out of the plane, m, in two dimensions. In three it has to be 1, as it multiplies volumes and areas.
+    /// Thickness out of the plane, m, in two dimensions. In three it has to be 1, as it multiplies volumes
+    /// and areas.
     pub thickness: f64,
     /// Acceleration of gravity, m/s².
     pub gravity: [f64; D],
-    /// Factor of gravity in time. Gravity that acts at once swings what it carries to twice its static stress.
+    /// Factor of gravity in time. Gravity without a ramp swings the stress to twice its static value.
     pub gravity_schedule: Schedule,
     /// Velocity of each node at the beginning, m/s; empty for none.
     pub velocities: Vec<[f64; D]>,
-    /// Stress of each element at the beginning, a symmetric tensor in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
+    /// Stress of each element at the beginning, a symmetric tensor in Pa, tension positive; empty for none.
+    /// Surfaces that touch, joints and absorbing edges begin with its tractions.
     pub stresses: Vec<[[f64; D]; D]>,
-    /// Factor, at least 1, of the mass of each element in its motion; empty for none. Its weight stays that of its density. See [`MassScaling`](crate::MassScaling).
+    /// Factor, at least 1, of the mass of each element in its motion; empty for none. Its weight stays that
+    /// of its density. See [`MassScaling`](crate::MassScaling).
     pub mass_factors: Vec<f64>,
     /// Options of contacts.
     pub contact: ContactOptions,
@@ -152,27 +159,33 @@ impl Material {
     }
 }
 
-/// A set of joints. They are in the mesh from the beginning, whatever the option for the insertion of others is.
+/// A set of joints. They are in the mesh from the beginning, whatever the option for the insertion of others
+/// is.
 ///
-/// A joint is elastic up to its strength, softens, and then has its residual friction. Under initial stress it begins with the traction of that stress.
+/// A joint is elastic up to its strength, softens, and then has its residual friction. Under initial stress
+/// it begins with the traction of that stress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointSet {
     /// Name, for messages.
     pub name: String,
-    /// Strength and fracture energies. Tensile strength and cohesion may be 0. The fracture energy contains the elastic work up to the strength.
+    /// Strength and fracture energies. Tensile strength and cohesion may be 0. The fracture energy contains
+    /// the elastic work up to the strength.
     pub strength: Strength,
-    /// Tangent of the friction angle of broken joints. The friction falls to it from that of the strength as the joint softens. It is also the coefficient of friction of the
-    /// contacts between elements on the two sides of the set, after joints have handed over to contact.
+    /// Tangent of the friction angle of broken joints. The friction falls to it from that of the strength as
+    /// the joint softens. It is also the coefficient of friction of the contacts between elements on the two
+    /// sides of the set, after joints have handed over to contact.
     pub residual_friction: f64,
     /// Normal stiffness, Pa/m; `None` for the joint penalty of [`FractureOptions`](crate::FractureOptions).
     pub normal_stiffness: Option<f64>,
     /// Shear stiffness, Pa/m; `None` for the normal stiffness.
     pub shear_stiffness: Option<f64>,
-    /// Tangent of the dilation angle: how far the sides of a joint move apart for each length that they slip under friction. At most the residual friction. 0 for none.
+    /// Tangent of the dilation angle: how far the sides of a joint move apart for each length that they slip
+    /// under friction. At most the residual friction. 0 for none.
     pub dilation: f64,
     /// Slip, m, up to which joints dilate; `None` for 5 % of the length of each.
     pub dilation_slip: Option<f64>,
-    /// Whether the joints are broken from the beginning: they have no strength, carry no initial stress, and leave pressure and friction to contacts.
+    /// Whether the joints are broken from the beginning: they have no strength, carry no initial stress, and
+    /// leave pressure and friction to contacts.
     pub open: bool,
 }
 
@@ -185,7 +198,8 @@ pub struct Interface {
     pub friction: f64,
     /// Penalty of contacts, Pa; `None`: as [`ContactOptions::penalty`] says.
     pub penalty: Option<f64>,
-    /// Strength of the joints between the two, inside bodies; `None`: the lesser of the two materials. Tensile strength and cohesion may be 0.
+    /// Strength of the joints between the two, inside bodies; `None`: the lesser of the two materials.
+    /// Tensile strength and cohesion may be 0.
     pub strength: Option<Strength>,
 }
 
@@ -217,7 +231,7 @@ pub enum Target<const D: usize = 2> {
     Nodes(Vec<u32>),
     /// Facets of elements by their nodes, which go around them counter-clockwise, seen from outside.
     Facets(Vec<[u32; D]>),
-    /// Such facets, and for each the force on each of its nodes, N: for [`Load::Held`].
+    /// Facets of elements, with the force on each of their nodes, N: for [`Load::Held`].
     Held(Vec<[u32; D]>, Vec<[[f64; D]; D]>),
 }
 
@@ -230,7 +244,7 @@ impl<const D: usize> Target<D> {
         }
     }
 
-    /// Its nodes, each once, ascending.
+    /// Nodes of the target, each once, ascending.
     pub fn nodes(&self) -> Vec<u32> {
         let mut nodes = match self {
             Self::Nodes(nodes) => nodes.clone(),
@@ -267,21 +281,26 @@ pub enum Load<const D: usize = 2> {
     Traction([f64; D]),
     /// A pressure on facets, Pa, against the outward normal of the deformed facet.
     Pressure(f64),
-    /// A pressure, Pa, on facets and on the faces of all broken joints that are connected with them, against their outward normals. Facets between elements stand for open joints with which the
-    /// cavity begins. `gas`: ratio of the specific heats of a gas, above 1, which has this pressure at the beginning and then follows its volume instead of the schedule.
+    /// A pressure, Pa, on facets and on the faces of all broken joints that are connected with them, against
+    /// their outward normals. Facets between elements stand for open joints with which the cavity begins.
+    /// `gas`: ratio of the specific heats of a gas, above 1, which has this pressure at the beginning and
+    /// then follows its volume instead of the schedule.
     Cavity {
         /// Pressure, Pa.
         pressure: f64,
         /// Ratio of the specific heats; `None` for a pressure that follows the schedule.
         gas: Option<f64>,
     },
-    /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
+    /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the
+    /// static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
-    /// Forces that are given node by node: [`Target::Held`]. They hold what an excavation or a boundary held that is not there any more.
+    /// Forces that are given node by node: [`Target::Held`]. They replace the support of an excavated part or
+    /// of a boundary that has ended.
     Held,
 }
 
-/// Key and name of each term of the energy balance in which loads store energy of their own. A run that has no such load has no such term.
+/// Key and name of each term of the energy balance in which loads store energy of their own. A run that has
+/// no such load has no such term.
 pub const STORED: [(&str, &str); 1] = [("gas", "gas")];
 
 /// A place in [`STORED`].
@@ -305,7 +324,7 @@ pub enum Schedule {
 }
 
 /// Numbers of the contact law.
-// The table [contact] of a model file: the first paragraphs are what its reference says.
+// The table [contact] of a model file: the first paragraphs are its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -316,11 +335,14 @@ pub struct ContactOptions {
     /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
     #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "x-unit" = "1")))]
     pub tangential_stiffness: f64,
-    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes, as the
-    /// bodies are compressed themselves and the stiff contact between them stores ever less. Default: 0.
+    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two.
+    /// It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of
+    /// the energy of an impact it takes, as the bodies are compressed themselves and the stiff contact
+    /// between them stores ever less. Default: 0.
     #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1")))]
     pub damping: f64,
-    /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
+    /// Buffer of contact detection: couples with a gap up to this are kept between detections. In shares of
+    /// the mean edge. Default: 0.2.
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub buffer: f64,
 }
@@ -336,7 +358,8 @@ impl Default for ContactOptions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Insertion {
-    /// When the traction across an edge, or a face, reaches the strength. There is no artificial compliance before.
+    /// When the traction across an edge, or a face, reaches the strength. There is no artificial compliance
+    /// before.
     #[default]
     Adaptive,
     /// On all edges or faces, from the beginning.
@@ -349,12 +372,15 @@ pub enum Insertion {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct FractureOptions {
-    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face, reaches the strength; "intrinsic" has them everywhere from the start.
+    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face,
+    /// reaches the strength; "intrinsic" has them everywhere from the start.
     pub insertion: Insertion,
-    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
+    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge.
+    /// Default: 50.
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub joint_penalty: f64,
-    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
+    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy
+    /// G, or "customary" (3 G/f), with which it dissipates 1.16 G.
     pub critical_opening: CriticalOpening,
 }
 
@@ -383,9 +409,11 @@ pub struct TimeOptions {
     pub step: Option<f64>,
     /// Share of the critical time step, above 0 and at most 1.
     pub safety: f64,
-    /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for none.
+    /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for
+    /// none.
     pub local_damping: f64,
-    /// Whether the run goes to a state of rest by dynamic relaxation: a force against the velocity of each node, whose factor follows the slowest motion (Underwood 1983).
+    /// Whether the run goes to a state of rest by dynamic relaxation: a force against the velocity of each
+    /// node, whose factor follows the slowest motion (Underwood 1983).
     pub dynamic_relaxation: bool,
     /// Error of the energy balance at which a run stops, as a share of the energy exchanged.
     pub energy_bound: f64,

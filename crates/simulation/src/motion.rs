@@ -1,7 +1,8 @@
 //! Motion of the nodes: central differences (book, (5.12)-(5.13)).
 //!
-//! Velocities stand half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the kinetic energy at the positions between them: with it, the sum of
-//! kinetic and strain energy of a linear system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
+//! Velocities are half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the
+//! kinetic energy at the positions between them: with it, the sum of kinetic and strain energy of a linear
+//! system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
 
 use crate::actions::prescribed::Hold;
 use crate::joints::Joints;
@@ -25,9 +26,9 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
-    /// Of the works that are added up.
+    /// Grains of the works that are added up.
     pub(crate) grains: Grains,
-    /// Whether the kinetic energy is asked for.
+    /// Whether to compute the kinetic energy.
     pub(crate) energy: bool,
     /// Damping of dynamic relaxation: force on a node over its mass and its velocity, 1/s.
     pub(crate) relaxation: f64,
@@ -41,18 +42,19 @@ pub(crate) enum RelaxationSums {
     Nothing,
     /// Power of the forces with the velocities after the step.
     After,
-    /// That with the velocities before it, and twice the kinetic energy of these.
+    /// Power with the velocities before the step, and twice the kinetic energy of these.
     Before,
 }
 
 /// Sums over the motion of all nodes, or piles over that of a chunk.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MotionSums<S, const D: usize> {
-    /// Kinetic energy, J, if it is asked for.
+    /// Kinetic energy, J, if requested.
     pub(crate) kinetic: S,
-    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them, J.
+    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after
+    /// them, J.
     pub(crate) external: [S; 2],
-    /// Energy dissipated by local damping and dynamic relaxation, likewise.
+    /// Energy dissipated by local damping and dynamic relaxation, up to these two positions, J.
     pub(crate) damping: [S; 2],
     /// Sums for the damping of dynamic relaxation: power, W, and mass times the square of the velocity, J.
     pub(crate) taken: [S; 2],
@@ -60,7 +62,8 @@ pub(crate) struct MotionSums<S, const D: usize> {
     pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
-    /// Squares of the largest force on a node that is free, and of the largest that an element exerts on one of its nodes, N², if the kinetic energy is asked for.
+    /// Squares of the largest force on a node that is free, and of the largest that an element exerts on one
+    /// of its nodes, N², if the kinetic energy is requested.
     pub(crate) largest: [f64; 2],
     /// The first element with a node that is too fast, and the speed of that node, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
@@ -163,7 +166,8 @@ fn advance_where<const D: usize, const N: usize>(
     }
 }
 
-/// Force on a node: the sum over its corners in their order, for each that of its element with its contacts, and its joints.
+/// Force on a node: the sum over its corners in their order, for each that of its element with its contacts,
+/// and its joints.
 #[inline]
 fn gather<const D: usize, const N: usize>(
     number: usize,
@@ -198,7 +202,8 @@ where
     gather(node, &solid.constants[node], &solid.forces, &solid.corners, joints)
 }
 
-/// Moves a node under the force on it without its weight, and its weight, N. Returns the force of what holds it, and the square of its speed.
+/// Moves a node under the force on it without its weight, and its weight, N. Returns the reaction of its
+/// supports, and the square of its speed.
 #[inline]
 fn move_node<const D: usize, const N: usize>(
     node: &mut Node<D>,
@@ -218,7 +223,7 @@ fn move_node<const D: usize, const N: usize>(
     } else {
         hold_node(node, constants, force, origin, motion)
     };
-    // The whole node at once: a processor waits where it reads together what was written in parts.
+    // The whole node in one store: a processor waits where it reads together what was written in parts.
     *node =
         Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
     if motion.energy {
@@ -240,7 +245,7 @@ fn move_node<const D: usize, const N: usize>(
     (reactions, dot(after, after))
 }
 
-/// Adds to the sums for the damping of dynamic relaxation what a node has along its free axes.
+/// Adds the terms of a node along its free axes to the sums for the damping of dynamic relaxation.
 #[cold]
 #[inline(never)]
 fn take<const D: usize, const N: usize>(
@@ -299,8 +304,9 @@ fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<
     std::array::from_fn(|axis| against(force[axis], velocity[axis]))
 }
 
-/// The force of local damping on a node that is held, its velocity after the step, and the force of what holds it. Apart from the others, which are most: where axes are
-/// counted one by one, vectors stay in memory.
+/// The force of local damping on a node that is held, its velocity after the step, and the reaction of its
+/// supports. Apart from the others, which are most: where axes are counted one by one, vectors stay in
+/// memory.
 #[cold]
 #[inline(never)]
 fn hold_node<const D: usize, const N: usize>(

@@ -1,7 +1,7 @@
 //! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions.
 //!
-//! A probe is a short list of exact sums over what a rank counts, and a rule that makes values of them. Ranks add their sums up before the rule, so that neither ranks nor threads change a
-//! bit.
+//! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
+//! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
 
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
@@ -15,7 +15,8 @@ use crate::sum::Sum;
 use crate::topology::NONE;
 use crate::vector::{Point, dot, length, plus, product, product_transposed, transposed};
 
-/// A point may lie outside of its element by this share of the element's height: bodies with curved outlines have straight edges.
+/// A point may lie outside of its element by this share of the element's height: bodies with curved outlines
+/// have straight edges.
 const OUTSIDE: f64 = 0.25;
 
 /// Components of a stress in the plane, which has one across it, and in space.
@@ -27,7 +28,8 @@ const STRAIN: [&[&str]; 2] = [&["exx", "eyy", "exy"], &["exx", "eyy", "ezz", "ex
 /// Places in `[xx, yy, zz, xy, yz, xz]` of these components.
 const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]];
 
-/// A point that moves with its body: an element, and the barycentric coordinates of the point in the undeformed element.
+/// A point that moves with its body: an element, and the barycentric coordinates of the point in the
+/// undeformed element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialPoint<const D: usize = 2, const N: usize = 3> {
     /// Number of the element.
@@ -42,8 +44,9 @@ impl<const D: usize, const N: usize> MaterialPoint<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Finds the point of the undeformed mesh at some coordinates, m, among the elements that are asked for. `None` if the point is outside of all of them by more than a quarter of an
-    /// element. On a common corner or facet it belongs to the element with the lowest number.
+    /// Finds the point of the undeformed mesh at some coordinates, m, among the elements for which `among` is
+    /// true. `None` if the point is outside of all of them by more than a quarter of an element. On a common
+    /// corner or facet it belongs to the element with the lowest number.
     pub fn at(mesh: &Mesh<D, N>, point: [f64; D], among: impl Fn(u32) -> bool) -> Option<Self> {
         let mut found: Option<(f64, Self)> = None;
         for element in (0..mesh.elements.len() as u32).filter(|&element| among(element)) {
@@ -63,28 +66,32 @@ where
 /// Elements, bodies and nodes have their numbers in the mesh. Lists ascend.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Probe<const D: usize = 2, const N: usize = 3> {
-    /// Mean Cauchy stress of these elements, weighted by their undeformed volumes, Pa, tension positive, as it acts at the beginning of the last step: `[xx, yy, zz, xy]` in two dimensions,
+    /// Mean Cauchy stress of these elements, weighted by their undeformed volumes, Pa, tension positive, as
+    /// it acts at the beginning of the last step: `[xx, yy, zz, xy]` in two dimensions,
     /// `[xx, yy, zz, xy, yz, xz]` in three.
     Stress(Vec<u32>),
-    /// Mean Green-Lagrange strain `(FᵀF - 1)/2` of these elements, weighted likewise: `[xx, yy, xy]` in two dimensions, `[xx, yy, zz, xy, yz, xz]` in three. A shear strain is half of the
-    /// change of an angle.
+    /// Mean Green-Lagrange strain `(FᵀF - 1)/2` of these elements, with the same weights: `[xx, yy, xy]` in
+    /// two dimensions, `[xx, yy, zz, xy, yz, xz]` in three. A shear strain is half of the change of an angle.
     Strain(Vec<u32>),
     /// Mean velocity of these elements, weighted by mass, m/s.
     Velocity(Vec<u32>),
     /// Velocity of a point, linear within its element, m/s.
     PointVelocity(MaterialPoint<D, N>),
-    /// Strain gauge: change of the distance of two points over their distance in the undeformed mesh, `(l - l₀)/l₀`.
+    /// Strain gauge: change of the distance of two points over their distance in the undeformed mesh,
+    /// `(l - l₀)/l₀`.
     Gauge {
         /// The two points.
         ends: [MaterialPoint<D, N>; 2],
         /// From the first to the second in the undeformed mesh, m.
         span: Vec<f64>,
     },
-    /// Force that the bodies of the first list exert by contact on those of the second, N, at the beginning of the last step. Joints that hold are not contacts.
+    /// Force that the bodies of the first list exert by contact on those of the second, N, at the beginning
+    /// of the last step. Joints that hold are not contacts.
     ContactForce([Vec<u32>; 2]),
     /// Force of all boundaries on these nodes of the mesh, N, at the beginning of the last step.
     Reaction(Vec<u32>),
-    /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the pressure and energy of a gas, J, of the cavity of the boundary with this name.
+    /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the
+    /// pressure and energy of a gas, J, of the cavity of the boundary with this name.
     Cavity(String),
 }
 
@@ -107,7 +114,8 @@ where
         }
     }
 
-    /// The probe in another mesh: `element` and `node` give the numbers there; what is not there is left out. A probe at a point that is not there has no values: they are not numbers.
+    /// The probe in another mesh: `element` and `node` give the numbers there; missing elements and nodes are
+    /// left out. A probe at a point that is not there has no values: they are not numbers.
     #[must_use]
     pub fn renumbered(
         &self,
@@ -144,7 +152,8 @@ where
         }
     }
 
-    /// Whether the values are those at the beginning of the last step, and are known only after the first one.
+    /// Whether the values are those at the beginning of the last step, and are known only after the first
+    /// one.
     pub fn follows_a_step(&self) -> bool {
         matches!(self, Self::Stress(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Cavity(_))
     }
@@ -192,8 +201,8 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Measures quantities of the run now: the values of each probe, whose names and units are [`Probe::columns`]. Numbers of elements, bodies and nodes that are not in the mesh count for
-    /// nothing.
+    /// Measures quantities of the run now: the values of each probe, whose names and units are
+    /// [`Probe::columns`]. Numbers of elements, bodies and nodes that are not in the mesh count for nothing.
     ///
     /// # Cost
     /// Proportional to the number of elements, and for contact forces to that of the contacts.
@@ -201,7 +210,7 @@ where
         probes.iter().map(|probe| probe.values(&self.sums(probe))).collect()
     }
 
-    /// The sums of a probe over what this rank counts.
+    /// The sums of a probe over the elements that this rank counts.
     pub(crate) fn sums(&self, probe: &Probe<D, N>) -> Vec<Sum> {
         let mut sums = vec![Sum::default(); probe.sums()];
         let mut add = |terms: &[f64], weight: f64| {
@@ -224,7 +233,8 @@ where
                     let velocity = self.solid.nodes[node as usize].velocity;
                     add(&velocity, weight * density);
                 }
-                // The weight is the same at all corners, and a mean does not depend on their number once it is counted.
+                // The weight is the same at all corners, and a mean does not depend on their number once it
+                // is counted.
                 let mut last = [0.0; 4];
                 last[D] = N as f64;
                 add(&last[..=D], weight * density);
@@ -279,7 +289,8 @@ where
         sums
     }
 
-    /// Visits those of these elements that this rank counts, each with its undeformed volume, m³. The weight of one element alone is 1, so that its mean is exact.
+    /// Visits those of these elements that this rank counts, each with its undeformed volume, m³. The weight
+    /// of one element alone is 1, so that its mean is exact.
     fn weighed(&self, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
         for &number in elements {
             let element = self.topology.element(number);
@@ -293,7 +304,8 @@ where
 
     /// Green-Lagrange strain of an element, `[xx, yy, zz, xy, yz, xz]`.
     fn strain(&self, element: usize) -> [f64; 6] {
-        // The gradient H of the displacement: FᵀF - 1 = H + Hᵀ + HᵀH, without the loss of digits in a difference from 1.
+        // The gradient H of the displacement: FᵀF - 1 = H + Hᵀ + HᵀH, without the loss of digits in a
+        // difference from 1.
         let moved = self
             .solid
             .nodes_of(element as u32)
@@ -321,7 +333,8 @@ where
         Some(sum)
     }
 
-    /// Visits the contacts that this rank counts: two elements, and the force on the first, N. Closed cracks and surfaces that touch under initial stress are contacts too.
+    /// Visits the contacts that this rank counts: two elements, and the force on the first, N. Closed cracks
+    /// and surfaces that touch under initial stress are contacts too.
     fn each_contact(&self, mut visit: impl FnMut([u32; 2], Point<D>)) {
         for (elements, force) in self.contacts.pushes() {
             if self.solid.share.element(elements[0]) {

@@ -1,7 +1,8 @@
-//! Triangles and tetrahedra: this module and its parts hold all that differs between the two. The rest of the crate is written once for both.
+//! Triangles and tetrahedra: this module and its parts hold all that differs between the two. The rest of the
+//! crate is written once for both.
 //!
-//! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of a tetrahedron. A facet has `D` corners, and `D` facets
-//! meet in each corner.
+//! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of
+//! a tetrahedron. A facet has `D` corners, and `D` facets meet in each corner.
 
 mod tetrahedron;
 pub(crate) mod triangle;
@@ -13,10 +14,12 @@ use crate::vector::{Matrix, Point, dot};
 #[cfg(test)]
 use crate::lanes::{row, rows, set_rows};
 
-/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same direction, is below this.
+/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
+/// direction, is below this.
 const NEAR: f64 = 0.1;
 
-/// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three counter-clockwise seen from the last.
+/// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three
+/// counter-clockwise seen from the last.
 pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Memory for [`Simplex::interactions`].
     type Scratch: Default;
@@ -62,11 +65,14 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Unit vectors at right angles, of which this is the first.
     fn axes_around(normal: Point<D>) -> Matrix<D>;
 
-    /// Length of an element of this measure, m, by which a penalty in Pa becomes a stiffness in N/m. It is 1 in two dimensions, where the thickness does this.
+    /// Length of an element of this measure, m, by which a penalty in Pa becomes a stiffness in N/m. It is 1
+    /// in two dimensions, where the thickness does this.
     fn contact_length(measure: f64) -> f64;
 
-    /// Points on the common part of two facets that face each other and are nearer than `touch`, m: the weights of the vertices of both at each point, and the length,
-    /// m, or area, m², for which it stands. They integrate products of linear functions exactly. None if the common part is not wider than `least`, m.
+    /// Points on the common part of two facets that face each other and are nearer than `touch`, m: the
+    /// weights of the vertices of both at each point, and the length, m, or area, m², that it represents.
+    /// They integrate products of linear functions exactly. None if the common part is not wider than
+    /// `least`, m.
     fn common(
         one: &[Point<D>; D],
         other: &[Point<D>; D],
@@ -74,8 +80,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         least: f64,
     ) -> Vec<([[f64; D]; 2], f64)>;
 
-    /// Forces on the vertices of a facet, N, because its axes turn with it: of a pressure along the gap, and of a traction against it, Pa, on an area, m². `gap`: components along
-    /// the axes.
+    /// Forces on the vertices of a facet, N, because its axes turn with it: of a pressure along the gap, and
+    /// of a traction against it, Pa, on an area, m². `gap`: components along the axes.
     fn turning(
         facet: &[Point<D>; D],
         axes: &Matrix<D>,
@@ -88,8 +94,10 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Traction across a facet, tension positive, and along it, in the directions of [`Simplex::axes`], Pa.
     fn traction_on(facet: &[Point<D>; D], stress: &Matrix<D>) -> [f64; D];
 
-    /// Tractions on planes near a facet, Pa, each with the cosine of the angle to the facet: on the plane across the largest tension and on the two on which Mohr and
-    /// Coulomb's strength with a tangent of the friction angle of `friction` is used most, or as near to them as planes within `reach`, in radians, are.
+    /// Tractions on planes near a facet, Pa, each with the cosine of the angle to the facet: on the plane
+    /// across the largest tension and on the two on which Mohr and Coulomb's strength with a tangent of the
+    /// friction angle of `friction` is used most, or as near to them as planes within `reach`, in radians,
+    /// are.
     fn tractions_near(
         facet: &[Point<D>; D],
         stress: &Matrix<D>,
@@ -103,7 +111,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// The stress with these components; in two dimensions that in the plane.
     fn of_tensor(components: &[f64; 6]) -> Matrix<D>;
 
-    /// The sliding of a gap, m, whose components are across a facet, then along it: with its sign in two dimensions, its magnitude in three.
+    /// The sliding of a gap, m, whose components are across a facet, then along it: with its sign in two
+    /// dimensions, its magnitude in three.
     fn sliding(gap: &[f64; D]) -> f64;
 
     /// Middle and radius of Mohr's largest circle, Pa.
@@ -119,20 +128,23 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// two dimensions.
     fn moduli(youngs_modulus: f64, poissons_ratio: f64, plane: Plane) -> Moduli;
 
-    /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient. `j` is its determinant; it must be positive.
-    /// The moduli are those of shear and bulk, Pa.
+    /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient.
+    /// `j` is its determinant; it must be positive. The moduli are those of shear and bulk, Pa.
     fn stress(moduli: [f64; 2], f: &Matrix<D>, j: f64) -> (Matrix<D>, f64);
 
-    /// [`Simplex::stress`] without a branch, and a measure of the strain. Where the measure is below [`Simplex::SMALL`], the stress is the same to the last bit.
+    /// [`Simplex::stress`] without a branch, and a measure of the strain. Where the measure is below
+    /// [`Simplex::SMALL`], the stress is the same to the last bit.
     fn stress_of_small(moduli: [f64; 2], f: &Matrix<D>, j: f64) -> (Matrix<D>, f64, f64);
 
     /// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
     fn stored(moduli: &Moduli, stress: &Matrix<D>) -> f64;
 
-    /// Square of the highest angular frequency of the free element, 1/s²: the largest ratio of its stiffness to its lumped mass.
+    /// Square of the highest angular frequency of the free element, 1/s²: the largest ratio of its stiffness
+    /// to its lumped mass.
     fn highest_square(&self, moduli: &Moduli, density: f64) -> f64;
 
-    /// The square of the distance, m², by which a facet of the other element parts it from this one: that of the facet that parts the two most. Negative if none does.
+    /// The square of the distance, m², by which a facet of the other element parts it from this one: that of
+    /// the facet that parts the two most. Negative if none does.
     fn parted(&self, other: &Self) -> f64;
 
     /// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
@@ -143,7 +155,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         found: &mut [Interactions<D, N>],
     );
 
-    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound of [`apart`].
+    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound
+    /// of [`apart`].
     fn distance(&self, other: &Self, told: f64) -> f64;
 
     /// The matrix whose columns are the edges from corner 0.
@@ -179,11 +192,13 @@ pub(crate) type Shapes<const D: usize, const N: usize> = [Rows<D, N>; 2];
 pub(crate) struct Interactions<const D: usize, const N: usize> {
     /// Forces on the corners of the first and of the second element.
     pub(crate) forces: [Rows<D, N>; 2],
-    /// The integral of the potentials over the overlap; 0 or, by rounding, less if the elements do not overlap.
+    /// The integral of the potentials over the overlap; 0 or, by rounding, less if the elements do not
+    /// overlap.
     pub(crate) energy: Lanes,
     /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
     pub(crate) point: [Lanes; D],
-    /// 1 where one element reaches the centroid of the other, else 0: the potential does not grow with further penetration.
+    /// 1 where one element reaches the centroid of the other, else 0: the potential does not grow with
+    /// further penetration.
     pub(crate) deep: Lanes,
 }
 
@@ -195,8 +210,9 @@ impl<const D: usize, const N: usize> Interactions<D, N> {
         deep: Lanes::ZERO,
     };
 
-    /// Adds the energy of the potential of one element of a couple, and the forces on its corners because the potential moves with them. `gradients`: those of its barycentric
-    /// coordinates. `inside`: 1 if the other element reaches its centroid, else 0.
+    /// Adds the energy of the potential of one element of a couple, and the forces on its corners because the
+    /// potential moves with them. `gradients`: those of its barycentric coordinates. `inside`: 1 if the other
+    /// element reaches its centroid, else 0.
     #[inline(always)]
     fn add_energy(&mut self, lane: usize, side: usize, gradients: &Rows<D, N>, energy: f64, inside: f64) {
         for corner in 0..N {
@@ -217,7 +233,8 @@ compiled_for_vectors!(fn points = all_points<const D: usize>(
     point: &mut [Lanes; D]
 ));
 
-/// The points where the forces of a batch act: pressure times position, over pressure. Without pressure there is no friction, so `any` point will do.
+/// The points where the forces of a batch act: pressure times position, over pressure. Without pressure there
+/// is no friction, so `any` point will do.
 #[inline(always)]
 fn all_points<const D: usize>(weight: &Lanes, moment: &[Lanes; D], any: &[Lanes; D], point: &mut [Lanes; D]) {
     for lane in 0..LANES {
@@ -230,8 +247,8 @@ fn all_points<const D: usize>(weight: &Lanes, moment: &[Lanes; D], any: &[Lanes;
     }
 }
 
-/// A lower bound of the distance of two elements, m: the gap of their boxes, or the distance by which a facet parts them. Negative if none does; then they overlap, or an edge of each
-/// is nearest to the other.
+/// A lower bound of the distance of two elements, m: the gap of their boxes, or the distance by which a facet
+/// parts them. Negative if none does; then they overlap, or an edge of each is nearest to the other.
 #[inline(always)]
 pub(crate) fn apart<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64
 where
@@ -250,7 +267,8 @@ where
     if squared < 0.0 { -1.0 } else { squared.sqrt() }
 }
 
-/// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the boxes overlap.
+/// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the
+/// boxes overlap.
 #[inline(always)]
 pub(crate) fn gap<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
     let mut most = f64::NEG_INFINITY;
@@ -266,7 +284,8 @@ pub(crate) fn gap<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<
     most
 }
 
-/// [`Simplex::parted`], from the gradients of the barycentric coordinates of one element, and those of the corners of the other in it.
+/// [`Simplex::parted`], from the gradients of the barycentric coordinates of one element, and those of the
+/// corners of the other in it.
 #[inline(always)]
 fn furthest<const D: usize, const N: usize>(gradients: &[Point<D>; N], at: &[[f64; N]; N]) -> f64 {
     let mut furthest = -1.0;

@@ -36,7 +36,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions
-    /// at its end. `energies`: whether they are asked for.
+    /// at its end. `energies`: whether to compute them.
     fn step(&mut self, energies: bool, peers: &mut dyn Peers<D, N>) -> Result<(), Stop> {
         let failures = self.press(energies); // all forces on the corners of elements
         let failing = self.failing(); // facets on which these forces have reached the strength

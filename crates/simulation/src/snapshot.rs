@@ -71,9 +71,9 @@ where
         principal_stresses::<D, N>(&<[[f64; D]; N]>::of_tensor(&self.stresses[element]))
     }
 
-    /// Exposure of an element: the reciprocal of the factor by which its stress can grow until it reaches the strength of
-    /// its material. It is 1 where the stress reaches the strength; `None` if the material has none. The strength is the
-    /// mean one, without its scatter. See `src/exposure.rs` for the definition.
+    /// Exposure of an element: the reciprocal of the factor by which its stress can grow until it reaches the
+    /// strength of its material. It is 1 where the stress reaches the strength; `None` if the material has
+    /// none. The strength is the mean one, without its scatter. See `src/exposure.rs` for the definition.
     ///
     /// # Panics
     /// If there is no such element.

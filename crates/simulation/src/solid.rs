@@ -34,7 +34,8 @@ pub(crate) struct Node<const D: usize = 2> {
 
 wire!([const D: usize] Node<D> { position, velocity });
 
-/// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step reads far more often.
+/// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step
+/// reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
     /// Mass in its motion, kg.
@@ -81,22 +82,24 @@ struct Constitution<const D: usize> {
 
 /// Nodes and elements of all bodies.
 ///
-/// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's coordinates lose no digits.
+/// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's
+/// coordinates lose no digits.
 #[derive(Debug)]
 pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Origin of positions, in the model's coordinates, m.
     pub(crate) origin: Point<D>,
     pub(crate) nodes: Vec<Node<D>>,
     pub(crate) constants: Vec<Constants>,
-    /// Mass of each node by the densities of its elements, kg, where masses are scaled; empty where they are not: [`Solid::true_mass`].
+    /// Mass of each node by the densities of its elements, kg, where masses are scaled; empty where they are
+    /// not: [`Solid::true_mass`].
     pub(crate) true_masses: Vec<f64>,
     pub(crate) elements: Vec<SolidElement>,
-    /// Their undeformed shapes, in batches.
+    /// Undeformed shapes of the elements, in batches.
     undeformed: Vec<Undeformed<D>>,
-    /// Results of their deformation, likewise.
+    /// Results of the deformation of the elements, in batches.
     pub(crate) deformed: Vec<Deformed<D>>,
-    /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
-    /// element.
+    /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored
+    /// apart, element by element, because the motion of nodes reads nothing else of an element.
     pub(crate) forces: Vec<[Point<D>; N]>,
     /// Histories of the elements, in batches; empty if no element keeps anything.
     histories: Vec<History<D>>,
@@ -106,7 +109,7 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) share: Share,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
-    /// Of the works that are added up.
+    /// Grains of the works that are added up.
     pub(crate) grains: Grains,
     /// Vector instructions of elements and joints.
     pub(crate) available: Available,
@@ -258,7 +261,8 @@ where
         self.corners.reserve(more);
     }
 
-    /// Numbers the nodes by their first corners. If each element has nodes of its own, a step then reads the nodes in the order of the elements.
+    /// Numbers the nodes by their first corners. If each element has separate nodes, a step then reads the
+    /// nodes in the order of the elements.
     pub(crate) fn number_by_corners(&mut self) {
         let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
         order.sort_unstable_by_key(|&node| self.corners.of(node as usize)[0]);
@@ -275,8 +279,9 @@ where
         self.corners = Nodes::new(of_corner.collect(), order.len());
     }
 
-    /// The nodes in the order of results: the first of each vertex, and then all others, both in the order of the vertices. The first node of a vertex is that of its first corner; the
-    /// others follow in the order of their first corners. Memory has them in the order in which they appeared.
+    /// The nodes in the order of results: the first of each vertex, and then all others, both in the order of
+    /// the vertices. The first node of a vertex is that of its first corner; the others follow in the order
+    /// of their first corners. Memory has them in the order in which they appeared.
     pub(crate) fn order(&self, topology: &Topology<D, N>) -> Vec<u32> {
         let key = |&node: &u32| {
             let (vertex, corner) = (self.constants[node as usize].vertex, self.corners.of(node as usize)[0]);
@@ -296,7 +301,7 @@ where
         self.corners.of_corner.iter().map(|nodes| nodes.map(|node| place[node as usize])).collect()
     }
 
-    /// Replaces the nodes by those of a saved run. Each vertex is held as it was.
+    /// Replaces the nodes by those of a saved run. Each vertex keeps its supports.
     pub(crate) fn set_nodes(&mut self, nodes: Vec<Node<D>>, of_corner: Vec<[u32; N]>, model: &Model<D, N>) {
         let vertices = &model.mesh.elements;
         let mut holds = vec![NONE; model.mesh.nodes.len()];
@@ -380,7 +385,8 @@ where
         }
     }
 
-    /// Gives each group of these corners of a vertex a node of its own. Returns the nodes whose corners have changed.
+    /// Gives each group of these corners of a vertex a separate node. Returns the nodes whose corners have
+    /// changed.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
         let Self { nodes, constants, true_masses, corners: lists, share, .. } = self;
         let mut changed = Vec::new();
@@ -527,8 +533,8 @@ where
         self.constants[self.corners.node_at(corner) as usize].hold
     }
 
-    /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns the first inverted element, with its ratio of deformed to undeformed area or
-    /// volume.
+    /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns
+    /// the first inverted element, with its ratio of deformed to undeformed area or volume.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Option<(u32, f64)> {
         match (self.is_prestressed(), !self.heights.is_empty()) {
             (false, false) => self.deform_with::<false, false>(step, team),
@@ -603,7 +609,8 @@ where
                             }
                         }
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
-                            // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
+                            // Work of the last viscous stress in the second half of its step, and of the new
+                            // one in the first half of its step.
                             let work = 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
                             history.dissipated.set(lane, history.dissipated.get(lane) + work);
                         }
@@ -660,9 +667,11 @@ where
     }
 }
 
-/// Middle of the bounding box along each axis on which the middle is at least as far from 0 as the box is wide; 0 along other axes.
+/// Middle of the bounding box along each axis on which the middle is at least as far from 0 as the box is
+/// wide; 0 along other axes.
 ///
-/// All coordinates are then within a factor of 2 of the middle, so that differences from it are exact (Sterbenz' lemma).
+/// All coordinates are then within a factor of 2 of the middle, so that differences from it are exact
+/// (Sterbenz' lemma).
 fn middle_if_far<const D: usize>(nodes: &[Point<D>]) -> Point<D> {
     std::array::from_fn(|axis| {
         let along = || nodes.iter().map(|node| node[axis]);

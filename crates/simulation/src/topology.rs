@@ -1,7 +1,9 @@
-//! Connectivity of elements: their corners, the nodes that they share, and the facets between them, in any dimension.
+//! Connectivity of elements: their corners, the nodes that they share, and the facets between them, in any
+//! dimension.
 //!
-//! A *vertex* is a node of the given mesh; a *node* is a point that moves. A vertex has one node where the mesh is intact, and several nodes where it has
-//! broken. Each of these is shared by the corners of elements that are still connected there. Corner `N e + k` is the `k`-th corner of element `e`.
+//! A *vertex* is a node of the given mesh; a *node* is a point that moves. A vertex has one node where the
+//! mesh is intact, and several nodes where it has broken. Each of these is shared by the corners of elements
+//! that are still connected there. Corner `N e + k` is the `k`-th corner of element `e`.
 
 use fdem_mesh::Mesh;
 
@@ -11,7 +13,8 @@ use crate::simplex::Simplex;
 /// Stands for no facet or no joint.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A facet between two elements. Side 0 is the element with the lower number. Both sides list their corners in the order in which they go around side 0.
+/// A facet between two elements. Side 0 is the element with the lower number. Both sides list their corners
+/// in the order in which they go around side 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Facet<const D: usize = 2> {
     pub(crate) corners: [[u32; D]; 2],
@@ -145,7 +148,8 @@ where
         }
     }
 
-    /// The code of a corner, the same in each part of a mesh: N times the number of its element, and its place there.
+    /// The code of a corner, the same in each part of a mesh: N times the number of its element, and its
+    /// place there.
     #[inline]
     pub(crate) fn code_of_corner(&self, corner: u32) -> u32 {
         self.number(corner / N as u32) * N as u32 + corner % N as u32
@@ -156,7 +160,8 @@ where
         self.element(code / N as u32).map(|element| element * N as u32 + code % N as u32)
     }
 
-    /// The code of a side, an element's facet by its corners: N times the number of the element, and the place of the facet there.
+    /// The code of a side, an element's facet by its corners: N times the number of the element, and the
+    /// place of the facet there.
     pub(crate) fn code_of_side(&self, side: &[u32; D]) -> u32 {
         self.number(side[0] / N as u32) * N as u32 + place_in_element::<D, N>(side) as u32
     }
@@ -166,7 +171,7 @@ where
         self.code_of_side(&self.facets[facet as usize].corners[0])
     }
 
-    /// The facet with a code; `None` if there is none, or its elements are not in this part.
+    /// The facet with a code; `None` if no facet has it, or its elements are not in this part.
     pub(crate) fn facet_with(&self, code: u32) -> Option<u32> {
         let facet = self.facet_of[self.element(code / N as u32)? as usize][code as usize % N];
         (facet != NONE && self.code(facet) == code).then_some(facet)
@@ -199,7 +204,8 @@ where
         })
     }
 
-    /// Numbers the pieces whose elements are connected by facets that hold, from 0 in the order of their first elements. Returns the piece of each element.
+    /// Numbers the pieces whose elements are connected by facets that hold, from 0 in the order of their
+    /// first elements. Returns the piece of each element.
     pub(crate) fn pieces(&self, holds: impl Fn(u32) -> bool) -> Vec<u32> {
         let mut pieces = vec![NONE; self.facet_of.len()];
         let (mut count, mut waiting) = (0, Vec::new());
@@ -223,7 +229,8 @@ where
         pieces
     }
 
-    /// Returns the facets between elements that meet at a vertex, each once and with the corner of its side 0.
+    /// Returns the facets between elements that meet at a vertex, each once and with the corner of its
+    /// side 0.
     pub(crate) fn facets_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.corners_of(vertex).iter().flat_map(move |&corner| {
             let own = move |facet: &u32| {
@@ -249,8 +256,9 @@ where
         }
     }
 
-    /// Groups the corners of a vertex. Corners of elements with a common facet that holds are in the same group. `groups` gets the group of each corner, in the
-    /// order of [`Self::corners_of`]. The number of a group is the place of its first corner in that order.
+    /// Groups the corners of a vertex. Corners of elements with a common facet that holds are in the same
+    /// group. `groups` gets the group of each corner, in the order of [`Self::corners_of`]. The number of a
+    /// group is the place of its first corner in that order.
     pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
         let corners = self.corners_of(vertex);
         groups.clear();
@@ -280,12 +288,14 @@ where
         }
     }
 
-    /// Finds the facets at a vertex without which corners that are connected there would no longer be: the bridges of the graph of its corners (R. E. Tarjan,
-    /// Inf. Process. Lett. 2 (1974) 160-161). Linear in the number of corners.
+    /// Finds the facets at a vertex without which corners that are connected there would no longer be: the
+    /// bridges of the graph of its corners (R. E. Tarjan, Inf. Process. Lett. 2 (1974) 160-161). Linear in
+    /// the number of corners.
     pub(crate) fn bridges(&self, vertex: u32, holds: impl Fn(u32) -> bool, bridges: &mut Vec<u32>) {
         bridges.clear();
         let corners = self.corners_of(vertex);
-        // When each corner was reached, and the earliest corner that it reaches without the facet by which it was reached.
+        // When each corner was reached, and the earliest corner that it reaches without the facet by which it
+        // was reached.
         let (mut reached, mut earliest) = (vec![NONE; corners.len()], vec![NONE; corners.len()]);
         let mut path: Vec<(usize, u32, usize)> = Vec::new();
         let mut count = 0;
@@ -343,7 +353,8 @@ where
     (0..N).find(|&k| <[[f64; D]; N]>::FACETS[k].iter().all(own)).unwrap_or_default()
 }
 
-/// Finds the facets between two elements, in the order of the lower element and its facets, from the vertices of all corners.
+/// Finds the facets between two elements, in the order of the lower element and its facets, from the vertices
+/// of all corners.
 #[allow(clippy::type_complexity, reason = "two columns, named where they are used")]
 fn facets<const D: usize, const N: usize>(
     vertices: &[u32],
@@ -394,19 +405,22 @@ where
     Ok((facets.collect(), facet_of))
 }
 
-/// Whether two facets with the same vertices go around them in opposite directions: whether an odd number of exchanges makes one of the other.
+/// Whether two facets with the same vertices go around them in opposite directions: whether an odd number of
+/// exchanges makes one of the other.
 fn are_opposite<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
     let (sorted, odd) = exchanged(one, other);
     odd && sorted == *one
 }
 
-/// Whether two facets have the same vertices and the same outside: whether an even number of exchanges makes one of the other.
+/// Whether two facets have the same vertices and the same outside: whether an even number of exchanges makes
+/// one of the other.
 pub(crate) fn are_alike<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
     let (sorted, odd) = exchanged(one, other);
     !odd && sorted == *one
 }
 
-/// The other list in the order of the first, as far as they have the same members, and whether this takes an odd number of exchanges.
+/// The other list in the order of the first, as far as they have the same members, and whether this takes an
+/// odd number of exchanges.
 fn exchanged<const D: usize>(one: &[u32; D], other: &[u32; D]) -> ([u32; D], bool) {
     let (mut other, mut odd) = (*other, false);
     for k in 0..D {
@@ -459,7 +473,7 @@ impl<const N: usize> Nodes<N> {
         size_of_val(&**of_corner) + size_of_val(&**corners) + size_of_val(&**ranges)
     }
 
-    /// Reserves memory for so many more nodes.
+    /// Reserves memory for `more` further nodes.
     pub(crate) fn reserve(&mut self, more: usize) {
         self.ranges.reserve_exact(more);
     }
@@ -487,8 +501,9 @@ impl<const N: usize> Nodes<N> {
         self.of_corner[corner as usize / N][corner as usize % N] = node;
     }
 
-    /// Gives each group of the corners `of` a vertex a node of its own. The first group of each node keeps the node, the others get new nodes. Calls `added`
-    /// with the old node and the new one for each new node. Returns whether there are any.
+    /// Gives each group of the corners `of` a vertex a separate node. The first group of each node keeps the
+    /// node, the others get new nodes. Calls `added` with the old node and the new one for each new node.
+    /// Returns whether there are any.
     ///
     /// The corners of a group must have one node.
     pub(crate) fn split(&mut self, of: &[u32], groups: &[u32], mut added: impl FnMut(u32, u32)) -> bool {
@@ -522,7 +537,7 @@ impl<const N: usize> Nodes<N> {
         let of_corner = &self.of_corner;
         let node_at = |corner: u32| of_corner[corner as usize / N][corner as usize % N];
         let list = &mut self.corners[first as usize..end as usize];
-        // A stable sort: the corners of each node go on ascending.
+        // A stable sort: the corners of each node stay ascending.
         list.sort_by_key(|&corner| node_at(corner));
         let mut begin = first;
         for same in list.chunk_by(|&a, &b| node_at(a) == node_at(b)) {

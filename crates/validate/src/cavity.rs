@@ -86,13 +86,14 @@ where
     Err(format!("it does not come to rest: imbalance {}", run.imbalance()))
 }
 
-/// The value on elements without size, from those of two meshes of which the second has elements of half the size. A mesh of triangles or tetrahedra makes a crack too short by a share of the size of its
-/// elements.
+/// The value on elements without size, from those of two meshes of which the second has elements of half the
+/// size. A mesh of triangles or tetrahedra makes a crack too short by a share of the size of its elements.
 pub(crate) fn extrapolated([coarse, fine]: [f64; 2]) -> f64 {
     2.0 * fine - coarse
 }
 
-/// A crack of the length `2 l` under the pressure `p` opens by `4 p √(l² - x²)/E'`, in plane strain with `E' = E/(1 - ν²)`: an ellipse of the area `2 π p l²/E'`.
+/// A crack of the length `2 l` under the pressure `p` opens by `4 p √(l² - x²)/E'`, in plane strain with
+/// `E' = E/(1 - ν²)`: an ellipse of the area `2 π p l²/E'`.
 pub(crate) fn line(size: Size) -> Result<Vec<Outcome>, String> {
     let cells = size.choose(8, 16);
     let modulus = granite().youngs_modulus / (1.0 - POISSON * POISSON);
@@ -165,8 +166,8 @@ fn plate(cells: usize) -> Model {
     model
 }
 
-/// A gas in the square hole of a square plate. As the plate swings, its pressure times the power γ of its volume
-/// stays what it was, and its energy with that of the plate.
+/// A gas in the square hole of a square plate. As the plate swings, its pressure times the power γ of its
+/// volume stays what it was, and its energy with that of the plate.
 pub(crate) fn gas(size: Size) -> Result<Vec<Outcome>, String> {
     let cells = size.choose(12, 24);
     let exponent = 1.4;

@@ -138,7 +138,7 @@ pub(super) fn edges_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<[u3
     edges.filter(|edge| edge.iter().all(|&node| at(mesh.nodes[node as usize]))).collect()
 }
 
-/// Separates a mesh along y = 0 from the left to `tip`, m. What is above that line becomes material 1.
+/// Separates a mesh along y = 0 from the left to `tip`, m. Elements above that line become material 1.
 pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
     let mut mesh = mesh.clone();
     for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < tip - 1e-9) {
@@ -157,7 +157,8 @@ pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
     mesh
 }
 
-/// The model with another mesh, a [`slit`] one, that can break along the line of the slit only, with the strength of its first material.
+/// The model with another mesh, a [`slit`] one, that can break along the line of the slit only, with the
+/// strength of its first material.
 pub(super) fn along_slit(model: Model, mesh: Mesh) -> Model {
     let rock = &model.materials[0];
     let half = Material { strength: None, ..rock.clone() };
@@ -187,7 +188,7 @@ pub(super) fn start(model: Model) -> Result<Simulation, String> {
     Simulation::new(model, 1).map_err(text)
 }
 
-/// Advances a run by so many steps.
+/// Advances a run by `steps` steps.
 pub(super) fn advance(run: &mut Simulation, steps: u64) -> Result<(), String> {
     run.advance(steps).map_err(text)
 }
@@ -203,7 +204,8 @@ pub(super) fn force(run: &Simulation, boundary: usize) -> Result<[f64; 2], Strin
     run.force(boundary).ok_or_else(|| format!("there is no boundary {boundary}"))
 }
 
-/// Mean load along an axis between the first two boundaries over the next 20 steps, N: half of the force of the second less that of the first. Single steps are disturbed by stress waves.
+/// Mean load along an axis between the first two boundaries over the next 20 steps, N: half of the force of
+/// the second less that of the first. Single steps are disturbed by stress waves.
 pub(super) fn mean_load(run: &mut Simulation, axis: usize) -> Result<f64, String> {
     let (mut sum, steps) = (0.0, 20);
     for _ in 0..steps {

@@ -1,5 +1,5 @@
-//! The harness of the verification ladder: a wrong answer must fail. `.ci/run` runs all cases, with `fdem validate`
-//! of a release build; here are some of the fast ones.
+//! The harness of the verification ladder: a wrong answer must fail. `.ci/run` runs all cases, with
+//! `fdem validate` of a release build; here are some of the fast ones.
 
 use fdem_validate::{Case, CaseReport, Outcome, Size, cases, html, table};
 

@@ -63,8 +63,8 @@ fn least_memory() -> u32 {
     (10_000..100_000).step_by(500).find(starts).unwrap()
 }
 
-/// Whether tests that kill runs at many moments, or limit memory in many ways, try all of these instead of some:
-/// `.ci/run` sets `FDEM_THOROUGH`.
+/// Whether tests that kill runs at many moments, or limit memory in many ways, try all of these instead of
+/// some: `.ci/run` sets `FDEM_THOROUGH`.
 fn thorough() -> bool {
     std::env::var_os("FDEM_THOROUGH").is_some()
 }

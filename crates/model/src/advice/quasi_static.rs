@@ -1,4 +1,5 @@
-//! Advice for runs that look for a state of rest: how long loads take to come, how fast boundaries move, and what calms the waves that they send.
+//! Advice for runs that look for a state of rest: the duration of loads, the speed of boundaries, and damping
+//! of the waves that they send.
 
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
@@ -22,7 +23,8 @@ const VISCOUS: f64 = 0.1;
 /// Local damping that is proposed.
 const DAMPING: f64 = 0.7;
 
-/// Whether a model is meant to be quasi-static: its motion is damped, or it is driven without weight and does not break, and nothing in it flies or rings.
+/// Whether a model is meant to be quasi-static: its motion is damped, or it is driven without weight and does
+/// not break, and nothing in it flies or rings.
 pub(crate) fn is_quasi_static<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     let is_damped = model.time.local_damping > 0.0 || model.time.dynamic_relaxation;
     let is_driven = || model.gravity == [0.0; D] && !breaks(model) && model.boundaries.iter().any(lasts);
@@ -62,7 +64,8 @@ fn stays(schedule: &Schedule) -> bool {
     }
 }
 
-/// Time within which a factor gets from 0 to its full value, s; 0 if it is there at once, `None` if it is more than one ramp.
+/// Time in which a factor grows from 0 to its full value, s; 0 if it starts at this value, `None` if it is
+/// more than one ramp.
 fn duration(schedule: &Schedule) -> Option<f64> {
     match schedule {
         Schedule::Constant => Some(0.0),
@@ -76,7 +79,7 @@ fn duration(schedule: &Schedule) -> Option<f64> {
     }
 }
 
-/// Adds advice where a model is meant to come to rest, and does not.
+/// Adds advice if a model is meant to come to rest, and does not.
 pub(crate) fn advice<const D: usize, const N: usize>(
     file: &ModelFile,
     model: &Model<D, N>,
@@ -99,7 +102,8 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
     let slowest = waves.fold(f64::INFINITY, f64::min);
     let passage = length / slowest;
-    // Initial stress holds loads that are there from the beginning, a body that is not held has no state of rest, and what does not break comes to it by damping.
+    // Initial stress holds loads that are there from the beginning, a body that is not held has no state of
+    // rest, and a body that does not break reaches it by damping.
     let is_damped = is_damped(file, model);
     if model.stresses.is_empty() && is_held(model) && (breaks(model) || !is_damped) {
         let damping = if is_damped {
@@ -132,7 +136,8 @@ fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     model.materials.iter().any(|material| material.strength.is_some()) || !model.joint_sets.is_empty()
 }
 
-/// Advice on a load that comes within a few passages of a wave. Motions that begin at once are told elsewhere.
+/// Advice on a load that comes within a few passages of a wave. Motions without a ramp are reported
+/// elsewhere.
 fn sudden<const D: usize>(boundary: &Boundary<D>, passage: f64, damping: &str) -> Option<String> {
     let what = match boundary.load {
         Load::Displacement(_) => "displacement",
@@ -160,7 +165,8 @@ fn sudden<const D: usize>(boundary: &Boundary<D>, passage: f64, damping: &str) -
     ))
 }
 
-/// Advice on gravity that comes within a few passages of a wave. That it acts at once on what can fail under it, or on bodies that rest on each other, is told elsewhere.
+/// Advice on gravity that comes within a few passages of a wave. Full gravity from the first step on bodies
+/// that can fail under it, or that rest on each other, is reported elsewhere.
 fn sudden_gravity<const D: usize, const N: usize>(
     model: &Model<D, N>,
     passage: f64,
@@ -187,7 +193,8 @@ fn sudden_gravity<const D: usize, const N: usize>(
     ))
 }
 
-/// Advice on the fastest boundary, if its wave alone breaks what it meets: the stress of the wave is `ρ c v`.
+/// Advice on the fastest boundary, if its wave alone breaks the body that it meets: the stress of the wave is
+/// `ρ c v`.
 fn fast<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<String> {
     let speed = |boundary: &Boundary<D>| match boundary.load {
         Load::Velocity(components) => components.iter().flatten().map(|v| v * v).sum::<f64>().sqrt(),
@@ -235,7 +242,8 @@ fn is_held<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     of_bodies.iter().all(|held| *held)
 }
 
-/// Advice on stages that end at an equilibrium and are not damped. Initial stress is in equilibrium until something changes.
+/// Advice on stages that end at an equilibrium and are not damped. Initial stress is in equilibrium until
+/// something changes.
 fn undamped_stages<const D: usize, const N: usize>(
     file: &ModelFile,
     model: &Model<D, N>,

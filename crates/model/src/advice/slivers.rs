@@ -15,9 +15,9 @@ const SHORTER: f64 = 2.0;
 pub(crate) struct Slivers {
     /// The worst of them.
     pub(crate) element: u32,
-    /// Its centre, m.
+    /// Centre of the element, m.
     pub(crate) at: Vec<f64>,
-    /// Its smallest height, m.
+    /// Smallest height of the element, m.
     height: f64,
     /// All of them, ascending.
     pub(crate) elements: Vec<u32>,
@@ -60,7 +60,8 @@ impl Slivers {
         Some(Self { element, at, height, elements, others, longer })
     }
 
-    /// Returns the warning. `with` and `without` are the times, in words, that the run takes with and without the slivers.
+    /// Returns the warning. `with` and `without` are the times, in words, that the run takes with and without
+    /// the slivers.
     pub(crate) fn told(&self, with: &str, without: &str) -> String {
         let at = self.at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         let like = match self.elements.len() {

@@ -201,7 +201,7 @@ pub(crate) fn interfaces(
     interfaces
 }
 
-/// Returns the number of a material, or advice if there is none of this name.
+/// Returns the number of a material, or advice if this name does not exist.
 pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, String> {
     let place = file.material.iter().position(|material| material.name == name);
     place.map(|place| place as u32).ok_or_else(|| {

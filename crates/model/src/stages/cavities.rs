@@ -53,7 +53,8 @@ pub(crate) fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>>
     Some(Load::Cavity { pressure, gas: boundary.gas_exponent })
 }
 
-/// The facets of the smallest hole around a point; if there is none, the facet of the nearest open joint, if the point is on it. `outline`: facets among which holes are looked for.
+/// The facets of the smallest hole around a point; if there is none, the facet of the nearest open joint, if
+/// the point is on it. `outline`: facets among which holes are looked for.
 pub(crate) fn at<const D: usize, const N: usize>(
     point: [f64; D],
     outline: &[[u32; D]],

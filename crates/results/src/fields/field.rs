@@ -148,8 +148,8 @@ impl Field {
         (0..state.count(Place::Element)).map(of_element).collect()
     }
 
-    /// Returns the range of a series by the scales of its frames. It covers at least 98 % of the elements in every
-    /// frame, so that a few extreme values do not use up the colours.
+    /// Returns the range of a series by the scales of its frames. It covers at least 98 % of the elements in
+    /// every frame, so that a few extreme values do not use up the colours.
     pub(crate) fn range<'a>(self, frames: impl Iterator<Item = &'a [Scale; SCALES.len()]>) -> Range {
         let (scale, signed) = match (self.scale(), self.ends()) {
             (Some(_), Some(Ends::Fixed(low, high))) => return Range { low, high },

@@ -186,7 +186,8 @@ fn headings<'a>(columns: impl IntoIterator<Item = &'a str>) -> String {
     columns.into_iter().map(|name| ["<th scope=\"col\">", name, "</th>"].concat()).collect()
 }
 
-/// Returns the names of the columns of the table of frames: these, and those with the largest values of fields.
+/// Returns the names of the columns of the table of frames: these, and those with the largest values of
+/// fields.
 fn columns(first: &[&str]) -> Vec<String> {
     let largest = Field::ALL.into_iter().filter_map(Field::column);
     first.iter().copied().map(str::to_owned).chain(largest).collect()

@@ -1,4 +1,5 @@
-//! Fragments of broken bodies: a table of their masses, sizes and motion, and the distribution of their sizes.
+//! Fragments of broken bodies: a table of their masses, sizes and motion, and the distribution of their
+//! sizes.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -10,10 +11,12 @@ use crate::run::csv::{push_number, quoted};
 use crate::run::names::Names;
 use crate::run::snapshot::{SnapshotError, checked};
 
-/// Areas or volumes and masses of the elements of a model, undeformed, and which of them count as parts of fragments.
+/// Areas or volumes and masses of the elements of a model, undeformed, and which of them count as parts of
+/// fragments.
 ///
-/// The elements of bodies that can break count: a body with a material that has a strength, or that takes part in an interface with a strength. Platens, tools and
-/// floors without strength would hide the fragments of the rock. If no body can break, all elements count. [`ElementMasses::counting`] chooses other bodies.
+/// The elements of bodies that can break count: a body with a material that has a strength, or that takes
+/// part in an interface with a strength. Platens, tools and floors without strength would hide the fragments
+/// of the rock. If no body can break, all elements count. [`ElementMasses::counting`] chooses other bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementMasses {
     /// Area, m², or volume, m³, of each element.
@@ -31,7 +34,7 @@ pub struct ElementMasses {
 pub struct FragmentCount {
     /// Number of fragments.
     pub number: u64,
-    /// Share of the largest fragment in the mass of all, from 0 to 1; 0 if there is none.
+    /// Share of the largest fragment in the mass of all, from 0 to 1; 0 without fragments.
     pub largest: f64,
 }
 
@@ -52,8 +55,9 @@ impl ElementMasses {
     /// The masses of a model. In two dimensions its thickness counts.
     ///
     /// # Errors
-    /// [`SnapshotError::Length`] if the mesh has another number of bodies or materials than of elements; [`SnapshotError::Node`], [`SnapshotError::Material`] for an
-    /// element whose node or material does not exist.
+    /// [`SnapshotError::Length`] if the mesh has another number of bodies or materials than of elements;
+    /// [`SnapshotError::Node`], [`SnapshotError::Material`] for an element whose node or material does not
+    /// exist.
     pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, SnapshotError>
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -118,7 +122,8 @@ impl ElementMasses {
         self.counted[self.bodies[element] as usize]
     }
 
-    /// Counts the fragments. `fragments`: number of the fragment of each element, as [`Simulation::fragments`](fdem_simulation::Simulation::fragments) returns them.
+    /// Counts the fragments. `fragments`: number of the fragment of each element, as
+    /// [`Simulation::fragments`](fdem_simulation::Simulation::fragments) returns them.
     ///
     /// # Cost
     /// Linear in the number of elements.
@@ -137,9 +142,9 @@ impl ElementMasses {
 /// A fragment: elements that hang together by facets that are not broken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment<const D: usize = 2> {
-    /// Its number in [`Snapshot::fragments`].
+    /// Number of the fragment in [`Snapshot::fragments`].
     pub number: u32,
-    /// Its body.
+    /// Number of its body.
     pub body: u32,
     /// Whether the fragment counts: see [`ElementMasses`].
     pub counted: bool,
@@ -163,7 +168,8 @@ pub struct Fragment<const D: usize = 2> {
 
 /// The fragments of a run at one instant.
 ///
-/// Mass, area and volume are those of the undeformed mesh; position, motion and extent are those of the instant.
+/// Mass, area and volume are those of the undeformed mesh; position, motion and extent are those of the
+/// instant.
 ///
 /// # Example
 /// ```
@@ -207,7 +213,8 @@ impl<const D: usize> Fragments<D> {
     /// Linear in the number of elements, and n log n in the number of fragments, which are sorted.
     ///
     /// # Errors
-    /// [`SnapshotError`] if the snapshot contradicts itself, or has another number of elements than the model of `masses`.
+    /// [`SnapshotError`] if the snapshot contradicts itself, or has another number of elements than the model
+    /// of `masses`.
     pub fn of<const N: usize>(
         snapshot: &Snapshot<D, N>,
         masses: &ElementMasses,
@@ -273,7 +280,8 @@ impl<const D: usize> Fragments<D> {
         self.all.iter().filter(|fragment| fragment.counted)
     }
 
-    /// Writes the fragments as delimited text: a line of names, then one line for each fragment, the heaviest first. Numbers read back as the same.
+    /// Writes the fragments as delimited text: a line of names, then one line for each fragment, the heaviest
+    /// first. Numbers read back as the same.
     pub fn csv(&self, names: &Names) -> String {
         let axes = ["x", "y", "z"].into_iter().take(D);
         let measure = if D == 2 { "area" } else { "volume" };
@@ -328,14 +336,16 @@ fn equivalent_diameter(dimensions: usize, measure: f64) -> f64 {
 
 /// The distribution of sizes by mass: how much of the mass passes a size.
 ///
-/// The size of a fragment is its equivalent diameter. A point of the curve is the size of a fragment and the share of the mass that it and all smaller ones have: the
-/// cumulative undersize distribution by mass, `Q₃`. Between points the curve is linear; it rises from 0 at the smallest size, so that fragments of one size have one
-/// `d50`, which is that size.
+/// The size of a fragment is its equivalent diameter. A point of the curve is the size of a fragment and the
+/// share of the mass that it and all smaller ones have: the cumulative undersize distribution by mass, `Q₃`.
+/// Between points the curve is linear; it rises from 0 at the smallest size, so that fragments of one size
+/// have one `d50`, which is that size.
 ///
 /// # Source
-/// `Q₃`: ISO 9276-1:1998, "Representation of results of particle size analysis, part 1: graphical representation". `d80` as the measure of crushed rock: F. C. Bond, "The third theory of
-/// comminution", Trans. AIME 193 (1952) 484-494; `d50` as that of blasted rock: F. Ouchterlony, "The Swebrec function: linking fragmentation by blasting and
-/// crushing", Mining Technology 114 (2005) A29-A44.
+/// `Q₃`: ISO 9276-1:1998, "Representation of results of particle size analysis, part 1: graphical
+/// representation". `d80` as the measure of crushed rock: F. C. Bond, "The third theory of comminution",
+/// Trans. AIME 193 (1952) 484-494; `d50` as that of blasted rock: F. Ouchterlony, "The Swebrec function:
+/// linking fragmentation by blasting and crushing", Mining Technology 114 (2005) A29-A44.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SizeDistribution {
     /// Sizes, m, ascending.
@@ -359,7 +369,8 @@ impl SizeDistribution {
         Self { sizes, shares }
     }
 
-    /// Sizes of the points of the curve, m, ascending. The first point is that of the smallest size and a share of 0.
+    /// Sizes of the points of the curve, m, ascending. The first point is that of the smallest size and a
+    /// share of 0.
     pub fn sizes(&self) -> &[f64] {
         &self.sizes
     }
@@ -369,7 +380,8 @@ impl SizeDistribution {
         &self.shares
     }
 
-    /// Returns the size, m, that a share of the mass passes: `d20`, `d50` and `d80` for 0.2, 0.5 and 0.8. `None` if there are no fragments.
+    /// Returns the size, m, that a share of the mass passes: `d20`, `d50` and `d80` for 0.2, 0.5 and 0.8.
+    /// `None` if there are no fragments.
     pub fn size(&self, share: f64) -> Option<f64> {
         let (&last, after) = (self.sizes.last()?, self.shares.partition_point(|&other| other < share));
         if after == 0 || after == self.shares.len() {

@@ -1,4 +1,5 @@
-//! Pictures of frames in three dimensions. All pictures of a series have the same view and the same colour scale.
+//! Pictures of frames in three dimensions. All pictures of a series have the same view and the same colour
+//! scale.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -29,24 +30,27 @@ const NARROWEST: f64 = 700.0;
 /// Space around the drawing in its area, on each side.
 const EDGE: f64 = 8.0;
 
-/// What pictures in three dimensions show.
+/// The visible parts of pictures in three dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Show {
-    /// The surface of the bodies, coloured by the field. Broken joints are dark lines where they reach the surface.
+    /// The surface of the bodies, coloured by the field. Broken joints are dark lines where they reach the
+    /// surface.
     #[default]
     Solid,
     /// The broken joints, coloured by their mode of failure. The bodies are transparent.
     Cracks,
 }
 
-/// A plane that cuts the bodies. The part on the side of the eye is taken away, and the section through the elements is drawn in their colours. If the frame does
-/// not have the elements inside, the surface is seen open.
+/// A plane that cuts the bodies. The part on the side of the eye is taken away, and the section through the
+/// elements is drawn in their colours. If the frame does not have the elements inside, the surface is seen
+/// open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// Normal of the plane. Without a length, nothing is cut.
     pub normal: [f64; 3],
-    /// Product of the normal and a point of the plane: for a normal of length 1 the distance of the plane from the origin, m.
+    /// Product of the normal and a point of the plane: for a normal of length 1 the distance of the plane
+    /// from the origin, m.
     pub offset: f64,
 }
 
@@ -67,7 +71,8 @@ impl Cut {
     }
 }
 
-/// Settings of the pictures of a series in three dimensions. The pictures need no display and no graphics card, and their bytes are the same on every machine.
+/// Settings of the pictures of a series in three dimensions. The pictures need no display and no graphics
+/// card, and their bytes are the same on every machine.
 ///
 /// # Example
 /// ```
@@ -116,7 +121,7 @@ pub struct SpacePictures<'a> {
     pub range: Range,
     /// Part of space that is shown, and the direction from which it is seen.
     pub view: SpaceView,
-    /// What is shown.
+    /// The parts that are shown.
     pub show: Show,
     /// Plane that cuts the bodies, if any.
     pub cut: Option<Cut>,
@@ -138,7 +143,8 @@ impl SpacePictures<'_> {
         Ok(svg.finish())
     }
 
-    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as the SVG (at most 900).
+    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as
+    /// the SVG (at most 900).
     ///
     /// # Errors
     /// The errors of [`Self::svg`]; [`PictureError::Width`].
@@ -150,7 +156,8 @@ impl SpacePictures<'_> {
         encode::file(size, &pixels)
     }
 
-    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel, row by row.
+    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel,
+    /// row by row.
     pub(crate) fn pixels(
         &self,
         frame: &SpaceFrame,
@@ -200,7 +207,8 @@ impl SpacePictures<'_> {
             grouped(frame.whole as u64)
         );
         if frame.cracks > 0 {
-            // All bodies, also those that no one counts among the fragments. Writing to a string does not fail.
+            // All bodies, also those that no one counts among the fragments. Writing to a string does not
+            // fail.
             let plural = if frame.fragments == 1 { "" } else { "s" };
             let _ = write!(text, ", {} piece{plural}", grouped(frame.fragments as u64));
             let _ = write!(text, ", {} of cracks", area_text(frame.areas.iter().sum()));

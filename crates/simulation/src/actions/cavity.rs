@@ -1,18 +1,24 @@
-//! Cavities: a pressure on the facets of a hole, and on the faces of all broken joints that are connected with it.
+//! Cavities: a pressure on the facets of a hole, and on the faces of all broken joints that are connected
+//! with it.
 //!
-//! A cavity begins with the facets of its boundary. A broken joint joins it if it has a vertex (in three dimensions an edge) in common with a facet of the boundary or with a joint that has joined before. One
-//! pressure acts on all of its faces against their present outward normals. It is that of the boundary times the factor of its schedule, or that of a gas without exchange of heat,
+//! A cavity begins with the facets of its boundary. A broken joint joins it if it has a vertex (in three
+//! dimensions an edge) in common with a facet of the boundary or with a joint that has joined before. One
+//! pressure acts on all of its faces against their present outward normals. It is that of the boundary times
+//! the factor of its schedule, or that of a gas without exchange of heat,
 //!
 //! ```text
 //! p = p₀ (V₀/V)^γ,   U = p₀ V₀^γ V^(1-γ)/(γ-1)
 //! ```
 //! whose stored energy `U` is a term of the balance. The work of a prescribed pressure is work of loads.
 //!
-//! The volume follows from the motion of the faces, from step to step: `dV = -Σ n·dx` with the mean of the area vectors `n` before and after the step, which is exact in two dimensions and of third order in
-//! the motion in three. So it needs only one side of a joint, however far its elements have parted, and the work is the sum of `p dV` by construction. A joint that joins adds the volume by which it is open
-//! then. What a gas loses when it fills that volume is dissipated.
+//! The volume follows from the motion of the faces, from step to step: `dV = -Σ n·dx` with the mean of the
+//! area vectors `n` before and after the step, which is exact in two dimensions and of third order in the
+//! motion in three. So it needs only one side of a joint, however far its elements have parted, and the work
+//! is the sum of `p dV` by construction. A joint that joins adds the volume by which it is open then. What a
+//! gas loses when it fills that volume is dissipated.
 //!
-//! Each rank has the faces of its own elements, and knows all joints that have broken anywhere, so that all ranks find the same connections.
+//! Each rank has the faces of its own elements, and knows all joints that have broken anywhere, so that all
+//! ranks find the same connections.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,7 +36,8 @@ use crate::sum::Sum;
 use crate::topology::{NONE, corners_of_facet};
 use crate::vector::{Point, add, dot, minus};
 
-/// The boundary of a facet is made of rims: its vertices, in three dimensions its edges. Numbers of vertices in the whole mesh, ascending; [`NONE`] for a missing one.
+/// The boundary of a facet is made of rims: its vertices, in three dimensions its edges. Numbers of vertices
+/// in the whole mesh, ascending; [`NONE`] for a missing one.
 type Rim = [u32; 2];
 
 /// The rims of a facet with these vertices.
@@ -138,7 +145,8 @@ impl<const D: usize> Cavity<D> {
         self.pressure * numbers.first * ratio / (exponent - 1.0)
     }
 
-    /// Takes a broken joint in, if it is connected, with all that it connects. Returns the joints that have joined, by their codes.
+    /// Takes a broken joint in, if it is connected, with all that it connects. Returns the joints that have
+    /// joined, by their codes.
     fn reach(&mut self, joint: &BrokenSides<D>, known: &BTreeMap<u32, BrokenSides<D>>) -> Vec<u32> {
         let code = joint.sides[0];
         if self.joined.contains(&code) {
@@ -213,7 +221,8 @@ impl<const D: usize> Cavities<D> {
         Some(CavityState { pressure, volume, area, work: work + 0.5 * pressure * swept, stored })
     }
 
-    /// Adds the sides of a joint that belong to elements here. Returns the volume by which it is open, m³, as far as this rank counts it.
+    /// Adds the sides of a joint that belong to elements here. Returns the volume by which it is open, m³, as
+    /// far as this rank counts it.
     fn add_sides<const N: usize>(
         faces: &mut Vec<Face<D>>,
         joint: &BrokenSides<D>,
@@ -249,7 +258,8 @@ where
     mean
 }
 
-/// The volume that undeformed facets enclose, m³, with that by which their motion has increased it; the second alone if they do not enclose any.
+/// The volume that undeformed facets enclose, m³, with that by which their motion has increased it; the
+/// second alone if they do not enclose any.
 fn volumes<const D: usize, const N: usize>(faces: &[Face<D>], scene: &Scene<'_, D, N>) -> [f64; 2]
 where
     [[f64; D]; N]: Simplex<D, N>,

@@ -2,12 +2,15 @@
 //!
 //! Three forces act on each end of an facet. Impedances and stiffnesses are per area.
 //!
-//! - Dashpots with the impedances `ρ c_p` along the normal and `ρ c_s` along the facet, so that waves leave (Lysmer and Kuhlemeyer, 1969).
-//! - Springs with the stiffnesses `G/R` along the normal and `G/(2 R)` along the facet, with `R` half of the longer side of the bounding box of the body. They
-//!   have the static stiffness of the ground, so that weight or a lasting load is carried after a finite settlement (viscous-spring boundary; Deeks and
+//! - Dashpots with the impedances `ρ c_p` along the normal and `ρ c_s` along the facet, so that waves leave
+//!   (Lysmer and Kuhlemeyer, 1969).
+//! - Springs with the stiffnesses `G/R` along the normal and `G/(2 R)` along the facet, with `R` half of the
+//!   longer side of the bounding box of the body. They have the static stiffness of the ground, so that
+//!   weight or a lasting load is carried after a finite settlement (viscous-spring boundary; Deeks and
 //!   Randolph, 1994; Liu, Du, Du, Wang and Wu, 2006). They hardly affect waves shorter than `R`.
-//! - Under initial stress, a constant static force. It holds the nodes of these facets in equilibrium at the beginning, under stress, weight and loads. The
-//!   ground goes on to carry what it carried before, so that a body in equilibrium stays at rest.
+//! - Under initial stress, a constant static force. It holds the nodes of these facets in equilibrium at the
+//!   beginning, under stress, weight and loads. The ground continues to carry its load, so that a body in
+//!   equilibrium stays at rest.
 //!
 //! The work of springs and static forces counts as work of loads; the work of dashpots is dissipated.
 
@@ -52,7 +55,8 @@ impl<const D: usize, const N: usize> Ground<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// The ground of a model, without static forces. `known`: [`radii`] of the bodies, if this is a part of a model.
+    /// The ground of a model, without static forces. `known`: [`radii`] of the bodies, if this is a part of a
+    /// model.
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,

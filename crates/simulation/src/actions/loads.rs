@@ -38,7 +38,8 @@ where
                 if nodes.is_empty() {
                     return Err(wrong("nodes"));
                 }
-                // Equal parts for the nodes of the mesh. The corners of a node share its part, because they may separate.
+                // Equal parts for the nodes of the mesh. The corners of a node share its part, because they
+                // may separate.
                 let count = wide.map_or(nodes.len(), |wide| wide.nodes[number as usize] as usize);
                 let each = force.map(|f| f / count as f64);
                 for &node in &nodes {

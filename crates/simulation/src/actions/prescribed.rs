@@ -1,4 +1,5 @@
-//! Prescribed motions of nodes, by velocities or displacements of boundaries. They are no forces: the motion of the nodes finds the reactions.
+//! Prescribed motions of nodes, by velocities or displacements of boundaries. They are no forces: the motion
+//! of the nodes finds the reactions.
 
 use crate::error::ModelError;
 use crate::model::{Load, Model, Schedule};
@@ -62,7 +63,8 @@ impl Schedule {
         }
     }
 
-    /// The largest magnitude of the change of the factor in time, 1/s. At the beginning it changes from 0 within a step, s.
+    /// The largest magnitude of the change of the factor in time, 1/s. At the beginning it changes from 0
+    /// within a step, s.
     fn steepest(&self, step: f64) -> f64 {
         let first = self.factor(0.0).abs() / step;
         match self {

@@ -1,12 +1,14 @@
 //! Forces and velocities that a program sets between steps. How it sets them: `src/simulation/program.rs`.
 //!
-//! A change of velocities is an impulse `m (v' - v)`, whose work the next step adds, once its forces are known:
+//! A change of velocities is an impulse `m (v' - v)`, whose work the next step adds, once its forces are
+//! known:
 //!
 //! ```text
 //! W = m (v'² - v²) / 2 + h F·(v' - v) / 2
 //! ```
-//! with the force `F` of elements, joints and contacts on the node, and the time step `h`. The second term is there because velocities stand half a step before
-//! positions (`motion.rs`): with it, the balance of a linear system stays exact however often velocities are set.
+//! with the force `F` of elements, joints and contacts on the node, and the time step `h`. The second term is
+//! there because velocities stand half a step before positions (`motion.rs`): with it, the balance of a
+//! linear system stays exact however often velocities are set.
 
 use std::collections::BTreeMap;
 
@@ -42,7 +44,8 @@ where
         if self.replaced.is_empty() {
             return Vec::new();
         }
-        // Works of loads are counted with the new velocities, so that the forces of loads have no part in the second term.
+        // Works of loads are counted with the new velocities, so that the forces of loads have no part in the
+        // second term.
         let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
         for &Applied { corner, force, .. } in applied {
             add(by_loads.entry(corner).or_insert([0.0; D]), force, -1.0);

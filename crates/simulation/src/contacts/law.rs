@@ -10,7 +10,7 @@ pub(super) struct ContactLaw {
     /// Penalty times thickness: N/m in two dimensions, Pa in three.
     pub(super) penalty: f64,
     pub(super) friction: f64,
-    /// Tangential stiffness, likewise.
+    /// Tangential stiffness, in the same unit.
     pub(super) tangential: f64,
     /// Share of critical damping.
     pub(super) damping: f64,
@@ -33,7 +33,8 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
     }
 }
 
-/// Parameters of contacts between all pairs of materials; after them the same for each joint set, with its residual friction.
+/// Parameters of contacts between all pairs of materials; after them the same for each joint set, with its
+/// residual friction.
 pub(super) fn laws<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<ContactLaw> {
     let count = model.materials.len();
     let pairs = || (0..count * count).map(|k| law(model, (k / count) as u32, (k % count) as u32));
@@ -53,7 +54,8 @@ pub(crate) fn penalty_and_friction<const D: usize, const N: usize>(
     [law.penalty / model.thickness, law.friction]
 }
 
-/// Upper bound of the stiffness, N/m, that a contact over facet `k` of an element of this material has at each vertex of the facet.
+/// Upper bound of the stiffness, N/m, that a contact over facet `k` of an element of this material has at
+/// each vertex of the facet.
 pub(crate) fn stiffness<const D: usize, const N: usize>(
     model: &Model<D, N>,
     corners: &[Point<D>; N],
@@ -67,7 +69,8 @@ where
         .map(|other| law(model, material, other).penalty)
         .fold(0.0_f64, f64::max);
     let measure = <[[f64; D]; N]>::facet_measure(&<[[f64; D]; N]>::FACETS[k].map(|corner| corners[corner]));
-    // φ grows by N over the height. A part of 1/D of the pressure on the facet goes to each vertex. Each of the two elements presses the other: factor 2.
+    // φ grows by N over the height. A part of 1/D of the pressure on the facet goes to each vertex. Each of
+    // the two elements presses the other: factor 2.
     let normal = N as f64 * penalty / corners.height(k) * (1.0 / D as f64) * measure;
     let length = <[[f64; D]; N]>::contact_length(corners.measure());
     2.0 * normal.max(model.contact.tangential_stiffness * penalty * length)

@@ -9,15 +9,18 @@ use crate::solid::{Node, Solid};
 use crate::topology::Facet;
 use crate::vector::{Matrix, Point, add, dot, length, minus};
 
-/// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
+/// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two
+/// elements, and at which the handover is complete.
 const FADE: [f64; 2] = [0.1, 0.3];
 
-/// An end is detached if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
-/// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
+/// An end is detached if it is broken and its two sides are farther apart than this, over the length of the
+/// joint: the two elements turn about the other end as about a hinge. Half way round, the joint has no
+/// direction any more; farther round, an open joint looks closed.
 ///
-/// If all other ends have two nodes, they break together with the detached end: their fracture process is long over, and they seem to hold only because a joint is
-/// evaluated at few points. If another end is still a single node, the detached end has no force. It presses again only after it was found open at
-/// a smaller distance, so that its force begins at zero.
+/// If all other ends have two nodes, they break together with the detached end: their fracture process is
+/// long over, and they seem to hold only because a joint is evaluated at few points. If another end is still
+/// a single node, the detached end has no force. It presses again only after it was found open at a smaller
+/// distance, so that its force begins at zero.
 const APART: f64 = 0.5;
 
 /// State of a joint.
@@ -41,7 +44,7 @@ pub(crate) struct Joint<const D: usize = 2> {
     /// Number of its facet; in a saved run the code of the facet.
     pub(crate) facet: u32,
     pub(crate) state: JointState,
-    /// The plane for which it stands.
+    /// The plane that the joint represents.
     pub(crate) plane: JointPlane,
     #[serde(skip, default = "no_law")]
     pub(crate) law: JointLaw,
@@ -146,7 +149,7 @@ impl<const D: usize> Joint<D> {
         self.nodes = std::array::from_fn(|end| facet.corners.map(|side| solid.corners.node_at(side[end])));
     }
 
-    /// The joint of a saved run, with what is not saved.
+    /// The joint of a saved run, with the fields that are not saved.
     pub(super) fn restored(&self, saved: Self) -> Self {
         Self {
             facet: self.facet,
@@ -196,7 +199,8 @@ impl<const D: usize> Joint<D> {
         mean
     }
 
-    /// Updates the joint and its forces. Returns the work since the last pass and, if the joint broke, the modes of its damage.
+    /// Updates the joint and its forces. Returns the work since the last pass and, if the joint broke, the
+    /// modes of its damage.
     #[inline]
     pub(super) fn pull<const N: usize>(
         &mut self,
@@ -232,7 +236,8 @@ impl<const D: usize> Joint<D> {
                 traction
             };
             let force = frame.vector(traction).map(|x| share * x);
-            // Work of the last force in the second half of its step, and of the new force in the first half of its step.
+            // Work of the last force in the second half of its step, and of the new force in the first half
+            // of its step.
             work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
             forces[end] = force;
             for axis in 1..D {
@@ -254,8 +259,9 @@ impl<const D: usize> Joint<D> {
             JointState::Broken => {
                 let share = (length(slid) / self.length - FADE[0]) / (FADE[1] - FADE[0]);
                 self.faded = self.faded.max(share.clamp(0.0, 1.0));
-                // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once. One that was inserted under pressure still presses when its gap is
-                // 0: it waits until it does not.
+                // Neither the joint nor the contact has a force while the joint is open, so it can hand over
+                // in one step. One that was inserted under pressure still presses when its gap is 0: it waits
+                // until it does not.
                 if (least >= 0.0 && !pressed) || self.faded >= 1.0 || is_detached {
                     work -= self.leave(forces, &frame, step);
                 }
@@ -263,14 +269,15 @@ impl<const D: usize> Joint<D> {
             JointState::Holding | JointState::Removed => {}
         }
         let fading = self.faded - before;
-        // Joints seldom fade: what does not change is not written, so that whole joints are only read.
+        // Joints seldom fade: an unchanged value is not written, so that whole joints are only read.
         if fading != self.fading {
             self.fading = fading;
         }
         (work, modes)
     }
 
-    /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here.
+    /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of
+    /// the forces that end here.
     fn leave(&mut self, forces: &mut [Point<D>; D], frame: &JointAxes<'_, D>, step: f64) -> f64 {
         self.faded = 1.0;
         self.state = JointState::Removed;
@@ -350,7 +357,8 @@ mod tests {
         (model, topology)
     }
 
-    /// Two elements that turn about one end of a joint, while its other end is broken, may turn so far that the frame of the joint is reversed.
+    /// Two elements that turn about one end of a joint, while its other end is broken, may turn so far that
+    /// the frame of the joint is reversed.
     #[test]
     fn a_broken_end_that_came_round_does_not_press() {
         let (model, topology) = two_triangles();
@@ -386,7 +394,8 @@ mod tests {
         assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
     }
 
-    /// If both ends have two nodes, a joint breaks as a whole when one end has opened far, and hands over to contact.
+    /// If both ends have two nodes, a joint breaks as a whole when one end has opened far, and hands over to
+    /// contact.
     #[test]
     fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
         let (model, topology) = two_triangles();

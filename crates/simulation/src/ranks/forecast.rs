@@ -1,6 +1,8 @@
-//! Forecast of a run on many ranks: the share of each rank, its messages and its memory, found by one process without a step.
+//! Forecast of a run on many ranks: the share of each rank, its messages and its memory, found by one process
+//! without a step.
 //!
-//! The division of nodes is that of `spread.rs`, by the same functions. Which elements, nodes and neighbours a rank gets follows from it.
+//! The division of nodes is that of `spread.rs`, by the same functions. Which elements, nodes and neighbours
+//! a rank gets follows from it.
 
 use fdem_contact::{Couple, Detector, Elements as Boxes, Search};
 use fdem_distributed::curve::{owner, splitters_of_all};
@@ -18,11 +20,14 @@ use crate::vector::Point;
 
 /// Elements, messages and memory of a run on a number of ranks, at its beginning or at any later step.
 ///
-/// The shares and messages are those that [`Distributed::new`](crate::Distributed::new) gives the ranks, exactly: elements that each rank computes because they act on its nodes, or because
-/// they are so near to its own that they may touch them soon. They change when joints are inserted, when bodies move, and when ranks get other elements because the work has become uneven.
+/// The shares and messages are those that [`Distributed::new`](crate::Distributed::new) gives the ranks,
+/// exactly: elements that each rank computes because they act on its nodes, or because they are so near to
+/// its own that they may touch them soon. They change when joints are inserted, when bodies move, and when
+/// ranks get other elements because the work has become uneven.
 ///
 /// # Cost
-/// About that of a step, and of sorting the corners; memory of some 50 bytes for each element. There are no messages and no threads.
+/// About that of a step, and of sorting the corners; memory of some 50 bytes for each element. There are no
+/// messages and no threads.
 ///
 /// # Example
 /// ```
@@ -45,7 +50,7 @@ pub struct Forecast {
     pub nodes: usize,
     /// The share of each rank.
     pub of_ranks: Vec<RankForecast>,
-    /// Memory for an element, by what it is for.
+    /// Memory for an element, by purpose.
     pub sizes: Sizes,
     /// Memory of rank 0 while it gives the other ranks their elements, bytes. It has the whole model then.
     pub memory_at_beginning: u64,
@@ -85,7 +90,8 @@ impl RankForecast {
     }
 }
 
-/// Memory for an element on a rank, bytes: the mean over the model, from the lists that the simulation has of it. The program itself is not included, nor results that wait to be written.
+/// Memory for an element on a rank, bytes: the mean over the model, from the lists that the simulation has of
+/// it. The program itself is not included, nor results that wait to be written.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sizes {
     /// Mesh, initial velocities and stresses.
@@ -96,7 +102,8 @@ pub struct Sizes {
     pub solid: f64,
     /// Strengths of facets, and joints that are there now.
     pub joints: f64,
-    /// Elements near free surfaces, and the couples of these that are so near that ranks exchange them: more than the search keeps.
+    /// Elements near free surfaces, and the couples of these that are so near that ranks exchange them: more
+    /// than the search keeps.
     pub contacts: f64,
 }
 
@@ -125,12 +132,12 @@ impl Default for Network {
 }
 
 impl Network {
-    /// Time in which a rank exchanges so many messages with so many bytes together, s.
+    /// Time in which a rank exchanges `messages` messages with `bytes` bytes together, s.
     pub fn exchange(&self, messages: f64, bytes: f64) -> f64 {
         messages * self.latency + bytes / self.bandwidth
     }
 
-    /// Time in which so many ranks find a largest value, s: to one rank and back along a tree.
+    /// Time in which `ranks` ranks find a largest value, s: to one rank and back along a tree.
     pub fn agreement(&self, ranks: usize) -> f64 {
         2.0 * (ranks as f64).log2().ceil() * self.latency
     }
@@ -140,7 +147,8 @@ impl Network {
 type SentNode = (u32, u32, u32);
 
 impl Forecast {
-    /// Foretells a run on so many ranks from its state now. The run is not changed, except that it looks for couples again in its next step.
+    /// Predicts a run on the given number of ranks from its present state. The run is not changed, except
+    /// that it looks for couples again in its next step.
     ///
     /// # Errors
     /// [`ModelError::Ranks`] if there are no ranks, or more than elements.
@@ -189,7 +197,8 @@ impl Forecast {
         for rank in &mut of_ranks {
             rank.memory = (rank.held() as f64 * sizes.all()).round() as u64;
         }
-        // While rank 0 sorts out what it sends, it has the run, each element and each joint once, and a copy of the element for each rank that holds it.
+        // While rank 0 sorts out its messages, it has the run, each element and each joint once, and a copy
+        // of the element for each rank that holds it.
         let held: usize = of_ranks.iter().map(RankForecast::held).sum();
         let moving = (elements + held) * size_of::<ElementPiece<D, N>>()
             + run.joints.all.len() * size_of::<MovingJoint<D>>();
@@ -208,12 +217,14 @@ impl Forecast {
         weights.clone().fold(0.0, f64::max) * self.of_ranks.len() as f64 / weights.sum::<f64>()
     }
 
-    /// Elements in halos of all ranks over the elements of the model: the share of the work that is done again.
+    /// Elements in halos of all ranks over the elements of the model: the share of the work that is done
+    /// again.
     pub fn halo_share(&self) -> f64 {
         self.of_ranks.iter().map(|rank| rank.halo as f64).sum::<f64>() / self.elements as f64
     }
 
-    /// Estimate of the time that messages take in a step, s: those of the rank for which they take longest, and the agreement of all ranks.
+    /// Estimate of the time that messages take in a step, s: those of the rank for which they take longest,
+    /// and the agreement of all ranks.
     pub fn message_seconds(&self, network: &Network) -> f64 {
         let of = |rank: &RankForecast| network.exchange(rank.neighbours as f64, rank.bytes as f64);
         self.of_ranks.iter().map(of).fold(0.0, f64::max) + network.agreement(self.of_ranks.len())
@@ -251,7 +262,8 @@ where
     (owners, weights)
 }
 
-/// Elements with the ranks that hold them only because they are near elements that act on nodes of the rank, ascending, and the number of couples of watched elements that are so near.
+/// Elements with the ranks that hold them only because they are near elements that act on nodes of the rank,
+/// ascending, and the number of couples of watched elements that are so near.
 fn near<const D: usize, const N: usize>(
     run: &Simulation<D, N>,
     owners: &[u32],
@@ -289,7 +301,7 @@ where
     Ok((near, couples))
 }
 
-/// Adds what each rank sends and receives. `sent`: ascending, without repetition.
+/// Adds the messages that each rank sends and receives. `sent`: ascending, without repetition.
 fn add_messages<const D: usize>(of_ranks: &mut [RankForecast], sent: &[SentNode]) {
     let bytes_of_node = 2 * D * size_of::<f64>();
     let mut pairs: Vec<[u32; 2]> = Vec::new();
@@ -323,7 +335,8 @@ where
         + size_of_val(&**velocities)
         + size_of_val(&**stresses)
         + size_of_val(&**joint_facets);
-    // On a rank: the number of each element, which of its facets are outer, the owner of each corner and whether it is this rank; three numbers for each vertex.
+    // On a rank: the number of each element, which of its facets are outer, the owner of each corner and
+    // whether it is this rank; three numbers for each vertex.
     let number = size_of::<u32>();
     let of_part = (number + N + N * (number + 1) + 1) as f64 + each(3 * number * mesh.nodes.len());
     let watched = run.contacts.watched.iter().filter(|watched| **watched).count();
@@ -385,7 +398,8 @@ mod tests {
         }
     }
 
-    /// The memory that is foretold for a rank is that of the lists that it then has, except for couples, which it has not looked for yet.
+    /// The predicted memory of a rank is that of the lists that it then has, except for couples, which it has
+    /// not looked for yet.
     #[test]
     fn memory_is_that_of_the_lists_of_a_rank() {
         for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {

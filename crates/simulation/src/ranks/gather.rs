@@ -1,6 +1,6 @@
 //! The whole of a run on many ranks, as results and checkpoints have it.
 //!
-//! Rank 0 gets what they have of each element and node, and not what is needed to advance them.
+//! Rank 0 gets the state of each element and node, and not the data that is needed to advance them.
 
 use fdem_distributed::wire;
 

@@ -41,7 +41,7 @@ impl Neighbour {
     }
 }
 
-/// The parting of a vertex, as its owner tells it to a neighbour.
+/// The parting of a vertex, as its owner sends it to a neighbour.
 struct VertexChange<const D: usize> {
     corners: Vec<CornerChange>,
     /// Tractions with which ends of joints begin, by the codes of their facets.
@@ -328,7 +328,7 @@ where
     }
 }
 
-/// Does what the owner of a vertex has done there.
+/// Repeats the changes that the owner of a vertex has made there.
 fn follow<const D: usize, const N: usize>(
     change: &VertexChange<D>,
     solid: &mut Solid<D, N>,

@@ -1,6 +1,7 @@
 //! Parts of a simulation on their way between ranks.
 //!
-//! All numbers are those of the whole model, and all facets and corners are codes (`topology.rs`): they mean the same on every rank.
+//! All numbers are those of the whole model, and all facets and corners are codes (`topology.rs`): they mean
+//! the same on every rank.
 
 use std::collections::BTreeMap;
 
@@ -267,7 +268,7 @@ pub(super) struct CarriedState<const D: usize> {
 }
 
 impl<const D: usize> CarriedState<D> {
-    /// Bytes of what all ranks have in common.
+    /// Bytes of the data that all ranks have in common.
     pub(super) fn bytes(&self) -> Vec<u8> {
         let Totals { first, exchanged, most_cohesive, relaxation, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);

@@ -1,4 +1,5 @@
-//! Division of a run among ranks: nodes go to ranks along Hilbert's curve, and each rank gets the elements that act on its nodes, and those near them.
+//! Division of a run among ranks: nodes go to ranks along Hilbert's curve, and each rank gets the elements
+//! that act on its nodes, and those near them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,16 +16,17 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::vector::Point;
 
-/// Distance over the mean edge up to which a rank knows the elements near its own. They are looked for again when nodes may have travelled half of it.
+/// Distance over the mean edge up to which a rank knows the elements near its own. They are looked for again
+/// when nodes may have travelled half of it.
 const REACH: f64 = 0.5;
 
-/// Number of boxes in which a rank tells others where its elements are.
+/// Number of boxes with which a rank describes the places of its elements.
 const BOXES: usize = 128;
 
 /// Elements that a rank sends at a time.
 const ROUND: usize = 1 << 15;
 
-/// Share by which the busiest rank may have more than the mean before nodes are divided anew.
+/// Share by which the busiest rank may have more than the mean before nodes are divided again.
 const IMBALANCE: f64 = 0.1;
 
 /// Weights of an element, of a joint and of a couple that touches: about the time that each takes.
@@ -94,7 +96,8 @@ where
     units
 }
 
-/// The largest coordinates of owned nodes, and the smallest with the other sign, so that the largest of several ranks hold for all of their nodes.
+/// The largest coordinates of owned nodes, and the smallest with the other sign, so that the largest of
+/// several ranks hold for all of their nodes.
 pub(super) fn ends<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<f64>
 where
     [[f64; D]; N]: Simplex<D, N>,
@@ -115,7 +118,8 @@ pub(super) fn curve_within<const D: usize>(ends: &[f64]) -> Curve<D> {
     Curve::new(std::array::from_fn(|axis| -ends[D + axis]), std::array::from_fn(|axis| ends[axis]))
 }
 
-/// Divides space among the ranks again if the work is not even. Returns the new owner of each corner of this rank.
+/// Divides space among the ranks again if the work is not even. Returns the new owner of each corner of this
+/// rank.
 fn divide<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     division: &mut Option<Division<D>>,
@@ -162,7 +166,8 @@ where
     assigned(units, owners)
 }
 
-/// Sends values to ranks, those for this rank without a message. Returns what came, with the ranks that sent it.
+/// Sends values to ranks, those for this rank without a message. Returns the received values, with the ranks
+/// that sent them.
 fn exchange<T: Wire + Default>(
     communicator: &dyn Communicator,
     values: BTreeMap<usize, T>,
@@ -172,7 +177,8 @@ fn exchange<T: Wire + Default>(
     heard.into_iter().map(|message| (message.rank, value_of(&message.bytes))).collect()
 }
 
-/// Gives every rank its part of a run. `run`: the part that this rank has had, or the whole run; `None` if it has had nothing.
+/// Gives every rank its part of a run. `run`: the part that this rank has had, or the whole run; `None` if it
+/// has had nothing.
 pub(super) fn spread<'c, const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     links: Option<&Links<'c>>,
@@ -194,7 +200,8 @@ where
 
 /// Neighbourhoods that [`spread`] has found besides the pieces.
 pub(super) struct Neighbourhood {
-    /// Numbers of the elements counted here that are near those of other ranks, which do not know them because they are not watched.
+    /// Numbers of the elements counted here that are near those of other ranks, which do not know them
+    /// because they are not watched.
     hidden: BTreeSet<u32>,
     /// Codes of the corners that each other rank has too.
     lent: BTreeMap<usize, Vec<u32>>,
@@ -300,7 +307,8 @@ where
     own
 }
 
-/// Sends joints, couples, what actions remember, and which elements came apart in the last step. Returns those of this rank.
+/// Sends joints, couples, what actions remember, and which elements came apart in the last step. Returns
+/// those of this rank.
 fn send_between<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     owners: &[u32],
@@ -382,7 +390,8 @@ fn are_near<const D: usize>(a: &[Point<D>; 2], b: &[Point<D>; 2], reach: f64) ->
     (0..D).all(|axis| a[0][axis] - reach <= b[1][axis] && b[0][axis] - reach <= a[1][axis])
 }
 
-/// Gets the watched elements of other ranks that are near watched ones here. Returns the numbers of the other elements counted here that are near elements of other ranks.
+/// Gets the watched elements of other ranks that are near watched ones here. Returns the numbers of the other
+/// elements counted here that are near elements of other ranks.
 fn find_near<const D: usize, const N: usize>(
     pieces: &mut RunPieces<D, N>,
     reach: f64,
@@ -470,7 +479,8 @@ fn nearest<const D: usize>(
     wanted
 }
 
-/// Tells the owners of corners which of them this rank has, and gets the joints there. Returns the codes of corners of this rank that others have.
+/// Tells the owners of corners which of them this rank has, and gets the joints there. Returns the codes of
+/// corners of this rank that others have.
 fn send_to_borrowers<const D: usize, const N: usize>(
     pieces: &mut RunPieces<D, N>,
     rank: usize,

@@ -144,8 +144,9 @@ impl Simplex<3, 4> for Tetrahedron {
         [0.5 * (most + least), 0.5 * (most - least)]
     }
 
-    /// From the mean stress p and the second invariant J₂ of the deviator. Its eigenvalues differ by at most 2 √J₂, and the one between the others is at least −√(J₂/3); the
-    /// middle of the others is p less half of it.
+    /// From the mean stress p and the second invariant J₂ of the deviator. Its eigenvalues differ by at most
+    /// 2 √J₂, and the one between the others is at least −√(J₂/3); the middle of the others is p less half of
+    /// it.
     #[inline(always)]
     fn circle_bound(stress: &Matrix<3>) -> [f64; 2] {
         let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
@@ -190,8 +191,9 @@ impl Simplex<3, 4> for Tetrahedron {
                 crate::vector::add(row, gradient, g);
             }
         }
-        // In the axes in which S = Σ ∇N ∇Nᵀ is diagonal, B Bᵀ is diagonal too: s₁, s₂, s₃ and their sums in pairs. The stiffness has the eigenvalues of
-        // D B Bᵀ: those of the shears, and those of √sᵢ Dᵢₖ √sₖ.
+        // In the axes in which S = Σ ∇N ∇Nᵀ is diagonal, B Bᵀ is diagonal too: s₁, s₂, s₃ and their sums in
+        // pairs. The stiffness has the eigenvalues of D B Bᵀ: the eigenvalues of the shears, and of √sᵢ Dᵢₖ
+        // √sₖ.
         let squares = eigen::values(sum).map(|square| square.max(0.0));
         let roots = squares.map(f64::sqrt);
         let lame = moduli.wave - 2.0 * moduli.shear;
@@ -250,7 +252,7 @@ mod tests {
         }
     }
 
-    /// What is computed side by side is the stress to the last bit, up to the measure that it tells.
+    /// The batch computes the stress to the last bit, up to the measure that it returns.
     #[test]
     fn the_stress_of_small_strains_is_the_stress() {
         let (mut small, mut large) = (0, 0);

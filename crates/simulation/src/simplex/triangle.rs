@@ -162,7 +162,8 @@ impl Simplex<2, 3> for Triangle {
     fn highest_square(&self, moduli: &Moduli, density: f64) -> f64 {
         let [a, b, c] = *self;
         let double = cross(minus(b, a), minus(c, a));
-        // ∇N of each corner, and S = Σ ∇N ∇Nᵀ. In the axes in which S is diagonal, B Bᵀ is diag(s₁, s₂, s₁ + s₂). D is the same in all axes.
+        // ∇N of each corner, and S = Σ ∇N ∇Nᵀ. In the axes in which S is diagonal, B Bᵀ is diag(s₁, s₂, s₁ +
+        // s₂). D is the same in all axes.
         let gradients = [minus(c, b), minus(a, c), minus(b, a)].map(|[x, y]| [-y / double, x / double]);
         let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
         for [x, y] in gradients {

@@ -23,7 +23,8 @@ where
         self.step.is_multiple_of(AUDIT)
     }
 
-    /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
+    /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy,
+    /// J.
     pub(super) fn account(&mut self, kinetic: &Sum, peers: &dyn Peers<D, N>) {
         let [strain, viscous] = self.solid.energies(&self.team);
         let Totals { friction, cohesive, damping, external, loads, .. } = &self.totals;
@@ -147,7 +148,8 @@ mod tests {
     use crate::laws::MaterialLaw;
     use crate::model::{Material, Model};
 
-    /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
+    /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it,
+    /// but it exceeds the energy available.
     #[test]
     fn kinetic_energy_out_of_nothing_stops_a_run() {
         let mesh = Mesh {

@@ -1,9 +1,11 @@
-//! A run that goes on with a changed model: elements vanish or appear, boundaries and materials change.
+//! A run that continues with a changed model: elements vanish or appear, boundaries and materials change.
 //!
-//! What vanishes, elements or boundaries, has held the rest. The forces are the difference between those on each node in the model before and in the model from now on, at the same state.
-//! They go on to act on the surface, with a factor in time: at 1 the rest stays as it was, and as the factor falls to 0 they are released.
+//! The vanishing elements or boundaries have held the rest. The forces are the difference between those on
+//! each node in the model before and in the model from now on, at the same state. They continue to act on the
+//! surface, with a factor in time: at 1 the rest stays unchanged, and as the factor falls to 0 they are
+//! released.
 //!
-//! The energy of what vanishes leaves the balance: it counts as external work, with its sign.
+//! The energy of vanishing parts leaves the balance: it counts as external work, with its sign.
 
 use std::collections::BTreeMap;
 
@@ -21,14 +23,16 @@ use crate::sum::Sum;
 use crate::topology::NONE;
 use crate::vector::{Point, add, dot, minus};
 
-/// How a run goes on: see [`State::changed`].
+/// How a run continues: see [`State::changed`].
 #[derive(Clone, Debug)]
 pub struct Change<const D: usize = 2, const N: usize = 3> {
     /// The model from now on. Its time step is that of the run so far, whatever its options say.
     pub model: Model<D, N>,
-    /// For each of its elements, its number in the model before; `None` for one that appears. The numbers ascend.
+    /// For each element of the model, its number in the model before; `None` for one that appears. The
+    /// numbers ascend.
     pub elements: Vec<Option<u32>>,
-    /// Name and factor in time, from now on, of a boundary with the forces of all that vanishes; `None` if they vanish at once.
+    /// Name and factor in time, from now on, of a boundary with the forces of all vanishing parts; `None` if
+    /// they vanish in one step.
     pub release: Option<(String, Schedule)>,
 }
 
@@ -54,16 +58,19 @@ impl<const D: usize, const N: usize> State<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// The model and the state with which a run of the model `before` goes on after a change. `threads`: see [`Simulation::new`].
+    /// The model and the state with which a run of the model `before` continues after a change. `threads`:
+    /// see [`Simulation::new`].
     ///
-    /// An element that appears is in the state in which a run of the new model would begin. It has no node in common with one that stays.
+    /// An element that appears is in the state in which a run of the new model would begin. It has no node in
+    /// common with one that stays.
     ///
     /// # Cost
-    /// That of four times [`Simulation::new`].
+    /// Four times the cost of [`Simulation::new`].
     ///
     /// # Errors
-    /// The errors of [`Simulation::new`]; [`ModelError::Length`] and [`ModelError::Missing`] if the elements are not those of the two models; [`ModelError::OutOfRange`] if the time step is
-    /// too long for the new model.
+    /// The errors of [`Simulation::new`]; [`ModelError::Length`] and [`ModelError::Missing`] if the elements
+    /// are not those of the two models; [`ModelError::OutOfRange`] if the time step is too long for the new
+    /// model.
     pub fn changed(
         self,
         before: &Model<D, N>,
@@ -119,7 +126,7 @@ where
 
 /// Forces on nodes, and energies, at a state.
 struct ForcesAndEnergy<const D: usize> {
-    /// Force on each node, without that of what moves it, N.
+    /// Force on each node, without the reaction of its supports, N.
     forces: Vec<Point<D>>,
     /// Energies that are not summed up over the steps, J.
     energy: Sum,
@@ -129,12 +136,13 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Looks at the forces of the next step. The run is not to go on after that.
+    /// Looks at the forces of the next step. The run must not continue after that.
     fn look(&mut self) -> ForcesAndEnergy<D> {
         let kinetic = self.kinetic_of_half_step();
         // A reason to stop is found again in the next step.
         let _ = self.press(true);
-        // At the time of the positions, the velocity of a node has changed by half a step of its forces; those of loads have their work of that half step.
+        // At the time of the positions, the velocity of a node has changed by half a step of its forces;
+        // those of loads have their work of that half step.
         let impulses = self.impulses_of_half_step();
         let factor = self.model.gravity_schedule.factor(self.time());
         let force = |node: usize| {
@@ -169,7 +177,8 @@ where
         (0..self.solid.nodes.len()).map(of).collect()
     }
 
-    /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A node that is not on the surface has none.
+    /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A
+    /// node that is not on the surface has none.
     #[allow(clippy::type_complexity, reason = "two columns, named where they are used")]
     fn spread_over_surface(&self, forces: &[Point<D>]) -> (Vec<[u32; D]>, Vec<[Point<D>; D]>) {
         let vertices = |side: &[u32; D]| side.map(|corner| self.topology.vertices[corner as usize]);
@@ -196,9 +205,9 @@ where
 
 /// The numbers of elements before and after a change.
 struct Numbers {
-    /// Of each element, its number before; `None` for one that appears.
+    /// Number of each element before the change; `None` for one that appears.
     before: Vec<Option<u32>>,
-    /// Of each element before, its number now; `None` for one that has vanished.
+    /// Number of each earlier element after the change; `None` for one that has vanished.
     after: Vec<Option<u32>>,
 }
 
@@ -243,7 +252,8 @@ impl Numbers {
         self.after[element as usize]
     }
 
-    /// The state of the elements that stay, and that of the others at the beginning of a run of the new model, `fresh`.
+    /// The state of the elements that stay, and that of the others at the beginning of a run of the new
+    /// model, `fresh`.
     fn carry<const D: usize, const N: usize>(
         &self,
         state: State<D, N>,
@@ -318,7 +328,8 @@ impl Numbers {
         }
     }
 
-    /// The forces that the nodes of the new model have lost, N: with them they would be accelerated as before. `had`, `has`: forces on the nodes of the two.
+    /// The forces that the nodes of the new model have lost, N: with them they would be accelerated as
+    /// before. `had`, `has`: forces on the nodes of the two.
     fn lost<const D: usize, const N: usize>(
         &self,
         old: &Simulation<D, N>,
@@ -341,7 +352,7 @@ impl Numbers {
             let (held, holds) = (holds(old, before), holds(new, node));
             let whole = share == 1.0;
             let had: Point<D> = std::array::from_fn(|axis| match held[axis] {
-                // What held it had the opposite force, as long as it was not accelerated.
+                // Its support had the opposite force, as long as it was not accelerated.
                 true if !holds[axis] => 0.0,
                 _ if whole => had[before][axis],
                 _ => share * had[before][axis],

@@ -1,8 +1,10 @@
-//! What a program sets between steps: velocities and forces of nodes, factors of boundaries. Their work is in the energy balance.
+//! What a program sets between steps: velocities and forces of nodes, factors of boundaries. Their work is in
+//! the energy balance.
 //!
-//! A program that holds a run may load it by a law of its own: before a step it reads the state, and sets forces or velocities. Forces act like those of a
-//! [`Load`](crate::Load), from the next step on and until they are set again. Velocities of nodes that a boundary moves are those of the boundary again after the step. How they act, and their works:
-//! `src/actions/program.rs`.
+//! A program that holds a run may load it by a law of its own: before a step it reads the state, and sets
+//! forces or velocities. Forces act like those of a [`Load`](crate::Load), from the next step on and until
+//! they are set again. Velocities of nodes that a boundary moves are those of the boundary again after the
+//! step. How they act, and their works: `src/actions/program.rs`.
 
 use crate::error::ModelError;
 use crate::simplex::Simplex;
@@ -12,14 +14,16 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Sets the velocities of nodes, m/s. The work of the change is external work, which the energies have after the next step.
+    /// Sets the velocities of nodes, m/s. The work of the change is external work, which the energies have
+    /// after the next step.
     ///
     /// # Shapes
-    /// `nodes`: as a [`Snapshot`](crate::Snapshot) of now numbers them, with one velocity each; of a node that occurs twice the last velocity counts.
+    /// `nodes`: as a [`Snapshot`](crate::Snapshot) of now numbers them, with one velocity each; of a node
+    /// that occurs twice the last velocity counts.
     ///
     /// # Errors
-    /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a velocity that is no number, or beyond the speed at which runs stop. Then nothing is
-    /// changed.
+    /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a velocity that is no
+    /// number, or beyond the speed at which runs stop. Then nothing is changed.
     ///
     /// # Example
     /// ```
@@ -52,14 +56,17 @@ where
         Ok(())
     }
 
-    /// Sets the forces of the caller on nodes, N, which act from the next step on until they are set again. Other nodes keep theirs. The elements around a node share
-    /// its force equally, and keep their shares where the mesh breaks.
+    /// Sets the forces of the caller on nodes, N, which act from the next step on until they are set again.
+    /// Other nodes keep theirs. The elements around a node share its force equally, and keep their shares
+    /// where the mesh breaks.
     ///
     /// # Shapes
-    /// `nodes`: as a [`Snapshot`](crate::Snapshot) of now numbers them, with one force each; of a node that occurs twice the last force counts.
+    /// `nodes`: as a [`Snapshot`](crate::Snapshot) of now numbers them, with one force each; of a node that
+    /// occurs twice the last force counts.
     ///
     /// # Errors
-    /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a force that is no number. Then nothing is changed.
+    /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a force that is no
+    /// number. Then nothing is changed.
     pub fn set_forces(&mut self, nodes: &[u32], forces: &[[f64; D]]) -> Result<(), ModelError> {
         let order = self.solid.order(&self.topology);
         check(nodes, forces, order.len(), ["forces", "a force"])?;
@@ -82,10 +89,12 @@ where
         self.actions.program.forces.clear();
     }
 
-    /// Sets the factor of a boundary from the next step on, in place of its schedule; `None` gives it its schedule back.
+    /// Sets the factor of a boundary from the next step on, in place of its schedule; `None` gives it its
+    /// schedule back.
     ///
     /// # Errors
-    /// [`ModelError::Missing`]; [`ModelError::OutOfRange`] for a factor that is no number; [`ModelError::NoFactor`] for an absorbing boundary.
+    /// [`ModelError::Missing`]; [`ModelError::OutOfRange`] for a factor that is no number;
+    /// [`ModelError::NoFactor`] for an absorbing boundary.
     pub fn set_factor(&mut self, boundary: usize, factor: Option<f64>) -> Result<(), ModelError> {
         self.actions.set_factor(&self.model, boundary, factor)
     }

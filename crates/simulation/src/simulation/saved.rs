@@ -78,7 +78,8 @@ where
     /// Creates a run that continues from a state of a run of the same model.
     ///
     /// # Errors
-    /// An error that says why the model cannot be simulated; [`ModelError::Length`] or [`ModelError::Missing`] if the state belongs to another model.
+    /// An error that says why the model cannot be simulated; [`ModelError::Length`] or
+    /// [`ModelError::Missing`] if the state belongs to another model.
     pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
         let elements = run.solid.elements.len();

@@ -25,7 +25,7 @@ impl<const D: usize> Undeformed<D> {
 /// Results of the deformation of a batch that are kept.
 #[derive(Clone, Debug)]
 pub(crate) struct Deformed<const D: usize> {
-    /// Cauchy stress, Pa. It is symmetric; what is below the diagonal is not used.
+    /// Cauchy stress, Pa. It is symmetric; entries below the diagonal are not used.
     stress: Tensors<D>,
     /// Strain energy, J.
     pub(crate) energy: Lanes,
@@ -93,15 +93,17 @@ impl<const D: usize> History<D> {
     }
 }
 
-/// What the deformation of a batch depends on besides, in this step.
+/// Further input of the deformation of a batch in this step.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchInputs<const D: usize> {
     /// Matrices whose columns are the edges from corner 0, m.
     pub(crate) edges: Tensors<D>,
-    /// Initial stress (second Piola-Kirchhoff), Pa, and the energy that it has stored, J/m³; not read without initial stress.
+    /// Initial stress (second Piola-Kirchhoff), Pa, and the energy that it has stored, J/m³; not read without
+    /// initial stress.
     pub(crate) initial: Tensors<D>,
     pub(crate) stored: Lanes,
-    /// Differences of velocities from that of corner 0, m/s, and viscosities, Pa s; not read without viscosity.
+    /// Differences of velocities from that of corner 0, m/s, and viscosities, Pa s; not read without
+    /// viscosity.
     pub(crate) rates: Tensors<D>,
     pub(crate) viscosity: Lanes,
 }
@@ -116,14 +118,15 @@ impl<const D: usize> BatchInputs<D> {
     };
 }
 
-/// Results of the deformation of a batch that are used at once.
+/// Results of the deformation of a batch that are used immediately.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchResults<const D: usize, const N: usize> {
     /// Forces on the corners, N.
     forces: [[Lanes; D]; N],
     /// Deformed over undeformed volume.
     pub(crate) ratio: Lanes,
-    /// Power of the last viscous stress and of the new one together, over the volume, W/m³; not written without viscosity.
+    /// Power of the last viscous stress and of the new one together, over the volume, W/m³; not written
+    /// without viscosity.
     pub(crate) power: Lanes,
     /// Energy that a law has dissipated over the undeformed volume, J/m³; not written by a law that does not.
     pub(crate) dissipated: Lanes,

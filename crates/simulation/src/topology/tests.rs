@@ -24,7 +24,8 @@ fn the_facets_of_a_simplex_and_those_at_its_corners() {
             told.sort_unstable();
             assert_eq!(told, at, "{D} dimensions, corner {corner}");
         }
-        // Two facets of one element go through what they have in common in opposite directions, as the facets of two elements do.
+        // Two facets of one element traverse their common nodes in opposite directions, as the facets of two
+        // elements do.
         for k in 0..N {
             for l in (0..N).filter(|&l| l != k) {
                 let lonely = facets[l].into_iter().find(|corner| !facets[k].contains(corner));
@@ -112,7 +113,8 @@ fn a_vertex_comes_apart_when_two_facets_let_go() {
     assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
 }
 
-/// A facet whose vertices are all single cannot open; two facets through the middle part the octahedron in two, at both ends of their common edge.
+/// A facet whose vertices are all single cannot open; two facets through the middle part the octahedron in
+/// two, at both ends of their common edge.
 #[test]
 fn an_octahedron_comes_apart_when_two_facets_let_go() {
     let topology = Topology::<3, 4>::new(6, &OCTAHEDRON).expect("a mesh");
@@ -176,7 +178,8 @@ fn orders<const D: usize>() -> Vec<([usize; D], bool)> {
     all
 }
 
-/// Elements of a grid of `cells` cubes along each axis, those of which `kept` holds, in the order of `shuffle`.
+/// Elements of a grid of `cells` cubes along each axis, those of which `kept` holds, in the order of
+/// `shuffle`.
 fn mesh<const D: usize, const N: usize>(cells: u32, kept: &[bool], shuffle: &[Index]) -> AnyMesh<N> {
     let edge = cells + 1;
     let number = |at: [u32; D]| at.into_iter().rev().fold(0, |number, k| number * edge + k);
@@ -238,7 +241,7 @@ fn flooded<const D: usize, const N: usize>(
     }
 }
 
-/// Breaks facets one after the other. After each, nodes and groups are what they should be.
+/// Breaks facets one after the other. After each, nodes and groups are compared with their definition.
 fn any_order_of_breaking<const D: usize, const N: usize>(mesh: &AnyMesh<N>, order: &[Index])
 where
     [[f64; D]; N]: Simplex<D, N>,

@@ -170,7 +170,8 @@ fn refused_actions_change_nothing() {
     assert_eq!(run.energies(), plain.energies());
 }
 
-/// Forces and velocities that are set before a run is distributed act as on one rank, and are in its checkpoints.
+/// Forces and velocities that are set before a run is distributed act as on one rank, and are in its
+/// checkpoints.
 #[test]
 fn a_run_with_actions_is_the_same_on_ranks() {
     let begun = || {

@@ -104,7 +104,8 @@ fn a_crash_in_space_is_the_same() {
     }
 }
 
-/// A gas bursts a plate, and a cube: the ranks add up its volume, and know all cracks that are connected with it.
+/// A gas bursts a plate, and a cube: the ranks add up its volume, and know all cracks that are connected with
+/// it.
 #[test]
 fn a_gas_in_a_growing_cavity_is_the_same() {
     let counts = same_on_ranks!(crate::cavity::bursting(), 2, 3, &[1, 2, 3, 4], &[1, 299, 300]);

@@ -78,7 +78,8 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
         })
     }
 
-    /// A. Van Oosterom and J. Strackee, *The solid angle of a plane triangle*, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+    /// A. Van Oosterom and J. Strackee, *The solid angle of a plane triangle*, IEEE Trans. Biomed. Eng. 30
+    /// (1983) 125.
     fn seen([a, b, c]: [[f64; 3]; 3]) -> f64 {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];

@@ -8,7 +8,8 @@ pub(super) fn moduli(e: f64, nu: f64) -> Moduli {
     Moduli { shear, bulk, wave: bulk + 4.0 / 3.0 * shear, out_of_plane: 0.0 }
 }
 
-/// Sum of squares that is 0 for a multiple of the unit tensor: `((xx − yy)² + (yy − zz)² + (zz − xx)²)/2 + 3 (xy² + yz² + zx²)`.
+/// Sum of squares that is 0 for a multiple of the unit tensor:
+/// `((xx − yy)² + (yy − zz)² + (zz − xx)²)/2 + 3 (xy² + yz² + zx²)`.
 #[inline(always)]
 pub(super) fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> f64 {
     let (one, two, three) = (xx - yy, yy - zz, zz - xx);
@@ -18,7 +19,7 @@ pub(super) fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> 
 /// Up to this magnitude of its argument the series of the cube root is exact to rounding.
 pub(super) const SMALL: f64 = 1e-3;
 
-/// `∛(1 + z)`. For small strains by its series, which takes a fifth of the time.
+/// `∛(1 + z)`. For small strains it uses its series, which takes a fifth of the time.
 #[inline]
 pub(super) fn cube_root(z: f64) -> f64 {
     if z.abs() < SMALL { cube_root_of_small(z) } else { libm::cbrt(1.0 + z) }
@@ -38,11 +39,12 @@ pub(super) fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {
     deviation(stress) / (6.0 * moduli.shear) + sum * sum / (18.0 * moduli.bulk)
 }
 
-/// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`, which must be positive, and `cofactor` its matrix of
-/// cofactors. `root` is [`cube_root`].
+/// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`,
+/// which must be positive, and `cofactor` its matrix of cofactors. `root` is [`cube_root`].
 ///
-/// The energy of the change of shape is `3/2 G (c − 1)` with `c³ = (I₁/3)³/J²`. Both are near 1 while strains are small, and `c − 1` of the order of their squares. With
-/// the strain `E = (FᵀF − 1)/2`, `u = 2/3 tr E` and `q` the [`deviation`] of E,
+/// The energy of the change of shape is `3/2 G (c − 1)` with `c³ = (I₁/3)³/J²`. Both are near 1 while strains
+/// are small, and `c − 1` of the order of their squares. With the strain `E = (FᵀF − 1)/2`, `u = 2/3 tr E`
+/// and `q` the [`deviation`] of E,
 ///
 /// ```text
 /// c³ − 1 = z = (4/3 q + u³ − 8 det E)/J²,    c − 1 = z/(c² + c + 1),
@@ -73,7 +75,7 @@ pub(super) fn stress(
     let both = 1.0 / (third * sum);
     let shape = z * (third * both);
     let volume = j - 1.0;
-    // G J^(−2/3), and what multiplies the cofactors.
+    // G J^(−2/3), and the factor of the cofactors.
     let g = shear * c * (sum * both);
     let k = bulk * volume - g * third * inverse;
     let stress = std::array::from_fn(|i| std::array::from_fn(|l| g * f[i][l] + k * cofactor[i][l]));

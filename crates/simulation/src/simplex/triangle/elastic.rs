@@ -18,7 +18,8 @@ pub(super) fn stored(moduli: &Moduli, [[xx, xy], [_, yy]]: &Matrix) -> f64 {
     (0.5 * difference * difference + 2.0 * xy * xy) / (4.0 * moduli.shear) + sum * sum / (8.0 * moduli.bulk)
 }
 
-/// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`; it must be positive.
+/// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`;
+/// it must be positive.
 #[inline(always)]
 pub(super) fn stress([shear, bulk]: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f64) {
     let [[a, b], [c, d]] = *f;
