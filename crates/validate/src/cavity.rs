@@ -79,7 +79,7 @@ where
 {
     for _ in 0..100 {
         run.advance(200).map_err(|stop| stop.to_string())?;
-        if run.imbalance() < 1e-4 {
+        if run.imbalance() < 1e-5 {
             return run.cavity(0).ok_or_else(|| "there is no cavity".to_owned());
         }
     }
@@ -142,8 +142,8 @@ pub(crate) fn line(size: Size) -> Result<Vec<Outcome>, String> {
 
 /// Half of a plate with a crack in its middle. The crack's length has this number of elements on each side.
 fn plate(cells: usize) -> Model {
-    let across = graded(LENGTH, HALF, cells, 1.25);
-    let up = mirrored(&graded(0.5 * LENGTH, HALF, cells / 2, 1.25));
+    let across = graded(LENGTH, HALF, cells, 1.12);
+    let up = mirrored(&graded(0.5 * LENGTH, HALF, cells / 2, 1.12));
     let counts = [across.len() - 1, up.len() - 1];
     let even = rectangle([0.0; 2], counts.map(|count| count as f64), counts);
     let nodes = even.nodes.iter().map(|[i, j]| [across[i.round() as usize], up[j.round() as usize]]);

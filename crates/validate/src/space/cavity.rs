@@ -61,8 +61,8 @@ pub(crate) fn penny(size: Size) -> Result<Vec<Outcome>, String> {
 
 /// A quarter of the block. Squares around the crack are made round, and the crack's front is on nodes.
 fn block(cells: usize) -> Model<3, 4> {
-    let across = graded(RADIUS, HALF, cells, 1.5);
-    let up = mirrored(&graded(RADIUS / cells as f64, HALF, 1, 1.5));
+    let across = graded(RADIUS, HALF, cells, 1.3);
+    let up = mirrored(&graded(0.5 * RADIUS, HALF, cells / 2, 1.3));
     let mesh = mapped(&lattice(&[across.clone(), across, up]), |[x, y, z]| {
         let side = x.max(y);
         let round = side / x.hypot(y).max(1e-12);
