@@ -14,6 +14,7 @@ mod kiddo;
 #[cfg(feature = "molar")]
 mod molar;
 mod ours;
+mod peer;
 #[cfg(feature = "parry")]
 mod parry;
 #[cfg(feature = "rstar")]
@@ -22,34 +23,14 @@ pub mod sets;
 #[cfg(feature = "zelll")]
 mod zelll;
 
-use fdem_contact::{Couple, Simd};
+#[cfg(feature = "rayon")]
+use fdem_contact::Couple;
+use fdem_contact::Simd;
 
 pub use bodies::Bodies;
 pub use external::{Answer, Command, External};
-pub use ours::Kind;
-
-/// A search that is timed: one of ours or another library.
-pub trait Peer<const D: usize> {
-    /// Name in the tables.
-    fn name(&self) -> &'static str;
-
-    /// The version of the crate.
-    fn version(&self) -> String;
-
-    /// A short description of the call.
-    fn how(&self) -> String;
-
-    /// Bytes that it keeps between two searches, if known.
-    fn bytes(&self) -> Option<usize> {
-        None
-    }
-
-    /// Writes every couple into `couples`, which is cleared first.
-    ///
-    /// # Errors
-    /// The reason why this peer cannot search these bodies, in a few words.
-    fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String>;
-}
+pub use ours::EngineKind;
+pub use peer::Peer;
 
 /// Peers for one dimension.
 pub type Peers<const D: usize> = Vec<Box<dyn Peer<D>>>;
@@ -59,11 +40,11 @@ pub type Peers<const D: usize> = Vec<Box<dyn Peer<D>>>;
 /// # Errors
 /// An error if this processor lacks the vector instructions or the threads cannot be started.
 pub fn ours<const D: usize>(
-    kinds: &[Kind],
+    kinds: &[EngineKind],
     simd: Simd,
     threads: usize,
 ) -> Result<Peers<D>, fdem_contact::Error> {
-    let boxed = |&kind: &Kind| Ok(Box::new(ours::Ours::new(kind, simd, threads)?) as Box<dyn Peer<D>>);
+    let boxed = |&kind: &EngineKind| Ok(Box::new(ours::Ours::new(kind, simd, threads)?) as Box<dyn Peer<D>>);
     kinds.iter().map(boxed).collect()
 }
 
@@ -159,44 +140,4 @@ impl<const D: usize, P: Peer<D> + Send> Peer<D> for Pooled<P> {
         let peer = &mut self.peer;
         self.pool.install(|| peer.couples(bodies, couples))
     }
-}
-
-/// Runs `search` on `items`, in pieces if there is more than one thread, and joins the couples of all pieces.
-#[cfg(any(feature = "kiddo", feature = "rstar"))]
-fn in_pieces<T: Sync>(
-    items: &[T],
-    threads: usize,
-    couples: &mut Vec<Couple>,
-    search: impl Fn(&[T], &mut Vec<Couple>) + Sync,
-) {
-    use rayon::prelude::*;
-
-    if threads == 1 {
-        return search(items, couples);
-    }
-    let pieces = items.par_chunks(items.len().div_ceil(8 * threads).max(1)).map(|piece| {
-        let mut found = Vec::new();
-        search(piece, &mut found);
-        found
-    });
-    for piece in pieces.collect::<Vec<_>>() {
-        couples.extend_from_slice(&piece);
-    }
-}
-
-/// The version of a package in the lock file of this workspace; the newest one if there are several.
-fn locked(package: &str) -> String {
-    let lock = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.lock"));
-    let mut found = "unknown";
-    let mut inside = false;
-    for line in lock.lines() {
-        if let Some(name) = line.strip_prefix("name = ") {
-            inside = name.trim_matches('"') == package;
-        } else if let Some(version) = line.strip_prefix("version = ")
-            && inside
-        {
-            found = version.trim_matches('"');
-        }
-    }
-    found.to_owned()
 }

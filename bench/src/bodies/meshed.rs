@@ -4,7 +4,7 @@ use fdem_mesh::shapes::cuboid;
 use fdem_mesh::tetrahedra::{MeshError, tetrahedra};
 use fdem_simulation::{Insertion, Mesh, Model};
 
-use super::of_rock;
+use super::parts::of_rock;
 
 /// Mean volume of an element over the cube of the requested length of edges.
 const SHAPE: f64 = 0.107;

@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
-use super::{CELL, calm, moved, of_rock, pressed, together};
+use super::parts::{CELL, calm, moved, of_rock, pressed, together};
 
 /// The body of triangles that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
-use super::{CELL, calm, of_rock, pressed};
+use super::parts::{CELL, calm, of_rock, pressed};
 
 /// Cells along each edge of a fragment of the debris, and of one among fewer elements than [`FEW`]: there is
 /// about one contact for each element, or more.

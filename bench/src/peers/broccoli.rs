@@ -4,7 +4,8 @@ use broccoli::aabb::BBox;
 use broccoli::{Tree, bbox, rect};
 use fdem_contact::Couple;
 
-use super::{Bodies, Peer};
+use super::bodies::Bodies;
+use super::peer::Peer;
 
 pub(super) struct Broccoli {
     boxes: Vec<BBox<f64, u32>>,
@@ -22,7 +23,7 @@ impl Peer<2> for Broccoli {
     }
 
     fn version(&self) -> String {
-        super::locked("broccoli")
+        super::peer::locked("broccoli")
     }
 
     fn how(&self) -> String {

@@ -3,7 +3,8 @@
 use fdem_contact::Couple;
 use kiddo::{Eytzinger, FlatVec, KdTree, SquaredEuclidean};
 
-use super::{Bodies, Peer, in_pieces};
+use super::bodies::Bodies;
+use super::peer::{Peer, in_pieces};
 
 pub(super) struct Kiddo {
     pub(super) threads: usize,
@@ -22,7 +23,7 @@ macro_rules! peer {
             }
 
             fn version(&self) -> String {
-                super::locked("kiddo")
+                super::peer::locked("kiddo")
             }
 
             fn how(&self) -> String {

@@ -4,7 +4,8 @@
 use fdem_contact::Couple;
 use molar::prelude::{DistanceSearchOutput, Float, Pos, distance_search_single};
 
-use super::{Bodies, Peer};
+use super::bodies::Bodies;
+use super::peer::Peer;
 
 pub(super) struct Molar;
 
@@ -23,7 +24,7 @@ impl Peer<3> for Molar {
     }
 
     fn version(&self) -> String {
-        super::locked("molar")
+        super::peer::locked("molar")
     }
 
     fn how(&self) -> String {

@@ -2,11 +2,12 @@
 
 use fdem_contact::{Couple, Detector, Error, Nbs, Rows, Search, Simd};
 
-use super::{Bodies, Peer};
+use super::bodies::Bodies;
+use super::peer::Peer;
 
 /// The kinds of our searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum EngineKind {
     /// `Rows`, with memory kept from call to call.
     Rows,
     /// `Rows` limited to AVX2.
@@ -19,7 +20,7 @@ pub enum Kind {
     Auto,
 }
 
-impl Kind {
+impl EngineKind {
     /// All kinds.
     pub const ALL: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs, Self::Auto];
     /// The kinds for points with one cut-off.
@@ -45,7 +46,7 @@ impl Kind {
 }
 
 pub(super) struct Ours<const D: usize> {
-    kind: Kind,
+    kind: EngineKind,
     simd: Simd,
     threads: usize,
     rows: Rows<f64, D>,
@@ -54,8 +55,8 @@ pub(super) struct Ours<const D: usize> {
 }
 
 impl<const D: usize> Ours<D> {
-    pub(super) fn new(kind: Kind, simd: Simd, threads: usize) -> Result<Self, Error> {
-        let simd = if kind == Kind::RowsAvx2 { Simd::Avx2 } else { simd };
+    pub(super) fn new(kind: EngineKind, simd: Simd, threads: usize) -> Result<Self, Error> {
+        let simd = if kind == EngineKind::RowsAvx2 { Simd::Avx2 } else { simd };
         let rows = Rows::new().with_simd(simd)?.with_threads(threads)?;
         let detector = Detector::new().with_simd(simd)?.with_threads(threads)?;
         Ok(Self { kind, simd, threads, rows, nbs: Nbs::new(), detector })
@@ -68,14 +69,14 @@ impl<const D: usize> Ours<D> {
     ) -> Result<(), fdem_contact::Error> {
         let elements = bodies.elements()?;
         match self.kind {
-            Kind::Rows | Kind::RowsAvx2 => self.rows.couples(&elements, couples),
-            Kind::RowsCold => {
+            EngineKind::Rows | EngineKind::RowsAvx2 => self.rows.couples(&elements, couples),
+            EngineKind::RowsCold => {
                 *couples = Vec::new();
                 let mut rows = Rows::new().with_simd(self.simd)?.with_threads(self.threads)?;
                 rows.couples(&elements, couples)
             }
-            Kind::Nbs => self.nbs.couples(&elements, couples),
-            Kind::Auto => self.detector.couples(&elements, couples),
+            EngineKind::Nbs => self.nbs.couples(&elements, couples),
+            EngineKind::Auto => self.detector.couples(&elements, couples),
         }
     }
 }
@@ -86,21 +87,25 @@ impl<const D: usize> Peer<D> for Ours<D> {
     }
 
     fn version(&self) -> String {
-        super::locked("fdem-contact")
+        super::peer::locked("fdem-contact")
     }
 
     fn how(&self) -> String {
         let simd = self.simd.name();
         match self.kind {
-            Kind::Rows | Kind::RowsAvx2 => format!("`Rows::couples`, {simd}, memory reused"),
-            Kind::RowsCold => format!("`Rows::new().couples`, {simd}, memory and output new in every run"),
-            Kind::Nbs => "`Nbs::couples`, memory reused; one thread".to_owned(),
-            Kind::Auto => format!("`Detector::couples`, {simd}, memory reused; levels for unlike sizes"),
+            EngineKind::Rows | EngineKind::RowsAvx2 => format!("`Rows::couples`, {simd}, memory reused"),
+            EngineKind::RowsCold => {
+                format!("`Rows::new().couples`, {simd}, memory and output new in every run")
+            }
+            EngineKind::Nbs => "`Nbs::couples`, memory reused; one thread".to_owned(),
+            EngineKind::Auto => {
+                format!("`Detector::couples`, {simd}, memory reused; levels for unlike sizes")
+            }
         }
     }
 
     fn bytes(&self) -> Option<usize> {
-        matches!(self.kind, Kind::Rows | Kind::RowsAvx2).then(|| self.rows.bytes())
+        matches!(self.kind, EngineKind::Rows | EngineKind::RowsAvx2).then(|| self.rows.bytes())
     }
 
     fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String> {

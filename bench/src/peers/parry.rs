@@ -6,7 +6,8 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-use super::{Bodies, Peer};
+use super::bodies::Bodies;
+use super::peer::Peer;
 
 pub(super) struct Parry {
     boxes: Vec<Aabb>,
@@ -25,7 +26,7 @@ impl Peer<3> for Parry {
     }
 
     fn version(&self) -> String {
-        super::locked("parry3d")
+        super::peer::locked("parry3d")
     }
 
     fn how(&self) -> String {

@@ -4,7 +4,8 @@ use fdem_contact::Couple;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{RTree, RTreeObject};
 
-use super::{Bodies, Peer, in_pieces};
+use super::bodies::Bodies;
+use super::peer::{Peer, in_pieces};
 
 pub(super) struct Rstar {
     pub(super) threads: usize,
@@ -53,7 +54,7 @@ impl<const D: usize> Peer<D> for Rstar {
     }
 
     fn version(&self) -> String {
-        super::locked("rstar")
+        super::peer::locked("rstar")
     }
 
     fn how(&self) -> String {

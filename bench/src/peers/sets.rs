@@ -2,7 +2,7 @@
 
 use fdem_scenes::{Boxes, Cloud, Error, Sizes};
 
-use super::{Bodies, Kind};
+use super::{Bodies, EngineKind};
 
 /// Distance at which two points are a couple, in all sets of points.
 pub const CUTOFF: f64 = 1.0;
@@ -67,10 +67,10 @@ impl Group {
 
     /// The kinds of our searches that take part by default.
     #[must_use]
-    pub const fn kinds(self) -> &'static [Kind] {
+    pub const fn kinds(self) -> &'static [EngineKind] {
         match self {
-            Self::Points => &Kind::OF_POINTS,
-            Self::Unlike | Self::Boxes => &Kind::OF_UNLIKE,
+            Self::Points => &EngineKind::OF_POINTS,
+            Self::Unlike | Self::Boxes => &EngineKind::OF_UNLIKE,
         }
     }
 }

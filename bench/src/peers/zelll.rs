@@ -4,8 +4,9 @@ use fdem_contact::Couple;
 use rayon::iter::ParallelIterator;
 use zelll::{CellGrid, ParticleLike};
 
+use super::bodies::Bodies;
 use super::bodies::within;
-use super::{Bodies, Peer};
+use super::peer::Peer;
 
 pub(super) struct Zelll<const D: usize> {
     threads: usize,
@@ -43,7 +44,7 @@ impl<const D: usize> Peer<D> for Zelll<D> {
     }
 
     fn version(&self) -> String {
-        super::locked("zelll")
+        super::peer::locked("zelll")
     }
 
     fn how(&self) -> String {

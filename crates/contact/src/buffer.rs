@@ -190,7 +190,7 @@ pub struct Update<'a, T, const D: usize> {
 /// A copy of the elements at the last detection.
 #[derive(Clone, Debug)]
 pub(crate) struct Reference<T, const D: usize> {
-    kind: Kind,
+    kind: ElementKind,
     tolerance: T,
     /// Difference between the tolerance of the detection and that of the elements.
     buffer: f64,
@@ -208,7 +208,7 @@ pub(crate) struct Reference<T, const D: usize> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ElementKind {
     Equal,
     Spheres,
     Boxes,
@@ -216,7 +216,7 @@ enum Kind {
 
 /// Slices of the numbers of a shape.
 struct Numbers<'a, T, const D: usize> {
-    kind: Kind,
+    kind: ElementKind,
     points: &'a [[T; D]],
     far_points: &'a [[T; D]],
     radii: &'a [T],
@@ -225,9 +225,9 @@ struct Numbers<'a, T, const D: usize> {
 impl<'a, T: Real, const D: usize> Numbers<'a, T, D> {
     fn of(elements: &'a Elements<'_, T, D>) -> Self {
         let (kind, points, far_points, radii): (_, _, &[[T; D]], &[T]) = match &elements.shape {
-            Shape::Equal(equal) => (Kind::Equal, equal.points(), &[], equal.radii()),
-            Shape::Spheres(spheres) => (Kind::Spheres, spheres.points(), &[], spheres.radii()),
-            Shape::Boxes(boxes) => (Kind::Boxes, boxes.points(), boxes.far_points(), &[]),
+            Shape::Equal(equal) => (ElementKind::Equal, equal.points(), &[], equal.radii()),
+            Shape::Spheres(spheres) => (ElementKind::Spheres, spheres.points(), &[], spheres.radii()),
+            Shape::Boxes(boxes) => (ElementKind::Boxes, boxes.points(), boxes.far_points(), &[]),
         };
         Self { kind, points, far_points, radii }
     }
@@ -327,7 +327,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
 impl<T: Real, const D: usize> Reference<T, D> {
     pub(crate) fn empty() -> Self {
         Self {
-            kind: Kind::Equal,
+            kind: ElementKind::Equal,
             tolerance: T::ZERO,
             buffer: 0.0,
             rounding: 0.0,
@@ -404,8 +404,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
                 - f64::EPSILON * ((D + 8) as f64 * enlarged + common.iter().map(|c| c.abs()).sum::<f64>())
         };
         let combine = match self.kind {
-            Kind::Equal | Kind::Spheres => |sum: f64, square: f64| sum + square,
-            Kind::Boxes => f64::max,
+            ElementKind::Equal | ElementKind::Spheres => |sum: f64, square: f64| sum + square,
+            ElementKind::Boxes => f64::max,
         };
 
         // Any common motion will do. The motion in the middle of all is tried first: only the extremes are
@@ -428,10 +428,10 @@ impl<T: Real, const D: usize> Reference<T, D> {
             return Some(Reason::BufferTooSmall);
         }
         let [near, far] = match self.kind {
-            Kind::Equal | Kind::Spheres => {
+            ElementKind::Equal | ElementKind::Spheres => {
                 motions.map(|motion| motion.farthest(&mean, |sum, square| sum + square))
             }
-            Kind::Boxes => motions.map(|motion| motion.farthest(&mean, f64::max)),
+            ElementKind::Boxes => motions.map(|motion| motion.farthest(&mean, f64::max)),
         };
         let (element, squared) = if far.1 > near.1 { far } else { near };
         (squared > limit * limit).then(|| Reason::Moved { element, distance: squared.sqrt(), limit })

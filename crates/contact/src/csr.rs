@@ -73,7 +73,7 @@ pub struct Csr<V = ()> {
 
 /// Which rows a couple is put into.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Rows {
+enum CsrRows {
     Half,
     Full,
 }
@@ -90,7 +90,7 @@ impl Csr {
     /// # Errors
     /// See [`Csr`].
     pub fn fill_half(&mut self, elements: usize, couples: &[Couple]) -> Result<(), Error> {
-        self.fill(elements, couples, Rows::Half)
+        self.fill(elements, couples, CsrRows::Half)
     }
 
     /// Fills rows with each couple under both of its numbers.
@@ -98,7 +98,7 @@ impl Csr {
     /// # Errors
     /// See [`Csr`].
     pub fn fill_full(&mut self, elements: usize, couples: &[Couple]) -> Result<(), Error> {
-        self.fill(elements, couples, Rows::Full)
+        self.fill(elements, couples, CsrRows::Full)
     }
 
     /// Searches, then fills as [`Csr::fill_half`]. The couple list is kept as working memory (8 bytes per
@@ -111,7 +111,7 @@ impl Csr {
         search: &mut impl Search<T, D>,
         elements: &Elements<'_, T, D>,
     ) -> Result<(), Error> {
-        self.find(search, elements, Rows::Half)
+        self.find(search, elements, CsrRows::Half)
     }
 
     /// Searches, then fills as [`Csr::fill_full`]. The couple list is kept as working memory (8 bytes per
@@ -124,14 +124,14 @@ impl Csr {
         search: &mut impl Search<T, D>,
         elements: &Elements<'_, T, D>,
     ) -> Result<(), Error> {
-        self.find(search, elements, Rows::Full)
+        self.find(search, elements, CsrRows::Full)
     }
 
     fn find<T: Real, const D: usize>(
         &mut self,
         search: &mut impl Search<T, D>,
         elements: &Elements<'_, T, D>,
-        rows: Rows,
+        rows: CsrRows,
     ) -> Result<(), Error> {
         self.clear();
         let mut found = std::mem::take(&mut self.found);
@@ -169,7 +169,7 @@ impl<const D: usize> Csr<[i32; D]> {
         elements: usize,
         couples: &[PeriodicCouple<D>],
     ) -> Result<(), Error> {
-        self.try_fill_periodic(elements, couples, Rows::Half).inspect_err(|_| self.clear())
+        self.try_fill_periodic(elements, couples, CsrRows::Half).inspect_err(|_| self.clear())
     }
 
     /// Fills rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]. Seen from the
@@ -183,19 +183,19 @@ impl<const D: usize> Csr<[i32; D]> {
         elements: usize,
         couples: &[PeriodicCouple<D>],
     ) -> Result<(), Error> {
-        self.try_fill_periodic(elements, couples, Rows::Full).inspect_err(|_| self.clear())
+        self.try_fill_periodic(elements, couples, CsrRows::Full).inspect_err(|_| self.clear())
     }
 
     fn try_fill_periodic(
         &mut self,
         elements: usize,
         couples: &[PeriodicCouple<D>],
-        rows: Rows,
+        rows: CsrRows,
     ) -> Result<(), Error> {
         if elements > MAX_ELEMENTS {
             return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
         }
-        let full = rows == Rows::Full;
+        let full = rows == CsrRows::Full;
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;
         set_len(&mut self.neighbours, entries)?;
@@ -266,7 +266,7 @@ impl<V> Csr<V> {
         couples: &[Couple],
         value: impl FnMut(usize, usize) -> V,
     ) -> Result<(), Error> {
-        self.fill(elements, couples, Rows::Half)?;
+        self.fill(elements, couples, CsrRows::Half)?;
         self.evaluate(value)
     }
 
@@ -282,7 +282,7 @@ impl<V> Csr<V> {
         couples: &[Couple],
         value: impl FnMut(usize, usize) -> V,
     ) -> Result<(), Error> {
-        self.fill(elements, couples, Rows::Full)?;
+        self.fill(elements, couples, CsrRows::Full)?;
         self.evaluate(value)
     }
 
@@ -358,7 +358,7 @@ impl<V> Csr<V> {
         self.values.clear();
     }
 
-    fn fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
+    fn fill(&mut self, elements: usize, couples: &[Couple], rows: CsrRows) -> Result<(), Error> {
         // If anything below fails, there are no rows.
         self.values.clear();
         let result = self.try_fill(elements, couples, rows);
@@ -374,11 +374,11 @@ impl<V> Csr<V> {
     /// goes, which is the end of the row once it is full. First the couples are put into rows by `j`. Reading
     /// these rows in order, `j` ascends, so the larger neighbours of every `i` arrive sorted. Reading the
     /// resulting rows in order, the smaller neighbours arrive sorted in turn.
-    fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
+    fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: CsrRows) -> Result<(), Error> {
         if elements > MAX_ELEMENTS {
             return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
         }
-        let full = rows == Rows::Full;
+        let full = rows == CsrRows::Full;
         // A product beyond `usize` cannot be allocated either.
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;

@@ -231,8 +231,8 @@ impl Estimate {
             Shape::Boxes(boxes) => boxes.points(),
         };
         let points = &points[..n];
-        let cells = Cells::new(grid);
-        let table = Table::new(&cells, points, picked.collect());
+        let cells = ElementCells::new(grid);
+        let table = CellTable::new(&cells, points, picked.collect());
 
         let mut counts = vec![0_u64; sample];
         for (j, point) in points.iter().enumerate() {
@@ -274,12 +274,12 @@ impl Estimate {
 type Cell = [u64; AXES];
 
 /// The cells of elements, along the axes that have the most cells.
-struct Cells<const D: usize> {
+struct ElementCells<const D: usize> {
     grid: Grid<D>,
     axes: [usize; D],
 }
 
-impl<const D: usize> Cells<D> {
+impl<const D: usize> ElementCells<D> {
     fn new(grid: Grid<D>) -> Self {
         let mut axes = std::array::from_fn(|axis| axis);
         axes.sort_by_key(|&axis| std::cmp::Reverse(grid.cells()[axis]));
@@ -297,7 +297,7 @@ impl<const D: usize> Cells<D> {
 }
 
 /// The cells in which elements may touch a sampled one, in a hash table.
-struct Table {
+struct CellTable {
     picked: Vec<usize>,
     entries: Vec<Entry>,
     /// First entry of each bucket; the last number is the number of entries.
@@ -314,8 +314,8 @@ struct Entry {
 /// Number of buckets, a power of two: most are empty, and all starts fit into the second-level cache.
 const BUCKETS: usize = 1 << 16;
 
-impl Table {
-    fn new<T: Real, const D: usize>(cells: &Cells<D>, points: &[[T; D]], picked: Vec<usize>) -> Self {
+impl CellTable {
+    fn new<T: Real, const D: usize>(cells: &ElementCells<D>, points: &[[T; D]], picked: Vec<usize>) -> Self {
         let axes = D.min(AXES) as u32;
         let mut entries = Vec::with_capacity(picked.len() * 3_usize.pow(axes));
         for (sampled, &index) in (0..).zip(&picked) {
@@ -374,8 +374,8 @@ mod tests {
     #[test]
     fn the_table_has_the_cells_around_each_element() {
         let points = [[0.0, 0.0, 0.0], [9.0, 9.0, 9.0], [4.0, 4.0, 4.0]];
-        let cells = Cells::new(Grid::unbounded(&Elements::points(&points, 1.0).unwrap()));
-        let table = Table::new(&cells, &points, vec![0, 2]);
+        let cells = ElementCells::new(Grid::unbounded(&Elements::points(&points, 1.0).unwrap()));
+        let table = CellTable::new(&cells, &points, vec![0, 2]);
         assert_eq!(table.entries.len(), 8 + 27);
         for (sampled, index) in [(0, 0), (1, 2)] {
             let cell = cells.of(&points[index]);

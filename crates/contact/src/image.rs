@@ -34,6 +34,7 @@
 //! centre of the first grid square, so the centre of a grid square is its index times the [`Spacing`].
 
 mod contact;
+mod label;
 mod row;
 mod table;
 
@@ -43,47 +44,9 @@ use crate::pool::Pool;
 
 pub(crate) use contact::unit;
 pub use contact::{ImageContact, Spacing};
-use row::{Direction, Scan};
-use table::Table;
-
-mod sealed {
-    pub trait Sealed:
-        Copy + Default + Ord + std::fmt::Debug + std::hash::Hash + Send + Sync + 'static
-    {
-        fn bits(self) -> u64;
-    }
-}
-
-/// The integer types of labels: `u8`, `u16`, `u32`, `u64`, `i32` and `i64`.
-pub trait Label: sealed::Sealed + Into<i128> {}
-
-macro_rules! label {
-    ($($number:ty)*) => {$(
-        impl sealed::Sealed for $number {
-            #[inline]
-            #[allow(clippy::cast_lossless, reason = "the numbers with a sign wrap")]
-            fn bits(self) -> u64 {
-                self as u64
-            }
-        }
-        impl Label for $number {}
-    )*};
-}
-label!(u8 u16 u32 u64 i32 i64);
-
-/// Which grid squares are neighbours. Each kind includes those before it.
-#[doc(alias = "connectivity")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Neighbourhood {
-    /// Squares that share a face (a side in 2D): 4 neighbours in 2D, 6 in 3D.
-    #[default]
-    Face,
-    /// Squares that share an edge, in 3D only: 18 neighbours. In 2D squares meet along sides or at corners
-    /// only.
-    Edge,
-    /// Squares that share a vertex (a corner in 2D): 8 neighbours in 2D, 26 in 3D.
-    Vertex,
-}
+pub use label::{Label, Neighbourhood};
+use row::{Direction, RowScan};
+use table::ContactTable;
 
 /// All contacts in an image in memory, with background 0, on one thread.
 ///
@@ -159,14 +122,14 @@ pub struct ImageContacts<L, const D: usize> {
     /// The error that ended the reading of the image: part of a slab may be missing from the sums.
     failed: Option<Error>,
     /// One part for each thread.
-    parts: Vec<Part<L, D>>,
+    parts: Vec<ThreadPart<L, D>>,
 }
 
 /// The results of one thread, and its working memory.
 #[derive(Clone, Debug)]
-struct Part<L, const D: usize> {
-    table: Table<L, D>,
-    scan: Scan,
+struct ThreadPart<L, const D: usize> {
+    table: ContactTable<L, D>,
+    scan: RowScan,
 }
 
 impl<L: Label, const D: usize> ImageContacts<L, D> {
@@ -256,7 +219,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// Compares the planes of a slab; threads share the rows.
     fn take(&mut self, slab: &[L], planes: usize) -> Result<(), Error> {
         let [height, width] = if D == 3 { [self.shape[1], self.shape[2]] } else { [1, self.shape[1]] };
-        let rows = Rows {
+        let rows = SlabRows {
             slab,
             previous: &self.previous,
             first: self.planes,
@@ -266,7 +229,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         };
         let threads = self.pool.threads();
         while self.parts.len() < threads {
-            self.parts.push(Part { table: Table::new(), scan: Scan::default() });
+            self.parts.push(ThreadPart { table: ContactTable::new(), scan: RowScan::default() });
         }
         let count = planes * height;
         let stretch = count.div_ceil(threads);
@@ -328,7 +291,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
 }
 
 /// The rows of a slab and of the plane before it.
-struct Rows<'a, L> {
+struct SlabRows<'a, L> {
     slab: &'a [L],
     /// The plane before the slab, if `first` is not 0.
     previous: &'a [L],
@@ -340,7 +303,7 @@ struct Rows<'a, L> {
     background: Option<L>,
 }
 
-impl<'a, L> Rows<'a, L> {
+impl<'a, L> SlabRows<'a, L> {
     /// Row `y` of plane `z`, counted from the first plane of the slab; plane -1 is the one before it.
     fn row(&self, z: isize, y: isize) -> Option<&'a [L]> {
         let y = usize::try_from(y).ok().filter(|&y| y < self.height)?;
@@ -352,12 +315,12 @@ impl<'a, L> Rows<'a, L> {
     }
 }
 
-impl<L: Label, const D: usize> Part<L, D> {
+impl<L: Label, const D: usize> ThreadPart<L, D> {
     /// Compares the rows `lines` of the slab, counted from its first row, with themselves and with the rows
     /// before them.
     fn take(
         &mut self,
-        rows: &Rows<'_, L>,
+        rows: &SlabRows<'_, L>,
         lines: std::ops::Range<usize>,
         directions: &[Direction<D>],
     ) -> Result<(), Error> {

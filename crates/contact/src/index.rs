@@ -2,6 +2,7 @@
 //! neighbours.
 
 mod nearest;
+mod part;
 mod rows;
 mod sort;
 
@@ -19,7 +20,7 @@ use crate::search::rows::scan::{PART, Scan, Scans, Sink};
 use crate::simd::task::Arrays;
 use crate::simd::{Available, Simd};
 
-use rows::Part;
+use part::PointsPart;
 
 /// Elements that are sorted once and searched many times: for example a fixed boundary that moving elements
 /// may touch, or points whose neighbours are searched for.
@@ -82,7 +83,7 @@ use rows::Part;
 #[derive(Clone, Debug)]
 pub struct Index<T, const D: usize> {
     layout: Layout<T, D>,
-    kind: Option<Kind<T>>,
+    kind: Option<IndexKind<T>>,
     /// Number of elements. If it is 0, the layout is stale.
     len: usize,
     /// Maximum corners of boxes, by number.
@@ -105,7 +106,7 @@ pub struct Index<T, const D: usize> {
     /// 0, 1, 2, …: numbers for kernels that report places in the sorted order.
     places: Vec<u32>,
     waiting: Vec<Vec<Couple>>,
-    parts: Vec<Part<T>>,
+    parts: Vec<PointsPart<T>>,
     /// The place of each point in the sorted order of the other set.
     order: Vec<u32>,
     simd: Available,
@@ -114,7 +115,7 @@ pub struct Index<T, const D: usize> {
 
 /// The kind of elements of an index.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind<T> {
+enum IndexKind<T> {
     Equal { radius: T },
     Spheres,
     Boxes,
@@ -202,7 +203,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             + (self.places.capacity() + self.order.capacity()) * size_of::<u32>()
             + self.labels.bytes()
             + self.waiting.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
-            + self.parts.iter().map(Part::bytes).sum::<usize>()
+            + self.parts.iter().map(PointsPart::bytes).sum::<usize>()
     }
 
     /// Copies and sorts the elements. Earlier elements are replaced, and their memory is reused.
@@ -227,9 +228,9 @@ impl<T: Real, const D: usize> Index<T, D> {
         (self.bounds, self.tolerance) = (elements.bounds(), elements.tolerance());
         (self.largest, self.magnitude) = (elements.largest(), elements.magnitude());
         let (kind, points, radii): (_, _, &[T]) = match elements.shape {
-            Shape::Equal(equal) => (Kind::Equal { radius: equal.radius() }, equal.points(), &[]),
-            Shape::Spheres(spheres) => (Kind::Spheres, spheres.points(), spheres.radii()),
-            Shape::Boxes(boxes) => (Kind::Boxes, boxes.points(), &[]),
+            Shape::Equal(equal) => (IndexKind::Equal { radius: equal.radius() }, equal.points(), &[]),
+            Shape::Spheres(spheres) => (IndexKind::Spheres, spheres.points(), spheres.radii()),
+            Shape::Boxes(boxes) => (IndexKind::Boxes, boxes.points(), &[]),
         };
         if !elements.is_empty() {
             self.sort(elements, points, radii)?;
@@ -383,7 +384,7 @@ impl<T: Real, const D: usize> Index<T, D> {
 
     fn search_with(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
         let kind = self.kind.ok_or(Error::IndexNotBuilt)?;
-        if (kind == Kind::Boxes) != matches!(elements.shape, Shape::Boxes(_)) {
+        if (kind == IndexKind::Boxes) != matches!(elements.shape, Shape::Boxes(_)) {
             return Err(Error::UnlikeShapes);
         }
         if elements.is_empty() || self.is_empty() {
@@ -404,7 +405,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         let (points, their_radii): (_, &[T]) = match (elements.shape, kind) {
             (Shape::Boxes(boxes), _) => (boxes.points(), &[]),
             (Shape::Spheres(spheres), _) => (spheres.points(), spheres.radii()),
-            (Shape::Equal(equal), Kind::Equal { radius }) => {
+            (Shape::Equal(equal), IndexKind::Equal { radius }) => {
                 let reach = (equal.radius() + radius) + tolerance;
                 reach_squared = reach * reach;
                 (equal.points(), &[])
@@ -416,7 +417,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             }
         };
         let with_radii = !their_radii.is_empty();
-        if let (Kind::Equal { radius }, true) = (kind, with_radii) {
+        if let (IndexKind::Equal { radius }, true) = (kind, with_radii) {
             let len = layout.len() + PADDING;
             resize(&mut layout.radii, len, radius)?;
         }

@@ -96,14 +96,14 @@ const MAX_BYTES: usize = 1 << 21;
 const MAX_WAITING: usize = 32;
 
 /// A part that is complete.
-struct Part<V> {
+struct CompletePart<V> {
     number: usize,
     entries: Vec<V>,
 }
 
-impl<V: Copy> Part<V> {
+impl<V: Copy> CompletePart<V> {
     /// Copies the entries to their place and returns the memory of the part.
-    fn move_to(self, place: Place<'_, V>) -> Vec<V> {
+    fn move_to(self, place: Slots<'_, V>) -> Vec<V> {
         assert_eq!(place.len(), self.entries.len());
         // SAFETY: both have the same length, as just asserted, and the place belongs to another allocation
         // than the part. One call saves 3 % of a search against a loop.
@@ -112,7 +112,7 @@ impl<V: Copy> Part<V> {
     }
 }
 
-type Place<'a, V> = &'a mut [MaybeUninit<V>];
+type Slots<'a, V> = &'a mut [MaybeUninit<V>];
 
 /// The state of the parts on their way into the list.
 struct Line<'a, V> {
@@ -125,16 +125,16 @@ struct Line<'a, V> {
     lengths: Vec<Option<usize>>,
     /// The places of the parts from `first` on, as far as they are known; `None` once a place has been given
     /// out.
-    places: Vec<Option<Place<'a, V>>>,
+    places: Vec<Option<Slots<'a, V>>>,
     /// Number of entries that have places.
     placed: usize,
     /// The free room of the list.
-    room: Place<'a, V>,
+    room: Slots<'a, V>,
     /// Set when no more parts may be taken: the list is full, or too many parts wait.
     is_closed: bool,
     stopped: Result<(), Error>,
     /// Parts that still waited when their threads found nothing more to do.
-    waiting: Vec<Part<V>>,
+    waiting: Vec<CompletePart<V>>,
     memory: &'a mut Vec<Vec<V>>,
 }
 
@@ -153,7 +153,7 @@ impl<'a, V> Line<'a, V> {
     }
 
     /// Records the length of a part. It and the parts that waited for it get their places.
-    fn done(&mut self, part: &Part<V>) {
+    fn done(&mut self, part: &CompletePart<V>) {
         self.lengths[part.number - self.first] = Some(part.entries.len());
         while let Some(&Some(len)) = self.lengths.get(self.places.len()) {
             let Some(place) = self.room.split_off_mut(..len) else {
@@ -166,7 +166,7 @@ impl<'a, V> Line<'a, V> {
     }
 
     /// The place of a part, if it is known; it is given out once.
-    fn place(&mut self, number: usize) -> Option<Place<'a, V>> {
+    fn place(&mut self, number: usize) -> Option<Slots<'a, V>> {
         self.places.get_mut(number - self.first)?.take()
     }
 }
@@ -186,7 +186,7 @@ fn work<V: Copy>(
             let mut entries = locked(line).memory.pop().unwrap_or_default();
             entries.clear();
             let filled = fill(number, &mut entries);
-            let part = Part { number, entries };
+            let part = CompletePart { number, entries };
             let mut at = locked(line);
             if filled.is_err() {
                 at.stopped = filled;
@@ -195,7 +195,7 @@ fn work<V: Copy>(
             at.done(&part);
             waiting.push_back(part);
             let mut placed = Vec::new();
-            while let Some(place) = waiting.front().and_then(|part: &Part<V>| at.place(part.number)) {
+            while let Some(place) = waiting.front().and_then(|part: &CompletePart<V>| at.place(part.number)) {
                 placed.extend(waiting.pop_front().map(|part| (part, place)));
             }
             at.is_closed |= waiting.len() > MAX_WAITING;

@@ -46,7 +46,7 @@
 //! | the summary and its JSON | `src/command/summary.rs` |
 //! | options for pictures | `src/command/args/drawings.rs`, `src/command/drawings.rs` |
 //! | templates of `fdem new` | `src/command/templates.rs` |
-//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/course.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
+//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/course.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/log.rs` |
 //! | model files: keys, checks, meshes | the front page of `crates/model` |
 //! | a case of the verification ladder | the front page of `crates/validate` |
 //! | stages of a run; conditions that end it | `src/command/run/stages.rs`, `src/command/run/course.rs` |

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,6 +19,10 @@ mod layers;
 mod materials;
 #[path = "docs/model_keys.rs"]
 mod model_keys;
+#[path = "docs/names.rs"]
+mod names;
+#[path = "docs/sources.rs"]
+mod sources;
 #[path = "docs/step.rs"]
 mod step;
 
@@ -236,6 +241,40 @@ fn every_model_in_the_book_is_right() {
         }
     }
     assert!(checked >= 1, "no model was found: has the format of the book changed?");
+}
+
+/// The walk-throughs for what is added most often name at most five files each.
+#[test]
+fn walk_throughs_name_few_files() {
+    let text = read("CONTRIBUTING.md");
+    let (_, walks) = text.split_once("\n## Walk-throughs\n").unwrap();
+    let mut titles = Vec::new();
+    for walk in walks.split("\n### ").skip(1) {
+        let (title, body) = walk.split_once('\n').unwrap();
+        let files: BTreeSet<&str> = body.split('`').skip(1).step_by(2).filter(|file| is_path(file)).collect();
+        assert!(!files.is_empty() && files.len() <= 5, "\"{title}\" names {} files", files.len());
+        titles.push(title);
+    }
+    assert!(titles.iter().any(|title| title.starts_with("Add a case to the ladder")), "{titles:?}");
+}
+
+/// The templates of `fdem new` that are called like an example are copies of it; `BLESS=1` writes them anew.
+#[test]
+fn every_template_is_its_example() {
+    let templates = "crates/fdem/src/command/templates";
+    let mut copies = 0;
+    for entry in fs::read_dir(root().join(templates)).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        let example = match file.strip_suffix("_3d.toml") {
+            Some(name) => format!("examples/space/{name}.toml"),
+            None => format!("examples/{file}"),
+        };
+        if root().join(&example).exists() {
+            assert_written(&format!("{templates}/{file}"), &read(&example));
+            copies += 1;
+        }
+    }
+    assert!(copies >= 19, "only {copies} templates are examples");
 }
 
 /// Every model of `examples/` has its command and its picture in the book's gallery.

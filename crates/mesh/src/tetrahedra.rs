@@ -227,7 +227,7 @@ fn mesh_in_frame(
     varies: bool,
     seed: u64,
 ) -> Result<Tetrahedra, MeshError> {
-    let frame = Frame::around(&surface.nodes);
+    let frame = BodyFrame::around(&surface.nodes);
     let nodes = surface.nodes.iter().map(|&node| frame.inward(node)).collect();
     let inner = Surface { nodes, names: Vec::new(), ..surface.clone() };
     let mesh = mesh(&inner, &|place| size(frame.outward(place)) * frame.factor, varies, seed);
@@ -289,13 +289,13 @@ fn expect(surface: &Surface, sizes: &Sizes<'_>) -> Result<(), MeshError> {
 }
 
 /// Coordinates in which a body is around the origin and about 1 large.
-struct Frame {
+struct BodyFrame {
     middle: Point,
     /// A power of 2.
     factor: f64,
 }
 
-impl Frame {
+impl BodyFrame {
     fn around(nodes: &[Point]) -> Self {
         let (low, high) = bounds(nodes);
         let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);

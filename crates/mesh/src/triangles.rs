@@ -69,7 +69,7 @@ pub fn triangles(domain: &Domain, size: &Grading<2>, seed: u64) -> Result<Triang
     let origin = domain.middle_if_far();
     let domain = &domain.relative_to(origin);
     let size = &size.relative_to(origin);
-    let mut frame = Frame::new(domain, origin, size)?;
+    let mut frame = OutlineFrame::new(domain, origin, size)?;
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
     fill(&mut frame.nodes, domain, &inside, size, seed)?;
@@ -120,7 +120,7 @@ pub(crate) fn holes_are_inside(domain: &Domain) -> Result<(), OutlineError> {
 }
 
 /// Points on outlines and lines, and the edges between them.
-struct Frame {
+struct OutlineFrame {
     /// Origin of the coordinates of the nodes, in coordinates of the model.
     origin: Point,
     nodes: Vec<Point>,
@@ -133,7 +133,7 @@ struct Frame {
     line_of: Vec<u32>,
 }
 
-impl Frame {
+impl OutlineFrame {
     fn new(domain: &Domain, origin: Point, size: &Grading<2>) -> Result<Self, OutlineError> {
         let mut frame = Self {
             origin,
@@ -390,7 +390,7 @@ impl Level {
 }
 
 /// The triangles inside, counter-clockwise.
-fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, OutlineError> {
+fn triangulate(frame: &OutlineFrame) -> Result<Vec<[u32; 3]>, OutlineError> {
     let points: Vec<_> = frame.nodes.iter().map(|&[x, y]| Point2::new(x, y)).collect();
     let count = points.len();
     let mut crossing = None;

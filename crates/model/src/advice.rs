@@ -9,6 +9,7 @@ pub(crate) mod slivers;
 pub(crate) mod quasi_static;
 pub(crate) mod plausible;
 pub(crate) mod equilibrium;
+pub(crate) mod ready;
 pub(crate) mod warnings;
 pub(crate) mod differences;
 pub(crate) mod scaling;

@@ -86,8 +86,8 @@ pub use fdem_mesh::Quality;
 pub use output::curves::columns;
 pub use prepare::{prepare, prepare_any, prepare_within};
 pub use prepared::{
-    AnyPrepared, Body, Bound, Checkpoint, Entered, Group, History, Joints, Origin, OutputSettings, Prepared,
-    Quantity, Reached, Scaled, Servo, Stage, Until,
+    AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
+    PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled,
 };
 pub use stages::present::Present;
 pub use text::document::{number, toml_tree};

@@ -9,7 +9,8 @@ use fdem_simulation::{Interface, JointSet, Material, Model, Schedule, TimeOption
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::advice::differences::{Advised, Ready};
+use crate::advice::differences::Advised;
+use crate::advice::ready::Ready;
 use crate::advice::{plausible, scaling};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
@@ -17,7 +18,7 @@ use crate::joints::lines::JointLines;
 use crate::joints::sets;
 use crate::output::curves::{self, columns};
 use crate::output::{probes, settings};
-use crate::prepared::{AnyPrepared, Body, Group, Prepared};
+use crate::prepared::{AnyPrepared, Group, Prepared, PreparedBody};
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
@@ -444,11 +445,11 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     }
 }
 
-fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Body> {
+fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<PreparedBody> {
     let range = |first: u32, count: usize| first..first + count as u32;
     placed
         .iter()
-        .map(|body| Body {
+        .map(|body| PreparedBody {
             name: body.name.clone(),
             nodes: range(body.first[0], body.piece.nodes.len()),
             elements: range(body.first[1], body.piece.elements.len()),

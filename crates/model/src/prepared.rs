@@ -17,10 +17,10 @@ use crate::text::library::FromLibrary;
 
 pub use added_mass::Scaled;
 pub(crate) use added_mass::counted;
-pub use conditions::{Bound, Reached, Servo, Until};
+pub use conditions::{Bound, PreparedServo, PreparedUntil, Reached};
 pub use entered::{Entered, Origin};
 pub use joints::Joints;
-pub use output::{Checkpoint, History, OutputSettings, Quantity};
+pub use output::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 
 /// A model that is ready to run.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     /// When the run ends, s.
     pub end_time: f64,
     /// The bodies, by their numbers in [`Mesh::bodies`](fdem_simulation::Mesh).
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<PreparedBody>,
     /// Named parts of bodies: physical groups of mesh files; outlines, holes and faces of other shapes.
     pub groups: Vec<Group<D>>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
@@ -44,13 +44,13 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     /// Settings of the output.
     pub output: OutputSettings,
     /// Quantities to record over time.
-    pub histories: Vec<History>,
+    pub histories: Vec<PreparedHistory>,
     /// Parts of the run; none if it is one. The model has all that is there in any of them.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<PreparedStage>,
     /// Condition at which the run ends before its end time.
-    pub until: Option<Until>,
+    pub until: Option<PreparedUntil>,
     /// Boundaries whose velocity follows a column of the history.
-    pub servos: Vec<Servo>,
+    pub servos: Vec<PreparedServo>,
     /// Mass that has been added for a longer time step.
     pub mass_scaling: Option<Scaled>,
     /// Probes of the histories.
@@ -67,7 +67,7 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
 
 /// A body of the mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Body {
+pub struct PreparedBody {
     /// Its name; of a piece of a packing with its number from 1: `heap-7`.
     pub name: String,
     /// Nodes of the body.
@@ -92,7 +92,7 @@ pub struct Group<const D: usize = 2> {
 
 /// A part of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Stage {
+pub struct PreparedStage {
     /// Name of the stage.
     pub name: String,
     /// Time that it takes at most, s.
@@ -100,7 +100,7 @@ pub struct Stage {
     /// Bound of the kinetic over the strain energy, and of the imbalance of forces, at which it ends.
     pub equilibrium: Option<f64>,
     /// Condition on the history at which it ends.
-    pub until: Option<Until>,
+    pub until: Option<PreparedUntil>,
     /// Whether each element of the model is there.
     pub elements: Vec<bool>,
     /// Material of each element of the model; empty if no stage changes them.

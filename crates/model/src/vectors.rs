@@ -113,11 +113,11 @@ fn wrong_length(
         "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
     );
     Fault::at(document.value(table, key), message).label(format!("{found} numbers")).help(match shape {
-        Some(file::Piece::Disc) => "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned(),
-        Some(file::Piece::Polygon) => {
+        Some(file::PieceShape::Disc) => "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned(),
+        Some(file::PieceShape::Polygon) => {
             "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
         }
-        Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => {
+        Some(file::PieceShape::Sphere | file::PieceShape::Polyhedron) | None => {
             form(if table.name == "history" && key == "stress" { "point" } else { key }, dimensions)
         }
     })

@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 
 use crate::elements::Elements;
 use crate::interrupt::{self, Stop};
-use crate::number::{Kind, with_kind};
+use crate::number::{NumberKind, with_kind};
 use crate::problem::Problem;
-use crate::search::{Found, by_shift, engine_of, into_pairs, is_long, threads_for};
+use crate::search::{FoundPairs, by_shift, engine_of, into_pairs, is_long, threads_for};
 
 /// Memory and candidates that are kept between searches.
 #[pyclass(module = "fdem._fdem")]
@@ -21,7 +21,7 @@ pub(crate) struct Buffered {
     buffer: f64,
     stop: Stop,
     /// A `Search<T, D>` or a `PeriodicBuffered<T, D>`, of the elements that came last.
-    search: Option<(Kind, Box<dyn Any + Send + Sync>)>,
+    search: Option<(NumberKind, Box<dyn Any + Send + Sync>)>,
 }
 
 #[pymethods]
@@ -39,7 +39,7 @@ impl Buffered {
         &mut self,
         py: Python<'py>,
         elements: &Elements,
-    ) -> PyResult<(Found<'py>, Option<String>)> {
+    ) -> PyResult<(FoundPairs<'py>, Option<String>)> {
         let engine = engine_of(&self.engine)?;
         let (threads, buffer, stop) = (self.threads, self.buffer, self.stop.clone());
         with_kind!(elements.kind, T, D => {

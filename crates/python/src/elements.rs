@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::number::{Kind, Number, entries_of, rows_of, with_kind};
+use crate::number::{Number, NumberKind, entries_of, rows_of, with_kind};
 use crate::problem::Problem;
 
 /// Elements to be searched, in arrays of the caller.
@@ -20,7 +20,7 @@ pub(crate) struct Elements {
     groups: Option<Py<PyArray1<u32>>>,
     tolerance: f64,
     cell: Option<Cell>,
-    pub(crate) kind: Kind,
+    pub(crate) kind: NumberKind,
     /// A hash of the coordinates when they were handed over.
     fingerprint: u64,
 }
@@ -184,7 +184,7 @@ impl Elements {
             _ => return Err(Problem::Arguments(format!("there are no elements with {kind}")).into()),
         };
         let cell = cell.map(|(origin, edges, periodic)| Cell { origin, edges, periodic });
-        let kind = Kind::of(points.bind(py))?;
+        let kind = NumberKind::of(points.bind(py))?;
         let mut elements = Self { points, sizes, groups, tolerance, cell, kind, fingerprint: 0 };
         let found = with_kind!(kind, T, D => {
             let held = elements.hold::<T>(py)?;

@@ -5,12 +5,12 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::interrupt::{self, Stop};
-use crate::number::{Kind, Number, rows_of, with_kind};
+use crate::number::{Number, NumberKind, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
 use crate::search::threads_for;
 
 /// The starts of the rows, the elements found, and their distances.
-type Found<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
+type NearRows<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
 
 /// Finds the `points` that are at most `r` away from each of `at`.
 #[pyfunction]
@@ -20,8 +20,8 @@ pub(crate) fn within<'py>(
     at: &Bound<'py, PyAny>,
     r: f64,
     threads: usize,
-) -> PyResult<Found<'py>> {
-    with_kind!(Kind::of(points)?, T, D => search::<T, D>(py, points, at, threads, |index, at, found| {
+) -> PyResult<NearRows<'py>> {
+    with_kind!(NumberKind::of(points)?, T, D => search::<T, D>(py, points, at, threads, |index, at, found| {
         index.within_with_distances(at, T::nearest(r), found)
     }))
 }
@@ -34,8 +34,8 @@ pub(crate) fn nearest<'py>(
     at: &Bound<'py, PyAny>,
     k: usize,
     threads: usize,
-) -> PyResult<Found<'py>> {
-    with_kind!(Kind::of(points)?, T, D => {
+) -> PyResult<NearRows<'py>> {
+    with_kind!(NumberKind::of(points)?, T, D => {
         search::<T, D>(py, points, at, threads, |index, at, found| index.nearest(at, k, found))
     })
 }
@@ -46,7 +46,7 @@ fn search<'py, T: Number, const D: usize>(
     at: &Bound<'py, PyAny>,
     threads: usize,
     ask: impl FnOnce(&mut Index<T, D>, &[[T; D]], &mut Csr<T>) -> Result<(), fdem_contact::Error> + Send,
-) -> PyResult<Found<'py>> {
+) -> PyResult<NearRows<'py>> {
     let (points, at): (PyReadonlyArray2<'py, T>, PyReadonlyArray2<'py, T>) =
         (points.extract()?, at.extract()?);
     let (points, at) = (rows_of::<T, D>(&points)?, rows_of::<T, D>(&at)?);

@@ -18,7 +18,7 @@
 //! arrays. Couples are one array of two columns, with `i` and `j` as views, because splitting them would take
 //! a fifth of a search. Long searches run on another thread while the caller's thread watches for signals.
 //! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A
-//! search reuses the memory of the last one (`src/kept.rs`), which saves a third of the time.
+//! search reuses the memory of the last one (`src/last_search.rs`), which saves a third of the time.
 //!
 //! A model that is built in Python becomes the text of a model file (`src/model.rs`), so that it passes the
 //! checks of files, with the same messages. A run is a `fdem::session::Session`. Its snapshot moves into
@@ -44,7 +44,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python come by value")]
 
 mod interrupt;
-mod kept;
+mod last_search;
 mod number;
 mod problem;
 mod tasks;

@@ -12,7 +12,7 @@ use crate::number::{entries_of, rows_of};
 use crate::problem::Problem;
 
 /// The contacts of elements and those of bodies, as columns.
-type Columns<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
+type ContactColumns<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
 
 /// The contacts of the elements `cells` between `nodes`.
 #[pyfunction]
@@ -23,7 +23,7 @@ pub(crate) fn mesh<'py>(
     bodies: PyReadonlyArray1<'py, u32>,
     self_contact: bool,
     threads: usize,
-) -> PyResult<Columns<'py>> {
+) -> PyResult<ContactColumns<'py>> {
     let arrays = (&nodes, &cells, &bodies);
     match (nodes.shape()[1], cells.shape()[1]) {
         (2, 3) => find::<2, 3>(py, arrays, self_contact, threads),
@@ -44,7 +44,7 @@ fn find<'py, const D: usize, const N: usize>(
     (nodes, cells, bodies): Arrays<'_, 'py>,
     self_contact: bool,
     threads: usize,
-) -> PyResult<Columns<'py>>
+) -> PyResult<ContactColumns<'py>>
 where
     [[f64; D]; N]: Simplex<D>,
 {

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 
 use crate::elements::{Elements, Set, SetSizes};
 use crate::interrupt::{self, Stop};
-use crate::number::{Kind, entries_of};
+use crate::number::{NumberKind, entries_of};
 use crate::problem::{Problem, zeros};
 use crate::search::{search_open, search_periodic, threads_for};
 use crate::tasks;
@@ -38,7 +38,7 @@ trait Measure: Copy + Default + Send + Sync {
     /// The measure as seen from the other atom.
     fn reversed(self) -> Self;
 
-    fn write(self, columns: &mut Columns<'_>, place: usize);
+    fn write(self, columns: &mut ListColumns<'_>, place: usize);
 }
 
 impl Measure for f64 {
@@ -51,7 +51,7 @@ impl Measure for f64 {
     }
 
     #[inline]
-    fn write(self, columns: &mut Columns<'_>, place: usize) {
+    fn write(self, columns: &mut ListColumns<'_>, place: usize) {
         if let Some(column) = &mut columns.distance {
             column[place] = self;
         }
@@ -69,7 +69,7 @@ impl Measure for [f64; 3] {
     }
 
     #[inline]
-    fn write(self, columns: &mut Columns<'_>, place: usize) {
+    fn write(self, columns: &mut ListColumns<'_>, place: usize) {
         length(&self).write(columns, place);
         if let Some(column) = &mut columns.vector {
             column[place] = self;
@@ -293,7 +293,7 @@ fn deal_chunk<M: Measure, C: TwoSided<M>>(
 
 /// The columns of the list, or a stretch of them; columns that were not requested are missing.
 #[derive(Default)]
-struct Columns<'a> {
+struct ListColumns<'a> {
     first: Option<&'a mut [i64]>,
     second: Option<&'a mut [i64]>,
     distance: Option<&'a mut [f64]>,
@@ -302,13 +302,13 @@ struct Columns<'a> {
     shift: Option<&'a mut [[i64; 3]]>,
 }
 
-impl<'a> Columns<'a> {
+impl<'a> ListColumns<'a> {
     /// Splits off the first `rows` rows.
-    fn split_off(&mut self, rows: usize) -> Columns<'a> {
+    fn split_off(&mut self, rows: usize) -> ListColumns<'a> {
         fn split<'a, V>(column: &mut Option<&'a mut [V]>, rows: usize) -> Option<&'a mut [V]> {
             column.as_mut().map(|column| column.split_off_mut(..rows).unwrap_or_default())
         }
-        Columns {
+        ListColumns {
             first: split(&mut self.first, rows),
             second: split(&mut self.second, rows),
             distance: split(&mut self.distance, rows),
@@ -330,13 +330,13 @@ impl<'a> Columns<'a> {
 }
 
 /// All neighbours, dealt out.
-struct Found<M> {
+struct DealtOut<M> {
     plain: Vec<Dealt<Plain<M>>>,
     shifted: Vec<Dealt<Shifted<M>>>,
     buckets: Buckets,
 }
 
-impl<M: Measure> Found<M> {
+impl<M: Measure> DealtOut<M> {
     fn rows(&self, bucket: usize, atoms: &Atoms<'_>) -> std::ops::Range<u32> {
         let end = ((bucket + 1) << self.buckets.bits).min(atoms.set.points.len());
         (bucket << self.buckets.bits) as u32..end as u32
@@ -350,7 +350,7 @@ impl<M: Measure> Found<M> {
     }
 
     /// Sorts a bucket, and writes it.
-    fn write(&self, bucket: usize, atoms: &Atoms<'_>, columns: &mut Columns<'_>) -> Result<(), Problem> {
+    fn write(&self, bucket: usize, atoms: &Atoms<'_>, columns: &mut ListColumns<'_>) -> Result<(), Problem> {
         let rows = self.rows(bucket, atoms);
         let local = |row: u32| (row - rows.start) as usize;
         let plain = || self.plain.iter().flat_map(|dealt| dealt.of(bucket));
@@ -419,7 +419,7 @@ impl<M: Measure> Found<M> {
 }
 
 /// Searches, and distributes the results.
-fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Found<M>, Problem> {
+fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<DealtOut<M>, Problem> {
     let buckets = Buckets::new(atoms.set.points.len());
     let (mut couples, shifts) = match &atoms.periodic {
         None => (search_open(atoms.set, None, threads, stop)?, Vec::new()),
@@ -432,7 +432,7 @@ fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Fo
         *to = ShiftedCouple { i: couple.i, j: couple.j, shift };
     }
     couples.truncate(plain);
-    Ok(Found {
+    Ok(DealtOut {
         plain: deal::<M, _>(&couples, atoms, buckets, threads)?,
         shifted: deal::<M, _>(&shifted, atoms, buckets, threads)?,
         buckets,
@@ -468,7 +468,7 @@ pub(crate) fn neighbor_list<'py>(
     self_interaction: bool,
     threads: usize,
 ) -> PyResult<Listed<'py>> {
-    if elements.kind != Kind::Double3 {
+    if elements.kind != NumberKind::Double3 {
         return Err(Problem::Arguments("atoms must be in 3D and float64".to_owned()).into());
     }
     let held = elements.hold::<f64>(py)?;
@@ -533,7 +533,7 @@ fn listed<'py, M: Measure>(
         let mut distance = distance.as_ref().map(PyArrayMethods::readwrite);
         let mut vector = vector.as_ref().map(PyArrayMethods::readwrite);
         let mut shift = shift.as_ref().map(PyArrayMethods::readwrite);
-        let mut columns = Columns {
+        let mut columns = ListColumns {
             first: first.as_mut().map(|column| column.as_slice_mut()).transpose()?,
             second: second.as_mut().map(|column| column.as_slice_mut()).transpose()?,
             distance: distance.as_mut().map(|column| column.as_slice_mut()).transpose()?,

@@ -24,14 +24,14 @@ impl Number for f64 {
 
 /// The type and the dimension of an array of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum NumberKind {
     Single2,
     Single3,
     Double2,
     Double3,
 }
 
-impl Kind {
+impl NumberKind {
     /// The kind of an array `[n, D]`.
     pub(crate) fn of(points: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (double, columns) = if let Ok(points) = points.extract::<PyReadonlyArray2<'_, f64>>() {
@@ -51,26 +51,26 @@ impl Kind {
     }
 }
 
-/// Evaluates an expression with `T` and `D` standing for the type and the dimension that a [`Kind`] names.
+/// Evaluates an expression with `T` and `D` standing for the type and the dimension that a [`NumberKind`] names.
 macro_rules! with_kind {
     ($kind:expr, $T:ident, $D:ident => $body:expr) => {
         match $kind {
-            $crate::number::Kind::Single2 => {
+            $crate::number::NumberKind::Single2 => {
                 type $T = f32;
                 const $D: usize = 2;
                 $body
             }
-            $crate::number::Kind::Single3 => {
+            $crate::number::NumberKind::Single3 => {
                 type $T = f32;
                 const $D: usize = 3;
                 $body
             }
-            $crate::number::Kind::Double2 => {
+            $crate::number::NumberKind::Double2 => {
                 type $T = f64;
                 const $D: usize = 2;
                 $body
             }
-            $crate::number::Kind::Double3 => {
+            $crate::number::NumberKind::Double3 => {
                 type $T = f64;
                 const $D: usize = 3;
                 $body

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::number::rows_of;
 use crate::problem::{Problem, zeros};
-use crate::search::{Found, into_pairs};
+use crate::search::{FoundPairs, into_pairs};
 
 fn check(elements: usize, pairs: &[[u32; 2]]) -> Result<(), Problem> {
     match pairs.as_flattened().iter().find(|&&element| element as usize >= elements) {
@@ -106,7 +106,7 @@ pub(crate) fn ascending<'py>(
     py: Python<'py>,
     pairs: PyReadonlyArray2<'py, u32>,
     shifts: PyReadonlyArray2<'py, i32>,
-) -> PyResult<Found<'py>> {
+) -> PyResult<FoundPairs<'py>> {
     if shifts.as_array().ncols() == 2 {
         sorted::<2>(py, &pairs, &shifts)
     } else {
@@ -118,7 +118,7 @@ fn sorted<'py, const D: usize>(
     py: Python<'py>,
     pairs: &PyReadonlyArray2<'py, u32>,
     shifts: &PyReadonlyArray2<'py, i32>,
-) -> PyResult<Found<'py>> {
+) -> PyResult<FoundPairs<'py>> {
     let (pairs, shifts) = (rows_of::<u32, 2>(pairs)?, rows_of::<i32, D>(shifts)?);
     let (couples, shifts) = py.detach(|| {
         if shifts.is_empty() {

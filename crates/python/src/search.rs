@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::elements::{Elements, Set};
 use crate::interrupt::{self, Stop};
-use crate::kept;
+use crate::last_search;
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
@@ -19,7 +19,7 @@ const FEW_FOR_THREADS: usize = 1 << 15;
 const FEW_TO_WATCH: usize = 1 << 13;
 
 /// Couples as rows of two numbers, and the shifts of the last of them, rows of D; all before have shift 0.
-pub(crate) type Found<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<i32>>);
+pub(crate) type FoundPairs<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<i32>>);
 
 /// The engine of this name; `None` for "auto".
 pub(crate) fn engine_of(name: &str) -> Result<Option<Engine>, Problem> {
@@ -69,14 +69,14 @@ pub(crate) fn search_open<T: Number, const D: usize>(
     stop: &Stop,
 ) -> Result<Vec<Couple>, Problem> {
     let elements = set.checked()?;
-    let detector = if engine.is_none() { kept::take() } else { None };
+    let detector = if engine.is_none() { last_search::take() } else { None };
     let detector = detector.unwrap_or_else(|| Detector::new().with_engine(engine));
     let mut detector = detector.with_threads(threads)?.stopped_by(stop.clone());
     let mut couples = Vec::new();
     detector.couples(&elements, &mut couples)?;
     if engine.is_none() {
         let bytes = detector.bytes();
-        kept::keep(detector.with_threads(1)?, bytes);
+        last_search::keep(detector.with_threads(1)?, bytes);
     }
     Ok(couples)
 }
@@ -89,14 +89,14 @@ pub(crate) fn search_periodic<T: Number, const D: usize>(
     stop: &Stop,
 ) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
     let elements = set.checked()?;
-    let search = if engine.is_none() { kept::take() } else { None };
+    let search = if engine.is_none() { last_search::take() } else { None };
     let search = search.unwrap_or_else(|| PeriodicSearch::new().with_engine(engine));
     let mut search = search.with_threads(threads)?.stopped_by(stop.clone());
     let (mut couples, mut shifted) = (Vec::new(), Vec::new());
     search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
     if engine.is_none() {
         let bytes = search.bytes();
-        kept::keep(search.with_threads(1)?, bytes);
+        last_search::keep(search.with_threads(1)?, bytes);
     }
     joined(couples, shifted)
 }
@@ -126,7 +126,7 @@ pub(crate) fn contacts<'py>(
     elements: &Elements,
     engine: &str,
     threads: usize,
-) -> PyResult<Found<'py>> {
+) -> PyResult<FoundPairs<'py>> {
     let engine = engine_of(engine)?;
     let stop = Stop::default();
     with_kind!(elements.kind, T, D => {

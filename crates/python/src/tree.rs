@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use crate::problem::{Problem, zeros};
 pub(crate) use norm::Norm;
-use norm::{Far, Near, along};
+use norm::{Far, NearSide, along};
 
 /// Points in a leaf.
 const LEAF: usize = 16;
@@ -159,7 +159,9 @@ impl Tree {
     fn least(&self, norm: Norm, at: &[f64], node: usize) -> f64 {
         let (lower, upper) = self.corners_of(node);
         let axes = at.iter().zip(lower.iter().zip(upper)).zip(&self.sides);
-        norm.sum(axes.map(|((&x, (&low, &high)), &side)| Near { from: x - high, to: x - low, side }.value()))
+        norm.sum(
+            axes.map(|((&x, (&low, &high)), &side)| NearSide { from: x - high, to: x - low, side }.value()),
+        )
     }
 
     /// No point of the node is farther.

@@ -35,7 +35,7 @@ const PERIODS: u32 = 1000;
 const MOST_STEPS: u64 = 10_000_000;
 
 /// A kind of joints, friction, the share of the critical time step, and the transitions that it has to pass.
-pub(super) struct Kind {
+pub(super) struct DebrisKind {
     pub(super) name: &'static str,
     pub(super) insertion: Insertion,
     pub(super) friction: f64,
@@ -44,8 +44,8 @@ pub(super) struct Kind {
 }
 
 /// The kinds of a ladder. `most`: transitions of the first one at full size.
-pub(super) fn kinds(size: Size, most: usize, safety: f64) -> Vec<Kind> {
-    let kind = |name, insertion, friction, share: usize| Kind {
+pub(super) fn kinds(size: Size, most: usize, safety: f64) -> Vec<DebrisKind> {
+    let kind = |name, insertion, friction, share: usize| DebrisKind {
         name,
         insertion,
         friction,
@@ -62,7 +62,7 @@ pub(super) fn kinds(size: Size, most: usize, safety: f64) -> Vec<Kind> {
 
 /// The model of a block in a box with the inner width `inner`, m. The box is the first body.
 pub(super) fn model<const D: usize, const N: usize>(
-    kind: &Kind,
+    kind: &DebrisKind,
     bodies: &[Mesh<D, N>; 2],
     inner: f64,
     velocity: impl Fn([f64; D]) -> [f64; D],
@@ -105,7 +105,7 @@ pub(super) fn model<const D: usize, const N: usize>(
 /// equal to its initial value plus the work of shaking, to 1e-4 of the most energy that was in the system:
 /// kinetic, stored, and turned into heat by friction, which the shaking supplies continuously.
 pub(super) fn shaken<const D: usize, const N: usize>(
-    kind: &Kind,
+    kind: &DebrisKind,
     model: Model<D, N>,
 ) -> Result<Outcome, String>
 where

@@ -31,8 +31,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for &elements in size.choose(&[6][..], &[6, 12]) {
         let crack = |seed: &u32| sheared(free(elements, *seed)?);
-        let cracks = seeds.par_iter().map(crack).collect::<Result<Vec<Sheared>, String>>()?;
-        let mean = |of: fn(&Sheared) -> f64| cracks.iter().map(of).sum::<f64>() / cracks.len() as f64;
+        let cracks = seeds.par_iter().map(crack).collect::<Result<Vec<HalfBroken>, String>>()?;
+        let mean = |of: fn(&HalfBroken) -> f64| cracks.iter().map(of).sum::<f64>() / cracks.len() as f64;
         let case = |what: &str| format!("{what}, {elements} elements");
         outcomes.extend([
             Outcome::absolute(
@@ -55,7 +55,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 }
 
 /// A block whose ligament is broken to one half.
-struct Sheared {
+struct HalfBroken {
     /// Shear stress on the sides, Pa.
     stress: f64,
     /// Work done against the joints, with the friction in them, J for a thickness of 1 m.
@@ -63,7 +63,7 @@ struct Sheared {
 }
 
 /// Shears a block until one half of its ligament is broken.
-fn sheared(model: Model) -> Result<Sheared, String> {
+fn sheared(model: Model) -> Result<HalfBroken, String> {
     let mut run: Simulation = start(model)?;
     while run.crack_lengths().iter().sum::<f64>() < 0.5 * (WIDTH - NOTCH) {
         advance(&mut run, 20)?;
@@ -71,7 +71,7 @@ fn sheared(model: Model) -> Result<Sheared, String> {
             return Err("the block does not fail".to_owned());
         }
     }
-    Ok(Sheared { stress: RATE * (run.time() - RAMP), work: run.energies().cohesive })
+    Ok(HalfBroken { stress: RATE * (run.time() - RAMP), work: run.energies().cohesive })
 }
 
 /// The block of an unstructured mesh, whose crack is free.

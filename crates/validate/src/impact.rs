@@ -84,20 +84,20 @@ fn discs(rings: usize) -> [Blow; 2] {
 }
 
 /// Energies before and after a collision.
-struct Met {
-    before: Energies,
-    after: Energies,
+pub(crate) struct Met {
+    pub(crate) before: Energies,
+    pub(crate) after: Energies,
     /// Change of the momenta over the momentum before.
-    momentum: f64,
+    pub(crate) momentum: f64,
 }
 
 impl Met {
     /// Relative change of the kinetic and elastic energy.
-    fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         (self.after.kinetic + self.after.strain + self.after.contact) / self.before.kinetic - 1.0
     }
 
-    fn kinetic(&self) -> f64 {
+    pub(crate) fn kinetic(&self) -> f64 {
         self.after.kinetic / self.before.kinetic - 1.0
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let rests: &[f64] = size.choose(&[15.0, 20.0], &[10.0, 20.0, 21.0]);
     for &degrees in rests {
-        let mut block = Block::on(degrees, size)?;
+        let mut block = FlatBlock::on(degrees, size)?;
         advance_to(&mut block.run, 0.2)?;
         let from = block.place();
         advance_to(&mut block.run, 0.5)?;
@@ -31,7 +31,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     }
     let slides: &[f64] = size.choose(&[25.0, 30.0], &[25.0, 30.0, 45.0]);
     for &degrees in slides {
-        let mut block = Block::on(degrees, size)?;
+        let mut block = FlatBlock::on(degrees, size)?;
         let found = block.acceleration()?;
         let (sin, cos) = degrees.to_radians().sin_cos();
         let expected = GRAVITY * (sin - FRICTION * cos);
@@ -46,13 +46,13 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-struct Block {
+struct FlatBlock {
     run: Simulation,
     /// Nodes of the block.
     nodes: Vec<u32>,
 }
 
-impl Block {
+impl FlatBlock {
     /// A block on a plane that is inclined by the given number of degrees: the plane is level and the weight
     /// is turned. The weight grows with a ramp, so that the block does not hop.
     fn on(degrees: f64, size: Size) -> Result<Self, String> {

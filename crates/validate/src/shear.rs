@@ -57,7 +57,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-struct Sheared {
+struct ShearBox {
     /// Pa.
     peak: f64,
     residual: f64,
@@ -149,7 +149,7 @@ fn model(insertion: Insertion, stress: f64) -> Model {
     }
 }
 
-fn shear(insertion: Insertion, stress: f64) -> Result<Sheared, String> {
+fn shear(insertion: Insertion, stress: f64) -> Result<ShearBox, String> {
     let mut run = start(model(insertion, stress))?;
     advance_to(&mut run, 2.0 * PRESSING)?;
     let (mut peak, mut residual) = (0.0_f64, Mean::default());
@@ -179,7 +179,7 @@ fn shear(insertion: Insertion, stress: f64) -> Result<Sheared, String> {
         }
     }
     let balance = run.energies().error();
-    Ok(Sheared { peak, residual: residual.value(), contact: contact.value(), energy, balance })
+    Ok(ShearBox { peak, residual: residual.value(), contact: contact.value(), energy, balance })
 }
 
 /// One step: the mean shear stress, Pa, and how far the upper block has been moved, m.

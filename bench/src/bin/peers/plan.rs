@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fdem_bench::peers::sets::{SETS, Set};
-use fdem_bench::peers::{Command, Kind};
+use fdem_bench::peers::{Command, EngineKind};
 use fdem_contact::Simd;
 
 pub(crate) const USAGE: &str = "\
@@ -31,7 +31,7 @@ usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [
 /// The searches to run, and the file for the results.
 pub(crate) struct Plan {
     pub(crate) sets: Vec<&'static Set>,
-    engines: Option<Vec<Kind>>,
+    engines: Option<Vec<EngineKind>>,
     pub(crate) external: Vec<Command>,
     pub(crate) simd: Simd,
     pub(crate) threads: Vec<usize>,
@@ -77,7 +77,8 @@ impl Plan {
             match argument.as_str() {
                 "--sets" => plan.sets = listed(value, |name| SETS.iter().find(|set| set.name == name))?,
                 "--engines" => {
-                    let kinds = listed(value, |name| Kind::ALL.into_iter().find(|kind| kind.name() == name))?;
+                    let kinds =
+                        listed(value, |name| EngineKind::ALL.into_iter().find(|kind| kind.name() == name))?;
                     plan.engines = Some(kinds);
                 }
                 "--external" => plan.external.push(Command::parse(value)?),
@@ -116,10 +117,10 @@ impl Plan {
 
 impl Plan {
     /// Our searches on this set; the first is the reference.
-    pub(crate) fn engines(&self, set: &Set) -> Vec<Kind> {
+    pub(crate) fn engines(&self, set: &Set) -> Vec<EngineKind> {
         let kinds = self.engines.as_deref();
         let available = || set.group.kinds().iter().copied().filter(|kind| kind.is_available()).collect();
-        kinds.map_or_else(available, <[Kind]>::to_vec)
+        kinds.map_or_else(available, <[EngineKind]>::to_vec)
     }
 }
 
@@ -137,10 +138,13 @@ mod tests {
         let plan = |line: &str| Plan::from_arguments(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
         let all = plan("--quick").unwrap();
         let kinds = |name: &str| all.engines(all.sets.iter().find(|set| set.name == name).unwrap())[0];
-        assert_eq!(["gas1m", "logn1m", "boxes1m"].map(kinds), [Kind::Rows, Kind::Auto, Kind::Auto]);
+        assert_eq!(
+            ["gas1m", "logn1m", "boxes1m"].map(kinds),
+            [EngineKind::Rows, EngineKind::Auto, EngineKind::Auto]
+        );
         let some = plan("--quick --sets gas1m,gas2d1m --engines nbs --threads 1,3 --counts 0 --external a=b")
             .unwrap();
-        assert_eq!((some.sets.len(), some.engines, some.out), (2, Some(vec![Kind::Nbs]), None));
+        assert_eq!((some.sets.len(), some.engines, some.out), (2, Some(vec![EngineKind::Nbs]), None));
         assert_eq!((some.threads, some.counts, some.external.len()), (vec![1, 3], vec![], 1));
         for wrong in
             ["--sets gas", "--rounds 0", "--simd", "--speed 3", "--threads 0", "--external a", "--counts x"]

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use fdem_bench::bars::{Bar, Bars};
-use fdem_bench::peers::Kind;
+use fdem_bench::peers::EngineKind;
 use fdem_bench::peers::sets::{Group, Set};
 use fdem_bench::picture::{Axis, Curve, Panel};
 use fdem_bench::{Table, Times, grouped, machine, significant};
@@ -147,7 +147,7 @@ fn matrix(called: &[Called], outcomes: &[&Outcome], of: fn(Times) -> f64) -> Tab
 
 /// The times of the fastest peer relative to ours.
 fn fastest(outcomes: &[&Outcome]) -> Table {
-    let avx2 = Kind::RowsAvx2.name();
+    let avx2 = EngineKind::RowsAvx2.name();
     // Included only if it takes part.
     let has_avx2 = outcomes.iter().any(|outcome| outcome.times(avx2).is_some());
     let headings = [
@@ -208,7 +208,7 @@ fn speedup(plan: &Plan, outcomes: &[Outcome]) -> Table {
 fn memory(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new(&["set", "threads", "bytes", "bytes per element"]);
     for outcome in outcomes {
-        if let Some(bytes) = outcome.search(Kind::Rows.name()).and_then(|search| search.bytes) {
+        if let Some(bytes) = outcome.search(EngineKind::Rows.name()).and_then(|search| search.bytes) {
             table.row([
                 outcome.set.name.to_owned(),
                 outcome.threads.to_string(),

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use fdem_bench::peers::sets::{Made, SETS, Scene};
-use fdem_bench::peers::{self, Kind, Peers, Threads};
+use fdem_bench::peers::{self, EngineKind, Peers, Threads};
 use fdem_bench::{machine, significant};
 
 use crate::plan::Plan;
@@ -53,7 +53,7 @@ fn table<const D: usize>(
     let mut is_first = true;
     for n in SIZES {
         let made = scene(n)?;
-        let mut searches = peers::ours::<D>(&[Kind::Auto], plan.simd, 1)?;
+        let mut searches = peers::ours::<D>(&[EngineKind::Auto], plan.simd, 1)?;
         searches.extend(rivals());
         let mut couples = Vec::new();
         let mut expected = None;

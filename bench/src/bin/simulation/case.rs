@@ -14,6 +14,9 @@ use crate::before::{self, Before, Turn};
 use crate::levels;
 use crate::outcome::{Outcome, Program};
 
+/// Beyond this number of elements other programs are left out, because they take minutes to start.
+pub(crate) const LARGEST: usize = 200_000;
+
 /// Steps before any timing: fragments press each other evenly after the first few.
 const SETTLE: u64 = 40;
 
@@ -54,7 +57,7 @@ impl Case {
     pub(crate) fn of_turns(arguments: &[String]) -> Option<Self> {
         let [name, elements, level, steps] = arguments else { return None };
         Some(Self {
-            body: super::body(name)?,
+            body: body(name)?,
             elements: elements.parse().ok()?,
             level: levels::named(level),
             steps: steps.parse().ok()?,
@@ -109,7 +112,7 @@ impl Case {
         if self.threads > 1 {
             others.push((Program::Many, self.ready(model(self.elements), self.threads, self.level)?));
         }
-        if elements <= super::LARGEST {
+        if elements <= LARGEST {
             for level in levels::others(self.level) {
                 let run = self.ready(model(self.elements), 1, Some(level))?;
                 others.push((Program::On(level.to_string()), run));
@@ -263,4 +266,9 @@ fn gmsh<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> String {
     }
     text.push_str("$EndElements\n");
     text
+}
+
+/// The body of this name.
+pub(crate) fn body(name: &str) -> Option<Body> {
+    Body::all().find(|body| body.name() == name)
 }

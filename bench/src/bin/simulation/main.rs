@@ -15,7 +15,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use case::Case;
+use case::{Case, LARGEST, body};
 use fdem_bench::bodies::{Body, Plane, Space};
 use fdem_contact::Simd;
 use outcome::Outcome;
@@ -41,9 +41,6 @@ usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--r
                            likewise for the cube of tetrahedra
   --write FILE             writes the output to a file, too
 ";
-
-/// Beyond this number of elements other programs are left out, because they take minutes to start.
-const LARGEST: usize = 200_000;
 
 /// The cases to run.
 struct Plan {
@@ -106,10 +103,6 @@ impl Plan {
         }
         Some(plan)
     }
-}
-
-fn body(name: &str) -> Option<Body> {
-    Body::all().find(|body| body.name() == name)
 }
 
 fn main() -> ExitCode {

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::couple::Couple;
-use crate::discretised::{DiscretisedError, MeshSearch, MeshView, PART, reserve_one};
+use crate::discretised::search::{PART, reserve_one};
+use crate::discretised::{DiscretisedError, MeshSearch, MeshView};
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::memory::{reserve, resize};

@@ -1,7 +1,7 @@
 //! The contact of two bodies in an image.
 
 use crate::error::Error;
-use crate::image::row::{DIAGONALS, Direction, Kind, Run};
+use crate::image::row::{DIAGONALS, Direction, DirectionKind, Run};
 use crate::image::{Label, Neighbourhood};
 
 /// The edges of a grid square along each axis, the slowest first.
@@ -60,7 +60,7 @@ pub struct ImageContact<L, const D: usize> {
     labels: [L; 2],
     /// For each axis across which faces lie, the sums modulo 2^32: at half the size, more contacts fit into
     /// the caches.
-    low: [Across<D>; D],
+    low: [FacesAcross<D>; D],
     /// Data that few contacts have, or that few searches request. `None` if it would be empty, so that equal
     /// contacts compare equal.
     more: Option<Box<More<D>>>,
@@ -68,21 +68,21 @@ pub struct ImageContact<L, const D: usize> {
 
 /// The faces across one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Across<const D: usize> {
+struct FacesAcross<const D: usize> {
     /// Number of faces behind which the larger label is, and of those behind which the smaller is.
     faces: [u32; 2],
     /// The sum of the centres of the faces, in half grid squares.
     centres: [u32; D],
 }
 
-impl<const D: usize> Across<D> {
+impl<const D: usize> FacesAcross<D> {
     const NONE: Self = Self { faces: [0; 2], centres: [0; D] };
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct More<const D: usize> {
     /// The sums of the faces divided by 2^32.
-    high: [Across<D>; D],
+    high: [FacesAcross<D>; D],
     // Number of pairs that share an edge; below, of those that share a vertex.
     edges: u64,
     vertices: u64,
@@ -95,7 +95,7 @@ struct More<const D: usize> {
 
 impl<L: Label, const D: usize> ImageContact<L, D> {
     pub(super) fn new(labels: [L; 2]) -> Self {
-        Self { labels, low: [Across::NONE; D], more: None }
+        Self { labels, low: [FacesAcross::NONE; D], more: None }
     }
 
     /// Adds a run; `at` is the position of its later row along the other axes.
@@ -110,13 +110,13 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         };
         let backwards = run.later < run.earlier;
         match direction.kind {
-            Kind::Face { axis: across } => {
+            DirectionKind::Face { axis: across } => {
                 let faces = if backwards { [0, count] } else { [count, 0] };
                 self.add_faces(across, faces, std::array::from_fn(sum));
             }
-            Kind::Edge { number } | Kind::Vertex { number } => {
+            DirectionKind::Edge { number } | DirectionKind::Vertex { number } => {
                 let more = self.more_mut();
-                if matches!(direction.kind, Kind::Edge { .. }) {
+                if matches!(direction.kind, DirectionKind::Edge { .. }) {
                     more.edges += count;
                 } else {
                     more.vertices += count;
@@ -140,7 +140,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
             carried |= sum >> u32::BITS;
             (sum >> u32::BITS) as u32
         };
-        let high = Across {
+        let high = FacesAcross {
             faces: std::array::from_fn(|side| add(&mut low.faces[side], faces[side])),
             centres: std::array::from_fn(|axis| add(&mut low.centres[axis], centres[axis])),
         };
@@ -150,7 +150,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
     }
 
     #[cold]
-    fn carry(&mut self, across: usize, carried: Across<D>) {
+    fn carry(&mut self, across: usize, carried: FacesAcross<D>) {
         let high = &mut self.more_mut().high[across];
         high.faces.iter_mut().zip(carried.faces).for_each(|(high, n)| *high += n);
         high.centres.iter_mut().zip(carried.centres).for_each(|(high, n)| *high += n);
@@ -159,7 +159,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
     fn more_mut(&mut self) -> &mut More<D> {
         self.more.get_or_insert_with(|| {
             Box::new(More {
-                high: [Across::NONE; D],
+                high: [FacesAcross::NONE; D],
                 edges: 0,
                 vertices: 0,
                 net: [0; DIAGONALS],
@@ -205,8 +205,8 @@ impl<L: Copy, const D: usize> ImageContact<L, D> {
         std::array::from_fn(|axis| whole(high.centres[axis], self.low[across].centres[axis]))
     }
 
-    fn high(&self, across: usize) -> Across<D> {
-        self.more.as_ref().map_or(Across::NONE, |more| more.high[across])
+    fn high(&self, across: usize) -> FacesAcross<D> {
+        self.more.as_ref().map_or(FacesAcross::NONE, |more| more.high[across])
     }
 
     /// The two labels, the smaller first.
@@ -282,7 +282,9 @@ impl<L: Copy, const D: usize> ImageContact<L, D> {
             }
         } else if let Some(more) = &self.more {
             for Direction { step, kind } in Direction::<D>::all(Neighbourhood::Vertex) {
-                let (Kind::Edge { number } | Kind::Vertex { number }) = kind else { continue };
+                let (DirectionKind::Edge { number } | DirectionKind::Vertex { number }) = kind else {
+                    continue;
+                };
                 let from_centre_to_centre =
                     std::array::from_fn(|axis| f64::from(step[axis]) * spacing.0[axis]);
                 let unit: [f64; D] = unit(from_centre_to_centre);

@@ -14,11 +14,11 @@ pub(super) const DIAGONALS: usize = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Direction<const D: usize> {
     pub(super) step: [i8; D],
-    pub(super) kind: Kind,
+    pub(super) kind: DirectionKind,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum DirectionKind {
     /// Along one axis.
     Face { axis: usize },
     /// Along two of three axes; its number among all directions that are no faces.
@@ -44,11 +44,11 @@ impl<const D: usize> Direction<D> {
         let all = later.filter_map(move |step| {
             let axes = step.iter().filter(|&&step| step != 0).count();
             let (kind, least) = if axes == 1 {
-                (Kind::Face { axis: step.iter().position(|&step| step != 0)? }, Neighbourhood::Face)
+                (DirectionKind::Face { axis: step.iter().position(|&step| step != 0)? }, Neighbourhood::Face)
             } else if axes == D {
-                (Kind::Vertex { number: diagonals.next()? }, Neighbourhood::Vertex)
+                (DirectionKind::Vertex { number: diagonals.next()? }, Neighbourhood::Vertex)
             } else {
-                (Kind::Edge { number: diagonals.next()? }, Neighbourhood::Edge)
+                (DirectionKind::Edge { number: diagonals.next()? }, Neighbourhood::Edge)
             };
             Some((Self { step, kind }, least))
         });
@@ -69,7 +69,7 @@ pub(super) struct Run<L> {
 
 /// Working memory of a comparison: one byte for each place of a row.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scan {
+pub(super) struct RowScan {
     marks: Vec<u8>,
 }
 
@@ -81,7 +81,7 @@ const ENDS: u8 = 2;
 /// Number of places whose marks are examined together: one per bit of a `u64`.
 const GROUP: usize = 64;
 
-impl Scan {
+impl RowScan {
     /// Makes room for rows of this many places.
     pub(super) fn fit(&mut self, width: usize) -> Result<(), Error> {
         let room = width.next_multiple_of(GROUP);
@@ -251,7 +251,7 @@ mod tests {
         for direction in of_3d(Neighbourhood::Vertex) {
             let opposite = direction.step.map(|step| -step);
             assert!(of_3d(Neighbourhood::Vertex).iter().all(|other| other.step != opposite));
-            if let Kind::Edge { number } | Kind::Vertex { number } = direction.kind {
+            if let DirectionKind::Edge { number } | DirectionKind::Vertex { number } = direction.kind {
                 assert!(number < DIAGONALS);
                 // The numbers do not depend on the neighbourhood.
                 let edges = of_3d(Neighbourhood::Edge);
@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn runs_end_where_labels_change() {
-        let mut scan = Scan::default();
+        let mut scan = RowScan::default();
         let (earlier, later) = ([1_u8, 1, 1, 2, 0, 2, 2, 2, 2, 2], [3_u8, 3, 1, 3, 3, 3, 3, 4, 4, 0]);
         scan.fit(10).unwrap();
         let mut runs = |along, background| {
@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn runs_go_on_from_group_to_group() {
         // All lengths up to some groups: one long run, and runs of one place each.
-        let mut scan = Scan::default();
+        let mut scan = RowScan::default();
         for count in 0..=3 * GROUP + 1 {
             scan.fit(count).unwrap();
             let mut found = |earlier: &[u16], later: &[u16], along| {
@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn only_first_grid_squares_are_new() {
-        let mut scan = Scan::default();
+        let mut scan = RowScan::default();
         scan.fit(6).unwrap();
         let mut new = |before: [Option<&[u8]>; 2], background| {
             let mut new = Vec::new();

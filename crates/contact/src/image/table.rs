@@ -8,12 +8,12 @@ use crate::image::{ImageContact, Label};
 ///
 /// The entries are in the order in which they were found; at the end they are sorted by label.
 #[derive(Clone, Debug)]
-pub(super) struct Table<L, const D: usize> {
-    places: Places,
+pub(super) struct ContactTable<L, const D: usize> {
+    places: HashPlaces,
     contacts: Vec<ImageContact<L, D>>,
     /// Contacts that were used recently: the next run mostly belongs to one of them.
     recent: Vec<Recent<L>>,
-    label_places: Places,
+    label_places: HashPlaces,
     labels: Vec<L>,
 }
 
@@ -28,13 +28,13 @@ struct Recent<L> {
 /// small enough for the second-level cache.
 const RECENT: usize = if cfg!(miri) { 1 << 5 } else { 1 << 15 };
 
-impl<L: Label, const D: usize> Table<L, D> {
+impl<L: Label, const D: usize> ContactTable<L, D> {
     pub(super) fn new() -> Self {
         Self {
             recent: vec![Recent { labels: [L::default(); 2], place: VACANT }; RECENT],
-            places: Places::default(),
+            places: HashPlaces::default(),
             contacts: Vec::new(),
-            label_places: Places::default(),
+            label_places: HashPlaces::default(),
             labels: Vec::new(),
         }
     }
@@ -105,7 +105,7 @@ impl<L: Label, const D: usize> Table<L, D> {
 
 /// Finds entries of an array by their hash: open addressing with linear probing.
 #[derive(Clone, Debug, Default)]
-struct Places {
+struct HashPlaces {
     /// The slots: a power of two of them, at least a quarter of them vacant; or none.
     slots: Vec<u32>,
 }
@@ -113,7 +113,7 @@ struct Places {
 const VACANT: u32 = u32::MAX;
 const FEWEST_SLOTS: usize = 1 << 8;
 
-impl Places {
+impl HashPlaces {
     /// The place of the entry with this hash for which `is_it` is true.
     #[inline]
     fn find(&self, hash: u64, mut is_it: impl FnMut(usize) -> bool) -> Option<usize> {
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn entries_are_found_again() {
-        let mut table = Table::<u64, 3>::new();
+        let mut table = ContactTable::<u64, 3>::new();
         let pair = |k: u64| [k % 100, 100 + (k << 32)];
         for k in (0..3000).chain(0..3000) {
             assert_eq!(table.contact(pair(k)).unwrap().labels(), pair(k));

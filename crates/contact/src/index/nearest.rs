@@ -8,7 +8,8 @@ use crate::elements::Elements;
 use crate::error::Error;
 use crate::geometry::distance_squared;
 use crate::index::Index;
-use crate::index::rows::{Part, hand_over, no_entries};
+use crate::index::part::PointsPart;
+use crate::index::rows::{hand_over, no_entries};
 use crate::index::sort::{FEW, sort};
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
@@ -43,7 +44,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         }
         let Self { layout, moving, centres, places, parts, order, bounds, pool, simd, .. } = self;
         let (layout, moving, bounds, simd) = (&*layout, &*moving, &*bounds, *simd);
-        parts.resize_with(points.len().div_ceil(PART), Part::default);
+        parts.resize_with(points.len().div_ceil(PART), PointsPart::default);
         let search_row = |task: &Task<'_, T>, out: &mut Output<'_>| T::search::<D>(simd, task, out);
         let scan = Scan {
             layout: moving,
@@ -114,7 +115,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
     fn part(
         &mut self,
         scan: &Scan<'_, T, D>,
-        part: &mut Part<T>,
+        part: &mut PointsPart<T>,
         range: Range<usize>,
         gap: impl Fn(&[T; D]) -> f64,
     ) {

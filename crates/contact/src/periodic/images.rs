@@ -72,14 +72,14 @@ const CHUNK: usize = 8192;
 
 /// The box, the extremes of the fractions of the wrapped elements, and the largest difference between the
 /// fractions of touching elements.
-struct Window<'a, T, const D: usize> {
+struct ImageWindow<'a, T, const D: usize> {
     cell: &'a PeriodicBox<T, D>,
     fractions: Bounds<D>,
     margin: [f64; D],
 }
 
 /// The largest distance between touching elements.
-struct Measure {
+struct LargestReach {
     /// The reach: a Euclidean distance for spheres, a distance along each axis for boxes.
     reach: f64,
     /// Whether the reach holds along each axis.
@@ -88,7 +88,7 @@ struct Measure {
     extent: f64,
 }
 
-impl Measure {
+impl LargestReach {
     /// The measure of wrapped elements; rounding may have stretched boxes.
     fn of<T: Real, const D: usize>(wrapped: &Elements<'_, T, D>) -> Self {
         let reach = wrapped.reach().max(T::MIN_RESOLVED);
@@ -189,7 +189,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         if self.any_away {
             self.wrap_far_points(far_points, cell)?;
         }
-        let measure = Measure::of(&self.wrapped(elements)?);
+        let measure = LargestReach::of(&self.wrapped(elements)?);
         if self.any_away {
             (points, far_points) = (&self.wrapped, &self.wrapped_far);
         }
@@ -197,7 +197,7 @@ impl<T: Real, const D: usize> Images<T, D> {
             fractions.max[edge] - fractions.min[edge] <= COMPACT * measure.reach * norm(&cell.dual()[edge])
         });
 
-        let window = Window { cell, fractions, margin: margin(&bounds, cell, &fractions, &measure)? };
+        let window = ImageWindow { cell, fractions, margin: margin(&bounds, cell, &fractions, &measure)? };
         let interior = window.interior();
         pool.try_run(
             self.chunks.iter_mut().zip(points.chunks(CHUNK)).enumerate(),
@@ -416,7 +416,7 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         first: usize,
         points: &[[T; D]],
         interior: &Bounds<D>,
-        window: &Window<'_, T, D>,
+        window: &ImageWindow<'_, T, D>,
     ) -> Result<(), Error> {
         self.owners.clear();
         self.points.clear();
@@ -448,7 +448,7 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         places: &mut [[T; D]],
         owners: &mut [u32],
         shifts: &mut [[i32; D]],
-        window: &Window<'_, T, D>,
+        window: &ImageWindow<'_, T, D>,
     ) {
         let mut bounds = Bounds::NOTHING;
         let mut places = places.iter_mut().zip(owners).zip(shifts);
@@ -532,7 +532,7 @@ fn margin<T: Real, const D: usize>(
     bounds: &Bounds<D>,
     cell: &PeriodicBox<T, D>,
     fractions: &Bounds<D>,
-    measure: &Measure,
+    measure: &LargestReach,
 ) -> Result<[f64; D], Error> {
     const ABOVE: f64 = 1.0 + 1.0 / 1_099_511_627_776.0;
     let (dual, edges, periodic) =
@@ -572,7 +572,7 @@ fn margin<T: Real, const D: usize>(
     Ok(margin)
 }
 
-impl<T: Real, const D: usize> Window<'_, T, D> {
+impl<T: Real, const D: usize> ImageWindow<'_, T, D> {
     /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before
     /// rounding to whole edges.
     #[inline]

@@ -207,7 +207,11 @@ impl<const D: usize> Nbs<D> {
         self.interrupted = true;
         let all = if elements.is_empty() { NONE } else { 0 };
         let Self { lists, stop, .. } = self;
-        Pass { geometry, grid, lists, cell: [0; D], stop, observer, visit }.spread(D - 1, all, [NONE; 4])?;
+        NbsPass { geometry, grid, lists, cell: [0; D], stop, observer, visit }.spread(
+            D - 1,
+            all,
+            [NONE; 4],
+        )?;
         self.interrupted = false;
         debug_assert!(self.lists.iter().all(Lists::all_empty), "a search empties the lists that it fills");
         Ok(())
@@ -244,7 +248,7 @@ struct Unobserved;
 impl<const D: usize> Observer<D> for Unobserved {}
 
 /// The state of one detection in progress.
-struct Pass<'a, G, O, const D: usize> {
+struct NbsPass<'a, G, O, const D: usize> {
     geometry: G,
     grid: Grid<D>,
     lists: &'a mut [Lists; D],
@@ -256,7 +260,7 @@ struct Pass<'a, G, O, const D: usize> {
     visit: &'a mut dyn FnMut(Couple),
 }
 
-impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
+impl<G: Geometry, O: Observer<D>, const D: usize> NbsPass<'_, G, O, D> {
     /// Spreads a central list of the axis above over the lists of `axis`, with its neighbours, and visits
     /// each.
     ///

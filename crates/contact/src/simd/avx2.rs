@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::vector::{CLUSTER, Estimate, Vector};
+use crate::simd::vector::{CLUSTER, EstimateVector, Vector};
 
 entry_points!("avx2,fma,bmi2,popcnt", F64x4, F32x8);
 
@@ -183,7 +183,7 @@ impl Vector<f32> for F32x8 {
     }
 }
 
-impl Estimate for F32x8 {
+impl EstimateVector for F32x8 {
     const MARKS: [u32; CLUSTER] = [1 << 7, 1 << 15, 1 << 23, 1 << 31];
 
     #[inline(always)]
@@ -269,7 +269,7 @@ impl Estimate for F32x8 {
 
     #[inline(always)]
     unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32) {
-        // SAFETY: the contract of `Estimate`; eight lanes have 256 masks.
+        // SAFETY: the contract of `EstimateVector`; eight lanes have 256 masks.
         unsafe {
             let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(COMPRESS.as_ptr().add(lanes as usize).cast()));
             _mm256_storeu_ps(marks, _mm256_permutevar8x32_ps(self.0, order));

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::vector::{CLUSTER, Estimate, Vector};
+use crate::simd::vector::{CLUSTER, EstimateVector, Vector};
 
 entry_points!("avx512f,avx512vl,avx2,fma,bmi2,popcnt", F64x8, F32x16);
 
@@ -164,7 +164,7 @@ impl Vector<f32> for F32x16 {
     }
 }
 
-impl Estimate for F32x16 {
+impl EstimateVector for F32x16 {
     const MARKS: [u32; CLUSTER] = [1 << 31, 1 << 30, 1 << 29, 1 << 28];
 
     #[inline(always)]
@@ -234,7 +234,7 @@ impl Estimate for F32x16 {
 
     #[inline(always)]
     unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32) {
-        // SAFETY: the contract of `Estimate`.
+        // SAFETY: the contract of `EstimateVector`.
         unsafe {
             let lanes = lanes as __mmask16;
             _mm512_storeu_ps(marks, _mm512_maskz_compress_ps(lanes, self.0));

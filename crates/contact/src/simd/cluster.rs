@@ -35,10 +35,10 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::real::Real;
-use crate::simd::kernel::{FEW, FEW_AHEAD, Rows, Window, first_from, variant};
+use crate::simd::kernel::{FEW, FEW_AHEAD, KernelRows, Window, first_from, variant};
 use crate::simd::labels::NO_LABEL;
 use crate::simd::task::{BOXES, EQUAL, Output, Patience, RADII, Task};
-use crate::simd::vector::{CLUSTER, Estimate, Vector, Writer};
+use crate::simd::vector::{CLUSTER, EstimateVector, Vector, Writer};
 
 /// Number of elements of a row that are copied at a time: enough to make up for copying their surroundings.
 const SEGMENT: usize = 128;
@@ -93,7 +93,7 @@ struct Piece<const D: usize> {
 }
 
 /// The copy of a segment of a row and its surroundings.
-struct Segment<const D: usize> {
+struct RowSegment<const D: usize> {
     /// The copied pieces of the row and of its neighbours.
     pieces: [MaybeUninit<Piece<D>>; FEW + 1],
     count: usize,
@@ -128,7 +128,7 @@ struct Cluster<C, const D: usize> {
 
 /// The elements that touch at least one element of a cluster, and which of them.
 struct Near {
-    /// The marks of each element, as of [`Estimate::marks`].
+    /// The marks of each element, as of [`EstimateVector::marks`].
     marks: [MaybeUninit<f32>; NEAR],
     ids: [MaybeUninit<u32>; NEAR],
     count: usize,
@@ -191,7 +191,7 @@ pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T>, out: &m
 where
     T: Real,
     V: Vector<T>,
-    C: Estimate,
+    C: EstimateVector,
 {
     // SAFETY: the contract of this function.
     unsafe {
@@ -214,13 +214,13 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
 ) where
     T: Real,
     V: Vector<T>,
-    C: Estimate,
+    C: EstimateVector,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
-    let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
+    let mut rows = KernelRows::<T, D>::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
     let mut copies = MaybeUninit::<Copies>::uninit();
     let mut segment =
-        Segment { pieces: [const { MaybeUninit::uninit() }; FEW + 1], count: 0, error: 0.0, scale: 0.0 };
+        RowSegment { pieces: [const { MaybeUninit::uninit() }; FEW + 1], count: 0, error: 0.0, scale: 0.0 };
     let mut writer = Writer::new(out);
     let mut from = task.from;
     while from < task.to {
@@ -262,10 +262,10 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
 #[inline(always)]
 unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
     task: &Task<'_, T>,
-    rows: &mut Rows<'_, T, D>,
+    rows: &mut KernelRows<'_, T, D>,
     range: Range<usize>,
     copies: &mut MaybeUninit<Copies>,
-    segment: &mut Segment<D>,
+    segment: &mut RowSegment<D>,
 ) -> bool
 where
     T: Real,
@@ -377,12 +377,12 @@ unsafe fn shorten<T, V: Vector<T>, const D: usize>(
     }
 }
 
-impl<C: Estimate> Limits<C> {
+impl<C: EstimateVector> Limits<C> {
     /// # Safety
     /// The processor has the instructions of `C`.
     #[inline(always)]
-    unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T>, segment: &Segment<D>) -> Self {
-        let Segment { error, scale, .. } = *segment;
+    unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T>, segment: &RowSegment<D>) -> Self {
+        let RowSegment { error, scale, .. } = *segment;
         let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
         let limit = task.reach_squared.to_f64() * scale * scale;
         // SAFETY: the contract of this function.
@@ -397,7 +397,7 @@ impl<C: Estimate> Limits<C> {
     }
 }
 
-impl<C: Estimate, const D: usize> Cluster<C, D> {
+impl<C: EstimateVector, const D: usize> Cluster<C, D> {
     /// The cluster of the `members` elements of `piece` from `base` on.
     ///
     /// # Safety
@@ -435,7 +435,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     }
 
     /// Marks the elements of `piece` from `j` on that touch elements of the cluster. `least` becomes the
-    /// lesser of itself and the distances from the limit, as [`Estimate::least`] has it.
+    /// lesser of itself and the distances from the limit, as [`EstimateVector::least`] has it.
     ///
     /// # Safety
     /// The processor has the instructions of `C`, and the lanes from `j` on end before the PAD entries behind
@@ -492,7 +492,7 @@ struct Count<C> {
     members: C,
 }
 
-impl<C: Estimate> Collect<C> for Count<C> {
+impl<C: EstimateVector> Collect<C> for Count<C> {
     #[inline(always)]
     unsafe fn take(&mut self, marks: C, _: *const u32) {
         // SAFETY: the contract of this function.
@@ -514,7 +514,7 @@ struct Sift<C> {
     members: C,
 }
 
-impl<C: Estimate> Collect<C> for Sift<C> {
+impl<C: EstimateVector> Collect<C> for Sift<C> {
     #[inline(always)]
     unsafe fn take(&mut self, marks: C, ids: *const u32) {
         // SAFETY: the contract of this function: LANES entries fit behind `count`.
@@ -532,12 +532,12 @@ impl<C: Estimate> Collect<C> for Sift<C> {
 }
 
 /// The vectors near a cluster.
-struct All<C> {
+struct AllHits<C> {
     hits: [MaybeUninit<Hits<C>>; VECTORS],
     count: usize,
 }
 
-impl<C: Estimate> Collect<C> for All<C> {
+impl<C: EstimateVector> Collect<C> for AllHits<C> {
     #[inline(always)]
     unsafe fn take(&mut self, marks: C, ids: *const u32) {
         // SAFETY: the contract of this function.
@@ -568,7 +568,7 @@ unsafe fn collect<C, const D: usize, const SHAPE: u8>(
     to: &mut impl Collect<C>,
 ) -> bool
 where
-    C: Estimate,
+    C: EstimateVector,
 {
     // SAFETY: the contract of this function.
     unsafe {
@@ -614,20 +614,20 @@ where
 #[inline(always)]
 unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
-    rows: &mut Rows<'_, T, D>,
-    segment: &mut Segment<D>,
+    rows: &mut KernelRows<'_, T, D>,
+    segment: &mut RowSegment<D>,
     range: Range<usize>,
     writer: &mut Writer,
     out: &mut Output<'_>,
 ) where
     T: Real,
     V: Vector<T>,
-    C: Estimate,
+    C: EstimateVector,
 {
     // In the plane there are few vectors, and a filter needs the places of the elements: their couples are
     // written from the vectors.
     let apart = FILTER || D == 2 && !out.count_only;
-    let mut all = All { hits: [const { MaybeUninit::uninit() }; VECTORS], count: 0 };
+    let mut all = AllHits { hits: [const { MaybeUninit::uninit() }; VECTORS], count: 0 };
     // The elements near a cluster are read after the next cluster has been compared: a load of data that has
     // just been stored in pieces waits some 20 cycles.
     let mut near = [Near::new(), Near::new()];
@@ -707,14 +707,14 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>
 #[inline(always)]
 unsafe fn of_each<T, C, const D: usize, const FILTER: bool, const MEMBER: usize>(
     task: &Task<'_, T>,
-    rows: &Rows<'_, T, D>,
+    rows: &KernelRows<'_, T, D>,
     found: &[Hits<C>],
     from: usize,
     members: usize,
     writer: &mut Writer,
     out: &mut Output<'_>,
 ) where
-    C: Estimate,
+    C: EstimateVector,
 {
     if members <= MEMBER {
         return;
@@ -742,12 +742,12 @@ unsafe fn of_each<T, C, const D: usize, const FILTER: bool, const MEMBER: usize>
 /// [`Writer::take`].
 #[inline(always)]
 unsafe fn hand_over<T, C, const D: usize>(
-    rows: &Rows<'_, T, D>,
+    rows: &KernelRows<'_, T, D>,
     near: &mut Near,
     writer: &mut Writer,
     out: &mut Output<'_>,
 ) where
-    C: Estimate,
+    C: EstimateVector,
 {
     let members = std::mem::take(&mut near.members);
     // SAFETY: the contract of this function.
@@ -777,12 +777,12 @@ unsafe fn hand_over<T, C, const D: usize>(
 /// The conditions of [`hand_over`].
 #[inline(always)]
 unsafe fn of_member<T, C, const D: usize, const MEMBER: usize>(
-    rows: &Rows<'_, T, D>,
+    rows: &KernelRows<'_, T, D>,
     near: &Near,
     writer: &mut Writer,
     out: &mut Output<'_>,
 ) where
-    C: Estimate,
+    C: EstimateVector,
 {
     // SAFETY: the contract of this function; `Near` has LANES entries behind the last one.
     unsafe {
@@ -796,7 +796,7 @@ unsafe fn of_member<T, C, const D: usize, const MEMBER: usize>(
 
 /// Moves the windows of the kernel to where those of the clusters are.
 #[inline(always)]
-fn follow<T, const D: usize>(rows: &mut Rows<'_, T, D>, pieces: &[Piece<D>]) {
+fn follow<T, const D: usize>(rows: &mut KernelRows<'_, T, D>, pieces: &[Piece<D>]) {
     for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
         window.low = piece.start + piece.low;
     }

@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::real::Real;
-use crate::simd::labels::{Label, Labels, NO_LABEL, NO_LABELS};
+use crate::simd::labels::{ElementLabel, LabelPointers, NO_LABEL, NO_LABELS};
 use crate::simd::task::{Arrays, BOXES, EQUAL, Looks, Neighbour, Output, RADII, Span, Task};
 use crate::simd::vector::{Vector, Writer};
 
@@ -33,7 +33,7 @@ pub(super) use variant;
 ///
 /// # Safety
 /// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix.
-/// [`Rows::new`] asserts everything else: rows are inside the arrays, with `V::LANES` entries after the last
+/// [`KernelRows::new`] asserts everything else: rows are inside the arrays, with `V::LANES` entries after the last
 /// element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
@@ -66,7 +66,7 @@ unsafe fn all<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const
     V: Vector<T>,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
-    let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
+    let mut rows = KernelRows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
     // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the
     // writer was made from `out`.
@@ -84,7 +84,7 @@ struct Element<V, const D: usize> {
     far: [V; D],
     radius: V,
     id: u32,
-    label: Label,
+    label: ElementLabel,
 }
 
 /// Pointers to the arrays of one row, so that the inner loop computes no addresses.
@@ -134,16 +134,16 @@ pub(super) const FEW: usize = 4;
 pub(super) const FEW_AHEAD: usize = 8;
 
 /// A task with pointers instead of places.
-pub(super) struct Rows<'a, T, const D: usize> {
+pub(super) struct KernelRows<'a, T, const D: usize> {
     task: &'a Task<'a, T>,
     pub(super) own: Row<T, D>,
     pub(super) windows: &'a mut [Window<T, D>],
-    pub(super) own_labels: Labels<'a>,
+    pub(super) own_labels: LabelPointers<'a>,
     /// The labels of the neighbour rows.
-    pub(super) labels: Labels<'a>,
+    pub(super) labels: LabelPointers<'a>,
 }
 
-impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
+impl<'a, T: Real, const D: usize> KernelRows<'a, T, D> {
     /// Checks the task and takes the pointers. `few` and `many` are memory for the windows.
     ///
     /// # Panics
@@ -166,8 +166,11 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
         assert!(task.from <= task.to && task.to <= task.row.len);
         assert!(task.long < D);
-        let (own_labels, labels) =
-            if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
+        let (own_labels, labels) = if FILTER {
+            (LabelPointers::new(&task.own), LabelPointers::new(&task.other))
+        } else {
+            (NO_LABELS, NO_LABELS)
+        };
         assert!(!FILTER || own_labels.are_like(&labels));
 
         let windows = task.neighbours.iter().map(|&Neighbour { row, low, looks, reach }| Window {
@@ -299,7 +302,7 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
 /// Compares one element with those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
-/// The conditions of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the
+/// The conditions of [`KernelRows::compare`]; `row` is one of its rows, and `first` is at most the length of the
 /// row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
@@ -308,7 +311,7 @@ unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, co
     first: usize,
     high: T,
     element: &Element<V, D>,
-    labels: &Labels<'_>,
+    labels: &LabelPointers<'_>,
     reach_squared: V,
     tolerance: V,
     writer: &mut Writer,

@@ -6,7 +6,7 @@ use crate::simd::vector::Vector;
 
 /// Pointers to the arrays of a filter; null for arrays that it does not have.
 #[derive(Clone, Copy)]
-pub(super) struct Labels<'a> {
+pub(super) struct LabelPointers<'a> {
     bodies: *const u32,
     /// Categories, or groups if there are more groups than bits in a word.
     categories: *const u32,
@@ -16,7 +16,7 @@ pub(super) struct Labels<'a> {
 
 /// The numbers of one element.
 #[derive(Clone, Copy)]
-pub(super) struct Label {
+pub(super) struct ElementLabel {
     body: u32,
     category: u32,
     mask: u32,
@@ -24,12 +24,17 @@ pub(super) struct Label {
     groups: *const u32,
 }
 
-pub(super) const NO_LABELS: Labels<'_> =
-    Labels { bodies: std::ptr::null(), categories: std::ptr::null(), masks: std::ptr::null(), matrix: None };
+pub(super) const NO_LABELS: LabelPointers<'_> = LabelPointers {
+    bodies: std::ptr::null(),
+    categories: std::ptr::null(),
+    masks: std::ptr::null(),
+    matrix: None,
+};
 
-pub(super) const NO_LABEL: Label = Label { body: 0, category: 0, mask: 0, groups: std::ptr::null() };
+pub(super) const NO_LABEL: ElementLabel =
+    ElementLabel { body: 0, category: 0, mask: 0, groups: std::ptr::null() };
 
-impl<'a> Labels<'a> {
+impl<'a> LabelPointers<'a> {
     #[inline(always)]
     pub(super) fn new<T>(arrays: &Arrays<'a, T>) -> Self {
         let mut labels = NO_LABELS;
@@ -65,7 +70,7 @@ impl<'a> Labels<'a> {
     /// # Safety
     /// `place` is inside the arrays that this was made from.
     #[inline(always)]
-    pub(super) unsafe fn of(&self, place: usize) -> Label {
+    pub(super) unsafe fn of(&self, place: usize) -> ElementLabel {
         let mut label = NO_LABEL;
         // SAFETY: the contract of this function.
         unsafe {
@@ -89,10 +94,15 @@ impl<'a> Labels<'a> {
     ///
     /// # Safety
     /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the
-    /// arrays, all groups there are groups of the matrix, and `label` comes from [`Labels::of`] of labels
+    /// arrays, all groups there are groups of the matrix, and `label` comes from [`LabelPointers::of`] of labels
     /// that are alike.
     #[inline(always)]
-    pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
+    pub(super) unsafe fn admitted<T, V: Vector<T>>(
+        &self,
+        label: &ElementLabel,
+        place: usize,
+        mut hits: u32,
+    ) -> u32 {
         // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole
         // words.
         unsafe {

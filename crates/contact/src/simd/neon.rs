@@ -3,7 +3,7 @@
 use std::arch::aarch64::*;
 
 use crate::couple::Couple;
-use crate::simd::vector::{CLUSTER, Estimate, Vector};
+use crate::simd::vector::{CLUSTER, EstimateVector, Vector};
 
 entry_points!("neon", F64x2, F32x4);
 
@@ -175,7 +175,7 @@ impl Vector<f32> for F32x4 {
     }
 }
 
-impl Estimate for F32x4 {
+impl EstimateVector for F32x4 {
     const MARKS: [u32; CLUSTER] = [1 << 31, 1 << 30, 1 << 29, 1 << 28];
 
     #[inline(always)]
@@ -236,7 +236,7 @@ impl Estimate for F32x4 {
     #[inline(always)]
     unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32) {
         let mut numbers = [0.0; 4];
-        // SAFETY: the contract of `Estimate`; `place` stays below `LANES`.
+        // SAFETY: the contract of `EstimateVector`; `place` stays below `LANES`.
         unsafe {
             vst1q_f32(numbers.as_mut_ptr(), self.0);
             let mut place = 0;

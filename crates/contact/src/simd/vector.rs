@@ -93,7 +93,7 @@ pub(super) const CLUSTER: usize = 4;
 ///
 /// # Safety
 /// The conditions of [`Vector`].
-pub(super) trait Estimate: Vector<f32> {
+pub(super) trait EstimateVector: Vector<f32> {
     /// The mark of each element of a cluster.
     const MARKS: [u32; CLUSTER];
 

@@ -438,11 +438,11 @@ impl From<SimdName> for Simd {
 #[command(after_help = "Example: fdem generate gas -n 100000 --neighbours 12 --output gas.csv")]
 pub(crate) struct GenerateArguments {
     #[command(subcommand)]
-    pub(crate) kind: Kind,
+    pub(crate) kind: PackingKind,
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Kind {
+pub(crate) enum PackingKind {
     /// Uniformly random centres.
     Gas {
         #[command(flatten)]

@@ -41,14 +41,14 @@ fn aside<R>(act: impl FnOnce(&mut Aside) -> R) -> R {
 }
 
 /// A file that is being written. It is removed on drop.
-pub(crate) struct Part {
+pub(crate) struct PartialFile {
     // Dropped, and so removed, before the claim.
     file: BufWriter<NamedTempFile>,
     target: PathBuf,
     claim: Arc<Claim>,
 }
 
-impl Part {
+impl PartialFile {
     /// Creates a partial file beside `target`, which it will replace. Permissions: `None` for those of a new
     /// file.
     ///
@@ -88,7 +88,7 @@ impl Part {
     }
 }
 
-impl Write for Part {
+impl Write for PartialFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
     }
@@ -120,7 +120,7 @@ impl Complete {
 
 /// Replaces the file `target`, or makes it. After a power cut the disk has the old contents or the new ones.
 pub(crate) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut part = Part::beside(target.to_owned(), None)?;
+    let mut part = PartialFile::beside(target.to_owned(), None)?;
     part.write_all(bytes)?;
     part.close()?.put_in_place()?;
     sync_folder(folder(target))
@@ -130,7 +130,7 @@ pub(crate) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
 /// or the new ones. After a power cut the file may be cut off or missing, unless [`sync`] and [`sync_folder`]
 /// were called.
 pub(crate) fn replace_unsynced(target: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut part = Part::beside(target.to_owned(), None)?;
+    let mut part = PartialFile::beside(target.to_owned(), None)?;
     part.write_all(bytes)?;
     part.close_with(|_| Ok(()))?.put_in_place()
 }
@@ -311,7 +311,7 @@ mod tests {
         let alive = File::open(folder.path().join(".fdem-alive1.lock")).unwrap();
         alive.lock().unwrap();
 
-        let make = |name: &str| Part::beside(folder.path().join(name), None).unwrap();
+        let make = |name: &str| PartialFile::beside(folder.path().join(name), None).unwrap();
         let part = make("one");
         let mine: Vec<_> = [part.file.get_ref().path(), part.claim.lock.path()]
             .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
@@ -353,7 +353,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("results");
         replace(&target, b"old").unwrap();
-        let mut part = Part::beside(target.clone(), None).unwrap();
+        let mut part = PartialFile::beside(target.clone(), None).unwrap();
         part.write_all(b"new").unwrap();
         assert!(names(folder.path()).iter().filter(|name| is_aside(name)).count() == 2);
         let complete = part.close().unwrap();
@@ -368,7 +368,7 @@ mod tests {
         assert!(sync(&folder.path().join("absent")).is_err());
         assert_eq!(names(folder.path()), ["results"]);
 
-        drop(Part::beside(target.clone(), None).unwrap());
+        drop(PartialFile::beside(target.clone(), None).unwrap());
         assert!(replace(&folder.path().join("absent/results"), b"").is_err());
         // A folder of that name cannot be replaced, and the partial file is removed.
         fs::create_dir(folder.path().join("taken")).unwrap();

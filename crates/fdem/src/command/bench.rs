@@ -11,7 +11,7 @@ use fdem_io::{Centres, Packing};
 use serde::Serialize;
 
 use crate::command::args::{BenchArguments, Contestant};
-use crate::command::detect::Request;
+use crate::command::detect::DetectionRequest;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, refusal, refused, sizes};
 use crate::command::output::{Output, refuse_to_overwrite};
@@ -48,7 +48,7 @@ fn measure<const D: usize>(
     packing: &Packing,
     centres: &[[f64; D]],
 ) -> Result<Report, Failure> {
-    let request = Request {
+    let request = DetectionRequest {
         sizes: sizes(&arguments.input, name, packing)?,
         bodies: None,
         tolerance: arguments.input.tolerance,
@@ -171,7 +171,13 @@ enum AnySearch<const D: usize> {
 impl<const D: usize> Contender<D> {
     /// Runs one detection, unless the engine has refused an earlier one. Its time is recorded if `counts`,
     /// which is false for warm-ups.
-    fn run(&mut self, centres: &[[f64; D]], request: &Request<'_>, couples: &mut Vec<Couple>, counts: bool) {
+    fn run(
+        &mut self,
+        centres: &[[f64; D]],
+        request: &DetectionRequest<'_>,
+        couples: &mut Vec<Couple>,
+        counts: bool,
+    ) {
         if self.result.is_err() {
             return;
         }
@@ -183,7 +189,7 @@ impl<const D: usize> Contender<D> {
         }
     }
 
-    fn row(mut self, packing: &Packing) -> Row {
+    fn row(mut self, packing: &Packing) -> EngineRow {
         self.times.sort_unstable();
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
         let (engine, bytes) = match &self.search {
@@ -194,7 +200,7 @@ impl<const D: usize> Contender<D> {
             AnySearch::Direct => (Engine::Direct, 0),
         };
         let ran = self.result.is_ok();
-        Row {
+        EngineRow {
             engine: engine.name(),
             simd: self.simd.map(Simd::name),
             threads: self.threads,
@@ -213,7 +219,7 @@ impl<const D: usize> AnySearch<D> {
     fn couples(
         &mut self,
         centres: &[[f64; D]],
-        request: &Request<'_>,
+        request: &DetectionRequest<'_>,
         couples: &mut Vec<Couple>,
     ) -> Result<usize, Error> {
         let elements = request.elements(centres)?;
@@ -237,7 +243,7 @@ fn median(times: &[Duration]) -> Option<Duration> {
 
 /// Measurements of one engine. Missing values are `null` in JSON.
 #[derive(Debug, Serialize)]
-struct Row {
+struct EngineRow {
     engine: &'static str,
     simd: Option<&'static str>,
     threads: usize,
@@ -254,7 +260,7 @@ struct Row {
 
 /// The table that is written to standard output.
 struct Report {
-    rows: Vec<Row>,
+    rows: Vec<EngineRow>,
 }
 
 impl Report {
@@ -270,7 +276,7 @@ impl Report {
         })
     }
 
-    fn cells(&self, row: &Row) -> [String; 10] {
+    fn cells(&self, row: &EngineRow) -> [String; 10] {
         let direct = self.rows.iter().find(|row| row.engine == Engine::Direct.name());
         let direct = direct.and_then(|row| row.median_ms);
         let number =
@@ -339,10 +345,10 @@ impl fmt::Display for Report {
 mod tests {
     use super::*;
 
-    fn row(engine: &'static str, couples: Option<usize>, median_ms: Option<f64>) -> Row {
+    fn row(engine: &'static str, couples: Option<usize>, median_ms: Option<f64>) -> EngineRow {
         let refused = couples.is_none().then(|| "too wide".to_owned());
         let bytes_per_element = couples.map(|_| 12.0);
-        Row {
+        EngineRow {
             engine,
             simd: None,
             threads: 1,

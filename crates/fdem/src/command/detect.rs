@@ -10,7 +10,7 @@ use fdem_results::network::{Couples, Sizes, Space, unshifted};
 use crate::command::progress::Position;
 
 /// Elements and options of a detection.
-pub(crate) struct Request<'a> {
+pub(crate) struct DetectionRequest<'a> {
     pub(crate) sizes: Sizes<'a>,
     pub(crate) tolerance: f64,
     /// Body of each element. Elements of the same body form no couple.
@@ -22,7 +22,7 @@ pub(crate) struct Request<'a> {
     pub(crate) keep: bool,
 }
 
-impl<'a> Request<'a> {
+impl<'a> DetectionRequest<'a> {
     /// Returns the elements, or why the library refuses them.
     pub(crate) fn elements<'b, const D: usize>(
         &self,
@@ -45,7 +45,7 @@ impl<'a> Request<'a> {
 }
 
 /// Result of a detection.
-pub(crate) struct Found<const D: usize> {
+pub(crate) struct Detection<const D: usize> {
     /// Couples in ascending order; empty unless the request keeps them.
     pub(crate) couples: Couples<D>,
     /// Plan of the search. In a periodic box it is the plan for the wrapped elements without images.
@@ -94,9 +94,9 @@ impl<const D: usize> Statistics<D> {
 /// Finds the couples. `position` counts them for the progress display.
 pub(crate) fn detect<const D: usize>(
     space: &Space<'_, D>,
-    request: &Request<'_>,
+    request: &DetectionRequest<'_>,
     position: &Position,
-) -> Result<Found<D>, Error> {
+) -> Result<Detection<D>, Error> {
     let elements = request.elements(space.centres)?;
     let mut statistics = Statistics::new(elements.len());
     let add = |couple| {
@@ -107,12 +107,12 @@ pub(crate) fn detect<const D: usize>(
         None => detect_open(&elements, request, add),
         Some(cell) => detect_periodic(space, cell, &elements, request, add),
     }?;
-    Ok(Found { couples, plan, statistics })
+    Ok(Detection { couples, plan, statistics })
 }
 
 fn detect_open<const D: usize>(
     elements: &Elements<'_, f64, D>,
-    request: &Request<'_>,
+    request: &DetectionRequest<'_>,
     mut add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
     let mut detector = Detector::new().with_engine(request.engine).with_threads(request.threads)?;
@@ -132,7 +132,7 @@ fn detect_periodic<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
     elements: &Elements<'_, f64, D>,
-    request: &Request<'_>,
+    request: &DetectionRequest<'_>,
     add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
     let mut search = PeriodicSearch::new().with_engine(request.engine).with_threads(request.threads)?;

@@ -7,11 +7,11 @@ use fdem_contact::{Detector, Engine, Error, Explanation, Level, Multilevel, Peri
 use fdem_results::network::Space;
 use serde::Serialize;
 
-use crate::command::detect::Request;
+use crate::command::detect::DetectionRequest;
 
 /// The estimate, written as JSON by `--json` and as text to standard output.
 #[derive(Debug, Serialize)]
-pub(crate) struct Told {
+pub(crate) struct Estimate {
     elements: usize,
     /// Number of bodies. Elements of the same body form no couple.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,10 +100,10 @@ fn table(works: &[ToldWork]) -> String {
     text
 }
 
-impl Told {
+impl Estimate {
     pub(crate) fn of<const D: usize>(
         space: &Space<'_, D>,
-        request: &Request<'_>,
+        request: &DetectionRequest<'_>,
         bodies: Option<usize>,
     ) -> Result<Self, Error> {
         let elements = request.elements(space.centres)?;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use fdem_io::Centres;
 use fdem_scenes::{Cloud, Error, book, clusters, deposit, gas, gas_edge, jittered_lattice, lattice};
 
-use crate::command::args::{BookPacking, Common, GenerateArguments, Kind};
+use crate::command::args::{BookPacking, Common, GenerateArguments, PackingKind};
 use crate::command::failure::{Failure, display_name};
 use crate::command::output::{Output, TableFormat, is_stdout};
 
@@ -38,8 +38,8 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
 }
 
 /// Edge of the box that a gas fills. Periodic searches need it, and it cannot be found from the elements.
-fn edge(kind: &Kind, radii: &[f64]) -> Result<Option<f64>, Failure> {
-    let Kind::Gas { dims, neighbours, .. } = kind else { return Ok(None) };
+fn edge(kind: &PackingKind, radii: &[f64]) -> Result<Option<f64>, Failure> {
+    let PackingKind::Gas { dims, neighbours, .. } = kind else { return Ok(None) };
     if radii.is_empty() {
         return Ok(None);
     }
@@ -54,46 +54,54 @@ impl From<Error> for Failure {
 }
 
 /// The options that all kinds have, and the dimension.
-fn shape(kind: &Kind) -> (&Common, u8) {
+fn shape(kind: &PackingKind) -> (&Common, u8) {
     match kind {
-        Kind::Gas { common, dims, .. }
-        | Kind::Lattice { common, dims, .. }
-        | Kind::Jittered { common, dims, .. }
-        | Kind::Clusters { common, dims, .. }
-        | Kind::Book { common, dims, .. } => (common, dims.dims),
-        Kind::Deposit { common, .. } => (common, 2),
+        PackingKind::Gas { common, dims, .. }
+        | PackingKind::Lattice { common, dims, .. }
+        | PackingKind::Jittered { common, dims, .. }
+        | PackingKind::Clusters { common, dims, .. }
+        | PackingKind::Book { common, dims, .. } => (common, dims.dims),
+        PackingKind::Deposit { common, .. } => (common, 2),
     }
 }
 
-fn planar(kind: &Kind) -> Result<Cloud<2>, Failure> {
+fn planar(kind: &PackingKind) -> Result<Cloud<2>, Failure> {
     match kind {
-        Kind::Deposit { common, seed, sizes, width, compression } => {
+        PackingKind::Deposit { common, seed, sizes, width, compression } => {
             Ok(deposit(common.elements, seed.seed, sizes.sizes, *width, *compression)?)
         }
         _ => any_dimension(kind),
     }
 }
 
-fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Failure> {
+fn any_dimension<const D: usize>(kind: &PackingKind) -> Result<Cloud<D>, Failure> {
     /// Default spacing of the packings B, C and D, in diameters.
     const SPACING: f64 = 2.0;
     let n = shape(kind).0.elements;
     Ok(match *kind {
-        Kind::Gas { ref seed, ref sizes, neighbours, .. } => gas(n, seed.seed, neighbours, sizes.sizes),
-        Kind::Lattice { radius, spacing, .. } => lattice(n, spacing, radius),
-        Kind::Jittered { ref seed, ref sizes, spacing, jitter, .. } => {
+        PackingKind::Gas { ref seed, ref sizes, neighbours, .. } => {
+            gas(n, seed.seed, neighbours, sizes.sizes)
+        }
+        PackingKind::Lattice { radius, spacing, .. } => lattice(n, spacing, radius),
+        PackingKind::Jittered { ref seed, ref sizes, spacing, jitter, .. } => {
             jittered_lattice(n, seed.seed, spacing, jitter, sizes.sizes)
         }
-        Kind::Clusters { ref seed, ref sizes, per_cluster, domain, neighbours, .. } => {
+        PackingKind::Clusters { ref seed, ref sizes, per_cluster, domain, neighbours, .. } => {
             clusters(n, seed.seed, per_cluster, domain, neighbours, sizes.sizes)
         }
-        Kind::Deposit { .. } => unreachable!("a deposit is planar"),
-        Kind::Book { packing: BookPacking::A, spacing: None, .. } => book::packing_a(n),
-        Kind::Book { packing: BookPacking::A, spacing: Some(_), .. } => {
+        PackingKind::Deposit { .. } => unreachable!("a deposit is planar"),
+        PackingKind::Book { packing: BookPacking::A, spacing: None, .. } => book::packing_a(n),
+        PackingKind::Book { packing: BookPacking::A, spacing: Some(_), .. } => {
             return Err(Failure::Unusable("packing A is dense: --spacing does not apply to it".to_owned()));
         }
-        Kind::Book { packing: BookPacking::B, spacing, .. } => book::packing_b(n, spacing.unwrap_or(SPACING)),
-        Kind::Book { packing: BookPacking::C, spacing, .. } => book::packing_c(n, spacing.unwrap_or(SPACING)),
-        Kind::Book { packing: BookPacking::D, spacing, .. } => book::packing_d(n, spacing.unwrap_or(SPACING)),
+        PackingKind::Book { packing: BookPacking::B, spacing, .. } => {
+            book::packing_b(n, spacing.unwrap_or(SPACING))
+        }
+        PackingKind::Book { packing: BookPacking::C, spacing, .. } => {
+            book::packing_c(n, spacing.unwrap_or(SPACING))
+        }
+        PackingKind::Book { packing: BookPacking::D, spacing, .. } => {
+            book::packing_d(n, spacing.unwrap_or(SPACING))
+        }
     }?)
 }

@@ -23,7 +23,7 @@ impl AxisOrder {
 }
 
 /// Why the work on an image stopped.
-pub(crate) enum Stop {
+pub(crate) enum ImageStop {
     Unreadable(LabelError),
     Refused(Error),
     /// An option does not fit the image.
@@ -31,19 +31,19 @@ pub(crate) enum Stop {
     Failed(Failure),
 }
 
-impl From<LabelError> for Stop {
+impl From<LabelError> for ImageStop {
     fn from(error: LabelError) -> Self {
         Self::Unreadable(error)
     }
 }
 
-impl From<Error> for Stop {
+impl From<Error> for ImageStop {
     fn from(error: Error) -> Self {
         Self::Refused(error)
     }
 }
 
-impl Stop {
+impl ImageStop {
     /// The failure with the message of the command.
     pub(crate) fn told(self, name: &str) -> Failure {
         let text = match self {

@@ -6,7 +6,7 @@ use fdem_contact::image::{ImageContact, Label, Spacing};
 use fdem_io::{LabelValue, Table, Values};
 use fdem_results::picture::{Bodies, BodyJoint};
 
-use crate::command::label_axes::{AxisOrder, Stop};
+use crate::command::label_axes::{AxisOrder, ImageStop};
 
 /// Sums over the pixels or voxels of each body, while the image is read slab by slab.
 pub(crate) struct Middles<L, const D: usize> {
@@ -68,7 +68,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
 
 /// Bodies of an image as discs of the same area or spheres of the same volume.
 #[derive(Debug, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawnBodies {
     dimensions: usize,
     ids: Vec<i64>,
     centres: Vec<[f64; 3]>,
@@ -80,21 +80,21 @@ pub(crate) struct Drawn {
     faces: Vec<f64>,
 }
 
-impl Drawn {
+impl DrawnBodies {
     /// Bodies, in ascending order of their labels, and their contacts.
     pub(crate) fn new<const D: usize>(
         sums: Vec<(i128, Sum<D>)>,
         contacts: &[ImageContact<i128, D>],
         spacing: &Spacing<D>,
         order: AxisOrder,
-    ) -> Result<Self, Stop> {
+    ) -> Result<Self, ImageStop> {
         let edges = spacing.edges();
         let square: f64 = edges.iter().product();
         let in_three = |point: [f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
         let mut drawn = Self { dimensions: D, ..Self::default() };
         for (label, Sum { count, twice }) in sums {
             let id = i64::try_from(label).map_err(|_| {
-                Stop::Option(format!("the label {label} needs more than 63 bits and cannot be drawn"))
+                ImageStop::Option(format!("the label {label} needs more than 63 bits and cannot be drawn"))
             })?;
             let middle = std::array::from_fn(|axis| twice[axis] as f64 / (2.0 * count as f64) * edges[axis]);
             let size = count as f64 * square;

@@ -13,8 +13,8 @@ use fdem_io::{LabelImage, LabelKind, LabelValue, Table, Values, with_label_image
 use crate::command::args::{ContactsArguments, NeighbourhoodName};
 use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::{Failure, display_name};
-use crate::command::label_axes::{AxisOrder, Stop};
-use crate::command::label_middles::{Drawn, Middles, Sum};
+use crate::command::label_axes::{AxisOrder, ImageStop};
+use crate::command::label_middles::{DrawnBodies, Middles, Sum};
 use crate::command::label_summary::LabelSummary;
 use crate::command::output::{TableFormat, is_stdout, refuse_to_overwrite};
 use crate::command::outputs::Outputs;
@@ -37,12 +37,12 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         outputs.table.is_table("bodies of an image")?;
     }
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
-    let task = Task { arguments, progress: &progress, name: &name };
+    let task = ImageTask { arguments, progress: &progress, name: &name };
     let visit = |image: &mut LabelImage<'_>| task.visit(image, &mut outputs);
     let member = arguments.labels.member.as_deref();
     let done = match open(file, &name)? {
-        Opened::File(file) => with_label_image(file, member, visit),
-        Opened::Memory(bytes) => with_label_image(bytes, member, visit),
+        OpenedImage::File(file) => with_label_image(file, member, visit),
+        OpenedImage::Memory(bytes) => with_label_image(bytes, member, visit),
     };
     let mut summary = done.map_err(|stop| stop.told(&name))?;
 
@@ -51,13 +51,13 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 }
 
 /// An image that can be read from any position.
-enum Opened {
+enum OpenedImage {
     File(File),
     Memory(Cursor<Vec<u8>>),
 }
 
 /// Opens an image. A pipe is read into memory if it starts like an image: `/dev/zero` has no end.
-fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
+fn open(file: &Path, name: &str) -> Result<OpenedImage, Failure> {
     const STARTS: [&[u8]; 4] = [b"\x93NUMPY", b"PK", b"II", b"MM"];
     let failed = |error: io::Error| Failure::reading(name, &error);
     let mut input: Box<dyn Read> = if is_stdout(file) {
@@ -68,7 +68,7 @@ fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
         }
         let opened = File::open(file).map_err(failed)?;
         if opened.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            return Ok(Opened::File(opened));
+            return Ok(OpenedImage::File(opened));
         }
         Box::new(opened)
     };
@@ -77,11 +77,11 @@ fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
     if STARTS.iter().any(|start| bytes.starts_with(start)) {
         input.read_to_end(&mut bytes).map_err(failed)?;
     }
-    Ok(Opened::Memory(Cursor::new(bytes)))
+    Ok(OpenedImage::Memory(Cursor::new(bytes)))
 }
 
 /// The arguments of the command and its progress.
-struct Task<'a> {
+struct ImageTask<'a> {
     arguments: &'a ContactsArguments,
     progress: &'a Progress,
     name: &'a str,
@@ -90,8 +90,8 @@ struct Task<'a> {
 /// Pixels or voxels that are compared at a time, unless one plane has more.
 const SLAB: usize = 1 << 17;
 
-impl Task<'_> {
-    fn visit(&self, image: &mut LabelImage<'_>, outputs: &mut Outputs) -> Result<LabelSummary, Stop> {
+impl ImageTask<'_> {
+    fn visit(&self, image: &mut LabelImage<'_>, outputs: &mut Outputs) -> Result<LabelSummary, ImageStop> {
         match image.kind() {
             LabelKind::U8 => self.typed::<u8>(image, outputs),
             LabelKind::U16 => self.typed::<u16>(image, outputs),
@@ -106,11 +106,11 @@ impl Task<'_> {
         &self,
         image: &mut LabelImage<'_>,
         outputs: &mut Outputs,
-    ) -> Result<LabelSummary, Stop> {
+    ) -> Result<LabelSummary, ImageStop> {
         let background = self.arguments.labels.background.0;
         let converted = background.map(|number| {
             L::try_from(number).map_err(|_| {
-                Stop::Option(format!(
+                ImageStop::Option(format!(
                     "--background {number}: a label of {} cannot have this value",
                     image.format()
                 ))
@@ -120,7 +120,7 @@ impl Task<'_> {
         match *image.shape() {
             [rows, columns] => self.compare(image, [rows, columns], converted, outputs),
             [planes, rows, columns] => self.compare(image, [planes, rows, columns], converted, outputs),
-            _ => Err(Stop::Option("an image has two or three axes".to_owned())),
+            _ => Err(ImageStop::Option("an image has two or three axes".to_owned())),
         }
     }
 
@@ -132,7 +132,7 @@ impl Task<'_> {
         shape: [usize; D],
         background: Option<L>,
         outputs: &mut Outputs,
-    ) -> Result<LabelSummary, Stop> {
+    ) -> Result<LabelSummary, ImageStop> {
         // An option that does not fit is refused before the image is read.
         let spacing = self.spacing(AxisOrder { reversed: image.reversed() })?;
         let contacts = ImageContacts::new(shape, self.arguments.labels.neighbourhood.into())?
@@ -145,7 +145,7 @@ impl Task<'_> {
             stream(image, contacts, middles.as_mut(), position, &mut seconds)
         });
         let (contacts, bodies) = found?;
-        let found = Found { contacts, bodies, sums: middles.map(Middles::into_sums), seconds };
+        let found = ImageResult { contacts, bodies, sums: middles.map(Middles::into_sums), seconds };
         self.finish(image, shape, &spacing, found, outputs)
     }
 
@@ -155,13 +155,13 @@ impl Task<'_> {
         image: &LabelImage<'_>,
         shape: [usize; D],
         spacing: &Spacing<D>,
-        found: Found<D>,
+        found: ImageResult<D>,
         outputs: &mut Outputs,
-    ) -> Result<LabelSummary, Stop> {
-        let Found { contacts, bodies, sums, mut seconds } = found;
+    ) -> Result<LabelSummary, ImageStop> {
+        let ImageResult { contacts, bodies, sums, mut seconds } = found;
         let order = AxisOrder { reversed: image.reversed() };
         let neighbourhood: Neighbourhood = self.arguments.labels.neighbourhood.into();
-        let drawn = sums.map(|sums| Drawn::new(sums, &contacts, spacing, order)).transpose()?;
+        let drawn = sums.map(|sums| DrawnBodies::new(sums, &contacts, spacing, order)).transpose()?;
 
         let is_vtp = writes_vtp(outputs);
         let edges = D == 3 && neighbourhood >= Neighbourhood::Edge;
@@ -178,7 +178,7 @@ impl Task<'_> {
             let table = table(&contacts, image.kind(), [edges, vertices], spacing, order, position);
             write_table(couples, outputs.table, &table)
         });
-        written.map_err(Stop::Failed)?;
+        written.map_err(ImageStop::Failed)?;
         seconds.write = writing;
 
         let mut in_contact: Vec<i128> = contacts.iter().flat_map(ImageContact::labels).collect();
@@ -213,17 +213,17 @@ impl Task<'_> {
                 columns: &drawn.columns(),
                 summary: &summary.to_string(),
             };
-            outputs.drawings.write_bodies(&drawing).map_err(Stop::Failed)?;
+            outputs.drawings.write_bodies(&drawing).map_err(ImageStop::Failed)?;
         }
         Ok(summary)
     }
 
     /// Spacing in the order of the stored axes.
-    fn spacing<const D: usize>(&self, order: AxisOrder) -> Result<Spacing<D>, Stop> {
+    fn spacing<const D: usize>(&self, order: AxisOrder) -> Result<Spacing<D>, ImageStop> {
         let Some(numbers) = &self.arguments.labels.spacing else { return Ok(Spacing::UNIT) };
         let edges: [f64; D] = numbers.0[..].try_into().map_err(|_| {
             let wanted = if D == 2 { "X,Y" } else { "X,Y,Z" };
-            Stop::Option(format!(
+            ImageStop::Option(format!(
                 "--spacing has {} numbers, the image is {D}D: give {wanted}",
                 numbers.0.len()
             ))
@@ -239,7 +239,7 @@ fn writes_vtp(outputs: &Outputs) -> bool {
 }
 
 /// The contacts and bodies that were found in an image, the same for every type of label.
-struct Found<const D: usize> {
+struct ImageResult<const D: usize> {
     contacts: Vec<ImageContact<i128, D>>,
     /// Number of bodies.
     bodies: usize,
@@ -255,7 +255,7 @@ fn stream<L: Label + LabelValue, const D: usize>(
     mut middles: Option<&mut Middles<L, D>>,
     position: &Position,
     seconds: &mut Seconds,
-) -> Result<(Vec<ImageContact<i128, D>>, usize), Stop> {
+) -> Result<(Vec<ImageContact<i128, D>>, usize), ImageStop> {
     let plane: usize = image.shape()[1..].iter().product();
     let planes = (SLAB / plane.max(1)).max(1);
     let mut slab = Vec::new();

@@ -20,7 +20,7 @@ use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary
 use crate::command::output::TableFormat;
 use crate::command::outputs::Outputs;
 use crate::command::progress::{Position, Progress};
-use crate::command::shapes::{Branches, Parts, Shapes};
+use crate::command::shapes::{BodyParts, Branches, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
 use crate::command::verify::wrong;
@@ -52,7 +52,7 @@ pub(crate) fn run(
             )));
         }
     }
-    let task = Task { arguments, progress, files: &files };
+    let task = MeshTask { arguments, progress, files: &files };
     let mut summary = task.find(&mut outputs, seconds)?;
     summary.measure_peak();
     outputs.finish(&summary, arguments.quiet)
@@ -89,7 +89,7 @@ fn refuse_periodic(input: &Input, arguments: &PeriodicArguments) -> Result<(), F
 }
 
 /// A file with bodies.
-struct Source {
+struct BodyFile {
     name: String,
     content: Content,
 }
@@ -104,7 +104,7 @@ fn read(
     opened: Opened,
     progress: &Progress,
     seconds: &mut Seconds,
-) -> Result<Source, Failure> {
+) -> Result<BodyFile, Failure> {
     let name = opened.name.clone();
     if opened.is_mesh() {
         let (mesh, reading) = progress.step("reading", None, |_| fdem_io::read_mesh(&opened.bytes, &name));
@@ -115,7 +115,7 @@ fn read(
                 "{name}: the mesh has only segments, but triangles or tetrahedra are needed"
             )));
         }
-        return Ok(Source { name, content: Content::Mesh(mesh) });
+        return Ok(BodyFile { name, content: Content::Mesh(mesh) });
     }
     let mut input = input::understand(opened, &arguments.input, progress)?;
     refuse_periodic(&input, &arguments.periodic)?;
@@ -125,7 +125,7 @@ fn read(
         Sizes::All(radius) | Sizes::Cutoff(radius) => vec![radius; input.packing.centres.len()],
     };
     match std::mem::replace(&mut input.packing.centres, Centres::Three(Vec::new())) {
-        Centres::Three(centres) => Ok(Source { name, content: Content::Spheres { input, centres, radii } }),
+        Centres::Three(centres) => Ok(BodyFile { name, content: Content::Spheres { input, centres, radii } }),
         Centres::Two(_) => Err(Failure::Unusable(format!(
             "{name}: discs in 2D can only be compared within one file; several files need spheres in 3D"
         ))),
@@ -155,7 +155,7 @@ struct Model<const D: usize, const N: usize> {
 }
 
 /// Result of a search. Elements have the numbers of the model; contacts are sorted by `i`, then `j`.
-struct Found<const D: usize> {
+struct MeshResult<const D: usize> {
     contacts: Vec<(Couple, Contact<D>)>,
     bodies: Vec<BodyContact<D>>,
     couples: Couples,
@@ -164,13 +164,13 @@ struct Found<const D: usize> {
     verifying: f64,
 }
 
-struct Task<'a> {
+struct MeshTask<'a> {
     arguments: &'a ContactsArguments,
     progress: &'a Progress,
-    files: &'a [Source],
+    files: &'a [BodyFile],
 }
 
-impl Task<'_> {
+impl MeshTask<'_> {
     fn find(&self, outputs: &mut Outputs, seconds: Seconds) -> Result<MeshSummary, Failure> {
         let meshes = || {
             self.files.iter().filter_map(|file| match &file.content {
@@ -213,7 +213,7 @@ impl Task<'_> {
             (_, None) => {
                 let model = self.model(|p| p, |nodes: [u32; 3]| nodes, |_| unreachable!("no tetrahedra"))?;
                 let with_spheres =
-                    |search: &mut MeshSearch<3>, mesh: &MeshView<'_, 3, 3>, found: &mut Found<3>| {
+                    |search: &mut MeshSearch<3>, mesh: &MeshView<'_, 3, 3>, found: &mut MeshResult<3>| {
                         self.with_spheres(&model, search, mesh, found)
                     };
                 self.finish(&model, self.search(&model, with_spheres, seconds)?, outputs)
@@ -305,9 +305,9 @@ impl Task<'_> {
     fn search<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
-        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
+        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut MeshResult<D>) -> Result<(), MeshStop>,
         mut seconds: Seconds,
-    ) -> Result<(Found<D>, Seconds), Failure>
+    ) -> Result<(MeshResult<D>, Seconds), Failure>
     where
         [[f64; D]; N]: Simplex<D>,
     {
@@ -322,8 +322,8 @@ impl Task<'_> {
     fn contacts_of<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
-        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
-    ) -> Result<Found<D>, Stop>
+        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut MeshResult<D>) -> Result<(), MeshStop>,
+    ) -> Result<MeshResult<D>, MeshStop>
     where
         [[f64; D]; N]: Simplex<D>,
     {
@@ -339,12 +339,12 @@ impl Task<'_> {
         let contacts =
             elements.iter().map(|c| (Couple { i: number(c.i), j: number(c.j) }, c.contact)).collect();
         let couples = Couples { meshes: elements.len(), ..Couples::default() };
-        let mut found = Found { contacts, bodies, couples, verified: None, verifying: 0.0 };
+        let mut found = MeshResult { contacts, bodies, couples, verified: None, verifying: 0.0 };
         if let Some(sample) = self.arguments.verify {
             let start = Instant::now();
             let checked = search
                 .verify(&mesh, &elements, sample, 0)
-                .map_err(|mismatch| Stop::Wrong(mismatch.to_string()))?;
+                .map_err(|mismatch| MeshStop::Wrong(mismatch.to_string()))?;
             found.verified = Some(checked);
             found.verifying = start.elapsed().as_secs_f64();
         }
@@ -359,8 +359,8 @@ impl Task<'_> {
         model: &Model<3, 3>,
         search: &mut MeshSearch<3>,
         mesh: &MeshView<'_, 3, 3>,
-        found: &mut Found<3>,
-    ) -> Result<(), Stop> {
+        found: &mut MeshResult<3>,
+    ) -> Result<(), MeshStop> {
         if model.centres.is_empty() {
             return Ok(());
         }
@@ -375,7 +375,7 @@ impl Task<'_> {
             .couples(&spheres, &mut couples)?;
         if let Some(sample) = self.arguments.verify {
             let start = Instant::now();
-            let wrong = |mismatch: fdem_contact::Mismatch| Stop::Wrong(mismatch.to_string());
+            let wrong = |mismatch: fdem_contact::Mismatch| MeshStop::Wrong(mismatch.to_string());
             let spheres = verify(&spheres, &couples, sample, 0).map_err(wrong)?;
             MeshSearch::verify_spheres(centres, radii, mesh, &walls, sample, 0)?.map_err(wrong)?;
             found.verified = Some(found.verified.unwrap_or(0) + spheres);
@@ -412,7 +412,7 @@ impl Task<'_> {
     fn finish<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
-        (found, mut seconds): (Found<D>, Seconds),
+        (found, mut seconds): (MeshResult<D>, Seconds),
         outputs: &mut Outputs,
     ) -> Result<MeshSummary, Failure> {
         let (written, writing) =
@@ -491,7 +491,7 @@ impl Task<'_> {
     }
 
     /// The failure with the message of the command, which names the file.
-    fn told<const D: usize, const N: usize>(&self, model: &Model<D, N>, stop: Stop) -> Failure {
+    fn told<const D: usize, const N: usize>(&self, model: &Model<D, N>, stop: MeshStop) -> Failure {
         let names: Vec<_> = self.files.iter().map(|file| file.name.as_str()).collect();
         let all = names.join(", ");
         // The last file of this kind whose first number is not above `number`.
@@ -506,37 +506,37 @@ impl Task<'_> {
             (names[file], number - model.starts[file].min(number))
         };
         match stop {
-            Stop::Wrong(mismatch) => wrong(&all, &mismatch),
-            Stop::Refused(DiscretisedError::Coordinate { node, axis, value }) => {
+            MeshStop::Wrong(mismatch) => wrong(&all, &mismatch),
+            MeshStop::Refused(DiscretisedError::Coordinate { node, axis, value }) => {
                 let (name, node) = file_of(false, node);
                 let error = DiscretisedError::Coordinate { node, axis, value };
                 Failure::Unusable(format!("{name}: {error} (nodes are counted from 0)"))
             }
-            Stop::Refused(DiscretisedError::Sphere { index, problem }) => {
+            MeshStop::Refused(DiscretisedError::Sphere { index, problem }) => {
                 let (name, index) = file_of(true, index);
                 Failure::Unusable(format!("{name}: sphere {index} (counted from 0): {problem}"))
             }
-            Stop::Refused(DiscretisedError::Search(error @ Error::NoThreads { .. })) => {
+            MeshStop::Refused(DiscretisedError::Search(error @ Error::NoThreads { .. })) => {
                 Failure::Unusable(format!("{all}: --threads: {error}"))
             }
-            Stop::Refused(error) => Failure::Unusable(format!("{all}: {error}")),
+            MeshStop::Refused(error) => Failure::Unusable(format!("{all}: {error}")),
         }
     }
 }
 
 /// Why a search stopped.
-enum Stop {
+enum MeshStop {
     Refused(DiscretisedError),
     Wrong(String),
 }
 
-impl From<DiscretisedError> for Stop {
+impl From<DiscretisedError> for MeshStop {
     fn from(error: DiscretisedError) -> Self {
         Self::Refused(error)
     }
 }
 
-impl From<Error> for Stop {
+impl From<Error> for MeshStop {
     fn from(error: Error) -> Self {
         Self::Refused(error.into())
     }
@@ -547,7 +547,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
     fn add_mesh(
         &mut self,
         file: usize,
-        source: &Source,
+        source: &BodyFile,
         mesh: &fdem_io::MeshFile,
         kind: &'static str,
         bodies: &[u32],
@@ -601,8 +601,8 @@ impl<const D: usize, const N: usize> Model<D, N> {
     }
 
     /// The elements and spheres, for drawing.
-    fn parts(&self) -> Parts<'_, D, N> {
-        Parts {
+    fn parts(&self) -> BodyParts<'_, D, N> {
+        BodyParts {
             points: &self.points,
             elements: &self.elements,
             bodies: &self.mesh_bodies,

@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::command::aside::{self, Complete, Part, folder};
+use crate::command::aside::{self, Complete, PartialFile, folder};
 use crate::command::failure::{Failure, display_name};
 
 /// Format of couples and packings, by the extension of the output.
@@ -89,7 +89,7 @@ enum To {
     Stdout(BufWriter<Stdout>),
     /// An existing pipe or device such as `/dev/null`, which cannot be replaced by a rename.
     Device(BufWriter<File>),
-    Aside(Part),
+    Aside(PartialFile),
 }
 
 /// Whether the program was started without standard output, as by `>&-`: the standard library has opened
@@ -139,7 +139,7 @@ impl Output {
         if !folder.is_dir() {
             return Err(Failure::writing(path, format!("there is no folder {}", display_name(folder))));
         }
-        let part = Part::beside(target, permissions).map_err(|error| Failure::writing(path, error))?;
+        let part = PartialFile::beside(target, permissions).map_err(|error| Failure::writing(path, error))?;
         Ok(Self { name, to: To::Aside(part) })
     }
 

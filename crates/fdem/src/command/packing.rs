@@ -5,8 +5,8 @@ use fdem_results::network::{Network, Space};
 
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
-use crate::command::detect::{Request, detect};
-use crate::command::explain::Told;
+use crate::command::detect::{DetectionRequest, detect};
+use crate::command::explain::Estimate;
 use crate::command::failure::Failure;
 use crate::command::input::{Input, refused, sizes};
 use crate::command::outputs::Outputs;
@@ -56,16 +56,16 @@ fn told<const D: usize>(
     arguments: &ContactsArguments,
     input: &Input,
     centres: &[[f64; D]],
-) -> Result<Told, Failure> {
+) -> Result<Estimate, Failure> {
     let Input { name, packing, bodies, .. } = input;
     let space =
         Space { centres, cell: periodic_box(&arguments.periodic, &input.name, input.packing.cell.as_ref())? };
     let bodies = bodies.as_ref().map(|bodies| bodies.count);
-    Told::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
+    Estimate::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
 }
 
-fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Request<'a>, Failure> {
-    Ok(Request {
+fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<DetectionRequest<'a>, Failure> {
+    Ok(DetectionRequest {
         sizes: sizes(&arguments.input, &input.name, &input.packing)?,
         tolerance: arguments.input.tolerance,
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),

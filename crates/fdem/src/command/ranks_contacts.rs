@@ -25,7 +25,7 @@ use crate::command::summary::grouped;
 use crate::command::tables::couples_with_ids;
 
 /// Elements of a rank: consecutive rows of the packing.
-struct Part<const D: usize> {
+struct RankPart<const D: usize> {
     /// First element of each rank, and the number of all elements.
     starts: Vec<u64>,
     centres: Vec<[f64; D]>,
@@ -54,11 +54,11 @@ pub(crate) fn run(arguments: &ContactsArguments, communicator: &dyn Communicator
     let (rows, name) = read(arguments, communicator, &progress)?;
     match rows.centres {
         Centres::Two(centres) => {
-            let part = Part::new(communicator, centres, rows.radii, rows.ids, rows.cell);
+            let part = RankPart::new(communicator, centres, rows.radii, rows.ids, rows.cell);
             find(arguments, communicator, &progress, (&name, start), &part, &mut output)
         }
         Centres::Three(centres) => {
-            let part = Part::new(communicator, centres, rows.radii, rows.ids, rows.cell);
+            let part = RankPart::new(communicator, centres, rows.radii, rows.ids, rows.cell);
             find(arguments, communicator, &progress, (&name, start), &part, &mut output)
         }
     }?
@@ -286,7 +286,7 @@ fn receive(bytes: &[u8]) -> Rows {
     Rows { centres, radii, ids: numbers.map(i64::from_le_bytes).collect(), cell }
 }
 
-impl<const D: usize> Part<D> {
+impl<const D: usize> RankPart<D> {
     /// Collective.
     fn new(
         communicator: &dyn Communicator,
@@ -356,7 +356,7 @@ impl<const D: usize> Part<D> {
 }
 
 /// The summary that rank 0 shows at the end.
-struct Told {
+struct RanksSummary {
     file: String,
     elements: u64,
     dimensions: usize,
@@ -366,7 +366,7 @@ struct Told {
     seconds: [f64; 2],
 }
 
-impl fmt::Display for Told {
+impl fmt::Display for RanksSummary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
         line("file", self.file.clone())?;
@@ -379,7 +379,7 @@ impl fmt::Display for Told {
     }
 }
 
-impl Told {
+impl RanksSummary {
     /// Puts the output in place, and shows the summary, on rank 0.
     fn tell(
         self,
@@ -408,9 +408,9 @@ fn find<const D: usize>(
     communicator: &dyn Communicator,
     progress: &Progress,
     (name, start): (&str, Instant),
-    part: &Part<D>,
+    part: &RankPart<D>,
     output: &mut SharedFile,
-) -> Result<Told, Failure> {
+) -> Result<RanksSummary, Failure> {
     let tolerance = arguments.input.tolerance;
     let (given, cutoff) = (arguments.input.radius, arguments.input.cutoff);
     let one_size = given.or(cutoff.map(|cutoff| cutoff * f64::HALF));
@@ -453,7 +453,7 @@ fn find<const D: usize>(
     }
     let seconds = [detect, start.elapsed().as_secs_f64()];
     let (file, elements, ranks) = (name.to_owned(), part.elements(), communicator.size());
-    Ok(Told { file, elements, dimensions: D, ranks, ghosts, couples, seconds })
+    Ok(RanksSummary { file, elements, dimensions: D, ranks, ghosts, couples, seconds })
 }
 
 /// Returns the place of an element in an ascending list, which contains it.
@@ -476,7 +476,7 @@ fn numbering(elements: &[u32]) -> Box<dyn Fn(u32) -> u32 + '_> {
 /// Writes this rank's couples, with the elements of other ranks that they need.
 fn write<const D: usize>(
     communicator: &dyn Communicator,
-    part: &Part<D>,
+    part: &RankPart<D>,
     found: &Couples<D>,
     cell: Option<PeriodicBox<f64, D>>,
     (radius, cutoff): (Option<f64>, Option<f64>),

@@ -1,21 +1,21 @@
 //! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
 mod account;
-pub(crate) mod begun;
+pub(crate) mod beginning;
 pub(crate) mod checkpoint;
 pub(crate) mod course;
 mod earlier;
 mod emission;
 mod engine;
-mod facts;
 pub(crate) mod folder;
-mod lead;
+mod log;
 mod observer;
 mod quasi_static;
+mod ranks;
 mod recorder;
 pub(crate) mod results;
 mod stages;
-mod told;
+mod summary;
 pub(crate) mod watch;
 mod writer;
 
@@ -42,13 +42,13 @@ use engine::Engine;
 use fdem_model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, Reached};
 use fdem_model::{prepare_any, steps, with_end_time};
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
-use lead::Lead;
+use log::RunLog;
 use quasi_static::QuasiStatic;
+use ranks::RunRanks;
 use recorder::Recorder;
 use results::Results;
-use told::Told;
 use watch::Watch;
-use writer::{Task, Then, Writer};
+use writer::{Then, Writer, WriterTask};
 
 /// Time between two looks at the clock and for signals.
 const SLICE: Duration = Duration::from_millis(100);
@@ -62,7 +62,7 @@ const MANY: usize = 10_000;
 /// Runs a model. On several ranks, rank 0 does this, and the others follow it.
 pub(crate) fn run(arguments: &RunArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
-    let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
+    let Some(lead) = RunRanks::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let path = &arguments.model;
     let text = with_settings(read_text(path)?, path, &arguments.set)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
@@ -92,7 +92,7 @@ fn begin<const D: usize, const N: usize>(
     inputs: &[Vec<u8>],
     prepared: Prepared<D, N>,
     watch: Watch,
-    lead: Lead<'_>,
+    lead: RunRanks<'_>,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -132,7 +132,7 @@ where
 /// Continues a run and drives it in the same way.
 pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
-    let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
+    let Some(lead) = RunRanks::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let (folder, saved) = Folder::open(&arguments.folder)?;
     let path = folder.path(MODEL);
     let mut text = read_text(&path)?;
@@ -157,7 +157,7 @@ fn go_on<const D: usize, const N: usize>(
     text: &str,
     prepared: Prepared<D, N>,
     watch: Watch,
-    lead: Lead<'_>,
+    lead: RunRanks<'_>,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -241,7 +241,7 @@ where
     writer: Writer<D, N>,
     /// Number of frames that have been handed to the writer.
     frames: usize,
-    told: Told,
+    told: RunLog,
     watch: Watch,
     before: Before,
     /// Steps of the whole run.
@@ -288,7 +288,7 @@ where
         let course = Course::new(start, run, before.intervals[1], before.reached, true)?;
         let total = course.total();
         Ok(Self {
-            told: Told::new(&folder, &*course.run, total, options.quiet)?,
+            told: RunLog::new(&folder, &*course.run, total, options.quiet)?,
             folder,
             course,
             rows: Vec::new(),
@@ -456,7 +456,7 @@ where
         }
         if self.rows.len() >= SOME {
             let rows = std::mem::take(&mut self.rows);
-            if let Some(task) = self.writer.offer(Task { rows, then: Then::Nothing })? {
+            if let Some(task) = self.writer.offer(WriterTask { rows, then: Then::Nothing })? {
                 self.rows = task.rows;
             }
         }
@@ -465,7 +465,7 @@ where
 
     /// Hands all rows to the writer, and a frame or a checkpoint after them.
     fn hand(&mut self, then: Then<D, N>) -> Result<(), Failure> {
-        self.writer.send(Task { rows: std::mem::take(&mut self.rows), then })
+        self.writer.send(WriterTask { rows: std::mem::take(&mut self.rows), then })
     }
 
     /// Hands a frame to the writer, after the rows before it.
@@ -488,7 +488,7 @@ where
     ) -> Result<(), Failure> {
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
-        let ranks = lead::plots(&self.course.run.traffic());
+        let ranks = ranks::plots(&self.course.run.traffic());
         let emitted = self.emission.as_ref().and_then(|emission| emission.plot.clone());
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
@@ -501,7 +501,7 @@ where
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
         let fragments = self.course.observer.fragments(&*self.course.run)?;
-        let mut json = told::json(
+        let mut json = log::json(
             &*self.course.run,
             &self.course.prepared,
             status,
@@ -514,7 +514,7 @@ where
         }
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
-        json["curves"] = self.curves.iter().map(told::curve).collect();
+        json["curves"] = self.curves.iter().map(log::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -564,9 +564,9 @@ where
         let mut more = Vec::new();
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
-        more.extend(self.curves.iter().map(|curve| ("curve", told::curve_in_words(curve))));
+        more.extend(self.curves.iter().map(|curve| ("curve", log::curve_in_words(curve))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
-        facts::facts(&*self.course.run, status, &self.account(), self.frames, fragments, more)
+        summary::summary(&*self.course.run, status, &self.account(), self.frames, fragments, more)
     }
 }
 

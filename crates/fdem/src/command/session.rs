@@ -17,7 +17,7 @@ use crate::command::aside;
 use crate::command::check::{inputs_of, read_text, refusal};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
-use crate::command::run::begun::Begun;
+use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::course::{Course, Start};
 use crate::command::run::folder::{Folder, MODEL};
@@ -111,7 +111,7 @@ struct Saved {
     source: Source,
     /// Hash of the model, [`Prepared::hash`].
     model: String,
-    /// Bytes of the [`Parts`].
+    /// Bytes of the [`SavedSession`].
     parts: Vec<u8>,
 }
 
@@ -121,18 +121,18 @@ struct Saved {
     serialize = "State<D, N>: Serialize, Boundary<D>: Serialize, [f64; D]: Serialize",
     deserialize = "State<D, N>: Deserialize<'de>, Boundary<D>: Deserialize<'de>, [f64; D]: Deserialize<'de>"
 ))]
-struct Parts<const D: usize, const N: usize> {
+struct SavedSession<const D: usize, const N: usize> {
     /// Time between rows of the history, s: conditions look at these.
     interval: f64,
     /// The stages so far; none if the run is one.
     entered: Entered<D>,
     reached: Reached,
     /// When it has begun from another run.
-    begun: Option<Begun>,
+    begun: Option<Beginning>,
     state: State<D, N>,
 }
 
-impl<const D: usize, const N: usize> From<Checkpoint<D, N>> for Parts<D, N> {
+impl<const D: usize, const N: usize> From<Checkpoint<D, N>> for SavedSession<D, N> {
     fn from(checkpoint: Checkpoint<D, N>) -> Self {
         let Checkpoint { intervals, entered, reached, begun, state, .. } = checkpoint;
         Self { interval: intervals[1], entered, reached, begun, state }
@@ -171,12 +171,12 @@ impl AnySession {
         match prepared(&source.text, &source.name, &mut load)? {
             AnyPrepared::Plane(prepared) => {
                 same(&prepared, &model, path)?;
-                let parts: Parts<2, 3> = postcard::from_bytes(&parts).map_err(damaged)?;
+                let parts: SavedSession<2, 3> = postcard::from_bytes(&parts).map_err(damaged)?;
                 Session::go_on(&source, &prepared, parts, threads).map(Self::Plane)
             }
             AnyPrepared::Space(prepared) => {
                 same(&prepared, &model, path)?;
-                let parts: Parts<3, 4> = postcard::from_bytes(&parts).map_err(damaged)?;
+                let parts: SavedSession<3, 4> = postcard::from_bytes(&parts).map_err(damaged)?;
                 Session::go_on(&source, &prepared, parts, threads).map(Self::Space)
             }
         }
@@ -269,10 +269,10 @@ where
     fn go_on(
         source: &Source,
         prepared: &Prepared<D, N>,
-        parts: Parts<D, N>,
+        parts: SavedSession<D, N>,
         threads: usize,
     ) -> Result<Box<Self>, String> {
-        let Parts { interval, entered, reached, begun, state } = parts;
+        let SavedSession { interval, entered, reached, begun, state } = parts;
         let wrong = |why: String| format!("{} cannot go on: {why}", source.name);
         let start = Start::again(prepared.clone(), begun, entered).map_err(wrong)?;
         let run = start.resumed(state, threads).map_err(|error| wrong(error.to_string()))?;
@@ -344,7 +344,7 @@ where
     /// A file that cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let failed = |error: &dyn std::fmt::Display| Failure::writing(path, error).to_string();
-        let parts = Parts {
+        let parts = SavedSession {
             interval: self.course.interval,
             entered: self.course.entered(),
             reached: self.course.reached,

@@ -9,7 +9,7 @@ use fdem_results::picture::{Bodies, BodyJoint};
 
 /// Elements of meshes and spheres with their bodies.
 #[derive(Clone, Copy)]
-pub(crate) struct Parts<'a, const D: usize, const N: usize> {
+pub(crate) struct BodyParts<'a, const D: usize, const N: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) elements: &'a [[u32; N]],
     /// Body of each element; `numbers` has its number among all elements and spheres.
@@ -44,7 +44,7 @@ fn in_three<const D: usize>(point: [f64; D]) -> [f64; 3] {
 
 impl Shapes {
     pub(crate) fn new<const D: usize, const N: usize>(
-        parts: &Parts<'_, D, N>,
+        parts: &BodyParts<'_, D, N>,
         contacts: &[BodyContact<D>],
     ) -> Self {
         let mut centres = middles(parts);
@@ -111,7 +111,7 @@ impl Shapes {
 
 /// Centre of each meshed body: the mean of the centres of its elements, weighted by their areas or volumes.
 /// Without any area or volume, the weights are equal.
-fn middles<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> Vec<[f64; 3]> {
+fn middles<const D: usize, const N: usize>(parts: &BodyParts<'_, D, N>) -> Vec<[f64; 3]> {
     let mut weighted = vec![[0.0; 4]; parts.body_count];
     let mut plain = weighted.clone();
     for (nodes, &body) in parts.elements.iter().zip(parts.bodies) {
@@ -150,7 +150,7 @@ fn measure<const N: usize>(corners: &[[f64; 3]; N]) -> f64 {
 
 /// Triangles of the surface and their bodies: all triangles, and the faces that only one tetrahedron of a
 /// body has.
-fn surface<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> (Vec<[u32; 3]>, Vec<u32>) {
+fn surface<const D: usize, const N: usize>(parts: &BodyParts<'_, D, N>) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut facets: Vec<(u32, [u32; 3])> = Vec::new();
     let mut faces: Vec<(u32, [u32; 3])> = Vec::new();
     for (nodes, &body) in parts.elements.iter().zip(parts.bodies) {
@@ -184,7 +184,7 @@ impl Branches {
     /// Makes a line from the centre of each element of a couple to the contact point, but none from the
     /// centre of a wall that a sphere touches.
     pub(crate) fn new<const D: usize, const N: usize>(
-        parts: &Parts<'_, D, N>,
+        parts: &BodyParts<'_, D, N>,
         contacts: &[(Couple, Contact<D>)],
     ) -> Self {
         let count = parts.numbers.len() + parts.sphere_numbers.len();
@@ -266,7 +266,7 @@ mod tests {
     fn the_surface_of_tetrahedra_has_no_faces_inside() {
         let points =
             [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 9.0]];
-        let parts = Parts {
+        let parts = BodyParts {
             points: &points,
             elements: &[[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 4, 5], [0, 1, 5, 5]],
             bodies: &[0, 0, 1, 2],
@@ -291,7 +291,7 @@ mod tests {
     /// The line to a wall ends at the contact point.
     #[test]
     fn lines_lead_to_contacts() {
-        let parts = Parts {
+        let parts = BodyParts {
             points: &[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]],
             elements: &[[0, 1, 2]],
             bodies: &[0],

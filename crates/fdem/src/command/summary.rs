@@ -7,7 +7,7 @@ use fdem_results::network::{Sizes, Space};
 use serde::Serialize;
 
 use crate::command::analyse::write_lines;
-use crate::command::detect::{Found, Request};
+use crate::command::detect::{Detection, DetectionRequest};
 use crate::command::input::{Input, id};
 
 pub(crate) use fdem_io::numbers::{brief, grouped};
@@ -108,8 +108,8 @@ impl Summary {
         input: &Input,
         space: &Space<'_, D>,
         box_of_file: bool,
-        request: &Request<'_>,
-        found: &Found<D>,
+        request: &DetectionRequest<'_>,
+        found: &Detection<D>,
         verified: Option<usize>,
         seconds: Seconds,
     ) -> Self {

@@ -30,8 +30,8 @@ use crate::command::run::watch::Watch;
 use check::{Checked, Models, Numbered, brief};
 use children::Job;
 use plan::Plan;
-use store::{Found, Store, TABLE};
-use table::{Row, results};
+use store::{FolderContent, Store, TABLE};
+use table::{RunRow, results};
 
 pub use table::Table;
 
@@ -147,7 +147,7 @@ fn swept(
         .or_else(|| plan.folder.as_ref().map(|folder| beside.join(folder)))
         .unwrap_or_else(|| default_folder(&request.place));
     // Nothing is written before all models are checked.
-    let earlier = Earlier::of(&folder, plan.rows.len(), request.force);
+    let earlier = EarlierRuns::of(&folder, plan.rows.len(), request.force);
     let open: Vec<usize> = (2..=plan.rows.len()).filter(|number| !earlier.is_over(*number)).collect();
     let mut found = vec![(1, first)];
     found.extend(models.check_all(open, processes, &progress)?);
@@ -161,7 +161,7 @@ fn swept(
     let sweep = Sweep { models: &models, store: &store, checked: found, threads };
     let jobs = sweep.jobs();
     let rows = (1..=plan.rows.len()).map(|number| sweep.row(number, "")).collect();
-    let mut told = Told::new(request.quiet, rows, jobs.iter().map(|job| job.number).collect());
+    let mut told = SweepProgress::new(request.quiet, rows, jobs.iter().map(|job| job.number).collect());
     sweep.write_table(&told.rows)?;
     let signal = children::work(&request.program, jobs, processes, stop, &mut |number, said| {
         told.rows[number - 1] = sweep.row(number, said);
@@ -204,15 +204,15 @@ fn identity(plan: &Plan, source: &str) -> Value {
 }
 
 /// The runs that a folder holds, before it is known whether they are those of this sweep.
-struct Earlier(Option<Store>);
+struct EarlierRuns(Option<Store>);
 
-impl Earlier {
+impl EarlierRuns {
     fn of(folder: &Path, runs: usize, force: bool) -> Self {
         Self((!force).then(|| Store::unopened(folder, runs)))
     }
 
     fn is_over(&self, number: usize) -> bool {
-        self.0.as_ref().is_some_and(|store| matches!(store.found(number), Found::Ended(_)))
+        self.0.as_ref().is_some_and(|store| matches!(store.found(number), FolderContent::Ended(_)))
     }
 }
 
@@ -241,17 +241,17 @@ impl Sweep<'_> {
             let options = ["--quiet".into(), "--threads".into(), self.threads.to_string().into()];
             let mut arguments: Vec<OsString> = Vec::new();
             match self.store.found(number) {
-                Found::Ended(_) => return None,
-                Found::Interrupted => {
+                FolderContent::Ended(_) => return None,
+                FolderContent::Interrupted => {
                     arguments.push("resume".into());
                     arguments.extend(options);
                     arguments.extend(["--".into(), folder.into()]);
                 }
-                found @ (Found::Nothing | Found::Begun) => {
+                found @ (FolderContent::Nothing | FolderContent::Begun) => {
                     arguments.push("run".into());
                     arguments.extend(options);
                     arguments.extend(["--output".into(), folder.into()]);
-                    arguments.extend((found == Found::Begun).then(|| "--force".into()));
+                    arguments.extend((found == FolderContent::Begun).then(|| "--force".into()));
                     for (name, value) in self.models.settings(number) {
                         arguments.push(format!("--set={name}={value}").into());
                     }
@@ -264,7 +264,7 @@ impl Sweep<'_> {
     }
 
     /// A run as its folder has it. `said`: the messages of its process, if it has ended now.
-    fn row(&self, number: usize, said: &str) -> Row {
+    fn row(&self, number: usize, said: &str) -> RunRow {
         let json = self.store.summary(number);
         let told = json.as_ref().and_then(|json| json["status"].as_str()).unwrap_or("");
         let said = brief(said.strip_prefix("error: ").unwrap_or(said));
@@ -277,15 +277,15 @@ impl Sweep<'_> {
         let (status, message) = match (self.checked(number), self.store.found(number)) {
             (Some(Err(why)), _) => ("refused", brief(why)),
             _ if other => ("failed", "the model has changed while the sweep ran".to_owned()),
-            (_, Found::Ended(_)) if told == "finished" => ("finished", String::new()),
-            (_, Found::Ended(_)) => ("stopped", told.trim_start_matches("stopped: ").to_owned()),
+            (_, FolderContent::Ended(_)) if told == "finished" => ("finished", String::new()),
+            (_, FolderContent::Ended(_)) => ("stopped", told.trim_start_matches("stopped: ").to_owned()),
             _ if told == "interrupted" => ("interrupted", String::new()),
             _ if !said.is_empty() => ("failed", said),
-            (_, Found::Nothing) => ("waiting", String::new()),
+            (_, FolderContent::Nothing) => ("waiting", String::new()),
             _ => ("interrupted", String::new()),
         };
         let has_results = matches!(status, "finished" | "stopped" | "interrupted");
-        Row {
+        RunRow {
             number,
             values: self.models.plan.rows[number - 1].clone(),
             status,
@@ -296,12 +296,12 @@ impl Sweep<'_> {
     }
 
     /// The page that compares the runs.
-    fn page(&self, rows: &[Row], table: &Table) -> String {
+    fn page(&self, rows: &[RunRow], table: &Table) -> String {
         let first = self.checked.iter().find_map(|(_, checked)| checked.as_ref().ok());
         report::page(self.models.path, first, rows, table, self.store)
     }
 
-    fn write_table(&self, rows: &[Row]) -> Result<(), Failure> {
+    fn write_table(&self, rows: &[RunRow]) -> Result<(), Failure> {
         let table = Table::of(&self.models.plan.names, rows);
         let text =
             table.csv().map_err(|error| Failure::Unusable(format!("cannot write {TABLE}: {error}")))?;
@@ -310,8 +310,8 @@ impl Sweep<'_> {
 }
 
 /// Rows of the table, and the progress on the terminal.
-struct Told {
-    rows: Vec<Row>,
+struct SweepProgress {
+    rows: Vec<RunRow>,
     bar: Option<Bar>,
     lines: bool,
     /// Runs that are done now.
@@ -319,8 +319,8 @@ struct Told {
     done: usize,
 }
 
-impl Told {
-    fn new(quiet: bool, rows: Vec<Row>, jobs: Vec<usize>) -> Self {
+impl SweepProgress {
+    fn new(quiet: bool, rows: Vec<RunRow>, jobs: Vec<usize>) -> Self {
         let bar = (!quiet && is_terminal() && !jobs.is_empty()).then(|| Bar::of_run(jobs.len() as u64, 0));
         let told = Self { rows, bar, lines: !quiet && !is_terminal(), jobs, done: 0 };
         let (all, left) = (told.rows.len() as u64, told.jobs.len());
@@ -344,7 +344,7 @@ impl Told {
     /// Reports a run that has ended.
     fn tell(&mut self, name: &str, number: usize) {
         self.done += 1;
-        let Row { status, message, .. } = &self.rows[number - 1];
+        let RunRow { status, message, .. } = &self.rows[number - 1];
         let why = if message.is_empty() { String::new() } else { format!(": {message}") };
         self.say(&format!("{name} {status}{why}"));
         let done = self.done as u64;

@@ -49,7 +49,7 @@ pub(crate) fn write_network<const D: usize>(
     network: &Network<'_, D>,
     position: &Position,
 ) -> Result<(), Failure> {
-    let drawn = Drawn { packing: Some(packing), ids: None, network, position };
+    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, position };
     output.write(|out| drawn.write(format, out))
 }
 
@@ -63,12 +63,12 @@ pub(crate) fn write_network<const D: usize>(
 pub fn network_file<const D: usize>(network: &Network<'_, D>, name: &Path) -> Result<Vec<u8>, String> {
     let format = TableFormat::of(Some(name)).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();
-    let drawn = Drawn { packing: None, ids: None, network, position: &Position::default() };
+    let drawn = DrawnPacking { packing: None, ids: None, network, position: &Position::default() };
     drawn.write(format, &mut bytes).map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
-impl<const D: usize> Drawn<'_, D> {
+impl<const D: usize> DrawnPacking<'_, D> {
     fn write(&self, format: TableFormat, mut out: &mut (dyn Write + Send)) -> io::Result<()> {
         let Self { network, .. } = *self;
         match format {
@@ -108,7 +108,7 @@ pub(crate) fn frame_table<'a, const D: usize>(
     shifts: usize,
     position: &'a Position,
 ) -> Table<'a> {
-    let drawn = Drawn { packing: Some(packing), ids: None, network, position };
+    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, position };
     let (number, step) = (packing.frame.index, packing.frame.step.unwrap_or(NO_STEP));
     let table = Table::new(network.couples.len())
         .with("frame", Values::i64(move |_| number.cast_signed() as i64))
@@ -122,7 +122,7 @@ pub(crate) fn frame_table<'a, const D: usize>(
 }
 
 /// A packing and its couples, with the ids of its file.
-struct Drawn<'a, const D: usize> {
+struct DrawnPacking<'a, const D: usize> {
     /// `None`: the ids of elements are their numbers.
     packing: Option<&'a Packing>,
     /// Ids of the elements, in place of those of the packing.
@@ -141,10 +141,10 @@ pub(crate) fn couples_with_ids<'a, const D: usize>(
     ids: &'a [i64],
     position: &'a Position,
 ) -> Table<'a> {
-    Drawn { packing: None, ids: Some(ids), network, position }.couples()
+    DrawnPacking { packing: None, ids: Some(ids), network, position }.couples()
 }
 
-impl<'a, const D: usize> Drawn<'a, D> {
+impl<'a, const D: usize> DrawnPacking<'a, D> {
     /// Couples with the ids of the file, and with shifts in a periodic box.
     fn couples(&self) -> Table<'a> {
         let table = self.measures(self.ids(Table::new(self.network.couples.len())));

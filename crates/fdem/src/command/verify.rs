@@ -3,7 +3,7 @@
 use fdem_contact::{PeriodicBox, PeriodicCouple, verify};
 use fdem_results::network::{Couples, Sizes, Space};
 
-use crate::command::detect::Request;
+use crate::command::detect::DetectionRequest;
 use crate::command::failure::Failure;
 
 /// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements,
@@ -12,7 +12,7 @@ use crate::command::failure::Failure;
 /// The sample is the same in every run, so that an error can be reproduced.
 pub(crate) fn check<const D: usize>(
     space: &Space<'_, D>,
-    request: &Request<'_>,
+    request: &DetectionRequest<'_>,
     couples: &Couples<D>,
     sample: usize,
 ) -> Result<usize, String> {
@@ -34,7 +34,7 @@ pub(crate) fn check<const D: usize>(
 fn check_periodic<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
-    request: &Request<'_>,
+    request: &DetectionRequest<'_>,
     couples: &[PeriodicCouple<D>],
     sample: usize,
 ) -> Result<usize, String> {
@@ -95,7 +95,7 @@ fn missing_couple<const D: usize>(couple: PeriodicCouple<D>) -> String {
 }
 
 /// Whether two elements touch at the given points, by the library's own comparison.
-fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b: &[f64; D]) -> bool {
+fn touch<const D: usize>(request: &DetectionRequest<'_>, i: u32, a: &[f64; D], j: u32, b: &[f64; D]) -> bool {
     let radii = [i, j].map(|element| request.sizes.radius(element as usize));
     let sizes = match request.sizes {
         Sizes::Each(_) => Sizes::Each(&radii),
@@ -104,7 +104,7 @@ fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b:
     };
     let bodies = request.bodies.map(|bodies| [i, j].map(|element| bodies[element as usize]));
     let pair = [*a, *b];
-    let request = Request { sizes, bodies: bodies.as_ref().map(<[u32; 2]>::as_slice), ..*request };
+    let request = DetectionRequest { sizes, bodies: bodies.as_ref().map(<[u32; 2]>::as_slice), ..*request };
     request.elements(&pair).is_ok_and(|elements| elements.touch(0, 1))
 }
 
@@ -190,7 +190,7 @@ mod tests {
         let centres = [[0.5, 0.5], [1.5, 0.5], [0.5, 3.5], [1.5, -0.5]];
         let cell = PeriodicBox::orthogonal([0.0, 0.0], [2.0, 2.0], [true, true]).unwrap();
         let space = Space { centres: &centres, cell: Some(cell) };
-        let request = Request {
+        let request = DetectionRequest {
             sizes: Sizes::Cutoff(1.0),
             tolerance: 0.0,
             bodies: None,

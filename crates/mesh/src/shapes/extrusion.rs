@@ -2,11 +2,10 @@
 
 use robust::{Coord, orient2d};
 
+use crate::tetrahedra::plane::Point2;
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite, positive};
 use crate::triangles::holes_are_inside;
 use crate::triangles::outline::Domain;
-
-type Point2 = [f64; 2];
 
 /// An outline in the plane of x and y with holes, from the height `bottom` to `top`.
 ///

@@ -1,13 +1,9 @@
 //! The advice that differs between models in two and in three dimensions.
 
-use fdem_mesh::Quality;
-use fdem_simulation::Model;
-
+use crate::advice::ready::Ready;
 use crate::advice::{connected, joined, locking, warnings};
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::Body;
 use crate::shapes::placed::Placed;
-use crate::text::file::ModelFile;
 
 /// Warnings that differ between the dimensions.
 pub(crate) trait Advised<const D: usize, const N: usize>: Dimensions<D, N> {
@@ -19,15 +15,6 @@ pub(crate) trait Advised<const D: usize, const N: usize>: Dimensions<D, N> {
 pub trait Modelled<const D: usize, const N: usize>: Advised<D, N> {}
 
 impl<const D: usize, const N: usize, E: Advised<D, N>> Modelled<D, N> for E {}
-
-/// A model that is ready to run, with its bodies.
-pub(crate) struct Ready<'a, const D: usize, const N: usize> {
-    pub(crate) file: &'a ModelFile,
-    pub(crate) model: &'a Model<D, N>,
-    pub(crate) placed: &'a [Placed<D, N>],
-    pub(crate) bodies: &'a [Body],
-    pub(crate) quality: &'a Quality,
-}
 
 impl Advised<2, 3> for [[f64; 2]; 3] {
     fn warnings(ready: &Ready<'_, 2, 3>) -> Vec<String> {

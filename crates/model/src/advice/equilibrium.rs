@@ -5,7 +5,7 @@ use fdem_mesh::Simplex;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::Body;
+use crate::prepared::PreparedBody;
 
 /// Forces out of balance, over the weights, from which a body counts as not in equilibrium.
 const UNBALANCED: f64 = 0.1;
@@ -13,7 +13,7 @@ const UNBALANCED: f64 = 0.1;
 /// Adds warnings of bodies that are not in equilibrium at the beginning.
 pub(crate) fn warnings<const D: usize, const N: usize>(
     model: &Model<D, N>,
-    bodies: &[Body],
+    bodies: &[PreparedBody],
     warnings: &mut Vec<String>,
 ) where
     [[f64; D]; N]: Dimensions<D, N>,
@@ -43,8 +43,11 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
 }
 
 /// Weight that the initial stress does not carry, on bodies that rest on absorbing boundaries.
-fn weight<const D: usize, const N: usize>(model: &Model<D, N>, bodies: &[Body], warnings: &mut Vec<String>)
-where
+fn weight<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    bodies: &[PreparedBody],
+    warnings: &mut Vec<String>,
+) where
     [[f64; D]; N]: Dimensions<D, N>,
 {
     let mesh = &model.mesh;

@@ -5,7 +5,7 @@ use fdem_mesh::bounds;
 use fdem_simulation::{Load, Material, Model};
 
 use crate::text::document::{Document, Table};
-use crate::text::file::{Body, Boundary, Component, ModelFile, Piece, Stage};
+use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
 
 /// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name, and its size in that unit.
 struct Range {
@@ -221,7 +221,7 @@ fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
         keys.push("seed");
     }
     if let Some(packing) = &body.packing {
-        let has_corners = matches!(packing.shape, Some(Piece::Polygon | Piece::Polyhedron));
+        let has_corners = matches!(packing.shape, Some(PieceShape::Polygon | PieceShape::Polyhedron));
         if !has_corners {
             keys.push("packing.corners");
         }

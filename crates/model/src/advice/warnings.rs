@@ -11,7 +11,7 @@ use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_mesh::{Simplex, bounds, edges};
 use fdem_simulation::{Boundary, Load, Model, Plane, Target};
 
-use crate::advice::differences::Ready;
+use crate::advice::ready::Ready;
 use crate::advice::{equilibrium, parts, quasi_static};
 use crate::bodies::dimensions::Dimensions;
 use crate::stages::resolve::lifetime;

@@ -8,7 +8,7 @@ use fdem_mesh::{Simplex, facets_of, sorted};
 
 use crate::bodies::{gmsh, materials};
 use crate::shapes::outline::Point;
-use crate::shapes::piece::{Group, Piece};
+use crate::shapes::piece::{Piece, PieceGroup};
 use crate::text::fault::{Problem, nearest, suggestion};
 use crate::text::file::{Body, ModelFile};
 use crate::text::included::Load;
@@ -226,7 +226,7 @@ where
         let own = nodes.map(|node| numbers[node as usize].unwrap_or(u32::MAX));
         // A facet of another body has nodes that this one has not.
         if !own.contains(&u32::MAX) {
-            let group: &mut Group<D> = piece.groups.entry(labels[body as usize].clone()).or_default();
+            let group: &mut PieceGroup<D> = piece.groups.entry(labels[body as usize].clone()).or_default();
             group.facets.push(own);
         }
     }

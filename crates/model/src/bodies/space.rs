@@ -72,7 +72,7 @@ pub(crate) fn pieces(
                     let motion = Motion { about: *middle, turn, scale: ball.1 / radius, to: ball.0 };
                     copy(&Body { seed, ..of.clone() }, &motion, &grading, &mut load)?
                 }
-                None if packing::shape(packing, 3) == file::Piece::Polyhedron => {
+                None if packing::shape(packing, 3) == file::PieceShape::Polyhedron => {
                     shapes::hull(&packing::polyhedron(packing, ball, &mut random)).map(Shape::numbered)
                 }
                 None => shapes::sphere(ball.0, ball.1, &|place| grading.at(place), seed).map(Shape::numbered),

@@ -5,7 +5,7 @@ use fdem_mesh::Grading;
 use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, triangles};
 use fdem_scenes::random::Random;
 
-use crate::joints::polygons::{self, Polygon};
+use crate::joints::polygons::{self, SpacePolygon};
 use crate::joints::polylines;
 use crate::shapes::outline::{Domain, Point};
 use crate::shapes::piece::JointFacet;
@@ -25,7 +25,7 @@ type Line = [Point; 2];
 pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
     /// Polygons of each set.
-    pub(crate) polygons: Vec<(&'f JointSet, Vec<Polygon>)>,
+    pub(crate) polygons: Vec<(&'f JointSet, Vec<SpacePolygon>)>,
 }
 
 /// A line in a body.
@@ -50,7 +50,7 @@ impl<'f> JointLines<'f> {
                 .flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<Line>>());
             let mut lines: Vec<Line> = chains.collect();
             let corners = set.polygons.iter().flatten().filter_map(|numbers| polygons::corners(numbers));
-            let mut polygons: Vec<Polygon> = corners.collect();
+            let mut polygons: Vec<SpacePolygon> = corners.collect();
             if let Some(name) = &set.file {
                 let read = load(name).map_err(|why| format!("cannot read {name}: {why}"));
                 let read = read.and_then(|bytes| {
@@ -79,7 +79,7 @@ impl<'f> JointLines<'f> {
 
     /// The lines in a body, in the coordinates in which it is meshed.
     fn in_body(&self, body: &Body, domain: &Domain) -> Result<Vec<Trace>, Problem> {
-        let placed = Placing::of(body, domain);
+        let placed = FlatPlacing::of(body, domain);
         let [low, high] = placed.bounds;
         let mut traces = Vec::new();
         for (number, (set, lines)) in (0..).zip(&self.sets) {
@@ -182,7 +182,7 @@ fn nearest(lines: &[Line], place: Point) -> (usize, usize) {
 }
 
 /// Rotation and translation of a body after it is meshed.
-struct Placing {
+struct FlatPlacing {
     middle: Point,
     /// Cosine and sine.
     turn: [f64; 2],
@@ -191,7 +191,7 @@ struct Placing {
     bounds: [Point; 2],
 }
 
-impl Placing {
+impl FlatPlacing {
     fn of(body: &Body, domain: &Domain) -> Self {
         let [low, high] = domain.bounds();
         let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));

@@ -5,7 +5,7 @@ use fdem_mesh::tetrahedra::{PolygonError, Surface, Tetrahedra, add_polygons};
 use fdem_scenes::random::Random;
 
 use crate::joints::lines::{JointLines, has_joints};
-use crate::joints::polygons::Polygon;
+use crate::joints::polygons::SpacePolygon;
 use crate::shapes::piece::JointFacet;
 use crate::text::fault::Problem;
 use crate::text::file::{Body, JointSet, Vector};
@@ -52,7 +52,7 @@ impl JointLines<'_> {
     ) -> Result<BodyJoints, Problem> {
         let mut sets = Vec::new();
         let mut polygons = Vec::new();
-        let placing = Placing::of(body, turn, surface);
+        let placing = SpacePlacing::of(body, turn, surface);
         for (number, (set, given)) in (0..).zip(&self.polygons) {
             if !has_joints(set, body) {
                 continue;
@@ -131,7 +131,7 @@ impl JointLines<'_> {
 }
 
 /// Rotation and translation of a body after it is meshed.
-struct Placing {
+struct SpacePlacing {
     middle: Point,
     turn: [Point; 3],
     by: Point,
@@ -139,7 +139,7 @@ struct Placing {
     bounds: [Point; 2],
 }
 
-impl Placing {
+impl SpacePlacing {
     fn of(body: &Body, turn: [Point; 3], surface: &Surface) -> Self {
         let [low, high] = fdem_mesh::bounds(surface.nodes.iter().copied());
         let middle = [0, 1, 2].map(|axis| f64::midpoint(low[axis], high[axis]));
@@ -209,7 +209,7 @@ fn paired(one: i64, other: i64) -> u64 {
 /// squares of each plane, which are numbered from the origin too. Each joint number has separate random
 /// numbers, so that the joints do not depend on the place of the box, and the joints of neighbouring bodies
 /// continue each other.
-fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) -> Option<Vec<Polygon>> {
+fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) -> Option<Vec<SpacePolygon>> {
     let direction = set.dip_direction.unwrap_or(0.0);
     let origin: Point = set.origin.as_ref().map_or([0.0; 3], Vector::components);
     let persistence = set.persistence.unwrap_or(1.0);

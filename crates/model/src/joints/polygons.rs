@@ -5,13 +5,13 @@ use serde_json::Value;
 use crate::joints::polylines::rows;
 
 /// Corners of a polygon in order, m.
-pub(crate) type Polygon = Vec<[f64; 3]>;
+pub(crate) type SpacePolygon = Vec<[f64; 3]>;
 
 /// The polygons of a file.
 ///
 /// # Errors
 /// A message about a file that is not of polygons, or has none.
-pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Polygon>, String> {
+pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<SpacePolygon>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
     let extension = name.rsplit_once('.').map_or("", |(_, end)| end).to_lowercase();
     let polygons = if extension == "dxf" {
@@ -34,13 +34,13 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Polygon>, String> {
 }
 
 /// The corners of a list x1, y1, z1, x2, y2, z2, …; `None` if it is not that.
-pub(crate) fn corners(numbers: &[f64]) -> Option<Polygon> {
+pub(crate) fn corners(numbers: &[f64]) -> Option<SpacePolygon> {
     let whole = numbers.len() >= 9 && numbers.len().is_multiple_of(3);
     whole.then(|| open(numbers.chunks(3).map(|corner| [corner[0], corner[1], corner[2]]).collect()))
 }
 
 /// Without the last corner, if it is the first again.
-fn open(mut corners: Polygon) -> Polygon {
+fn open(mut corners: SpacePolygon) -> SpacePolygon {
     if corners.len() > 3 && corners.first() == corners.last() {
         corners.pop();
     }
@@ -48,7 +48,7 @@ fn open(mut corners: Polygon) -> Polygon {
 }
 
 /// Adds the polygons of all geometries.
-fn geojson(value: &Value, polygons: &mut Vec<Polygon>) -> Result<(), String> {
+fn geojson(value: &Value, polygons: &mut Vec<SpacePolygon>) -> Result<(), String> {
     let mut add = |rings: &Value| -> Result<(), String> {
         let rings = rings.as_array().filter(|rings| !rings.is_empty());
         let rings = rings.ok_or("coordinates of a polygon are not a list of rings")?;
@@ -57,7 +57,7 @@ fn geojson(value: &Value, polygons: &mut Vec<Polygon>) -> Result<(), String> {
         }
         let corner =
             |point: &Value| Some([point.get(0)?.as_f64()?, point.get(1)?.as_f64()?, point.get(2)?.as_f64()?]);
-        let ring: Option<Polygon> =
+        let ring: Option<SpacePolygon> =
             rings[0].as_array().and_then(|points| points.iter().map(corner).collect());
         let ring = ring.map(open).filter(|ring| ring.len() >= 3);
         polygons.push(ring.ok_or("coordinates of a polygon are not three corners [x, y, z] or more")?);
@@ -98,7 +98,7 @@ impl Entity {
     }
 
     /// The polygon that an entity is, if it is one.
-    fn polygon(&self) -> Option<Polygon> {
+    fn polygon(&self) -> Option<SpacePolygon> {
         let flat = match self.kind.as_str() {
             "3DFACE" => false,
             "LWPOLYLINE" | "POLYLINE" if self.closed => self.kind == "LWPOLYLINE",
@@ -111,7 +111,7 @@ impl Entity {
                 z.filter(|_| !flat).unwrap_or(if flat { self.elevation } else { 0.0 }),
             ]
         };
-        let mut corners: Polygon = self.corners.iter().map(corner).collect();
+        let mut corners: SpacePolygon = self.corners.iter().map(corner).collect();
         // A triangle has its third corner twice.
         corners.dedup();
         let corners = open(corners);
@@ -121,7 +121,7 @@ impl Entity {
 
 /// The entities 3DFACE, and closed POLYLINE and LWPOLYLINE, of a DXF file: pairs of rows, a group code and
 /// its value.
-fn dxf(text: &str) -> Result<Vec<Polygon>, String> {
+fn dxf(text: &str) -> Result<Vec<SpacePolygon>, String> {
     let rows: Vec<&str> = text.lines().map(str::trim).collect();
     let mut polygons = Vec::new();
     let mut entity = Entity::default();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use fdem_results::{HistoryCurve, history_columns};
 use fdem_simulation::{Element, Probe};
 
-use crate::prepared::{History, Quantity};
+use crate::prepared::{PreparedHistory, Quantity};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
 use crate::text::file::ModelFile;
@@ -14,7 +14,10 @@ use crate::text::file::ModelFile;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The names of the columns of all `[[history]]` tables, with their units.
-pub fn columns<const D: usize, const N: usize>(histories: &[History], probes: &[Probe<D, N>]) -> Vec<String>
+pub fn columns<const D: usize, const N: usize>(
+    histories: &[PreparedHistory],
+    probes: &[Probe<D, N>],
+) -> Vec<String>
 where
     [[f64; D]; N]: Element<D, N>,
 {

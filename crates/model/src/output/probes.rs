@@ -143,7 +143,7 @@ where
 }
 
 /// The error of a history: the key, a message, and advice.
-type Wrong = (&'static str, String, Option<String>);
+type ProbeFault = (&'static str, String, Option<String>);
 
 /// A history, and the bodies on which it is measured.
 struct Places<'a, const D: usize, const N: usize> {
@@ -158,7 +158,7 @@ impl<const D: usize, const N: usize> Places<'_, D, N>
 where
     [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
 {
-    fn probe(&self) -> Result<Probe<D, N>, Wrong> {
+    fn probe(&self) -> Result<Probe<D, N>, ProbeFault> {
         let history = self.history;
         if self.bodies.is_empty() {
             let name = history.body.as_deref().unwrap_or("");
@@ -197,7 +197,7 @@ where
     }
 
     /// The point of the bodies at some coordinates, m.
-    fn point(&self, key: &'static str, point: [f64; D]) -> Result<MaterialPoint<D, N>, Wrong> {
+    fn point(&self, key: &'static str, point: [f64; D]) -> Result<MaterialPoint<D, N>, ProbeFault> {
         let bodies = &self.mesh.bodies;
         let among = |element: u32| self.bodies.binary_search(&(bodies[element as usize] as usize)).is_ok();
         MaterialPoint::at(self.mesh, point, among).ok_or_else(|| {
@@ -217,7 +217,7 @@ where
     }
 
     /// Elements of the bodies whose centroids are in the box.
-    fn elements(&self) -> Result<Vec<u32>, Wrong> {
+    fn elements(&self) -> Result<Vec<u32>, ProbeFault> {
         let limits = self.history.limits.as_ref();
         let inside = |element: u32| {
             let nodes = self.mesh.elements[element as usize];
@@ -243,7 +243,7 @@ where
     }
 
     /// The force between two bodies.
-    fn contact_force(&self, names: [&String; 2]) -> Result<Probe<D, N>, Wrong> {
+    fn contact_force(&self, names: [&String; 2]) -> Result<Probe<D, N>, ProbeFault> {
         let [by, on] = names.map(|name| {
             let bodies = placed::named(self.placed, self.file, name);
             bodies.into_iter().map(|body| body as u32).collect::<Vec<u32>>()
@@ -263,7 +263,7 @@ where
     }
 
     /// The cavity of a boundary.
-    fn cavity(&self, name: &str) -> Result<Probe<D, N>, Wrong> {
+    fn cavity(&self, name: &str) -> Result<Probe<D, N>, ProbeFault> {
         let cavities = self.file.boundary.iter().filter(|boundary| boundary.cavity);
         let all: Vec<&str> = cavities.map(|boundary| boundary.name.as_str()).collect();
         if all.contains(&name) {
@@ -274,7 +274,7 @@ where
     }
 
     /// The reaction of a group of nodes.
-    fn reaction(&self, name: &str) -> Result<Probe<D, N>, Wrong> {
+    fn reaction(&self, name: &str) -> Result<Probe<D, N>, ProbeFault> {
         let mut nodes = Vec::new();
         for &body in &self.bodies {
             let Placed { piece, first, .. } = &self.placed[body];

@@ -3,7 +3,7 @@
 use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
 
 use crate::output::probes;
-use crate::prepared::{Checkpoint, History, OutputSettings, Quantity};
+use crate::prepared::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 use crate::shapes::placed::{self, Placed, is_body};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
@@ -164,7 +164,7 @@ pub(crate) fn histories<const D: usize, const N: usize>(
     nodes: &[[f64; D]],
     placed: &[Placed<D, N>],
     warnings: &mut Vec<String>,
-) -> Vec<History> {
+) -> Vec<PreparedHistory> {
     let mut histories = Vec::with_capacity(file.history.len());
     let mut probes = 0..file.history.len();
     for history in &file.history {
@@ -196,7 +196,7 @@ pub(crate) fn histories<const D: usize, const N: usize>(
         } else {
             Quantity::CrackLength
         };
-        histories.push(History { name: history.name.clone(), quantity });
+        histories.push(PreparedHistory { name: history.name.clone(), quantity });
     }
     histories
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A condition on a column of the history.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Until {
+pub struct PreparedUntil {
     /// Name of the column.
     pub column: String,
     /// Its place in a row of the history.
@@ -40,7 +40,7 @@ pub struct Reached {
 
 /// Control of a velocity by a column of the history.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Servo {
+pub struct PreparedServo {
     /// Number of the boundary in the model.
     pub boundary: usize,
     /// Place of the column among those of the `[[history]]` tables.
@@ -53,7 +53,7 @@ pub struct Servo {
     pub steps: u32,
 }
 
-impl Until {
+impl PreparedUntil {
     /// Why the condition is met by a row of the history; `None` if it is not. `peak`: the largest magnitude of its column so far, which goes up.
     pub fn met(&self, row: &[f64], peak: &mut f64) -> Option<String> {
         let value = row[self.place];
@@ -75,7 +75,7 @@ impl Until {
     }
 }
 
-impl Servo {
+impl PreparedServo {
     /// The factor of the velocity. `scale`: factor of the target now.
     pub fn factor(&self, measured: f64, scale: f64) -> f64 {
         let lacks = (self.target * scale - measured) * self.target.signum();

@@ -39,7 +39,7 @@ pub enum Checkpoint {
 
 /// A quantity that is recorded over time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct History {
+pub struct PreparedHistory {
     /// Name of its columns.
     pub name: String,
     /// The quantity.

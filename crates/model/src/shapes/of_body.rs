@@ -5,7 +5,7 @@ use fdem_io::numbers::brief;
 use crate::shapes::outline::{self, Point, area, twice_area};
 use crate::shapes::{coincident, packing};
 use crate::text::fault::Problem;
-use crate::text::file::{Block, Body, Hole, Outline, Packing, Piece, Region, SHAPES, Voronoi};
+use crate::text::file::{Block, Body, Hole, Outline, Packing, PieceShape, Region, SHAPES, Voronoi};
 
 /// The shapes that a body has.
 pub(crate) fn given(body: &Body) -> Vec<&'static str> {
@@ -256,10 +256,10 @@ fn crossing(points: &[Point]) -> Option<[Point; 4]> {
 fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem> {
     let problem = |key: &str, what: &str| Some(Problem::new(key, what));
     let shape = packing.shape.map(|shape| match shape {
-        Piece::Disc => ("discs", 2),
-        Piece::Polygon => ("polygons", 2),
-        Piece::Sphere => ("spheres", 3),
-        Piece::Polyhedron => ("polyhedra", 3),
+        PieceShape::Disc => ("discs", 2),
+        PieceShape::Polygon => ("polygons", 2),
+        PieceShape::Sphere => ("spheres", 3),
+        PieceShape::Polyhedron => ("polyhedra", 3),
     });
     if let Some((name, of)) = shape {
         if packing.copies_of.is_some() {
@@ -311,7 +311,7 @@ fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem>
     if least > most {
         return problem("packing.corners", "the least number of corners is above the largest");
     }
-    if packing.shape == Some(Piece::Polyhedron) && least < 4 {
+    if packing.shape == Some(PieceShape::Polyhedron) && least < 4 {
         return problem("packing.corners", "a polyhedron has 4 corners or more");
     }
     packing.within.as_ref().and_then(|within| region(within, dimensions))

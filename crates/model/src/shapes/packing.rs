@@ -10,7 +10,7 @@ use fdem_mesh::Grading;
 use fdem_scenes::random::Random;
 
 use crate::shapes::outline::{Point, circle};
-use crate::text::file::{Body, CopiesOf, Cylinder, Packing, Piece, Region, Vector};
+use crate::text::file::{Body, CopiesOf, Cylinder, Packing, PieceShape, Region, Vector};
 use crate::text::schema::LARGEST;
 
 /// A centre and a radius, m.
@@ -33,8 +33,8 @@ const CORNERS: [[u32; 2]; 2] = [[5, 8], [8, 14]];
 const CANDIDATES: usize = 10;
 
 /// The shape of the bodies of a packing that are no copies.
-pub(crate) fn shape(packing: &Packing, dimensions: usize) -> Piece {
-    packing.shape.unwrap_or(if dimensions == 2 { Piece::Disc } else { Piece::Sphere })
+pub(crate) fn shape(packing: &Packing, dimensions: usize) -> PieceShape {
+    packing.shape.unwrap_or(if dimensions == 2 { PieceShape::Disc } else { PieceShape::Sphere })
 }
 
 /// Smallest and largest number of corners.
@@ -45,8 +45,8 @@ pub(crate) fn corners(packing: &Packing, dimensions: usize) -> [u32; 2] {
 /// The dimensions of a packing; `None` if only its file determines them.
 pub(crate) fn dimensions(packing: &Packing) -> Option<u8> {
     let of_shape = packing.shape.map(|shape| match shape {
-        Piece::Disc | Piece::Polygon => 2,
-        Piece::Sphere | Piece::Polyhedron => 3,
+        PieceShape::Disc | PieceShape::Polygon => 2,
+        PieceShape::Sphere | PieceShape::Polyhedron => 3,
     });
     let of_copies = || packing.copies_of.as_ref()?.given().first().map(|(_, dimensions)| *dimensions);
     let of_region = || {
@@ -380,7 +380,7 @@ pub(crate) fn outline(
     size: &Grading<2>,
     random: &mut Random,
 ) -> Vec<Point> {
-    if shape(packing, 2) != Piece::Polygon {
+    if shape(packing, 2) != PieceShape::Polygon {
         return circle(centre, radius, size);
     }
     let corners = any_number(corners(packing, 2), random);

@@ -18,7 +18,7 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     pub(crate) grains: Vec<u32>,
     /// Facets of one element only, with their nodes as that element has them.
     pub(crate) outline: Vec<[u32; D]>,
-    pub(crate) groups: BTreeMap<String, Group<D>>,
+    pub(crate) groups: BTreeMap<String, PieceGroup<D>>,
     /// Joints of joint sets.
     pub(crate) joints: Vec<JointFacet<D>>,
     /// Warnings about the file of the mesh.
@@ -38,13 +38,13 @@ pub(crate) struct JointFacet<const D: usize = 2> {
 
 /// Elements, facets, or both, that have a name.
 #[derive(Debug, Clone)]
-pub(crate) struct Group<const D: usize = 2> {
+pub(crate) struct PieceGroup<const D: usize = 2> {
     pub(crate) elements: Vec<u32>,
     /// Facets, with their nodes in any order.
     pub(crate) facets: Vec<[u32; D]>,
 }
 
-impl<const D: usize> Default for Group<D> {
+impl<const D: usize> Default for PieceGroup<D> {
     fn default() -> Self {
         Self { elements: Vec::new(), facets: Vec::new() }
     }
@@ -118,7 +118,7 @@ where
     }
 
     /// The nodes that a group has.
-    pub(crate) fn nodes_of(&self, group: &Group<D>) -> Vec<u32> {
+    pub(crate) fn nodes_of(&self, group: &PieceGroup<D>) -> Vec<u32> {
         let inside = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
         let mut nodes: Vec<u32> = inside.chain(group.facets.iter().flatten().copied()).collect();
         nodes.sort_unstable();
@@ -127,7 +127,7 @@ where
     }
 
     /// The facets of the outline that a group has.
-    pub(crate) fn facets_of(&self, group: &Group<D>) -> Vec<[u32; D]> {
+    pub(crate) fn facets_of(&self, group: &PieceGroup<D>) -> Vec<[u32; D]> {
         let inside = group.elements.iter().flat_map(|&element| facets_of(&self.elements[element as usize]));
         let mut wanted: Vec<[u32; D]> = inside.chain(group.facets.iter().copied()).map(sorted).collect();
         wanted.sort_unstable();

@@ -8,7 +8,7 @@ use fdem_results::history_columns;
 use fdem_simulation::{Load, Model};
 
 use crate::output::curves::Columns;
-use crate::prepared::{Bound, Servo, Until};
+use crate::prepared::{Bound, PreparedServo, PreparedUntil};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{self, Component, ModelFile};
@@ -72,7 +72,7 @@ const LOUD: f64 = 2.0;
 /// Warns of servos on a force that are too fast: the waves and the inertia of what they move are larger than their band. `own`: the columns of all `[[history]]` tables.
 pub(crate) fn warnings<const D: usize, const N: usize>(
     model: &Model<D, N>,
-    servos: &[Servo],
+    servos: &[PreparedServo],
     own: &[String],
     warnings: &mut Vec<String>,
 ) where
@@ -110,9 +110,9 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
 
 /// The condition of `[model]`, those of the stages, and the servos, with the places of their columns.
 pub(crate) struct Resolved {
-    pub(crate) until: Option<Until>,
-    pub(crate) of_stages: Vec<Option<Until>>,
-    pub(crate) servos: Vec<Servo>,
+    pub(crate) until: Option<PreparedUntil>,
+    pub(crate) of_stages: Vec<Option<PreparedUntil>>,
+    pub(crate) servos: Vec<PreparedServo>,
 }
 
 /// Refuses a value whose unit is not that of its column, which has it in brackets.
@@ -155,7 +155,7 @@ pub(crate) fn resolve<const D: usize>(
                 least: until.least_peak.unwrap_or_default(),
             },
         };
-        Some(Until { column, place, bound })
+        Some(PreparedUntil { column, place, bound })
     };
     let of_run = until(file.model.until.as_ref(), Table::one("model"));
     let of_stages = file.stage.iter().enumerate();
@@ -168,7 +168,13 @@ pub(crate) fn resolve<const D: usize>(
         let span = document.value(Table::of("boundary", boundary), "servo.column");
         let Some((column, place)) = row.find(span, column, faults) else { continue };
         check_unit(document, (Table::of("boundary", boundary), "servo.target"), &column, faults);
-        servos.push(Servo { boundary, place, target: *target, band: band * target.abs(), steps: *steps });
+        servos.push(PreparedServo {
+            boundary,
+            place,
+            target: *target,
+            band: band * target.abs(),
+            steps: *steps,
+        });
     }
     Resolved { until: of_run, of_stages, servos }
 }
@@ -179,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_peak_counts_from_the_least_one_on() {
-        let until = Until {
+        let until = PreparedUntil {
             column: "load".to_owned(),
             place: 1,
             bound: Bound::ShareOfPeak { share: 0.5, least: 10.0 },
@@ -194,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_servo_slows_down_near_its_target_and_comes_back() {
-        let servo = Servo { boundary: 0, place: 0, target: -200.0, band: 20.0, steps: 10 };
+        let servo = PreparedServo { boundary: 0, place: 0, target: -200.0, band: 20.0, steps: 10 };
         let factors = [0.0, -190.0, -200.0, -210.0, -400.0].map(|measured| servo.factor(measured, 1.0));
         assert_eq!(factors, [1.0, 0.5, 0.0, -0.5, -1.0]);
         assert_eq!(servo.factor(-90.0, 0.5), 0.5);

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, Target};
 
-use crate::prepared::{Body, Entered, Prepared, Quantity, Servo};
+use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, Quantity};
 
 /// What is there in a stage.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ where
             first.map_or(0..0, |first| first..first + 1 + left.count() as u32)
         };
         let element = |element: u32| elements.binary_search(&element).ok().map(|number| number as u32);
-        let bodies = self.bodies.iter().map(|body| Body {
+        let bodies = self.bodies.iter().map(|body| PreparedBody {
             name: body.name.clone(),
             nodes: range(&body.nodes, &|node| nodes[node as usize]),
             elements: range(&body.elements, &element),
@@ -110,7 +110,7 @@ where
         let servos = self.servos.iter().filter_map(|servo| {
             let name = &self.model.boundaries[servo.boundary].name;
             let boundary = model.boundaries.iter().position(|boundary| boundary.name == *name)?;
-            Some(Servo { boundary, ..servo.clone() })
+            Some(PreparedServo { boundary, ..servo.clone() })
         });
         let grains = if self.grains.is_empty() {
             Vec::new()

@@ -6,7 +6,7 @@ use std::ops::Range;
 use fdem_simulation::Schedule;
 
 use crate::bodies::materials;
-use crate::prepared::Stage;
+use crate::prepared::PreparedStage;
 use crate::shapes::placed::{self, Placed};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
@@ -224,7 +224,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
     mesh: &fdem_mesh::Mesh<D, N>,
     placed: &[Placed<D, N>],
     faults: &mut Vec<Fault>,
-) -> Vec<Stage> {
+) -> Vec<PreparedStage> {
     let of = |names: &[String]| elements_of(file, placed, names);
     let mut there = vec![true; mesh.elements.len()];
     for range in appearing(file, placed) {
@@ -232,7 +232,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
     }
     let mut of_elements = mesh.materials.clone();
     let changes = file.stage.iter().any(|stage| !stage.materials.is_empty());
-    let mut stages: Vec<Stage> = Vec::with_capacity(file.stage.len());
+    let mut stages: Vec<PreparedStage> = Vec::with_capacity(file.stage.len());
     for (index, stage) in file.stage.iter().enumerate() {
         let table = Table::of("stage", index);
         for range in of(&stage.activate) {
@@ -283,7 +283,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
         let acts = |boundary: &file::Boundary| {
             boundary.stages.as_ref().is_none_or(|stages| stages.contains(&stage.name))
         };
-        stages.push(Stage {
+        stages.push(PreparedStage {
             name: stage.name.clone(),
             duration: stage.duration,
             equilibrium: stage.equilibrium,

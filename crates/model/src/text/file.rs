@@ -20,8 +20,8 @@ use serde::Deserialize;
 
 pub(crate) use body::SHAPES;
 pub use body::{
-    Block, Body, CopiesOf, Cylinder, Disc, Extrusion, Hole, Outline, Packing, Piece, Polygon, Polyhedron,
-    Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
+    Block, Body, CopiesOf, Cylinder, Disc, Extrusion, Hole, Outline, Packing, PieceShape, Polygon,
+    Polyhedron, Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use condition::{Servo, Until};

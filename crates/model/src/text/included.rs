@@ -39,12 +39,12 @@ pub(crate) struct Sources<'t> {
     /// All texts, each after a line break.
     pub(crate) text: Cow<'t, str>,
     /// The model file, then the included ones.
-    files: Vec<Source>,
+    files: Vec<IncludedFile>,
     /// Files that cannot be included.
     faults: Vec<Fault>,
 }
 
-struct Source {
+struct IncludedFile {
     /// Path relative to the folder of the model; empty for the model file itself.
     path: String,
     place: Range<usize>,
@@ -55,7 +55,7 @@ struct Source {
 impl<'t> Sources<'t> {
     /// Reads all included files.
     pub(crate) fn gather(text: &'t str, load: &mut Load<'_>) -> Self {
-        let main = Source { path: String::new(), place: 0..text.len(), includes: Vec::new() };
+        let main = IncludedFile { path: String::new(), place: 0..text.len(), includes: Vec::new() };
         let mut sources = Self { text: Cow::Borrowed(text), files: vec![main], faults: Vec::new() };
         if text.contains(INCLUDE) {
             sources.follow(&mut vec![0], load);
@@ -145,7 +145,7 @@ impl<'t> Sources<'t> {
             let place = all.len()..all.len() + text.len();
             all.push_str(&text);
             let new = self.files.len();
-            self.files.push(Source { path, place, includes: Vec::new() });
+            self.files.push(IncludedFile { path, place, includes: Vec::new() });
             self.files[number].includes.push(new);
             chain.push(new);
             self.follow(chain, load);

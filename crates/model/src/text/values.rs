@@ -24,7 +24,7 @@ use crate::text::document::{Document, number};
 use crate::text::fault::{Fault, suggestion};
 use crate::text::schema::{branches, types, words};
 use expression::{Wrong, is_name, meaning};
-use quantity::Quantity;
+use quantity::Amount;
 use units::Dimension;
 
 /// The table of the parameters.
@@ -141,7 +141,7 @@ fn fault(text: &str, span: &Range<usize>, expression: &str, wrong: Wrong) -> Fau
 }
 
 /// The text of a parameter.
-enum Source {
+enum ParameterText {
     Number(f64),
     Expression(String),
     /// Neither; the schema reports it.
@@ -155,13 +155,13 @@ enum State {
     /// Its value is being computed: a parameter that needs it now is part of a cycle.
     Open,
     /// It has a value, or has none.
-    Done(Option<Quantity>),
+    Done(Option<Amount>),
 }
 
-struct Parameter {
+struct NamedValue {
     key: Range<usize>,
     value: Range<usize>,
-    source: Source,
+    source: ParameterText,
     state: RefCell<State>,
     used: RefCell<bool>,
 }
@@ -169,7 +169,7 @@ struct Parameter {
 /// The parameters of a file.
 struct Parameters<'t> {
     text: &'t str,
-    entries: BTreeMap<String, Parameter>,
+    entries: BTreeMap<String, NamedValue>,
     /// The parameters whose values are being found, each for the one before.
     chain: RefCell<Vec<String>>,
 }
@@ -193,10 +193,10 @@ impl<'t> Parameters<'t> {
                 continue;
             }
             let source = match value.get_ref() {
-                DeValue::String(expression) => Source::Expression(expression.to_string()),
-                other => number(other).map_or(Source::Other, Source::Number),
+                DeValue::String(expression) => ParameterText::Expression(expression.to_string()),
+                other => number(other).map_or(ParameterText::Other, ParameterText::Number),
             };
-            let parameter = Parameter {
+            let parameter = NamedValue {
                 key: key.span(),
                 value: value.span(),
                 source,
@@ -209,7 +209,7 @@ impl<'t> Parameters<'t> {
     }
 
     /// The value of a parameter that exists; the fault only the first time.
-    fn of(&self, name: &str) -> Result<Quantity, Option<Fault>> {
+    fn of(&self, name: &str) -> Result<Amount, Option<Fault>> {
         let Some(parameter) = self.entries.get(name) else { return Err(None) };
         let state = parameter.state.borrow().clone();
         match state {
@@ -218,9 +218,9 @@ impl<'t> Parameters<'t> {
             State::New => {}
         }
         let expression = match &parameter.source {
-            Source::Number(number) => return Ok(Quantity::plain(*number)),
-            Source::Other => return Err(None),
-            Source::Expression(expression) => expression,
+            ParameterText::Number(number) => return Ok(Amount::plain(*number)),
+            ParameterText::Other => return Err(None),
+            ParameterText::Expression(expression) => expression,
         };
         *parameter.state.borrow_mut() = State::Open;
         self.chain.borrow_mut().push(name.to_owned());
@@ -231,7 +231,7 @@ impl<'t> Parameters<'t> {
     }
 
     /// The value of an expression at a place of the text. No error is reported twice.
-    fn value(&self, expression: &str, span: &Range<usize>) -> Result<Quantity, Option<Fault>> {
+    fn value(&self, expression: &str, span: &Range<usize>) -> Result<Amount, Option<Fault>> {
         let told = |wrong| Some(fault(self.text, span, expression, wrong));
         let parsed = expression::parse(expression).map_err(told)?;
         // The fault of a parameter that is named here and has none.
@@ -250,7 +250,7 @@ impl<'t> Parameters<'t> {
 
     /// The value of a parameter in an expression; the error is the problem here, or the error of the
     /// parameter.
-    fn look_up(&self, name: &str, at: Range<usize>) -> Result<Quantity, Result<Wrong, Option<Fault>>> {
+    fn look_up(&self, name: &str, at: Range<usize>) -> Result<Amount, Result<Wrong, Option<Fault>>> {
         let Some(parameter) = self.entries.get(name) else {
             let names: Vec<&str> = self.entries.keys().map(String::as_str).collect();
             let wrong = Wrong::new(at, format!("there is no parameter \"{name}\""));
@@ -429,7 +429,7 @@ pub(crate) fn of_time(text: &str, times: impl Iterator<Item = f64>) -> Result<Ve
     let parsed = expression::parse(text).map_err(wrong)?;
     let value = |time: f64| {
         let value = parsed.value(&mut |name, at| match name {
-            "t" => Ok(Quantity::plain(time)),
+            "t" => Ok(Amount::plain(time)),
             _ => Err(Wrong::new(at, format!("\"{name}\" is not the time t, a unit or a function"))),
         });
         value.map(|value| [time, value.number()]).map_err(wrong)

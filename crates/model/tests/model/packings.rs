@@ -41,7 +41,7 @@ fn wrong(packing: &str, told: &str) {
 
 /// The nodes of each body.
 fn nodes<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<&[[f64; D]]> {
-    let range = |body: &fdem_model::Body| body.nodes.start as usize..body.nodes.end as usize;
+    let range = |body: &fdem_model::PreparedBody| body.nodes.start as usize..body.nodes.end as usize;
     prepared.bodies.iter().map(|body| &prepared.model.mesh.nodes[range(body)]).collect()
 }
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
+from ._couples import Couples
 from ._input import whole
-
-if TYPE_CHECKING:
-    from ._contacts import Contacts
 
 
 class Numbers:
@@ -72,7 +70,7 @@ def _plain(part: Any) -> Any:
 
 
 def analysed(
-    contacts: Contacts,
+    contacts: Couples,
     min_contacts: Optional[int],
     inner: Optional[npt.ArrayLike],
     rdf: Union[float, tuple[float, int], None],

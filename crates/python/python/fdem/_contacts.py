@@ -7,19 +7,17 @@ import errno
 import os
 import pathlib
 import tempfile
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
+from ._analysis import Analysis, analysed
 from ._box import Box
 from ._input import AXES, Engine, Floats, threads_of, whole
+from ._neighbors import NeighborList
 from ._verify import verify_periodic
-
-if TYPE_CHECKING:
-    from ._analysis import Analysis
-    from ._neighbors import NeighborList
 
 
 class Csr(NamedTuple):
@@ -235,8 +233,6 @@ class Contacts:
 
     def neighbor_list(self) -> NeighborList:
         """The contacts seen from each element, as freud has them: each couple twice, sorted by element."""
-        from ._neighbors import NeighborList
-
         return NeighborList._of(self)
 
     def edge_index(self, full: bool = True) -> npt.NDArray[np.int64]:
@@ -498,8 +494,6 @@ class Contacts:
         >>> said.coordination.mean, round(said.packing.fraction, 4), said.fabric.eigenvalues.round(4).tolist()
         (6.0, 0.5236, [0.3333, 0.3333, 0.3333])
         """
-        from ._analysis import analysed
-
         return analysed(self, min_contacts, inner, rdf)
 
     def picture(self, path: Union[str, os.PathLike[str]], *, title: str = "", width: Optional[int] = None) -> None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
+from ._couples import Couples
 from ._input import Floats
-
-if TYPE_CHECKING:
-    from ._contacts import Contacts
 
 
 class NeighborList:
@@ -52,11 +50,11 @@ class NeighborList:
     def __init__(self) -> None:
         raise TypeError("a neighbour list comes from Contacts.neighbor_list()")
 
-    _contacts: Contacts
+    _contacts: Couples
     _couples: npt.NDArray[np.int64]
 
     @classmethod
-    def _of(cls, contacts: Contacts) -> NeighborList:
+    def _of(cls, contacts: Couples) -> NeighborList:
         self = cls.__new__(cls)
         starts, self.point_indices, couples = _fdem.csr(contacts.n, contacts.pairs, True)
         self._contacts, self._couples = contacts, couples

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from ._contacts import Contacts
+from ._couples import Couples
 
 
-def verify_periodic(found: Contacts, periodic: list[bool], sample: int, seed: int) -> int:
+def verify_periodic(found: Couples, periodic: list[bool], sample: int, seed: int) -> int:
     """Compares the couples of `sample` elements with all images of all elements, in float64.
 
     Both answers count as right if the distance is within rounding of the limit.

@@ -1,6 +1,6 @@
 //! Pairs of two sets of points, counted by distance.
 
-use super::{Far, Near, Norm, Tree, along};
+use super::{Far, NearSide, Norm, Tree, along};
 use crate::problem::{Problem, zeros};
 
 /// The weight of each point, and that of each node.
@@ -71,7 +71,7 @@ impl Pairs<'_> {
         let ends = |axis: usize| (low[axis] - other_high[axis], high[axis] - other_low[axis], sides[axis]);
         let axes = || (0..low.len()).map(ends);
         [
-            self.norm.sum(axes().map(|(from, to, side)| Near { from, to, side }.value())),
+            self.norm.sum(axes().map(|(from, to, side)| NearSide { from, to, side }.value())),
             self.norm.sum(axes().map(|(from, to, side)| Far { from, to, side }.value())),
         ]
     }

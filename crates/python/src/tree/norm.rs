@@ -65,13 +65,13 @@ pub(crate) fn along(difference: f64, side: f64) -> f64 {
 }
 
 /// The least distance along an axis, for differences `from` one value `to` another.
-pub(crate) struct Near {
+pub(crate) struct NearSide {
     pub(crate) from: f64,
     pub(crate) to: f64,
     pub(crate) side: f64,
 }
 
-impl Near {
+impl NearSide {
     /// Differences are smaller than the side, so that the distance is least at 0 or at an end.
     #[inline]
     pub(crate) fn value(&self) -> f64 {

@@ -3,14 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use fdem_simulation::{
-    Boundary, ContactOptions, Energies, Load, Material, Model, Schedule, Target, TimeOptions,
-};
+use fdem_simulation::{Boundary, ContactOptions, Load, Material, Model, Schedule, Target, TimeOptions};
 
 use super::bodies::{
     Body, Point, Random, Turn, advance, change, dot, length, mapped, mean_motion, momentum, one_body, plus,
     start, turned, volume_of,
 };
+use crate::impact::Met;
 use crate::models::{granite, together, worse};
 use crate::{Outcome, Size};
 
@@ -37,24 +36,6 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     outcomes.push(Outcome::absolute("largest change of a momentum", 0.0, momentum, 1e-11, ""));
     outcomes.extend(of_the_book()?);
     Ok(outcomes)
-}
-
-/// Energies before and after a collision.
-struct Met {
-    before: Energies,
-    after: Energies,
-    /// Change of the momenta over the momentum before.
-    momentum: f64,
-}
-
-impl Met {
-    fn energy(&self) -> f64 {
-        (self.after.kinetic + self.after.strain + self.after.contact) / self.before.kinetic - 1.0
-    }
-
-    fn kinetic(&self) -> f64 {
-        self.after.kinetic / self.before.kinetic - 1.0
-    }
 }
 
 /// The regular tetrahedron with edges of 1 m, its centre at the origin and a face downwards.

@@ -28,7 +28,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let slides: &[f64] = size.choose(&[30.0], &[25.0, 30.0, 45.0]);
     for (way, angle) in ways {
         for &degrees in rests {
-            let mut block = Block::on(degrees, *angle, size)?;
+            let mut block = SpaceBlock::on(degrees, *angle, size)?;
             advance_to(&mut block.run, 0.2)?;
             let from = mean_motion(&block.run, &block.nodes)[0];
             advance_to(&mut block.run, 0.3)?;
@@ -37,7 +37,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
             outcomes.push(Outcome::absolute(name, 0.0, crept, 1e-5, ""));
         }
         for &degrees in slides {
-            let mut block = Block::on(degrees, *angle, size)?;
+            let mut block = SpaceBlock::on(degrees, *angle, size)?;
             let [along, across] = block.acceleration()?;
             let (sin, cos) = degrees.to_radians().sin_cos();
             let expected = GRAVITY * (sin - FRICTION * cos);
@@ -50,7 +50,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-struct Block {
+struct SpaceBlock {
     run: Run,
     /// Nodes of the block.
     nodes: Vec<u32>,
@@ -58,7 +58,7 @@ struct Block {
     down: [f64; 2],
 }
 
-impl Block {
+impl SpaceBlock {
     /// A block on a plane that is inclined by the given number of degrees towards a direction: the plane is
     /// level and the weight is turned. The weight grows with a ramp, so that the block does not hop.
     fn on(degrees: f64, towards: f64, size: Size) -> Result<Self, String> {

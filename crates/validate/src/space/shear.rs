@@ -56,7 +56,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-struct Sheared {
+struct SpaceShearBox {
     /// Pa.
     peak: f64,
     residual: f64,
@@ -66,7 +66,7 @@ struct Sheared {
     balance: f64,
 }
 
-fn shear(cells: usize, insertion: Insertion, stress: f64, way: f64) -> Result<Sheared, String> {
+fn shear(cells: usize, insertion: Insertion, stress: f64, way: f64) -> Result<SpaceShearBox, String> {
     let width = CELL * cells as f64;
     let (min, max) = ([0.0, 0.0, -2.0 * HEIGHT], [width, width, 2.0 * HEIGHT]);
     let mut mesh = jittered(&cuboid(min, max, [cells, cells, 4]), 0.1 * HEIGHT, 1, |place| {
@@ -157,7 +157,7 @@ fn shear(cells: usize, insertion: Insertion, stress: f64, way: f64) -> Result<Sh
         later += traction(&run)?[1];
         count += 1.0;
     }
-    Ok(Sheared {
+    Ok(SpaceShearBox {
         peak: most,
         residual,
         turned: later / count,

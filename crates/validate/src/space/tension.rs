@@ -69,7 +69,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-struct Torn {
+struct TornBar {
     /// Pa.
     peak: f64,
     /// J/m².
@@ -88,7 +88,7 @@ fn mesh(fine: usize, seed: u64, free: bool) -> Body {
     })
 }
 
-fn tear(fine: usize, seed: u64, degrees: f64, insertion: Insertion, free: bool) -> Result<Torn, String> {
+fn tear(fine: usize, seed: u64, degrees: f64, insertion: Insertion, free: bool) -> Result<TornBar, String> {
     let mut straight = mesh(fine, seed, free);
     let middle = 0.5 * HEIGHT;
     for element in 0..straight.elements.len() {
@@ -146,5 +146,5 @@ fn tear(fine: usize, seed: u64, degrees: f64, insertion: Insertion, free: bool) 
         return Err("not all joints are broken".to_owned());
     }
     let energies = run.energies();
-    Ok(Torn { peak, energy: energies.cohesive / (WIDTH * WIDTH), balance: energies.error() })
+    Ok(TornBar { peak, energy: energies.cohesive / (WIDTH * WIDTH), balance: energies.error() })
 }

@@ -342,13 +342,13 @@ fn pass(
 ) -> Result<Counted, Error> {
     let axes = places.len();
     let first = if numbers.is_empty() { NONE } else { 0 };
-    let mut pass = Pass { geometry, numbers, places, entered, stop, visit, counted: Counted::default() };
+    let mut pass = CgridPass { geometry, numbers, places, entered, stop, visit, counted: Counted::default() };
     pass.spread(axes - 1, first)?;
     Ok(pass.counted)
 }
 
 /// One detection in progress.
-struct Pass<'s, G> {
+struct CgridPass<'s, G> {
     geometry: G,
     numbers: &'s [u32],
     places: &'s mut [Vec<Place>],
@@ -359,7 +359,7 @@ struct Pass<'s, G> {
     counted: Counted,
 }
 
-impl<G: Geometry> Pass<'_, G> {
+impl<G: Geometry> CgridPass<'_, G> {
     /// The sub-divider: spreads the list of a slab of the axis above over the slabs of `axis`, one after the
     /// other, and each of these over the axis below.
     ///

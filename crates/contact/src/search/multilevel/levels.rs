@@ -16,7 +16,7 @@ const PAIR_OF_ROWS: f64 = 60.0;
 const PAIR_OF_LEVELS: f64 = 5_000.0;
 
 /// The same costs between two levels, whose elements are seldom in cache.
-struct Across {
+struct AcrossLevels {
     window: f64,
     candidate: f64,
     pair_of_rows: f64,
@@ -26,10 +26,11 @@ struct Across {
 }
 
 /// Each sphere searches for the rows near it.
-const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0, width: 0.0 };
+const SPHERES: AcrossLevels = AcrossLevels { window: 25.0, candidate: 0.5, pair_of_rows: 0.0, width: 0.0 };
 
 /// Boxes that are near each other find rows together.
-const BOXES: Across = Across { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS, width: 1.0 };
+const BOXES: AcrossLevels =
+    AcrossLevels { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS, width: 1.0 };
 
 /// The predicted time per element among elements of one size.
 const USUAL: f64 = 40.0;
@@ -207,11 +208,11 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
     fn cost_of_element(&self, level: &Level, other: &Level) -> f64 {
         let windows = self.windows(level, other);
         let candidates = 2.0 * self.reach(level, other) * windows * self.along_rows(other);
-        let Across { window, candidate, .. } = self.across();
+        let AcrossLevels { window, candidate, .. } = self.across();
         windows * window + candidates * candidate
     }
 
-    fn across(&self) -> &'static Across {
+    fn across(&self) -> &'static AcrossLevels {
         if matches!(self.elements.shape, Shape::Boxes(_)) { &BOXES } else { &SPHERES }
     }
 

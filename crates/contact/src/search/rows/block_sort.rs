@@ -30,7 +30,7 @@ pub(crate) struct Block {
 }
 
 /// The elements of some blocks, in the arrays of the layout.
-pub(crate) struct Elements<'a, T> {
+pub(crate) struct BlockElements<'a, T> {
     /// Before the sort: points. After the sort: one array for each axis of each row.
     pub(crate) coordinates: &'a mut [T],
     pub(crate) ids: &'a mut [u32],
@@ -82,13 +82,13 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         &mut self,
         keys: &RowKeys<D>,
         blocks: &[Block],
-        elements: Elements<'_, T>,
+        elements: BlockElements<'_, T>,
     ) -> Result<(), Error> {
-        let Elements { mut coordinates, mut ids, mut radii } = elements;
+        let BlockElements { mut coordinates, mut ids, mut radii } = elements;
         self.starts.clear();
         for pair in blocks.windows(2) {
             let n = pair[1].start - pair[0].start;
-            let elements = Elements {
+            let elements = BlockElements {
                 coordinates: coordinates.split_off_mut(..D * n).unwrap_or_default(),
                 ids: ids.split_off_mut(..n).unwrap_or_default(),
                 radii: radii.split_off_mut(..n).unwrap_or_default(),
@@ -105,7 +105,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         keys: &RowKeys<D>,
         block: Block,
         rows: u64,
-        mut elements: Elements<'_, T>,
+        mut elements: BlockElements<'_, T>,
     ) -> Result<(), Error> {
         let n = elements.ids.len();
         copy(&mut self.points, elements.coordinates.as_chunks::<D>().0)?;
@@ -208,7 +208,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         &mut self,
         keys: &RowKeys<D>,
         first: usize,
-        to: &mut Elements<'_, T>,
+        to: &mut BlockElements<'_, T>,
         id_bits: u32,
         row_shift: u32,
     ) {

@@ -10,7 +10,7 @@ use crate::grid::{Grid, rows_of};
 use crate::memory::{reserve, resize};
 use crate::pool::Pool;
 use crate::real::Real;
-use crate::search::rows::block_sort::{Block, BlockSort, Elements};
+use crate::search::rows::block_sort::{Block, BlockElements, BlockSort};
 use crate::search::rows::keys::RowKeys;
 use crate::search::rows::scatter::Scatter;
 use crate::simd::prefetch;
@@ -78,9 +78,9 @@ pub(crate) trait Chosen: Copy + Sync {
 
 /// All elements; the field is how many.
 #[derive(Clone, Copy)]
-struct All(usize);
+struct AllElements(usize);
 
-impl Chosen for All {
+impl Chosen for AllElements {
     #[inline]
     fn len(self) -> usize {
         self.0
@@ -206,7 +206,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         axes: [usize; D],
         pool: &Pool,
     ) -> Result<(), Error> {
-        self.build_of(points, radii, All(points.len()), grid, axes, pool)
+        self.build_of(points, radii, AllElements(points.len()), grid, axes, pool)
     }
 
     /// Like [`Self::build_along`], for the `chosen` elements.
@@ -411,7 +411,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         let tasks = self.sorts.iter_mut().enumerate().map(|(k, sort)| {
             let blocks = &blocks[k * count / stretches..=(k + 1) * count / stretches];
             let n = blocks[blocks.len() - 1].start - blocks[0].start;
-            let elements = Elements {
+            let elements = BlockElements {
                 coordinates: coordinates.split_off_mut(..D * n).unwrap_or_default(),
                 ids: ids.split_off_mut(..n).unwrap_or_default(),
                 radii: radii.split_off_mut(..n).unwrap_or_default(),

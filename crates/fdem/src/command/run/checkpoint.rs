@@ -4,7 +4,7 @@ use fdem_simulation::{Boundary, State};
 use serde::{Deserialize, Serialize};
 
 use crate::command::run::account::Account;
-use crate::command::run::begun::Begun;
+use crate::command::run::beginning::Beginning;
 use fdem_model::{Entered, Reached};
 
 /// The state of a run, with the state of its files.
@@ -28,7 +28,7 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// Peaks of the conditions that end the run and its stages, and whether the run is over.
     pub(crate) reached: Reached,
     /// When it has begun from another run.
-    pub(crate) begun: Option<Begun>,
+    pub(crate) begun: Option<Beginning>,
     /// Times and numbers since the beginning of the run.
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
@@ -40,7 +40,7 @@ pub(crate) struct Unsaved<const D: usize, const N: usize> {
     pub(crate) intervals: [f64; 2],
     pub(crate) entered: Entered<D>,
     pub(crate) reached: Reached,
-    pub(crate) begun: Option<Begun>,
+    pub(crate) begun: Option<Beginning>,
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
 }

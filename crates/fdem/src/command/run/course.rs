@@ -10,12 +10,12 @@ use fdem_results::Row;
 use fdem_simulation::{Model, ModelError, Simulation, Snapshot, State, Stop};
 
 use crate::command::failure::Failure;
-use crate::command::run::begun::Begun;
-use crate::command::run::earlier::Earlier;
+use crate::command::run::beginning::Beginning;
+use crate::command::run::earlier::EarlierRun;
 use crate::command::run::engine::Engine;
 use crate::command::run::observer::Observer;
 use crate::command::run::results::Results;
-use crate::command::run::stages::{Known, Stages};
+use crate::command::run::stages::{Stages, StepState};
 use fdem_model::{Entered, Prepared, Reached};
 
 /// A run before its first step, or at the point where it continues.
@@ -28,8 +28,8 @@ where
     /// `None` if the run is one.
     pub(crate) stages: Option<Stages<D, N>>,
     /// When it has begun from another run.
-    pub(crate) begun: Option<Begun>,
-    earlier: Option<Earlier<D, N>>,
+    pub(crate) begun: Option<Beginning>,
+    earlier: Option<EarlierRun<D, N>>,
 }
 
 impl<const D: usize, const N: usize> Start<D, N>
@@ -38,7 +38,7 @@ where
 {
     /// The start of a new run of a model, or of one that begins with the end of the run in a folder.
     pub(crate) fn new(mut prepared: Prepared<D, N>, from: Option<&Path>) -> Result<Self, StartError> {
-        let earlier = from.map(Earlier::open).transpose().map_err(StartError::From)?;
+        let earlier = from.map(EarlierRun::open).transpose().map_err(StartError::From)?;
         let begun = earlier.as_ref().map(|earlier| earlier.begun(&prepared)).transpose()?;
         let mut entered = Entered::first();
         if let Some(begun) = &begun {
@@ -52,7 +52,7 @@ where
     /// The start of a run that continues.
     pub(crate) fn again(
         mut prepared: Prepared<D, N>,
-        begun: Option<Begun>,
+        begun: Option<Beginning>,
         entered: Entered<D>,
     ) -> Result<Self, String> {
         if let Some(begun) = &begun {
@@ -119,7 +119,7 @@ where
     /// `None` if the run is one.
     pub(crate) stages: Option<Stages<D, N>>,
     /// When it has begun from another run.
-    pub(crate) begun: Option<Begun>,
+    pub(crate) begun: Option<Beginning>,
     /// Peaks of the conditions that end the run and the stage, and whether the run is over.
     pub(crate) reached: Reached,
     pub(crate) run: Box<E>,
@@ -251,7 +251,7 @@ where
         let peak = &mut self.reached.peaks[1];
         let known = row.map(|row| {
             let (energies, imbalance) = (self.run.energies(), self.run.imbalance());
-            Known { energies, imbalance, row, peak }
+            StepState { energies, imbalance, row, peak }
         });
         let Some(over) = stages.is_over(self.run.steps(), known) else { return Ok(()) };
         let ended = format!(

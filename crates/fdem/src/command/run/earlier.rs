@@ -12,15 +12,15 @@ use fdem_simulation::{Boundary, Change, Model, State};
 
 use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
-use crate::command::run::begun::Begun;
+use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};
 use crate::command::run::results::Results;
 use crate::command::run::stages::Stages;
-use fdem_model::{Body, Prepared};
+use fdem_model::{Prepared, PreparedBody};
 
 /// The end of an earlier run.
-pub(crate) struct Earlier<const D: usize, const N: usize> {
+pub(crate) struct EarlierRun<const D: usize, const N: usize> {
     /// Name of its folder.
     place: String,
     /// All of its model.
@@ -33,7 +33,7 @@ pub(crate) struct Earlier<const D: usize, const N: usize> {
     sets_back: bool,
 }
 
-impl<const D: usize, const N: usize> Earlier<D, N>
+impl<const D: usize, const N: usize> EarlierRun<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
@@ -78,7 +78,7 @@ where
     }
 
     /// Step and schedules with which the run of a model begins now.
-    pub(crate) fn begun(&self, prepared: &Prepared<D, N>) -> Result<Begun, String> {
+    pub(crate) fn begun(&self, prepared: &Prepared<D, N>) -> Result<Beginning, String> {
         let (model, before) = (&prepared.model, &self.whole.model);
         if let Some(step) = model.time.step.filter(|step| *step != self.time_step) {
             return Err(format!(
@@ -101,7 +101,7 @@ where
                     && other.schedule == boundary.schedule
             })
         };
-        Ok(Begun {
+        Ok(Beginning {
             step: self.state.step(),
             time_step: self.time_step,
             boundaries: model.boundaries.iter().map(|boundary| !same(boundary)).collect(),
@@ -185,7 +185,7 @@ where
         if taken.clone().zip(taken.skip(1)).any(|(one, next)| one >= next) {
             return Err(format!("its bodies are in another order than those of {}", self.place));
         }
-        let is_gone = |body: &&Body| !body.elements.is_empty() && !kept.contains(&body.name.as_str());
+        let is_gone = |body: &&PreparedBody| !body.elements.is_empty() && !kept.contains(&body.name.as_str());
         let gone = self.present.bodies.iter().filter(is_gone);
         told.extend(gone.map(|body| format!("the body \"{}\" is gone", body.name)));
         told.extend(changes(model, before));
@@ -222,10 +222,10 @@ fn list(names: &[&str]) -> String {
 
 /// Whether a body has the same mesh in two models: elements in the same places.
 fn same_mesh<const D: usize, const N: usize>(
-    (model, body): (&Model<D, N>, &Body),
-    (other, there): (&Model<D, N>, &Body),
+    (model, body): (&Model<D, N>, &PreparedBody),
+    (other, there): (&Model<D, N>, &PreparedBody),
 ) -> bool {
-    let corners = |model: &Model<D, N>, body: &Body| -> Vec<[[f64; D]; N]> {
+    let corners = |model: &Model<D, N>, body: &PreparedBody| -> Vec<[[f64; D]; N]> {
         let range = body.elements.start as usize..body.elements.end as usize;
         let of = |nodes: &[u32; N]| nodes.map(|node| model.mesh.nodes[node as usize]);
         model.mesh.elements[range].iter().map(of).collect()

@@ -365,10 +365,10 @@ pub(crate) fn contacts_file(number: usize) -> String {
 }
 
 /// Returns the name of a file of a frame.
-type Named = fn(usize) -> String;
+type FrameFile = fn(usize) -> String;
 
 /// Collections that ParaView opens, and the names of their files by frame.
-pub(crate) const COLLECTIONS: [(&str, Named); 4] = [
+pub(crate) const COLLECTIONS: [(&str, FrameFile); 4] = [
     ("results.pvd", mesh_file),
     ("cracks.pvd", cracks_file),
     ("damaged_joints.pvd", damaged_file),

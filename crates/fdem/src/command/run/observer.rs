@@ -7,7 +7,7 @@ use crate::command::run::engine::Engine;
 use crate::command::run::folder::{FRAGMENTS, MODEL};
 use crate::command::run::recorder::broken;
 use crate::command::run::results::Results;
-use fdem_model::{History as Recorded, Origin, Prepared, Quantity};
+use fdem_model::{Origin, Prepared, PreparedHistory, Quantity};
 
 /// Looks at a run. It writes nothing.
 pub(crate) struct Observer<const D: usize> {
@@ -50,7 +50,7 @@ impl<const D: usize> Observer<D> {
         [[f64; D]; N]: Results<D, N>,
     {
         let measured = run.measure(&prepared.probes);
-        let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
+        let values = |(history, target): (&PreparedHistory, &Vec<u32>)| match history.quantity {
             Quantity::Probe(probe) => measured[probe].clone(),
             Quantity::Node(node) => {
                 let moved = run.nodes(&[node]).into_iter();
@@ -163,7 +163,7 @@ impl<const D: usize> Observer<D> {
 }
 
 /// The nodes of the boundary whose force a history records, each once.
-fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
+fn target<const D: usize, const N: usize>(history: &PreparedHistory, prepared: &Prepared<D, N>) -> Vec<u32> {
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
     // It need not act in this stage.
     prepared.model.boundaries.get(boundary).map_or_else(Vec::new, |boundary| boundary.target.nodes())

@@ -21,7 +21,7 @@ use crate::command::run::folder::{
     COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
     files_of, mesh_file, packed_file,
 };
-use crate::command::run::results::{Drawn, Results};
+use crate::command::run::results::{DrawnRun, Results};
 use fdem_model::{Prepared, columns};
 
 /// Writes the results of a run into its folder.
@@ -296,7 +296,7 @@ where
         drawn.extend(more);
         let frames = self.read_frames(done)?;
         let drawings = <[[f64; D]; N]>::draw(
-            &Drawn {
+            &DrawnRun {
                 title: if prepared.title.is_empty() { "fdem" } else { &prepared.title },
                 facts,
                 plots: &drawn,

@@ -46,7 +46,7 @@ pub(crate) trait Results<const D: usize, const N: usize>: Modelled<D, N> {
 
     fn opened(bytes: &[u8]) -> Result<Self::Frame, FrameError>;
 
-    fn draw(run: &Drawn<'_, D>, frames: &[Self::Frame]) -> Drawings;
+    fn draw(run: &DrawnRun<'_, D>, frames: &[Self::Frame]) -> RunDrawings;
 
     /// A snapshot alone, as PNG. `width`: in pixels.
     fn picture(
@@ -59,7 +59,7 @@ pub(crate) trait Results<const D: usize, const N: usize>: Modelled<D, N> {
 }
 
 /// The data of the drawings of a run, apart from its frames.
-pub(crate) struct Drawn<'a, const D: usize> {
+pub(crate) struct DrawnRun<'a, const D: usize> {
     pub(crate) title: &'a str,
     pub(crate) facts: &'a [(&'a str, &'a str)],
     pub(crate) plots: &'a [Plot],
@@ -71,7 +71,7 @@ pub(crate) struct Drawn<'a, const D: usize> {
 }
 
 /// The drawings of a run, or the reasons why they are missing.
-pub(crate) struct Drawings {
+pub(crate) struct RunDrawings {
     pub(crate) picture: Option<Result<Vec<u8>, String>>,
     pub(crate) animation: Option<Result<Vec<u8>, String>>,
     pub(crate) report: Result<String, String>,
@@ -131,8 +131,8 @@ impl Results<2, 3> for [[f64; 2]; 3] {
         pictures.png(&frame, width).map_err(|error| error.to_string())
     }
 
-    fn draw(run: &Drawn<'_, 2>, frames: &[Frame]) -> Drawings {
-        let &Drawn { title, facts, plots, fragments, field, animate, names } = run;
+    fn draw(run: &DrawnRun<'_, 2>, frames: &[Frame]) -> RunDrawings {
+        let &DrawnRun { title, facts, plots, fragments, field, animate, names } = run;
         let view = FrameView::of(frames);
         let pictures = |field| Pictures { title, field, range: Range::of(frames, field), view };
         let animation = |asked| {
@@ -140,7 +140,7 @@ impl Results<2, 3> for [[f64; 2]; 3] {
             frames.iter().try_for_each(|frame| animation.push(frame))?;
             animation.finish()
         };
-        Drawings {
+        RunDrawings {
             picture: frames
                 .last()
                 .map(|last| pictures(field).png(last, None).map_err(|error| error.to_string())),
@@ -206,8 +206,8 @@ impl Results<3, 4> for [[f64; 3]; 4] {
         pictures.png(&frame, width).map_err(|error| error.to_string())
     }
 
-    fn draw(run: &Drawn<'_, 3>, frames: &[SpaceFrame]) -> Drawings {
-        let &Drawn { title, facts, plots, fragments, field, animate, names } = run;
+    fn draw(run: &DrawnRun<'_, 3>, frames: &[SpaceFrame]) -> RunDrawings {
+        let &DrawnRun { title, facts, plots, fragments, field, animate, names } = run;
         let view = SpaceView::of(frames);
         let pictures = |field| SpacePictures {
             title,
@@ -226,7 +226,7 @@ impl Results<3, 4> for [[f64; 3]; 4] {
             frames.last().map(|last| pictures(field).png(last, None).map_err(|error| error.to_string()));
         let preview = picture.as_ref().and_then(|picture| picture.as_deref().ok());
         let report = SpaceReport { title, facts, plots, frames, fragments, field, names };
-        Drawings {
+        RunDrawings {
             report: report.html(preview).map_err(|error| error.to_string()),
             picture,
             animation: animate

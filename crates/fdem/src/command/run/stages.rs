@@ -5,7 +5,7 @@ use fdem_simulation::{Change, Energies, Load, Model, Schedule, Simulation, State
 use serde_json::{Value, json};
 
 use crate::command::run::results::Results;
-use fdem_model::{Entered, Origin, Prepared, Present, Stage};
+use fdem_model::{Entered, Origin, Prepared, PreparedStage, Present};
 
 /// The stages of a run, one of which it is in.
 pub(crate) struct Stages<const D: usize, const N: usize> {
@@ -22,7 +22,7 @@ pub(crate) struct Stages<const D: usize, const N: usize> {
 }
 
 /// The state of a run with a row of its history.
-pub(crate) struct Known<'a> {
+pub(crate) struct StepState<'a> {
     pub(crate) energies: Energies,
     /// Imbalance of forces.
     pub(crate) imbalance: f64,
@@ -73,7 +73,7 @@ where
     }
 
     /// The stage that the run is in.
-    pub(crate) fn now(&self) -> &Stage {
+    pub(crate) fn now(&self) -> &PreparedStage {
         &self.whole.stages[self.entered.stage()]
     }
 
@@ -89,9 +89,9 @@ where
     }
 
     /// Whether the stage ends after a step. `known`: with a row of the history.
-    pub(crate) fn is_over(&self, step: u64, known: Option<Known<'_>>) -> Option<Over> {
+    pub(crate) fn is_over(&self, step: u64, known: Option<StepState<'_>>) -> Option<Over> {
         let begun = self.entered.begun.last().copied().unwrap_or_default();
-        let Some(Known { energies, imbalance, row, peak }) = known.filter(|_| step > begun) else {
+        let Some(StepState { energies, imbalance, row, peak }) = known.filter(|_| step > begun) else {
             return (step >= self.end()).then(|| self.out_of_time());
         };
         if let Some(bound) = self.now().equilibrium.filter(|_| step as f64 * self.step >= self.calm) {

@@ -25,7 +25,7 @@ const PLACES: usize = 1;
 
 /// A task of the writer: it writes rows of the history, and after them a frame, a checkpoint or nothing. Rows
 /// share a place in the queue with the frame or checkpoint that follows them.
-pub(crate) struct Task<const D: usize, const N: usize>
+pub(crate) struct WriterTask<const D: usize, const N: usize>
 where
     [[f64; D]; N]: Results<D, N>,
 {
@@ -51,7 +51,7 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     /// `None` once the thread is to end.
-    queue: Option<SyncSender<Task<D, N>>>,
+    queue: Option<SyncSender<WriterTask<D, N>>>,
     /// Number of tasks that have been handed over and are not done.
     undone: Arc<AtomicUsize>,
     /// `None` once it has ended.
@@ -78,7 +78,7 @@ where
     ///
     /// # Errors
     /// The error for which the thread has ended.
-    pub(crate) fn send(&mut self, task: Task<D, N>) -> Result<(), Failure> {
+    pub(crate) fn send(&mut self, task: WriterTask<D, N>) -> Result<(), Failure> {
         self.undone.fetch_add(1, Ordering::Relaxed);
         match self.queue.as_ref().map(|queue| queue.send(task)) {
             Some(Ok(())) => Ok(()),
@@ -96,7 +96,7 @@ where
     ///
     /// # Errors
     /// The error for which the thread has ended.
-    pub(crate) fn offer(&mut self, task: Task<D, N>) -> Result<Option<Task<D, N>>, Failure> {
+    pub(crate) fn offer(&mut self, task: WriterTask<D, N>) -> Result<Option<WriterTask<D, N>>, Failure> {
         self.undone.fetch_add(1, Ordering::Relaxed);
         match self.queue.as_ref().map(|queue| queue.try_send(task)) {
             Some(Ok(())) => Ok(None),
@@ -152,7 +152,7 @@ where
 /// Writes tasks until the queue closes, and tidies up between them.
 fn write<const D: usize, const N: usize>(
     mut recorder: Recorder<D, N>,
-    tasks: &Receiver<Task<D, N>>,
+    tasks: &Receiver<WriterTask<D, N>>,
     undone: &AtomicUsize,
 ) -> Result<Recorder<D, N>, Failure>
 where
@@ -164,7 +164,7 @@ where
             Err(TryRecvError::Empty) => tasks.recv().ok(),
             task => task.ok(),
         };
-        let Some(Task { rows, then }) = task else { break };
+        let Some(WriterTask { rows, then }) = task else { break };
         recorder.rows(&rows)?;
         match then {
             Then::Nothing => {}

@@ -65,7 +65,7 @@ impl Plan {
 type Entry<'t, 'a> = (&'t str, Range<usize>, &'t Spanned<DeValue<'a>>);
 
 /// Like [`Entry`], with the whole path of a key.
-type Named<'t, 'a> = (String, Range<usize>, &'t Spanned<DeValue<'a>>);
+type PathEntry<'t, 'a> = (String, Range<usize>, &'t Spanned<DeValue<'a>>);
 
 /// Entries of a table in the order of the file.
 fn ordered<'t, 'a>(table: &'t DeTable<'a>) -> Vec<Entry<'t, 'a>> {
@@ -80,7 +80,7 @@ fn flatten<'t, 'a>(
     name: String,
     span: Range<usize>,
     value: &'t Spanned<DeValue<'a>>,
-    found: &mut Vec<Named<'t, 'a>>,
+    found: &mut Vec<PathEntry<'t, 'a>>,
 ) {
     let is_range = |table: &DeTable<'_>| {
         table.is_empty()
@@ -209,7 +209,11 @@ impl Reader {
 
     /// Names of parameters and paths of keys with their values. A path may be written with quotes or without
     /// them.
-    fn named<'t, 'a>(&mut self, key: &str, value: &'t Spanned<DeValue<'a>>) -> Option<Vec<Named<'t, 'a>>> {
+    fn named<'t, 'a>(
+        &mut self,
+        key: &str,
+        value: &'t Spanned<DeValue<'a>>,
+    ) -> Option<Vec<PathEntry<'t, 'a>>> {
         let mut found = Vec::new();
         for (name, span, value) in self.entries(key, value)? {
             flatten(name.to_owned(), span, value, &mut found);

@@ -7,13 +7,13 @@ use fdem_results::{History, HistoryCurve};
 
 use crate::command::sweep::check::Checked;
 use crate::command::sweep::store::Store;
-use crate::command::sweep::table::{Row, Table};
+use crate::command::sweep::table::{RunRow, Table};
 
 /// The page of a sweep. `model`: the model file; `checked`: the model of a run.
 pub(super) fn page(
     model: &Path,
     checked: Option<&Checked>,
-    rows: &[Row],
+    rows: &[RunRow],
     table: &Table,
     store: &Store,
 ) -> String {
@@ -22,7 +22,7 @@ pub(super) fn page(
     let model = model.file_name().unwrap_or_default().to_string_lossy();
     let title =
         if title.is_empty() { format!("Sweep of {model}") } else { format!("Sweep of {model}: {title}") };
-    let history = |row: &Row| {
+    let history = |row: &RunRow| {
         let is_there = matches!(row.status, "finished" | "stopped" | "interrupted");
         History::read(&store.history(row.number).filter(|_| is_there)?).ok()
     };

@@ -28,7 +28,7 @@ const OUTSIDE: &str = "stopped: cannot ";
 
 /// Contents of the folder of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Found {
+pub(crate) enum FolderContent {
     /// Nothing.
     Nothing,
     /// A run that has no checkpoint yet.
@@ -135,7 +135,7 @@ impl Store {
     }
 
     /// Looks at the contents of the folder of a run.
-    pub(crate) fn found(&self, number: usize) -> Found {
+    pub(crate) fn found(&self, number: usize) -> FolderContent {
         let folder = self.run(number);
         let json = self.summary(number);
         let status = json.as_ref().and_then(|json| json["status"].as_str()).unwrap_or("");
@@ -143,10 +143,10 @@ impl Store {
         let is_over = status == "finished" && is_drawn
             || status.starts_with("stopped: ") && !status.starts_with(OUTSIDE);
         match json {
-            Some(json) if is_over => Found::Ended(json),
-            _ if folder.join(CHECKPOINT).exists() => Found::Interrupted,
-            _ if folder.join(SUMMARY).exists() => Found::Begun,
-            _ => Found::Nothing,
+            Some(json) if is_over => FolderContent::Ended(json),
+            _ if folder.join(CHECKPOINT).exists() => FolderContent::Interrupted,
+            _ if folder.join(SUMMARY).exists() => FolderContent::Begun,
+            _ => FolderContent::Nothing,
         }
     }
 

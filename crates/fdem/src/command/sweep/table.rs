@@ -7,7 +7,7 @@ use fdem_model::Setting;
 
 /// A run in the table.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
+pub(crate) struct RunRow {
     /// Number, from 1.
     pub(crate) number: usize,
     pub(crate) values: Vec<Setting>,
@@ -33,7 +33,7 @@ pub struct Table {
 
 impl Table {
     /// The table of rows that are in the order of their numbers.
-    pub(crate) fn of(names: &[String], rows: &[Row]) -> Self {
+    pub(crate) fn of(names: &[String], rows: &[RunRow]) -> Self {
         let mut results: Vec<&str> = Vec::new();
         for (name, _) in rows.iter().flat_map(|row| &row.results) {
             if !results.contains(&name.as_str()) {
@@ -42,7 +42,7 @@ impl Table {
         }
         let first = ["run"].into_iter().chain(names.iter().map(String::as_str));
         let columns = first.chain(["status", "message"]).chain(results.iter().copied()).chain(["folder"]);
-        let cells = |row: &Row| -> Vec<Cell> {
+        let cells = |row: &RunRow| -> Vec<Cell> {
             let mut cells = vec![Cell::Number(row.number as f64)];
             cells.extend(row.values.iter().map(cell));
             cells.extend([Cell::Text(row.status.to_owned()), Cell::Text(row.message.clone())]);
@@ -127,7 +127,7 @@ mod tests {
             "time": 1e-3, "steps": 40, "broken_joints": 3, "seconds": { "total": 7.0 }, "fragments": { "number": 2, "d50": null },
             "energies": { "kinetic": 0.25 }, "curves": [{ "name": "impact", "peak": -2e3, "modulus": null }], "state_hash": "ab",
         });
-        let row = |number, value: &str, status, message: &str, results| Row {
+        let row = |number, value: &str, status, message: &str, results| RunRow {
             number,
             values: vec![Setting::parse(value)],
             status,

@@ -6,7 +6,7 @@ use fdem_mesh::bounds;
 use fdem_simulation::{Load, Model, Schedule};
 
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::Body;
+use crate::prepared::PreparedBody;
 
 /// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
 const RESTING: f64 = 1e-3;
@@ -20,7 +20,7 @@ const PASSAGES: f64 = 20.0;
 /// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each other.
 pub(super) fn sudden<const D: usize, const N: usize>(
     model: &Model<D, N>,
-    bodies: &[Body],
+    bodies: &[PreparedBody],
     warnings: &mut Vec<String>,
 ) where
     [[f64; D]; N]: Dimensions<D, N>,
@@ -36,7 +36,7 @@ pub(super) fn sudden<const D: usize, const N: usize>(
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let height =
         (0..D).map(|axis| (high[axis] - low[axis]) * model.gravity[axis].abs() / gravity).sum::<f64>();
-    let of_body = |body: &Body| body.nodes.clone().map(|node| held[node as usize]);
+    let of_body = |body: &PreparedBody| body.nodes.clone().map(|node| held[node as usize]);
     let wholly: Vec<bool> = bodies.iter().map(|body| of_body(body).all(|held| held)).collect();
     let carried = bodies.iter().zip(&wholly).any(|(body, wholly)| {
         let partly = of_body(body).any(|held| held) && !wholly;
@@ -77,7 +77,7 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
 /// Whether a body has a material that breaks, and whose strength the weight of a column of this g H is a share of.
 fn breaks_under_weight<const D: usize, const N: usize>(
     model: &Model<D, N>,
-    body: &Body,
+    body: &PreparedBody,
     potential: f64,
 ) -> bool {
     body.elements.clone().any(|element| {

@@ -374,7 +374,7 @@ pub struct Packing {
     /// Shape of the bodies: "disc" or "polygon" in two dimensions, "sphere" or "polyhedron" in three.
     /// Default: "disc" or "sphere".
     #[serde(default)]
-    pub shape: Option<Piece>,
+    pub shape: Option<PieceShape>,
     /// Instead of `shape`: the shape whose copies the bodies are, such as { box = … }. Each copy is turned at
     /// random.
     #[serde(default)]
@@ -467,7 +467,8 @@ pub struct CopiesOf {
 /// Shape of the bodies of a packing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Piece {
+#[schemars(rename = "Piece")]
+pub enum PieceShape {
     /// Discs.
     Disc,
     /// Convex polygons with corners on a circle.

@@ -14,7 +14,7 @@
 use std::ops::Range;
 
 use crate::text::fault::nearest;
-use crate::text::values::quantity::{Mismatch, Quantity};
+use crate::text::values::quantity::{Amount, Mismatch};
 use crate::text::values::units;
 
 /// Longest expression, bytes.
@@ -24,7 +24,7 @@ const LONGEST: usize = 2000;
 const DEEPEST: u32 = 50;
 
 /// Gives the value of a parameter, with the place of its name in the expression.
-pub(crate) type LookUp<'l> = dyn FnMut(&str, Range<usize>) -> Result<Quantity, Wrong> + 'l;
+pub(crate) type LookUp<'l> = dyn FnMut(&str, Range<usize>) -> Result<Amount, Wrong> + 'l;
 
 /// The parsed form of an expression.
 #[derive(Debug, Clone, PartialEq)]
@@ -388,8 +388,8 @@ impl Expression {
     ///
     /// # Errors
     /// Names that mean nothing, sums of unlike dimensions, and values that are not finite.
-    pub(crate) fn value(&self, look_up: &mut LookUp<'_>) -> Result<Quantity, Wrong> {
-        let finite = |quantity: Quantity, at: &Range<usize>, what: &str| {
+    pub(crate) fn value(&self, look_up: &mut LookUp<'_>) -> Result<Amount, Wrong> {
+        let finite = |quantity: Amount, at: &Range<usize>, what: &str| {
             if quantity.number().is_finite() {
                 Ok(quantity)
             } else {
@@ -397,17 +397,17 @@ impl Expression {
             }
         };
         match self {
-            Self::Number(number) => Ok(Quantity::plain(*number)),
-            Self::Name(name, _) if name == "pi" => Ok(Quantity::plain(std::f64::consts::PI)),
+            Self::Number(number) => Ok(Amount::plain(*number)),
+            Self::Name(name, _) if name == "pi" => Ok(Amount::plain(std::f64::consts::PI)),
             Self::Name(name, at) => match units::find(name) {
-                Some((unit, power)) => Ok(Quantity::unit(unit, power)),
+                Some((unit, power)) => Ok(Amount::unit(unit, power)),
                 None => look_up(name, at.clone()),
             },
             Self::Scaled(inner, symbol, power) => {
                 let Some((unit, written)) = units::find(symbol) else {
                     return Err(Wrong::new(0..0, format!("\"{symbol}\" is no unit")));
                 };
-                Ok(inner.value(look_up)?.times(Quantity::unit(unit, written * power)))
+                Ok(inner.value(look_up)?.times(Amount::unit(unit, written * power)))
             }
             Self::Negative(inner) => Ok(inner.value(look_up)?.negative()),
             Self::Binary(operator, both, at) => {
@@ -423,7 +423,7 @@ impl Expression {
                 finite(result.map_err(|why| mismatch(*operator, &why, at.clone()))?, at, what)
             }
             Self::Call(function, values, at) => {
-                let values: Result<Vec<Quantity>, Wrong> =
+                let values: Result<Vec<Amount>, Wrong> =
                     values.iter().map(|value| value.value(look_up)).collect();
                 let result = call(*function, &values?).map_err(|why| match why {
                     Mismatch::Two(one, other) => {
@@ -450,12 +450,12 @@ fn mismatch(operator: Operator, why: &Mismatch, at: Range<usize>) -> Wrong {
 }
 
 /// The value of a function. Angles are in degrees.
-fn call(function: Function, values: &[Quantity]) -> Result<Quantity, Mismatch> {
-    let [first, rest @ ..] = values else { return Ok(Quantity::plain(f64::NAN)) };
-    let of_angle = |f: fn(f64) -> f64| first.angle().map(|angle| Quantity::ratio(f(angle.to_radians())));
-    let to_angle = |f: fn(f64) -> f64| first.pure().map(|ratio| Quantity::degrees(f(ratio).to_degrees()));
+fn call(function: Function, values: &[Amount]) -> Result<Amount, Mismatch> {
+    let [first, rest @ ..] = values else { return Ok(Amount::plain(f64::NAN)) };
+    let of_angle = |f: fn(f64) -> f64| first.angle().map(|angle| Amount::ratio(f(angle.to_radians())));
+    let to_angle = |f: fn(f64) -> f64| first.pure().map(|ratio| Amount::degrees(f(ratio).to_degrees()));
     match function {
-        Function::Sqrt => first.power(Quantity::plain(0.5)),
+        Function::Sqrt => first.power(Amount::plain(0.5)),
         Function::Sin => of_angle(libm::sin),
         Function::Cos => of_angle(libm::cos),
         Function::Tan => of_angle(libm::tan),
@@ -463,13 +463,13 @@ fn call(function: Function, values: &[Quantity]) -> Result<Quantity, Mismatch> {
         Function::Acos => to_angle(libm::acos),
         Function::Atan => to_angle(libm::atan),
         Function::Abs => Ok(if first.number() < 0.0 { first.negative() } else { *first }),
-        Function::Exp => first.pure().map(|ratio| Quantity::plain(libm::exp(ratio))),
-        Function::Log => first.pure().map(|ratio| Quantity::plain(libm::log(ratio))),
+        Function::Exp => first.pure().map(|ratio| Amount::plain(libm::exp(ratio))),
+        Function::Log => first.pure().map(|ratio| Amount::plain(libm::log(ratio))),
         Function::Min => rest.iter().try_fold(*first, |least, other| least.least(*other)),
         Function::Max => {
             let negative =
                 rest.iter().try_fold(first.negative(), |least, other| least.least(other.negative()));
-            negative.map(Quantity::negative)
+            negative.map(Amount::negative)
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::text::values::units::{Dimension, Unit};
 /// The number is `value · 10^tens`. The power of ten is kept apart until the end, so that `"25 mm"` is the
 /// same number to the last bit as 0.025, and `"2.7 g/cm^3"` as 2700.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Quantity {
+pub(crate) struct Amount {
     value: f64,
     tens: i32,
     /// `None` for plain numbers, which fit any dimension.
@@ -21,7 +21,7 @@ pub(crate) enum Mismatch {
     One(Dimension),
 }
 
-impl Quantity {
+impl Amount {
     /// A number without a unit, which fits any dimension.
     pub(crate) fn plain(value: f64) -> Self {
         Self { value, tens: 0, dimension: None }

@@ -4,9 +4,9 @@ use super::expression::{Expression, Function, Operator};
 use super::*;
 use crate::text::schema;
 
-fn value(text: &str) -> Result<Quantity, Wrong> {
+fn value(text: &str) -> Result<Amount, Wrong> {
     expression::parse(text)?.value(&mut |name, at| match name {
-        "radius" => Ok(Quantity::plain(0.025)),
+        "radius" => Ok(Amount::plain(0.025)),
         "edge" => value("40 mm"),
         _ => Err(Wrong::new(at, format!("there is no {name}"))),
     })
@@ -38,7 +38,7 @@ fn expressions_have_the_values_of_arithmetic() {
         ("exp(0) + log(1)", 1.0),
         ("pi", std::f64::consts::PI),
     ] {
-        assert_eq!(value(text).map(Quantity::number), Ok(expected), "{text}");
+        assert_eq!(value(text).map(Amount::number), Ok(expected), "{text}");
     }
 }
 
@@ -77,7 +77,7 @@ fn units_shift_the_decimal_point() {
         let found = value(text).map(|value| (value.number(), value.dimension().map(|of| of.to_string())));
         assert_eq!(found, Ok((expected, Some(dimension.to_owned()))), "{text}");
     }
-    let half_turn = value("3.141592653589793 rad").map(Quantity::number).unwrap();
+    let half_turn = value("3.141592653589793 rad").map(Amount::number).unwrap();
     assert!((half_turn - 180.0).abs() < 1e-12, "{half_turn}");
 }
 

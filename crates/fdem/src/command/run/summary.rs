@@ -5,12 +5,12 @@ use fdem_results::Fragments;
 
 use crate::command::run::account::{Account, PARTS};
 use crate::command::run::engine::Engine;
-use crate::command::run::lead::in_ranks;
+use crate::command::run::ranks::in_ranks;
 use crate::command::run::results::Results;
 
 /// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those
 /// of cracks and fragments.
-pub(crate) fn facts<const D: usize, const N: usize>(
+pub(crate) fn summary<const D: usize, const N: usize>(
     run: &dyn Engine<D, N>,
     status: &str,
     account: &Account,

@@ -21,7 +21,7 @@ use fdem_model::Prepared;
 const PERCENT: u64 = 10;
 
 /// Progress and log of a run.
-pub(crate) struct Told {
+pub(crate) struct RunLog {
     bar: Option<Bar>,
     lines: bool,
     log: File,
@@ -32,7 +32,7 @@ pub(crate) struct Told {
     percent: u64,
 }
 
-impl Told {
+impl RunLog {
     pub(crate) fn new<const D: usize, const N: usize>(
         folder: &Folder,
         run: &dyn Engine<D, N>,

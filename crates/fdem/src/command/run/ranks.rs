@@ -12,14 +12,14 @@ use crate::command::run::results::Results;
 use crate::command::run::watch::Watch;
 
 /// The ranks of a run, on the one that leads the others.
-pub(super) struct Lead<'c> {
+pub(super) struct RunRanks<'c> {
     ranks: Option<&'c dyn Communicator>,
     pub(super) threads: usize,
     /// Whether the others follow a run, and need no message that there is none.
     followed: bool,
 }
 
-impl<'c> Lead<'c> {
+impl<'c> RunRanks<'c> {
     /// The ranks on rank 0, or in the only process. Any other rank follows the run of rank 0 to its end; then
     /// there is nothing left to do.
     pub(super) fn of(
@@ -61,7 +61,7 @@ impl<'c> Lead<'c> {
     }
 }
 
-impl Drop for Lead<'_> {
+impl Drop for RunRanks<'_> {
     fn drop(&mut self) {
         if let Some(ranks) = self.ranks.filter(|_| !self.followed && !std::thread::panicking()) {
             dismiss(ranks);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// When a run has begun from another one. With it, the model is made again when the run continues.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Begun {
+pub(crate) struct Beginning {
     /// Step at which it has begun.
     pub(crate) step: u64,
     /// Time step, s, of both runs.
@@ -16,7 +16,7 @@ pub(crate) struct Begun {
     pub(crate) gravity: bool,
 }
 
-impl Begun {
+impl Beginning {
     /// Gives the model the time step of the earlier run, and its schedules their beginning.
     pub(crate) fn apply<const D: usize, const N: usize>(&self, model: &mut Model<D, N>) {
         model.time.step = Some(self.time_step);
