@@ -180,7 +180,9 @@ where
     pub(crate) fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
         let numbered = |(number, action): (u32, &dyn Action<D, N>)| {
             let mut records = action.records(scene);
-            records.iter_mut().for_each(|record| record.action = number);
+            for record in &mut records {
+                record.action = number;
+            }
             records
         };
         let mut records: Vec<Record> = (0..).zip(self.all()).flat_map(numbered).collect();

@@ -14,10 +14,10 @@ fn documents_print_the_time_step() {
     assert!(lines <= LONGEST, "a step has {lines} lines, more than {LONGEST}");
     let (press, _) = rest.split_once("\n    }\n").unwrap();
     let both = format!("    fn step({step}\n    }}\n{press}\n    }}\n");
-    let block: String =
-        both.lines().map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(line))).collect();
+    let block: Vec<&str> = both.lines().map(|line| line.strip_prefix("    ").unwrap_or(line)).collect();
+    let block = block.join("\n");
     for document in ["ARCHITECTURE.md", "book/src/simulation/how.md"] {
-        let code = format!("```rust,ignore\n{block}```\n");
+        let code = format!("```rust,ignore\n{block}\n```\n");
         assert!(
             read(document).contains(&code),
             "{document} does not print `step` and `press` of crates/simulation/src/simulation.rs as they are:\n{code}"

@@ -68,7 +68,9 @@ impl<const D: usize> Face<D> {
     {
         let places = corners.map(|corner| solid.at_corner(corner).position);
         let mut middle = [0.0; D];
-        places.into_iter().for_each(|place| add(&mut middle, place, 1.0 / D as f64));
+        for place in places {
+            add(&mut middle, place, 1.0 / D as f64);
+        }
         let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * solid.thickness);
         Self { corners, area, middle }
     }

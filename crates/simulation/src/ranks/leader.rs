@@ -330,7 +330,7 @@ where
             LeaderOrder::Measure => drop(run.measure(&probes)),
             // The leader gets the same error, and tells it.
             LeaderOrder::SetFactor => {
-                drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1]))))
+                drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1]))));
             }
         }
     }

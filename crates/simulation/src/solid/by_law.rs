@@ -21,7 +21,7 @@ pub(super) struct ElementBatch<'a, const D: usize> {
     pub(super) alike: bool,
 }
 
-impl<'a, const D: usize> ElementBatch<'a, D> {
+impl<const D: usize> ElementBatch<'_, D> {
     /// Computes the elements. `law_of`: the law of each of them.
     #[inline]
     pub(super) fn deform<'l, const N: usize, const INITIAL: bool, const VISCOUS: bool>(

@@ -8,7 +8,7 @@ use crate::text::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of
 /// side, box, group, at. How: exactly one of fixed, velocity, displacement, force, traction, pressure,
-/// absorbing. When: one of ramp, table, table_file, expression (default: constant from the start).
+/// absorbing. When: one of ramp, table, `table_file`, expression (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
