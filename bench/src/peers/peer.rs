@@ -1,4 +1,4 @@
-//! What a peer is, and what several of them use.
+//! The trait of a peer, and code that several of them use.
 
 use fdem_contact::Couple;
 

@@ -11,7 +11,7 @@ use crate::simd::Simd;
 use crate::verify::split_mix;
 
 /// How a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would search a set of
-/// elements, and at what cost. Its `Display` is text for a person.
+/// elements, and the cost of the search. Its `Display` is text for a person.
 ///
 /// # Example
 /// ```

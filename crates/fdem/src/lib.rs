@@ -1,7 +1,7 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
-//! This crate is the library of the `fdem` command. It searches packings and meshes for contacts, runs models,
-//! and writes the files of results. It uses these crates, and re-exports them:
+//! This crate is the library of the `fdem` command. It searches packings and meshes for contacts, runs
+//! models, and writes the files of results. It uses these crates, and re-exports them:
 //! - [`contact`] finds the couples of elements that touch (package `fdem-contact`);
 //! - [`distributed`] finds them over many processes (package `fdem-distributed`);
 //! - [`io`] reads packings and meshes and writes couples in the formats of the field (package `fdem-io`);

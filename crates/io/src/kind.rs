@@ -46,7 +46,7 @@ impl FileKind {
             return Ok(Self::Packing(format));
         }
         Ok(match MeshFormat::of(bytes, name) {
-            // The reader of points reports what is damaged.
+            // The reader of points reports the damage.
             Some(MeshFormat::Vtk) if !vtk::has_cells(bare).unwrap_or(false) => {
                 Self::Packing(PackingFormat::Vtk)
             }

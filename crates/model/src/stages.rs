@@ -1,4 +1,4 @@
-//! Boundaries, conditions and stages: what acts on the bodies, and when.
+//! Boundaries, conditions and stages: the actions on the bodies, and their times.
 
 pub(crate) mod schedules;
 pub(crate) mod cavities;

@@ -1,4 +1,4 @@
-//! Vectors, boxes and stresses of a model file have as many components as its model has dimensions.
+//! Vectors, boxes and stresses of a model file have the number of components that its dimensions require.
 
 use std::fmt::Write;
 

@@ -51,7 +51,8 @@ impl NumberKind {
     }
 }
 
-/// Evaluates an expression with `T` and `D` standing for the type and the dimension that a [`NumberKind`] names.
+/// Evaluates an expression with `T` and `D` standing for the type and the dimension that a [`NumberKind`]
+/// names.
 macro_rules! with_kind {
     ($kind:expr, $T:ident, $D:ident => $body:expr) => {
         match $kind {

@@ -1,4 +1,4 @@
-//! What an action on the bodies is: the state that it sees, the forces that it adds, and what it remembers.
+//! The trait of actions on the bodies: the state that they see, the forces that they add, and their memory.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -37,7 +37,7 @@ impl<const D: usize, const N: usize> Scene<'_, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Whether this rank counts what all ranks know: one of them does.
+    /// Whether this rank counts the data that all ranks know: one of them does.
     pub(crate) fn counts_common(&self) -> bool {
         self.topology.element(0).is_some_and(|first| self.solid.share.element(first))
     }
@@ -82,7 +82,7 @@ pub(crate) struct Applied<const D: usize> {
     pub(crate) viscous: Point<D>,
 }
 
-/// A part of what an action remembers between steps. It belongs to one element, to two, or to none; then all
+/// A part of the memory of an action between steps. It belongs to one element, to two, or to none; then all
 /// ranks have it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct Record {
@@ -131,7 +131,7 @@ impl Record {
     }
 }
 
-/// What has happened to a run, for the actions that measure it.
+/// Events of a run, for the actions that measure it.
 pub(crate) enum Event<'a, const D: usize> {
     /// The nodes have moved.
     Moved,

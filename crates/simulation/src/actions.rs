@@ -2,9 +2,9 @@
 //!
 //! Each kind of action is a file in `src/actions` that implements [`Action`] (`src/action.rs`): it sees the
 //! state, adds forces, and names its energies. [`Actions`] has one field for each kind, and two lists that
-//! name them all; nothing else knows how many there are. What an action remembers between steps it gives away
-//! as [`Record`]s, which belong to elements: checkpoints, stages and ranks carry records and do not know what
-//! is in them.
+//! name them all; nothing else knows how many there are. An action returns its memory between steps as
+//! [`Record`]s, which belong to elements: checkpoints, stages and ranks carry records and do not depend on
+//! their contents.
 
 pub(crate) mod cavity;
 pub(crate) mod gravity;
@@ -176,7 +176,7 @@ where
         }
     }
 
-    /// What the actions remember, as far as this rank counts it, in one order.
+    /// The memory of the actions, as far as this rank counts it, in one order.
     pub(crate) fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
         let numbered = |(number, action): (u32, &dyn Action<D, N>)| {
             let mut records = action.records(scene);

@@ -98,7 +98,7 @@ impl Ledger {
         all
     }
 
-    /// The energies, without those of the beginning and what has been exchanged.
+    /// The energies, without the initial ones and the exchanged energy.
     pub(crate) fn energies(&self) -> Energies {
         let value = |account: Account| self.value(account);
         Energies {

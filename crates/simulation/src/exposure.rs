@@ -41,7 +41,8 @@ where
     tension.max(shear)
 }
 
-/// Share of a strength that a traction uses. Pressure uses none, and what has no strength bears no traction.
+/// Share of a strength that a traction uses. Pressure uses none, and a material without strength carries no
+/// traction.
 fn share(traction: f64, strength: f64) -> f64 {
     if traction <= 0.0 { 0.0 } else { traction / strength }
 }

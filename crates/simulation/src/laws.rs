@@ -2,8 +2,8 @@
 //!
 //! A law implements [`ElementLaw`] in a file of its own beside `laws/neo_hookean.rs`. Here is the list of all
 //! laws: a variant of [`MaterialLaw`] with the constants that a model gives, a variant of [`AnyLaw`] with
-//! what elements make of them, and an arm of [`with_law`]. `solid.rs` makes batches of elements by their law,
-//! so that each law has a kernel of its own.
+//! their form for elements, and an arm of [`with_law`]. `solid.rs` makes batches of elements by their law, so
+//! that each law has a kernel of its own.
 //!
 //! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
 //!

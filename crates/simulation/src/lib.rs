@@ -53,13 +53,13 @@
 //! `Peers` (`src/peers.rs`), which does nothing in one process.
 //!
 //! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). Its knowledge of
-//! the rest is in three places: `Share` says what it owns and counts, `Topology` has the numbers of the
-//! elements in the whole model, and `Part` has the data for giving elements away.
+//! the rest is in three places: `Share` has the elements that it owns and counts, `Topology` the numbers of
+//! the elements in the whole model, and `Part` the data for giving elements away.
 //!
 //! All forces besides those of elements, joints and contacts are actions: each kind is a file in
 //! `src/actions` that implements the trait `Action` (`src/action.rs`), and `src/actions.rs` lists them. An
-//! action sees the state, adds forces, and names its energies. It gives what it remembers as records that
-//! belong to elements, so that checkpoints, stages and ranks need not know it.
+//! action sees the state, adds forces, and names its energies. It returns its memory as records that belong
+//! to elements, so that checkpoints, stages and ranks do not depend on it.
 //!
 //! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact,
 //! tips of cracks, seams and cavities read it.
@@ -72,17 +72,17 @@
 //! | to change | open |
 //! |---|---|
 //! | the time step of a simulation | `src/simulation.rs`; the beginning of a run: `src/simulation/run.rs` |
-//! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; what elements ask: `src/laws/element_law.rs` |
+//! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; the interface for elements: `src/laws/element_law.rs` |
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
-//! | an action: what adds forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions` |
+//! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions` |
 //! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
 //! | outer facets and faces of cracks | `src/faces.rs` |
-//! | how a run goes on with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
+//! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
-//! | what a caller sets between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
+//! | changes by the caller between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
 //! | mass that is added for a longer time step | `src/mass.rs` |
@@ -94,7 +94,7 @@
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/peers.rs` and `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
-//! | what two and three dimensions differ in | `src/simplex.rs`, `crates/model/src/bodies/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
+//! | differences between two and three dimensions | `src/simplex.rs`, `crates/model/src/bodies/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
 //!
 //! # Decisions, and departures from the book
 //!

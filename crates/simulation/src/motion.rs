@@ -223,7 +223,7 @@ fn move_node<const D: usize, const N: usize>(
     } else {
         hold_node(node, constants, force, origin, motion)
     };
-    // The whole node in one store: a processor waits where it reads together what was written in parts.
+    // The whole node in one store: a processor waits if it reads together numbers that were written in parts.
     *node =
         Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
     if motion.energy {

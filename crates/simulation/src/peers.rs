@@ -53,7 +53,7 @@ where
     /// Adds the facets that fail on other ranks, and puts all of them in order.
     fn add_failing(&self, failing: &mut Vec<u32>, topology: &Topology<D, N>);
 
-    /// Exchanges how vertices came apart, and does here what their owners have done. `broken`: vertices at
+    /// Exchanges how vertices came apart, and repeats here the changes of their owners. `broken`: vertices at
     /// which joints broke, ascending.
     fn exchange_splits(
         &mut self,

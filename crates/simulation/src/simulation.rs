@@ -1,6 +1,6 @@
 //! The time step of a simulation.
 //!
-//! A step asks other ranks for what it needs by [`Peers`], and does not know whether there are any.
+//! A step requests data from other ranks by [`Peers`], and does not know whether there are any.
 //! ARCHITECTURE.md and the book print its lines from here; a test compares them.
 
 pub(crate) mod advance;
@@ -23,9 +23,9 @@ use crate::simulation::run::Simulation;
 use crate::sum::Sum;
 use crate::timings::Clock;
 
-/// Joints that broke while the forces of a step were computed, and the reason why the run cannot go on after
-/// the step, if there is one. The step is finished all the same, because the other ranks of a run finish it
-/// before they hear of the reason.
+/// Joints that broke while the forces of a step were computed, and the reason why the run cannot continue
+/// after the step, if there is one. The step is finished all the same, because the other ranks of a run
+/// finish it before they hear of the reason.
 struct Failures {
     joints: Vec<u32>,
     stop: Option<Stop>,
@@ -229,7 +229,7 @@ where
         counted.map(|joint| BrokenSides::of(&topology.facets[joint.facet as usize], topology)).collect()
     }
 
-    /// Lets the actions measure what has happened, on all ranks together.
+    /// Lets the actions measure the step, on all ranks together.
     fn note(&mut self, event: &Event<'_, D>, peers: &dyn Peers<D, N>) {
         if !self.actions.follow_events() {
             return;
@@ -255,7 +255,7 @@ where
         })
     }
 
-    /// The reason why the run cannot go on, the same on all ranks. `own`: that of this rank.
+    /// The reason why the run cannot continue, the same on all ranks. `own`: that of this rank.
     fn first_stop(&self, own: Option<Stop>, peers: &dyn Peers<D, N>) -> Stop {
         peers.first_stop(own).unwrap_or(Stop::Runaway {
             element: 0,

@@ -167,7 +167,7 @@ fn plate(cells: usize) -> Model {
 }
 
 /// A gas in the square hole of a square plate. As the plate swings, its pressure times the power γ of its
-/// volume stays what it was, and its energy with that of the plate.
+/// volume stays constant, and so does the sum of its energy and that of the plate.
 pub(crate) fn gas(size: Size) -> Result<Vec<Outcome>, String> {
     let cells = size.choose(12, 24);
     let exponent = 1.4;

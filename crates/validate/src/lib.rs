@@ -9,7 +9,7 @@
 //! |---|---|
 //! | a case, its bound | `src/cases.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space` |
 //! | models that several cases share | `src/models.rs`, `src/rocks.rs` |
-//! | what a case is, and how it is judged | `src/outcome.rs` |
+//! | the definition of a case, and its verdict | `src/outcome.rs` |
 //! | the table and the page of reports | `src/page.rs` |
 //! | the tests of the harness | `tests/ladder.rs` |
 //!

@@ -1,4 +1,4 @@
-//! A case of the ladder, and what it finds: quantities with their errors and bounds.
+//! A case of the ladder, and its results: quantities with their errors and bounds.
 
 /// Size of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

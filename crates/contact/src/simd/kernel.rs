@@ -33,8 +33,8 @@ pub(super) use variant;
 ///
 /// # Safety
 /// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix.
-/// [`KernelRows::new`] asserts everything else: rows are inside the arrays, with `V::LANES` entries after the last
-/// element of each.
+/// [`KernelRows::new`] asserts everything else: rows are inside the arrays, with `V::LANES` entries after the
+/// last element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     task: &Task<'_, T>,
@@ -302,8 +302,8 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
 /// Compares one element with those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
-/// The conditions of [`KernelRows::compare`]; `row` is one of its rows, and `first` is at most the length of the
-/// row.
+/// The conditions of [`KernelRows::compare`]; `row` is one of its rows, and `first` is at most the length of
+/// the row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
 unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(

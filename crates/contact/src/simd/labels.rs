@@ -94,8 +94,8 @@ impl<'a> LabelPointers<'a> {
     ///
     /// # Safety
     /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the
-    /// arrays, all groups there are groups of the matrix, and `label` comes from [`LabelPointers::of`] of labels
-    /// that are alike.
+    /// arrays, all groups there are groups of the matrix, and `label` comes from [`LabelPointers::of`] of
+    /// labels that are alike.
     #[inline(always)]
     pub(super) unsafe fn admitted<T, V: Vector<T>>(
         &self,

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use fdem::results::{Place, QUANTITIES, Quantity, Span};
 
-/// Places in the order of the page: heading, and what has a value there.
+/// Places in the order of the page: heading, and the things that have a value there.
 const PLACES: [(&str, Place, &str); 4] = [
     ("Elements", Place::Element, "Values of an element."),
     (

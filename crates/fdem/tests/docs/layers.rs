@@ -1,7 +1,8 @@
 //! The files of a crate import each other in layers: no files import each other in a circle.
 //!
-//! A file imports the files whose items it names. A name that another file only passes on, as `lib.rs` does with
-//! `pub use`, is an import of the file that defines it. A file that passes a name on imports that file, too.
+//! A file imports the files whose items it names. A name that another file only passes on, as `lib.rs` does
+//! with `pub use`, is an import of the file that defines it. A file that passes a name on imports that file,
+//! too.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -51,7 +52,7 @@ impl<'c> Imports<'c> {
         self.of.files.contains_key(path) || self.files[self.file_of(path)].items.contains_key(path)
     }
 
-    /// The file that defines what a path of the crate names. `depth`: how often names were passed on before.
+    /// The file that defines the name in a path of the crate. `depth`: how often names were passed on before.
     fn definer(&self, path: &[String], depth: usize) -> Option<&'c Module> {
         let mut module: Module = Vec::new();
         for (at, name) in path.iter().enumerate() {
@@ -227,7 +228,7 @@ fn reached<'m>(edges: &BTreeMap<&'m Module, BTreeSet<&'m Module>>, from: &'m Mod
     found
 }
 
-/// The files that import themselves through others, each with a line on what it imports of them.
+/// The files that import themselves through others, each with the names that it imports of them.
 fn circles(edges: &BTreeMap<&Module, BTreeSet<&Module>>) -> Vec<String> {
     let reach: BTreeMap<_, _> = edges.keys().map(|module| (*module, reached(edges, module))).collect();
     let inside = edges.iter().filter(|(module, _)| reach[*module].contains(*module));

@@ -1,4 +1,4 @@
-//! Names of files and of types say of what they are.
+//! Names of files and of types describe their contents.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,8 +12,8 @@ const VAGUE_FILES: [&str; 9] = ["told", "begun", "lead", "facts", "near", "far",
 const VAGUE_TYPES: [&str; 10] =
     ["Found", "Given", "Kept", "Kind", "Known", "Near", "Part", "Parts", "Seen", "Told"];
 
-/// Names that mean the same wherever they stand: what seals a trait, a point of two or of three coordinates,
-/// and the threads other than the caller's, of which there are none under Miri.
+/// Names that mean the same everywhere: the seal of a trait, a point of two or of three coordinates, and the
+/// threads other than the caller's, of which there are none under Miri.
 const STANDARD: [&str; 3] = ["Others", "Point", "Sealed"];
 
 /// Crates that still have files, or more than one type, of such names, with their number.
@@ -44,7 +44,7 @@ fn types(code: &str, file: &str) -> Vec<Type> {
     found
 }
 
-/// Why the faults of a crate are not as many as are known; `None` if they are.
+/// The reason why the number of faults of a crate is not the known one; `None` if it is.
 fn unexpected(of: &str, faults: &[String]) -> Option<String> {
     let known = KNOWN.iter().find(|(name, _)| *name == of).map_or(0, |(_, count)| *count);
     let list = faults.join("\n    ");

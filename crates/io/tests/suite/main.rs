@@ -1,7 +1,7 @@
 //! Tests of the readers and writers from outside, in one program.
 //!
 //! - `good_files`: packings of every format, of other programs, and at full size.
-//! - `bad_files`: what must be refused, and how the error names the place.
+//! - `bad_files`: inputs that must be refused, and how the error names the place.
 //! - `series`: files of several frames.
 //! - `label_images`: images of bodies.
 //! - `properties`: laws that hold for any packing (proptest).

@@ -1,4 +1,4 @@
-//! Keys and numbers of a model file that are allowed, and yet are probably not what is meant.
+//! Keys and numbers of a model file that are allowed, but probably not meant.
 
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
@@ -7,7 +7,8 @@ use fdem_simulation::{Load, Material, Model};
 use crate::text::document::{Document, Table};
 use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
 
-/// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name, and its size in that unit.
+/// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name,
+/// and its size in that unit.
 struct Range {
     key: &'static str,
     unit: &'static str,
@@ -88,7 +89,7 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
         }
     }
     for interface in model.interfaces.iter().filter(|interface| interface.friction > ROUGH) {
-        // An interface that says nothing has the friction of a material, which is told above.
+        // An interface without a friction has the friction of a material, which is reported above.
         let names = interface.materials.map(|number| &model.materials[number as usize]);
         if names.iter().all(|material| material.friction != interface.friction) {
             warnings.push(format!(
@@ -155,7 +156,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
     warnings.extend(too_fast("at the start, a body", fastest, wave));
 }
 
-/// Tells of a speed at which a run stops.
+/// Reports a speed at which a run stops.
 fn too_fast(title: &str, speed: f64, wave: f64) -> Option<String> {
     (speed > FAST * wave).then(|| {
         format!(

@@ -158,7 +158,8 @@ fn given(file: &ModelFile) -> Vec<(String, f64)> {
     of_output.chain(of_histories).collect()
 }
 
-/// The histories, with the nodes, boundaries and probes that they are of. Probes are counted in the order of their histories. `boundaries` and `file` have been checked.
+/// The histories, with the nodes, boundaries and probes that they are of. Probes are counted in the order of
+/// their histories. `boundaries` and `file` have been checked.
 pub(crate) fn histories<const D: usize, const N: usize>(
     file: &ModelFile,
     nodes: &[[f64; D]],

@@ -1,4 +1,5 @@
-//! Conditions on a column of the history, which end a run or a stage, and servos, which move a boundary by it.
+//! Conditions on a column of the history, which end a run or a stage, and servos, which move a boundary by
+//! it.
 
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,8 @@ pub struct PreparedServo {
 }
 
 impl PreparedUntil {
-    /// Why the condition is met by a row of the history; `None` if it is not. `peak`: the largest magnitude of its column so far, which goes up.
+    /// Why the condition is met by a row of the history; `None` if it is not. `peak`: the largest magnitude
+    /// of its column so far, which goes up.
     pub fn met(&self, row: &[f64], peak: &mut f64) -> Option<String> {
         let value = row[self.place];
         *peak = peak.max(value.abs());
@@ -79,7 +81,7 @@ impl PreparedServo {
     /// The factor of the velocity. `scale`: factor of the target now.
     pub fn factor(&self, measured: f64, scale: f64) -> f64 {
         let lacks = (self.target * scale - measured) * self.target.signum();
-        // What has vanished measures nothing, and is not moved.
+        // A probe of removed parts measures nothing, and the boundary is not moved.
         if lacks.is_nan() { 0.0 } else { (lacks / self.band).clamp(-1.0, 1.0) }
     }
 }

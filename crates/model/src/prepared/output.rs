@@ -14,7 +14,8 @@ pub struct OutputSettings {
     pub fields: Vec<Field>,
     /// Field of the animation; `None` for no animation.
     pub animate: Option<Field>,
-    /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that sample.
+    /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that
+    /// sample.
     pub shown: [usize; 2],
     /// Numbers of the bodies whose fragments count; `None` for the bodies that can break.
     pub fragments: Option<Vec<u32>>,
@@ -51,7 +52,8 @@ pub struct PreparedHistory {
 pub enum Quantity {
     /// Displacement and velocity of this node of the mesh.
     Node(u32),
-    /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on the bodies, N.
+    /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on
+    /// the bodies, N.
     Force(usize),
     /// The energies, which are recorded in any case.
     Energy,

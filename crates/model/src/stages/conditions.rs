@@ -1,4 +1,5 @@
-//! Conditions on a column of the history, which end a run or a stage, and servos, which move a boundary by it.
+//! Conditions on a column of the history, which end a run or a stage, and servos, which move a boundary by
+//! it.
 
 use std::collections::BTreeSet;
 
@@ -66,10 +67,12 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
 }
 
-/// Force of the waves that a servo makes when it starts at full speed, over its band, from which on it swings about its target.
+/// Force of the waves that a servo makes when it starts at full speed, over its band, from which on it swings
+/// about its target.
 const LOUD: f64 = 2.0;
 
-/// Warns of servos on a force that are too fast: the waves and the inertia of what they move are larger than their band. `own`: the columns of all `[[history]]` tables.
+/// Warns of servos on a force that are too fast: the waves and the inertia of the moved parts exceed their
+/// band. `own`: the columns of all `[[history]]` tables.
 pub(crate) fn warnings<const D: usize, const N: usize>(
     model: &Model<D, N>,
     servos: &[PreparedServo],
@@ -132,7 +135,8 @@ fn check_unit(
     }
 }
 
-/// Finds the columns of conditions and servos. `own`: the columns of all `[[history]]` tables. `file` has been checked.
+/// Finds the columns of conditions and servos. `own`: the columns of all `[[history]]` tables. `file` has
+/// been checked.
 pub(crate) fn resolve<const D: usize>(
     file: &ModelFile,
     document: &Document<'_>,

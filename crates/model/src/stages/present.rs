@@ -9,7 +9,7 @@ use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, 
 
 use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, Quantity};
 
-/// What is there in a stage.
+/// The parts of a model that are present in a stage.
 #[derive(Debug)]
 pub struct Present<const D: usize, const N: usize> {
     /// The model of the stage.
@@ -24,7 +24,7 @@ impl<const D: usize, const N: usize> Prepared<D, N>
 where
     [[f64; D]; N]: fdem_simulation::Element<D, N>,
 {
-    /// The model with a time step that is stable in all of its stages, and what is there in the first.
+    /// The model with a time step that is stable in all of its stages, and the parts present in the first.
     ///
     /// # Errors
     /// Says which stage cannot be simulated, and why.
@@ -139,7 +139,7 @@ where
             quality: self.quality.clone(),
             warnings: self.warnings.clone(),
             hash: self.hash.clone(),
-            // What is there in one stage has no stages of its own.
+            // The parts present in one stage have no further stages.
             stages: Vec::new(),
             model,
         };
@@ -150,7 +150,7 @@ where
 }
 
 impl<const D: usize, const N: usize> Present<D, N> {
-    /// The boundaries that hold what has vanished, on nodes of the whole model.
+    /// The boundaries that hold removed parts, on nodes of the whole model.
     pub fn held(&self, boundaries: &[Boundary<D>]) -> Vec<Boundary<D>> {
         let whole = |facet: &[u32; D]| facet.map(|node| self.nodes[node as usize]);
         let held = boundaries.iter().filter(|boundary| matches!(boundary.load, Load::Held));

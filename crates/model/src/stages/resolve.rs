@@ -117,7 +117,7 @@ pub(crate) fn lifetime(file: &ModelFile, body: &str) -> Range<usize> {
     first..last
 }
 
-/// Tells of bodies that are taken away before they are there, or more than once.
+/// Reports bodies that are removed before they appear, or more than once.
 fn check_lives(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     let appears = |body: &String| file.stage.iter().any(|stage| stage.activate.contains(body));
     let mut there: BTreeMap<&String, bool> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Pressures in holes and cracks, and schedules of loads: what they become, and refusals.
+//! Pressures in holes and cracks, and schedules of loads: their values in the model, and refusals.
 
 use fdem_model::{Quantity, prepare};
 use fdem_simulation::{Load, Probe, Schedule, Target};

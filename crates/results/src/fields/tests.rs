@@ -32,7 +32,7 @@ fn every_row_says_all_that_its_readers_need() {
     for row in QUANTITIES {
         assert!(!row.name.is_empty() && !row.about.is_empty(), "{}", row.key);
         assert!(!row.about.ends_with('.') && row.definition.is_empty() | row.definition.ends_with('.'));
-        // A reader must know what the sign of a number means.
+        // A reader must know the meaning of the sign of a number.
         assert_eq!(
             row.sign.is_empty(),
             matches!(row.span, Span::NotNegative | Span::Between(..)),

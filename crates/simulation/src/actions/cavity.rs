@@ -14,8 +14,8 @@
 //! The volume follows from the motion of the faces, from step to step: `dV = -Σ n·dx` with the mean of the
 //! area vectors `n` before and after the step, which is exact in two dimensions and of third order in the
 //! motion in three. So it needs only one side of a joint, however far its elements have parted, and the work
-//! is the sum of `p dV` by construction. A joint that joins adds the volume by which it is open then. What a
-//! gas loses when it fills that volume is dissipated.
+//! is the sum of `p dV` by construction. A joint that joins adds the volume by which it is open then. The
+//! energy that a gas loses when it fills that volume is dissipated.
 //!
 //! Each rank has the faces of its own elements, and knows all joints that have broken anywhere, so that all
 //! ranks find the same connections.

@@ -31,9 +31,9 @@ pub(crate) struct Refusal {
 ///
 /// The stress is a function of the deformation gradient and of the memory of the element. It has to be the
 /// gradient of the stored energy while the memory does not change, and may not depend on the rotation of the
-/// element: then the balance of energy holds. A law works on batches of elements (`lanes.rs`): what
-/// [`stress_of_small`](Self::stress_of_small) calls is `#[inline(always)]`, and has no branch that depends on
-/// the element.
+/// element: then the balance of energy holds. A law works on batches of elements (`lanes.rs`): the functions
+/// that [`stress_of_small`](Self::stress_of_small) calls are `#[inline(always)]`, and have no branch that
+/// depends on the element.
 pub(crate) trait ElementLaw<const D: usize, const N: usize>: Copy + Send + Sync + 'static {
     /// Constants of the elements of a batch.
     type Constants: Clone;

@@ -1,4 +1,4 @@
-//! The run of a rank, and what all ranks together make of their parts.
+//! The run of a rank, and the common results of all ranks.
 
 use fdem_distributed::Communicator;
 use fdem_distributed::wire::{bytes_of, value_of};
@@ -60,7 +60,7 @@ pub struct Distributed<'c, const D: usize = 2, const N: usize = 3> {
     first: u64,
 }
 
-/// Sums of the traffic of a run on many ranks, and what each rank has.
+/// Sums of the traffic of a run on many ranks, and the elements of each rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Traffic {
     /// Number of ranks.
@@ -138,8 +138,8 @@ where
         Ok(())
     }
 
-    /// Divides the work among the ranks again, by what each element costs now, before the next step. A run
-    /// does so by itself where one rank has much more than others.
+    /// Divides the work among the ranks again, by the present cost of each element, before the next step. A
+    /// run does this automatically when one rank has much more than others.
     pub fn rebalance(&mut self) {
         self.division = None;
         self.links.ask();
@@ -184,7 +184,7 @@ where
         self.run.time_step()
     }
 
-    /// The longest stable time step, and what sets it.
+    /// The longest stable time step, and the part that sets it.
     pub fn critical_step(&self) -> CriticalStep {
         self.run.critical_step()
     }

@@ -66,7 +66,7 @@ fn give(communicator: &dyn Communicator, order: LeaderOrder, numbers: &[u64]) {
 pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
     communicator: &'c dyn Communicator,
     run: RefCell<Distributed<'c, D, N>>,
-    /// The whole run after the last step, once it is asked for.
+    /// The whole run after the last step, once it has been requested.
     whole: RefCell<Option<Gathered<D, N>>>,
     /// The probes that all ranks know.
     probes: RefCell<Vec<Probe<D, N>>>,
@@ -104,7 +104,7 @@ where
         of(&self.run.borrow())
     }
 
-    /// Goes on with another run in place of this one, such as that of a changed model.
+    /// Continues with another run in place of this one, such as that of a changed model.
     ///
     /// # Errors
     /// If threads cannot be started.
@@ -126,10 +126,11 @@ where
         self.run.get_mut().advance(steps)
     }
 
-    /// Sets the factor of a boundary from the next step on, in place of its schedule: see [`Simulation::set_factor`].
+    /// Sets the factor of a boundary from the next step on, in place of its schedule: see
+    /// [`Simulation::set_factor`].
     ///
     /// # Errors
-    /// Those of [`Simulation::set_factor`].
+    /// The errors of [`Simulation::set_factor`].
     pub fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), ModelError> {
         *self.whole.get_mut() = None;
         give(self.communicator, LeaderOrder::SetFactor, &[boundary as u64, factor.to_bits()]);
@@ -151,7 +152,7 @@ where
         self.run.borrow().time_step()
     }
 
-    /// The longest stable time step, and what sets it.
+    /// The longest stable time step, and the part that sets it.
     pub fn critical_step(&self) -> CriticalStep {
         self.run.borrow().critical_step()
     }
@@ -166,7 +167,8 @@ where
         self.run.borrow().imbalance()
     }
 
-    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
+    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such
+    /// boundary.
     pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
         self.run.borrow().force(boundary)
     }
@@ -191,7 +193,8 @@ where
         self.all(LeaderOrder::Counts, &[], Distributed::counts)
     }
 
-    /// The elements of the first couple in which one element reached the centroid of the other in the last step; `None` if there is no such couple.
+    /// The elements of the first couple in which one element reached the centroid of the other in the last
+    /// step; `None` if there is no such couple.
     pub fn penetrated(&self) -> Option<[u32; 2]> {
         self.all(LeaderOrder::Penetrated, &[], Distributed::penetrated)
     }
@@ -272,12 +275,13 @@ impl<const D: usize, const N: usize> Drop for Leader<'_, D, N> {
     }
 }
 
-/// Tells the other ranks that there will be no run, so that [`follow`] returns.
+/// Informs the other ranks that there will be no run, so that [`follow`] returns.
 pub fn dismiss(communicator: &dyn Communicator) {
     give(communicator, LeaderOrder::End, &[]);
 }
 
-/// Does a rank's part of a run that rank 0 leads, until it ends. `threads`: threads of this rank; 0 for one per processor.
+/// Does a rank's part of a run that rank 0 leads, until it ends. `threads`: threads of this rank; 0 for one
+/// per processor.
 ///
 /// # Errors
 /// If threads cannot be started.
@@ -311,7 +315,7 @@ where
         match order {
             LeaderOrder::End => return Ok(()),
             LeaderOrder::Replace => run = Distributed::new(communicator, None, threads)?,
-            // The leader gets the same error, and tells it.
+            // The leader gets the same error, and reports it.
             LeaderOrder::Advance => drop(run.advance(numbers[0])),
             LeaderOrder::Gather => drop(run.gathered()),
             LeaderOrder::Fragments => drop(run.fragments()),
@@ -328,7 +332,7 @@ where
                 probes = value_of::<Vec<Probe<D, N>>>(&bytes);
             }
             LeaderOrder::Measure => drop(run.measure(&probes)),
-            // The leader gets the same error, and tells it.
+            // The leader gets the same error, and reports it.
             LeaderOrder::SetFactor => {
                 drop(run.set_factor(numbers[0] as usize, Some(f64::from_bits(numbers[1]))));
             }

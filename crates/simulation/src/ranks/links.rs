@@ -150,8 +150,8 @@ impl<'c> Links<'c> {
         heard.into_iter().map(|message| value_of(&message.bytes)).collect()
     }
 
-    /// Tells neighbours the new owners of the corners that they have from this rank, and learns those of the
-    /// corners that it has from them. `owners`: of each corner.
+    /// Sends neighbours the new owners of the corners that they have from this rank, and receives the owners
+    /// of the corners that it has from them. `owners`: of each corner.
     pub(super) fn tell_owners(&self, owners: &mut [u32]) {
         let heard = self.tell(|neighbour| {
             neighbour.lent.iter().map(|&corner| owners[corner as usize]).collect::<Vec<u32>>()

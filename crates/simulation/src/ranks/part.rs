@@ -1,9 +1,9 @@
-//! What a rank knows of its part of a run.
+//! Data of a rank about its part of a run.
 
 use crate::action::Wide;
 use crate::joints::MovingJoint;
 
-/// A part of a run, besides what every [`Simulation`](crate::Simulation) has.
+/// A part of a run, apart from the fields of every [`Simulation`](crate::Simulation).
 #[derive(Debug)]
 pub(crate) struct RankPart<const D: usize> {
     /// The rank that owns each corner.

@@ -138,7 +138,7 @@ pub(super) struct RunPieces<const D: usize, const N: usize> {
     pub(super) elements: Vec<ElementPiece<D, N>>,
     pub(super) joints: Vec<MovingJoint<D>>,
     pub(super) touching: Vec<Touch<D, N>>,
-    /// What the actions remember at these elements.
+    /// The memory of the actions at these elements.
     pub(super) records: Vec<Record>,
     /// Elements that have separated or become bare in the last step: see [`Contacts`].
     pub(super) parted: Vec<[u32; 2]>,
@@ -261,7 +261,7 @@ pub(super) struct CarriedState<const D: usize> {
     pub(super) reactions: Vec<Point<D>>,
     /// Factors of boundaries that the caller has set.
     pub(super) factors: Vec<(u32, f64)>,
-    /// What the actions remember besides, at no element.
+    /// The memory of the actions at no element.
     pub(super) records: Vec<Record>,
     pub(super) timings: Timings,
     pub(super) detections: u64,
@@ -426,7 +426,7 @@ where
         counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
     }
 
-    /// What the actions remember at elements, as far as this rank counts it.
+    /// The memory of the actions at elements, as far as this rank counts it.
     pub(super) fn own_records(&self) -> Vec<Record> {
         self.records().into_iter().filter(|record| !record.is_common()).collect()
     }

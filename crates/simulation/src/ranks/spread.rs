@@ -307,7 +307,7 @@ where
     own
 }
 
-/// Sends joints, couples, what actions remember, and which elements came apart in the last step. Returns
+/// Sends joints, couples, the memory of actions, and the elements that came apart in the last step. Returns
 /// those of this rank.
 fn send_between<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
@@ -479,7 +479,7 @@ fn nearest<const D: usize>(
     wanted
 }
 
-/// Tells the owners of corners which of them this rank has, and gets the joints there. Returns the codes of
+/// Informs the owners of corners which of them this rank has, and gets the joints there. Returns the codes of
 /// corners of this rank that others have.
 fn send_to_borrowers<const D: usize, const N: usize>(
     pieces: &mut RunPieces<D, N>,

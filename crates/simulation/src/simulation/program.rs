@@ -1,5 +1,5 @@
-//! What a program sets between steps: velocities and forces of nodes, factors of boundaries. Their work is in
-//! the energy balance.
+//! Changes by a program between steps: velocities and forces of nodes, factors of boundaries. Their work is
+//! in the energy balance.
 //!
 //! A program that holds a run may load it by a law of its own: before a step it reads the state, and sets
 //! forces or velocities. Forces act like those of a [`Load`](crate::Load), from the next step on and until

@@ -235,7 +235,7 @@ where
         Scene { model, topology, solid, joints, team, time: self.time(), step: self.scales.time_step }
     }
 
-    /// What the actions remember, as far as this rank counts it.
+    /// The memory of the actions, as far as this rank counts it.
     pub(crate) fn records(&self) -> Vec<Record> {
         self.actions.records(&self.scene())
     }
@@ -279,7 +279,7 @@ where
         self.scales.time_step
     }
 
-    /// The longest stable time step, and what sets it.
+    /// The longest stable time step, and the part that sets it.
     pub fn critical_step(&self) -> CriticalStep {
         self.scales.critical
     }

@@ -132,7 +132,7 @@ fn a_gas_follows_its_volume_and_its_energy_is_in_the_balance() {
     let energies = run.energies();
     let gas = energies.terms().into_iter().find(|term| term.key == "gas").expect("a term").value;
     assert!((gas - stored(volume)).abs() < 1e-3 * gas, "{gas}");
-    // What the gas has lost is the work that it has done, and nothing else is external work.
+    // The energy lost by the gas is the work that it has done, and nothing else is external work.
     let lost = stored(first.volume) - stored(volume);
     assert!((state(&run).work / lost - 1.0).abs() < 1e-4, "{} {lost}", state(&run).work);
     assert_eq!(energies.external, 0.0);

@@ -5,8 +5,8 @@ use fdem_simulation::*;
 
 use crate::common::{granite, rectangle};
 
-/// Foretells a run of a model after some steps on these numbers of ranks, and compares with the ranks.
-/// Returns the last forecast.
+/// Predicts a run of a model after some steps on these numbers of ranks, and compares with the ranks. Returns
+/// the last forecast.
 macro_rules! as_foretold {
     ($model:expr, $dimensions:literal, $corners:literal, $steps:expr, $ranks:expr) => {{
         let model: Model<$dimensions, $corners> = $model;

@@ -65,7 +65,7 @@ fn a_bedded_run_that_was_saved_continues_bit_for_bit() {
         let saved = postcard::to_allocvec(&whole.state()).expect("bytes");
         let state: State = postcard::from_bytes(&saved).expect("a state");
         let mut resumed = Simulation::resume(model.clone(), state, 1).expect("the same model");
-        // The stress out of the plane follows from what elements keep, also before the next step.
+        // The stress out of the plane follows from the memory of the elements, also before the next step.
         assert_eq!(resumed.snapshot(), whole.snapshot());
         for run in [&mut whole, &mut resumed] {
             run.advance(700).expect("steps");

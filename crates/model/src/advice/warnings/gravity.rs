@@ -1,4 +1,4 @@
-//! Gravity that acts at once on bodies that rest.
+//! Gravity without a ramp on bodies that rest.
 
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_io::numbers::brief;
@@ -8,7 +8,8 @@ use fdem_simulation::{Load, Model, Schedule};
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::PreparedBody;
 
-/// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
+/// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's
+/// box.
 const RESTING: f64 = 1e-3;
 
 /// Share of the tensile strength below which the weight of a body is no load.
@@ -17,7 +18,8 @@ const NO_LOAD: f64 = 0.01;
 /// Passages of a wave through the height of the model in the ramp that is proposed: five periods of a column.
 const PASSAGES: f64 = 20.0;
 
-/// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each other.
+/// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each
+/// other.
 pub(super) fn sudden<const D: usize, const N: usize>(
     model: &Model<D, N>,
     bodies: &[PreparedBody],
@@ -74,7 +76,8 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
     held
 }
 
-/// Whether a body has a material that breaks, and whose strength the weight of a column of this g H is a share of.
+/// Whether a body has a material that breaks, and whose strength the weight of a column of this g H is a
+/// share of.
 fn breaks_under_weight<const D: usize, const N: usize>(
     model: &Model<D, N>,
     body: &PreparedBody,
@@ -111,6 +114,6 @@ where
                 rests = rests || (!held && touches(i, j));
             })
         });
-    // What cannot be detected cannot be run either, and is told there.
+    // A model that cannot be searched cannot be run either, and is reported there.
     found.is_ok() && rests
 }

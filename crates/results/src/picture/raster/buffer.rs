@@ -53,7 +53,7 @@ pub(crate) struct Raster<const S: usize> {
     pub(super) height: usize,
     pub(super) depths: Vec<[f32; S]>,
     pub(super) colours: Vec<[u32; S]>,
-    /// A depth of each pixel that no sample of it is below: what is behind it is not seen.
+    /// A depth of each pixel that no sample of it is below: parts behind it are not seen.
     pub(super) hidden: Vec<f32>,
 }
 

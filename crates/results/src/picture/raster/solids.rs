@@ -8,7 +8,7 @@ use crate::picture::raster::triangle::{Stroke, Triangle};
 /// Direction to the light: left, above and in front.
 const LIGHT: [f32; 3] = [-0.42, 0.62, 0.662_4];
 
-/// Least radius of what is drawn, pixels, so that no sphere falls between the samples.
+/// Least radius of drawn spheres, pixels, so that no sphere falls between the samples.
 const LEAST: f64 = 0.375;
 
 impl<const S: usize> Raster<S> {
