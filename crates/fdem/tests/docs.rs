@@ -25,6 +25,8 @@ mod names;
 mod sources;
 #[path = "docs/step.rs"]
 mod step;
+#[path = "docs/words.rs"]
+mod words;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -243,7 +245,7 @@ fn every_model_in_the_book_is_right() {
     assert!(checked >= 1, "no model was found: has the format of the book changed?");
 }
 
-/// The walk-throughs for what is added most often name at most five files each.
+/// The walk-throughs for frequent additions name at most five files each.
 #[test]
 fn walk_throughs_name_few_files() {
     let text = read("CONTRIBUTING.md");
