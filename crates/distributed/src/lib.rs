@@ -16,7 +16,7 @@
 //! | ranks that are threads, without MPI | [`threads::run`] |
 //! | ranks that are processes of `mpirun` | `World` of the crate `fdem-mpi` |
 //! | to exchange bytes between ranks | [`Communicator`], [`Halo`] |
-//! | to exchange values | [`wire`] |
+//! | to exchange values | [`mod@wire`] |
 //! | to divide anything that has places among ranks | [`curve`] |
 //! | to know whether a launcher has started several processes, also without MPI | [`launched`] |
 //!

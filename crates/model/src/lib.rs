@@ -1,4 +1,4 @@
-//! Model files: from TOML to a [`Model`] that can be run.
+//! Model files: from TOML to a [`Model`](fdem_simulation::Model) that can be run.
 //!
 //! [`prepare`] takes the text of a model file and a function that gives the bytes of the files it names;
 //! there are no paths and no terminal here. Errors come back as [`ModelErrors`], all of them together, each

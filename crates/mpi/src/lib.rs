@@ -1,4 +1,4 @@
-//! Ranks that are processes under MPI: a [`World`] is the [`Communicator`] of all processes that a launcher
+//! Ranks that are processes under MPI: a `World` is the `Communicator` of all processes that a launcher
 //! such as `mpirun` has started.
 //!
 //! This is a separate crate, so that only the command is compiled again for MPI. It is empty without its

@@ -2,7 +2,7 @@
 
 use crate::npy_header::Scalar;
 
-/// The type of the labels of an image: the [`LabelValue`] to read them as.
+/// The type of the labels of an image: the [`LabelValue`](crate::LabelValue) to read them as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelKind {
     /// `u8`.

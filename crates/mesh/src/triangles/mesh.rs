@@ -9,7 +9,7 @@ pub struct Triangles {
     pub nodes: Vec<Point>,
     /// Corners of the elements `[m]`, counter-clockwise.
     pub elements: Vec<[u32; 3]>,
-    /// The loop of each node `[n]`, or [`INSIDE`].
+    /// The loop of each node `[n]`, or [`INSIDE`](crate::triangles::INSIDE).
     pub loops: Vec<u32>,
     /// Edges along the lines of the domain.
     pub lines: Vec<[u32; 2]>,

@@ -55,7 +55,7 @@ where
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
     /// of the first element of each fragment. The fragments change only when joints break: see
-    /// [`Counts::broken`]. Linear in the number of elements.
+    /// [`Counts::broken`](crate::Counts::broken). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
         self.topology.pieces(|facet| self.joints.holds(facet))
     }
