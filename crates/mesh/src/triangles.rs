@@ -28,6 +28,7 @@ pub use network::{SNAP, Tangled, add_lines};
 
 use outline::{Domain, Inside, Point, distance, twice_area};
 
+use crate::curve::place;
 use crate::grading::{Grading, stations};
 use crate::{MOST_ELEMENTS, bounds};
 
@@ -505,8 +506,8 @@ struct Curve {
 }
 
 impl Curve {
-    /// Squares along an edge, as a power of 2.
-    const ORDER: u8 = 16;
+    /// Bits of a coordinate: 65,536 squares along an edge.
+    const BITS: u32 = 16;
 
     fn around(points: &[Point]) -> Self {
         let bound = |axis: usize, of: fn(f64, f64) -> f64, from: f64| {
@@ -520,6 +521,6 @@ impl Curve {
     /// Position of a point along the curve.
     fn place(&self, point: Point) -> u64 {
         let [x, y] = [0, 1].map(|axis| ((point[axis] - self.origin[axis]) * self.per_length) as u32);
-        fast_hilbert::xy2h(x, y, Self::ORDER)
+        place([x, y], Self::BITS)
     }
 }
