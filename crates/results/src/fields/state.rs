@@ -37,7 +37,7 @@ pub(crate) trait State {
     fn fragment(&self, element: usize) -> u32;
 
     /// A joint.
-    fn joint(&self, joint: usize) -> Joint;
+    fn joint(&self, joint: usize) -> JointValues;
 
     /// Elements on both sides of a contact.
     fn contact_elements(&self, contact: usize) -> [u32; 2];
@@ -49,7 +49,7 @@ pub(crate) trait State {
 
 /// A joint that softens or is broken: a [`Crack`] without its place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Joint {
+pub(crate) struct JointValues {
     pub(crate) elements: [u32; 2],
     pub(crate) damage: f64,
     pub(crate) mode: Mode,
@@ -152,9 +152,9 @@ where
         self.snapshot.fragments[element]
     }
 
-    fn joint(&self, joint: usize) -> Joint {
+    fn joint(&self, joint: usize) -> JointValues {
         let &Crack { elements, damage, mode, opening, sliding, time, measure, .. } = self.joints[joint];
-        Joint { elements, damage, mode, opening, sliding, time, measure }
+        JointValues { elements, damage, mode, opening, sliding, time, measure }
     }
 
     fn contact_elements(&self, contact: usize) -> [u32; 2] {

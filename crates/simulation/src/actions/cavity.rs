@@ -78,7 +78,7 @@ impl<const D: usize> Face<D> {
 
 /// Numbers of a cavity, the same on all ranks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Numbers {
+struct CavityNumbers {
     /// Volume of the undeformed hole, m³, by which a changed hole is recognised.
     hole: f64,
     /// Volume in the beginning, and now, m³.
@@ -95,7 +95,7 @@ struct Numbers {
     stored: f64,
 }
 
-wire!([] Numbers { hole, first, volume, work, swept, area, pressure, stored });
+wire!([] CavityNumbers { hole, first, volume, work, swept, area, pressure, stored });
 
 /// Pressure, volume and work of a cavity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -128,12 +128,12 @@ struct Cavity<const D: usize> {
     elsewhere: BTreeMap<Rim, Vec<u32>>,
     /// In the order of their corners.
     faces: Vec<Face<D>>,
-    numbers: Option<Numbers>,
+    numbers: Option<CavityNumbers>,
 }
 
 impl<const D: usize> Cavity<D> {
     /// Pressure at a volume, Pa. `factor`: of the schedule.
-    fn pressure_at(&self, numbers: &Numbers, factor: f64) -> f64 {
+    fn pressure_at(&self, numbers: &CavityNumbers, factor: f64) -> f64 {
         match self.gas {
             Some(exponent) => self.pressure * libm::pow(numbers.first / numbers.volume, exponent),
             None => self.pressure * factor,
@@ -141,7 +141,7 @@ impl<const D: usize> Cavity<D> {
     }
 
     /// Energy that a gas stores at a volume, J.
-    fn stored(&self, numbers: &Numbers) -> f64 {
+    fn stored(&self, numbers: &CavityNumbers) -> f64 {
         let Some(exponent) = self.gas else { return 0.0 };
         let ratio = libm::pow(numbers.first / numbers.volume, exponent - 1.0);
         self.pressure * numbers.first * ratio / (exponent - 1.0)
@@ -218,7 +218,7 @@ impl<const D: usize> Cavities<D> {
     /// Pressure, volume and work of the cavity of a boundary.
     pub(crate) fn state(&self, boundary: u32) -> Option<CavityState> {
         let cavity = self.all.iter().find(|cavity| cavity.boundary == boundary)?;
-        let Numbers { volume, work, swept, area, pressure, stored, .. } = cavity.numbers?;
+        let CavityNumbers { volume, work, swept, area, pressure, stored, .. } = cavity.numbers?;
         // Until the next pressure is known, the last one stands for it.
         Some(CavityState { pressure, volume, area, work: work + 0.5 * pressure * swept, stored })
     }
@@ -346,8 +346,14 @@ where
                 }
                 let area = cavity.faces.iter().map(|face| dot(face.area, face.area).sqrt()).sum();
                 let work = cavity.numbers.map_or(0.0, |numbers| numbers.work);
-                cavity.numbers =
-                    Some(Numbers { hole, first: volume, volume, area, work, ..Numbers::default() });
+                cavity.numbers = Some(CavityNumbers {
+                    hole,
+                    first: volume,
+                    volume,
+                    area,
+                    work,
+                    ..CavityNumbers::default()
+                });
             }
         }
         Ok(())
@@ -499,7 +505,7 @@ where
             }
             return true;
         };
-        if let Some(numbers) = record.value(&Numbers::default()) {
+        if let Some(numbers) = record.value(&CavityNumbers::default()) {
             cavity.numbers = Some(numbers);
             return true;
         }

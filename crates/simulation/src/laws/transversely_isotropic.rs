@@ -234,7 +234,7 @@ pub(crate) struct Bedded<const D: usize> {
 
 /// Constants of a batch.
 #[derive(Clone, Debug)]
-pub(crate) struct Constants<const D: usize> {
+pub(crate) struct BatchConstants<const D: usize> {
     isotropic: [Lanes; 2],
     rest: [Lanes; 5],
     normal: [Lanes; D],
@@ -262,22 +262,22 @@ impl<const D: usize, const N: usize> ElementLaw<D, N> for Bedded<D>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    type Constants = Constants<D>;
+    type Constants = BatchConstants<D>;
 
     /// The present normal of the bedding.
     const MEMORY: usize = D;
     const SMALL: f64 = <[[f64; D]; N] as Simplex<D, N>>::SMALL;
 
     #[inline(always)]
-    fn constants(&self) -> Constants<D> {
-        Constants {
+    fn constants(&self) -> BatchConstants<D> {
+        BatchConstants {
             isotropic: self.isotropic.map(Lanes::all),
             rest: self.rest().map(Lanes::all),
             normal: self.normal.map(Lanes::all),
         }
     }
 
-    fn set(&self, constants: &mut Constants<D>, lane: usize) {
+    fn set(&self, constants: &mut BatchConstants<D>, lane: usize) {
         set_row(&mut constants.isotropic, lane, &self.isotropic);
         set_row(&mut constants.rest, lane, &self.rest());
         set_row(&mut constants.normal, lane, &self.normal);
@@ -285,7 +285,7 @@ where
 
     #[inline(always)]
     fn stress_of_small(
-        constants: &Constants<D>,
+        constants: &BatchConstants<D>,
         memory: &mut [Lanes],
         lane: usize,
         f: &Matrix<D>,
@@ -298,7 +298,7 @@ where
 
     #[inline]
     fn stress(
-        constants: &Constants<D>,
+        constants: &BatchConstants<D>,
         memory: &mut [Lanes],
         lane: usize,
         f: &Matrix<D>,
@@ -368,7 +368,7 @@ where
 /// Adds the part of the bedding to the response of the isotropic part, and keeps the present normal.
 #[inline(always)]
 fn with_bedding<const D: usize, const N: usize>(
-    constants: &Constants<D>,
+    constants: &BatchConstants<D>,
     memory: &mut [Lanes],
     lane: usize,
     f: &Matrix<D>,
