@@ -8,12 +8,13 @@ pub struct ReadOptions {
     /// The roles of the columns; `None` derives them from the header, or from the number of columns.
     pub columns: Option<Columns>,
     /// Skips lines that cannot be read and lists them in [`Source::skipped`](crate::Source), instead of
-    /// stopping at the first one. The elements keep the numbers of their rows in [`Packing::row_numbers`](crate::Packing::row_numbers).
+    /// stopping at the first one. The elements keep the numbers of their rows in
+    /// [`Packing::row_numbers`](crate::Packing::row_numbers).
     pub skip_bad_lines: bool,
     /// Ignores the id column, so that elements are numbered by row.
     pub ignore_ids: bool,
-    /// The column that holds the body of each element, for [`Packing::bodies`](crate::Packing::bodies): its name in the header, or
-    /// its number counted from 1. It has no other role. In a file without names, the other columns keep the
-    /// roles that they would have without it.
+    /// The column that holds the body of each element, for [`Packing::bodies`](crate::Packing::bodies): its
+    /// name in the header, or its number counted from 1. It has no other role. In a file without names, the
+    /// other columns keep the roles that they would have without it.
     pub bodies: Option<String>,
 }

@@ -5,13 +5,7 @@ use fdem_validate::{Case, CaseReport, Outcome, Size, cases, html, table};
 
 #[test]
 fn some_fast_cases_pass() {
-    for name in [
-        "waves in bars",
-        "rotation",
-        "uniaxial tension",
-        "waves in bars of tetrahedra",
-        "impact of tetrahedra",
-    ] {
+    for name in ["waves in bars", "rotation", "uniaxial tension"] {
         let case = cases().iter().find(|case| case.name == name).expect("a case of this name");
         let report = case.report(Size::Reduced);
         assert!(report.passed(), "\n{}", table(&[report]));

@@ -420,16 +420,21 @@ pub fn constant(text: &str) -> Result<(f64, Option<String>), String> {
     Ok((value.number(), value.dimension().map(|dimension| dimension.to_string())))
 }
 
+/// The name of the time inside an expression: not one that a file can have.
+const TIME: &str = "the time";
+
 /// The values of an expression of the time `t`, s: each time with its value.
 ///
 /// # Errors
 /// Says why it has none.
 pub(crate) fn of_time(text: &str, times: impl Iterator<Item = f64>) -> Result<Vec<[f64; 2]>, String> {
     let wrong = |wrong: Wrong| format!("\"{text}\" has no value: {}", wrong.message);
-    let parsed = expression::parse(text).map_err(wrong)?;
+    let mut parsed = expression::parse(text).map_err(wrong)?;
+    // Alone, `t` would be a tonne.
+    parsed.rename("t", TIME);
     let value = |time: f64| {
         let value = parsed.value(&mut |name, at| match name {
-            "t" => Ok(Amount::plain(time)),
+            TIME => Ok(Amount::plain(time)),
             _ => Err(Wrong::new(at, format!("\"{name}\" is not the time t, a unit or a function"))),
         });
         value.map(|value| [time, value.number()]).map_err(wrong)

@@ -73,7 +73,7 @@ fn a_crash_in_the_plane_is_the_same() {
 #[test]
 fn a_crash_of_bedded_bodies_is_the_same() {
     for (insertion, pressure) in [(Insertion::Adaptive, 0.0), (Insertion::Intrinsic, 1e5)] {
-        let counts = on_all_instructions!(crate::laws::crash(insertion, pressure), 900).counts();
+        let counts = on_all_instructions!(crate::laws::crash(insertion, pressure), 1400).counts();
         assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
     }
 }

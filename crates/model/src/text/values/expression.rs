@@ -384,6 +384,21 @@ fn no_unit(symbol: &str, at: Range<usize>) -> Wrong {
 }
 
 impl Expression {
+    /// Replaces a name that stands alone, also one that is a unit otherwise.
+    pub(crate) fn rename(&mut self, from: &str, to: &str) {
+        match self {
+            Self::Number(_) => {}
+            Self::Name(name, _) => {
+                if name == from {
+                    to.clone_into(name);
+                }
+            }
+            Self::Scaled(inner, ..) | Self::Negative(inner) => inner.rename(from, to),
+            Self::Binary(_, both, _) => both.iter_mut().for_each(|one| one.rename(from, to)),
+            Self::Call(_, values, _) => values.iter_mut().for_each(|value| value.rename(from, to)),
+        }
+    }
+
     /// The value. `look_up`: that of a parameter, if there is one of this name.
     ///
     /// # Errors
