@@ -1,9 +1,9 @@
 //! Contacts of bodies that are meshed with finite elements: triangles in 2D, tetrahedra and triangles of
 //! surfaces in 3D.
 //!
-//! Detection works on elements: the bounding boxes go through a [`Detector`](crate::Detector), then the exact narrow phase
-//! ([`narrow`](crate::narrow)) tests the couples. The contacts of elements are then gathered to contacts of
-//! bodies.
+//! Detection works on elements: the bounding boxes go through a [`Detector`](crate::Detector), then the exact
+//! narrow phase ([`narrow`](crate::narrow)) tests the couples. The contacts of elements are then gathered to
+//! contacts of bodies.
 //!
 //! ```
 //! use fdem_contact::discretised::{MeshView, body_contacts, contacts};
