@@ -18,6 +18,7 @@ __all__ = [
     "csr",
     "draw",
     "explain",
+    "fields",
     "file",
     "labels",
     "main",

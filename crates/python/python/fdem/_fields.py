@@ -47,6 +47,11 @@ def fields(at: Optional[str] = None) -> list[Field]:
     list of Field
         The fields, in the order in which files have them.
 
+    Raises
+    ------
+    ValueError
+        If `at` is not one of these places.
+
     Examples
     --------
     >>> import fdem
