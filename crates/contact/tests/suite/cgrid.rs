@@ -11,33 +11,8 @@ use fdem_scenes::random::Random;
 use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 use proptest::prelude::*;
 
-/// Test clouds are made in `f64` and rounded to the type under test.
-trait FromF64: Real {
-    fn from_f64(x: f64) -> Self;
-}
-
-impl FromF64 for f64 {
-    fn from_f64(x: f64) -> Self {
-        x
-    }
-}
-
-impl FromF64 for f32 {
-    fn from_f64(x: f64) -> Self {
-        x as f32
-    }
-}
-
-fn ascending<T: Real, const D: usize>(
-    mut search: impl Search<T, D>,
-    elements: &Elements<'_, T, D>,
-) -> Vec<Couple> {
-    let mut couples = Vec::new();
-    search.couples(elements, &mut couples).unwrap();
-    assert_eq!(search.count(elements).unwrap(), couples.len() as u64, "a second search finds the same");
-    couples.sort_unstable();
-    couples
-}
+use crate::ascending;
+use crate::oracle::FromF64;
 
 /// Compares with all-against-all, and returns the number of couples.
 fn equals_direct<T: Real, const D: usize>(what: &str, elements: &Elements<'_, T, D>) -> usize {
@@ -105,21 +80,7 @@ fn all_scenes<T: FromF64, const D: usize>() {
     all_shapes::<T, D>("negative coordinates", &shifted);
 }
 
-macro_rules! oracle {
-    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
-        $(
-            #[test]
-            fn $name() {
-                all_scenes::<$type, $dimensions>();
-            }
-        )*
-    };
-}
-
-oracle! {
-    f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4; f64_5d: f64, 5; f64_6d: f64, 6;
-    f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4; f32_5d: f32, 5; f32_6d: f32, 6;
-}
+for_all_types! { all_scenes }
 
 /// More dimensions than the lists are nested in.
 #[test]

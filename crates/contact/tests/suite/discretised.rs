@@ -23,29 +23,10 @@ use fdem_contact::narrow::{
 use fdem_contact::{Engine, Error};
 use geo::{Area, BooleanOps, Coord, LineString, Polygon};
 
+use crate::random::SplitMix64;
+
 const ENGINES: [Option<Engine>; 5] =
     [None, Some(Engine::Direct), Some(Engine::Nbs), Some(Engine::Rows), Some(Engine::Multilevel)];
-
-/// `SplitMix64`.
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / 2.0_f64.powi(53)
-    }
-}
 
 /// Arrays of a mesh.
 #[derive(Clone)]
@@ -70,29 +51,29 @@ where
     }
 
     /// `elements` elements with corners on a lattice, crowded in a cube; every tenth names a node twice.
-    fn random(rng: &mut Rng, elements: usize, bodies: usize) -> Self {
+    fn random(rng: &mut SplitMix64, elements: usize, bodies: usize) -> Self {
         let side = 6.0 * (elements as f64).powf(1.0 / D as f64) * 0.3;
         let mut parts = Self { points: Vec::new(), elements: Vec::new(), bodies: Vec::new() };
         for element in 0..elements {
             let centre: [f64; D] = std::array::from_fn(|_| (rng.unit() * side).floor());
             let first = parts.points.len() as u32;
             let mut nodes: [u32; N] = std::array::from_fn(|k| first + k as u32);
-            parts.points.extend((0..N).map(|_| centre.map(|x| x + rng.below(4) as f64)));
+            parts.points.extend((0..N).map(|_| centre.map(|x| x + rng.index(4) as f64)));
             if element % 10 == 0 {
                 nodes[N - 1] = nodes[0];
             }
             if element % 3 == 0 && element > 0 {
                 // Takes a node of another element.
-                nodes[0] = rng.below(first as usize) as u32;
+                nodes[0] = rng.index(first as usize) as u32;
                 let near = parts.points[nodes[0] as usize];
                 for &node in &nodes[1..] {
                     if node >= first {
-                        parts.points[node as usize] = near.map(|x| x + rng.below(5) as f64 - 2.0);
+                        parts.points[node as usize] = near.map(|x| x + rng.index(5) as f64 - 2.0);
                     }
                 }
             }
             parts.elements.push(nodes);
-            parts.bodies.push(rng.below(bodies) as u32 * 7);
+            parts.bodies.push(rng.index(bodies) as u32 * 7);
         }
         parts
     }
@@ -142,7 +123,7 @@ fn equal_to_all_pairs<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D>,
 {
-    let mut rng = Rng(seed);
+    let mut rng = SplitMix64(seed);
     let mut contacts_of_one_body = 0;
     for (elements, bodies) in [(2, 2), (30, 3), (150, 150), (700, 40)] {
         let parts = Parts::<D, N>::random(&mut rng, elements, bodies);
@@ -194,12 +175,12 @@ fn unchanged_by_names_and_places<const D: usize, const N: usize>(seed: u64)
 where
     [[f64; D]; N]: Simplex<D>,
 {
-    let mut rng = Rng(seed);
+    let mut rng = SplitMix64(seed);
     let parts = Parts::<D, N>::random(&mut rng, 400, 25);
     let (found, bodies) = parts.found();
     let mut order: Vec<usize> = (0..parts.elements.len()).collect();
     for k in (1..order.len()).rev() {
-        order.swap(k, rng.below(k + 1));
+        order.swap(k, rng.index(k + 1));
     }
     let renamed = |body: u32| 1000 - body;
     let shift = 1024.0;
@@ -318,11 +299,11 @@ where
 
 #[test]
 fn squares_and_cubes_touch_as_in_images() {
-    let mut rng = Rng(7);
+    let mut rng = SplitMix64(7);
     for _ in 0..5 {
-        let labels: Vec<u16> = (0..12 * 15).map(|_| rng.below(30) as u16).collect();
+        let labels: Vec<u16> = (0..12 * 15).map(|_| rng.index(30) as u16).collect();
         equals_image(&labels, [12, 15], &squares(&labels, [12, 15]));
-        let labels: Vec<u16> = (0..5 * 6 * 7).map(|_| rng.below(60).saturating_sub(20) as u16).collect();
+        let labels: Vec<u16> = (0..5 * 6 * 7).map(|_| rng.index(60).saturating_sub(20) as u16).collect();
         equals_image(&labels, [5, 6, 7], &cubes(&labels, [5, 6, 7]));
     }
 }
@@ -462,10 +443,10 @@ fn walls(n: usize) -> Parts<3, 3> {
 
 #[test]
 fn spheres_touch_each_wall_once() {
-    let mut rng = Rng(8);
+    let mut rng = SplitMix64(8);
     let walls = walls(6);
     // Positions inside and outside, many of them exactly at a wall or at an edge of it.
-    let grid = |rng: &mut Rng| (rng.below(29) as f64 - 2.0) / 24.0;
+    let grid = |rng: &mut SplitMix64| (rng.index(29) as f64 - 2.0) / 24.0;
     let centres: Vec<[f64; 3]> = (0..3000)
         .map(|k| std::array::from_fn(|_| if k % 2 == 0 { grid(&mut rng) } else { rng.unit() }))
         .collect();
@@ -575,7 +556,7 @@ impl Disc {
 
     /// Moves seeds to the centroids of their cells several times, which gives cells of similar sizes without
     /// short sides.
-    fn relaxed(rng: &mut Rng, grains: usize) -> Self {
+    fn relaxed(rng: &mut SplitMix64, grains: usize) -> Self {
         let mut seeds = Vec::new();
         while seeds.len() < grains {
             let p = [2.0 * rng.unit() - 1.0, 2.0 * rng.unit() - 1.0];
@@ -620,7 +601,7 @@ impl Disc {
 
     /// Meshes each cell as a fan of triangles around its seed. A corner is identified by the three cells, or
     /// sides of the disc, that meet there, so cells share their nodes. Elements are shuffled.
-    fn mesh(&self, rng: &mut Rng) -> Parts<2, 3> {
+    fn mesh(&self, rng: &mut SplitMix64) -> Parts<2, 3> {
         let mut parts = Parts { points: self.seeds.clone(), elements: Vec::new(), bodies: Vec::new() };
         let mut nodes = BTreeMap::new();
         for (i, cell) in self.cells.iter().enumerate() {
@@ -635,7 +616,7 @@ impl Disc {
                 })
                 .collect();
             for k in 0..corners.len() {
-                let at = rng.below(parts.elements.len() + 1);
+                let at = rng.index(parts.elements.len() + 1);
                 parts.elements.insert(at, [i as u32, corners[k], corners[(k + 1) % corners.len()]]);
                 parts.bodies.insert(at, i as u32);
             }
@@ -686,7 +667,7 @@ fn centroid(outline: &[[f64; 2]]) -> [f64; 2] {
 /// such boundaries are skipped.
 #[test]
 fn grains_of_a_disc_touch_as_the_cells_and_as_in_its_image() {
-    let mut rng = Rng(9);
+    let mut rng = SplitMix64(9);
     for (grains, pixels) in [(12, 400), (40, 800), (90, 1200)] {
         let pixel = 2.0 / pixels as f64;
         let disc = std::iter::repeat_with(|| Disc::relaxed(&mut rng, grains))
@@ -732,7 +713,7 @@ fn opposite_grains_at_a_corner_share_no_length() {
 /// `geo`.
 #[test]
 fn overlapping_grains_have_the_area_of_their_outlines() {
-    let mut rng = Rng(10);
+    let mut rng = SplitMix64(10);
     let (one, two) = (Disc::relaxed(&mut rng, 40), Disc::relaxed(&mut rng, 50));
     let by = [0.3, -0.2];
     let mut above = two.mesh(&mut rng);

@@ -9,27 +9,7 @@ use std::fmt::Debug;
 use fdem_contact::Error;
 use fdem_contact::image::{ImageContact, ImageContacts, Label, Neighbourhood, Spacing, contacts};
 
-/// `SplitMix64`.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    /// From 0 to 1.
-    fn real(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
+use crate::random::SplitMix64;
 
 /// A contact by definition: the list of its pairs of grid squares.
 #[derive(Debug, Default)]
@@ -138,12 +118,12 @@ fn in_slabs<L: Label, const D: usize>(
     mut image: ImageContacts<L, D>,
     labels: &[L],
     shape: [usize; D],
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> (Vec<ImageContact<L, D>>, usize) {
     let plane: usize = shape[1..].iter().product();
     let mut rest = labels;
     while !rest.is_empty() {
-        let planes = random.below(rest.len() / plane + 1);
+        let planes = random.index(rest.len() / plane + 1);
         let (slab, behind) = rest.split_at(planes * plane);
         image.add(slab).unwrap();
         rest = behind;
@@ -152,10 +132,10 @@ fn in_slabs<L: Label, const D: usize>(
     (image.finish().unwrap(), labels)
 }
 
-/// Random images with few labels in clumps: blocks, then single grid squares changed.
-fn image<L: Copy, const D: usize>(shape: [usize; D], palette: &[L], random: &mut Random) -> Vec<L> {
+/// SplitMix64 images with few labels in clumps: blocks, then single grid squares changed.
+fn image<L: Copy, const D: usize>(shape: [usize; D], palette: &[L], random: &mut SplitMix64) -> Vec<L> {
     let plane: usize = shape[1..].iter().product();
-    let (block, noise) = (1 + random.below(4), random.below(4));
+    let (block, noise) = (1 + random.index(4), random.index(4));
     let salt = random.next();
     let squares = 0..shape[0] * plane;
     squares
@@ -163,11 +143,11 @@ fn image<L: Copy, const D: usize>(shape: [usize; D], palette: &[L], random: &mut
             let mut code = salt;
             let mut rest = at;
             for &length in shape.iter().rev() {
-                code = Random(code ^ (rest % length / block) as u64).next();
+                code = SplitMix64(code ^ (rest % length / block) as u64).next();
                 rest /= length;
             }
-            let chosen = if random.below(10) < noise {
-                random.below(palette.len())
+            let chosen = if random.index(10) < noise {
+                random.index(palette.len())
             } else {
                 code as usize % palette.len()
             };
@@ -179,12 +159,12 @@ fn image<L: Copy, const D: usize>(shape: [usize; D], palette: &[L], random: &mut
 fn equals_brute_force<L: Label + Debug, const D: usize>(
     palette: &[L],
     most: usize,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> usize {
-    let shape: [usize; D] = std::array::from_fn(|_| 1 + random.below(most));
+    let shape: [usize; D] = std::array::from_fn(|_| 1 + random.index(most));
     let labels = image(shape, palette, random);
     let mut pairs = 0;
-    let spacing = Spacing::new(std::array::from_fn(|_| 0.5 + random.real())).unwrap();
+    let spacing = Spacing::new(std::array::from_fn(|_| 0.5 + random.unit())).unwrap();
     for neighbourhood in [Neighbourhood::Face, Neighbourhood::Edge, Neighbourhood::Vertex] {
         if D == 2 && neighbourhood == Neighbourhood::Edge {
             continue;
@@ -224,7 +204,7 @@ fn equals_brute_force<L: Label + Debug, const D: usize>(
 
 /// Images of every type of label, with its extremes, and with numbers that differ in their highest bits only.
 /// The first label is the background.
-fn of_all_types<const D: usize>(most: usize, random: &mut Random) -> usize {
+fn of_all_types<const D: usize>(most: usize, random: &mut SplitMix64) -> usize {
     equals_brute_force::<_, D>(&[0_u8, 1, 2, 127, 128, u8::MAX], most, random)
         + equals_brute_force::<_, D>(&[0_u16, 1, 2, 256, 1 << 15, u16::MAX], most, random)
         + equals_brute_force::<_, D>(&[7_u32, 0, 1, 1 << 16, 1 << 31, u32::MAX], most, random)
@@ -235,14 +215,14 @@ fn of_all_types<const D: usize>(most: usize, random: &mut Random) -> usize {
 
 #[test]
 fn images_in_2d_equal_brute_force() {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     let pairs: usize = (0..60).map(|round| of_all_types::<2>([12, 40][round % 2], &mut random)).sum();
     assert!(pairs > 100_000, "{pairs}");
 }
 
 #[test]
 fn images_in_3d_equal_brute_force() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     let pairs: usize = (0..24).map(|round| of_all_types::<3>([6, 16][round % 2], &mut random)).sum();
     assert!(pairs > 100_000, "{pairs}");
 }
@@ -255,10 +235,10 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
     const PIXELS: usize = 1200;
     const RADIUS: f64 = 1.0;
     let pixel = 2.0 * RADIUS / PIXELS as f64;
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     let mut sites: Vec<[f64; 2]> = Vec::new();
     while sites.len() < GRAINS {
-        let site = [0; 2].map(|_| (2.0 * random.real() - 1.0) * RADIUS);
+        let site = [0; 2].map(|_| (2.0 * random.unit() - 1.0) * RADIUS);
         let apart = |other: &[f64; 2]| (site[0] - other[0]).hypot(site[1] - other[1]) > 0.2;
         if site[0].hypot(site[1]) < 0.95 * RADIUS && sites.iter().all(apart) {
             sites.push(site);

@@ -20,7 +20,7 @@
 //! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every
 //!   element.
 //! - `queries`: elements around points, and the nearest ones, against the distances to all elements.
-//! - `against_all`: no tests; shared parts of the two before.
+//! - `against_all`: no tests; shared parts of the two before. `random`: shared random numbers.
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 //! - `doubt`: distances at the limit and next to it, where the kernels must not rely on 32 bits; lattices and
 //!   crowds.
@@ -37,6 +37,24 @@
 //! - `../memory.rs`, a separate program because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+/// Tests of `$scenes` for every float type and number of dimensions.
+macro_rules! for_all_types {
+    ($scenes:ident) => {
+        for_all_types! { $scenes;
+            f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4; f64_5d: f64, 5; f64_6d: f64, 6;
+            f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4; f32_5d: f32, 5; f32_6d: f32, 6;
+        }
+    };
+    ($scenes:ident; $($name:ident: $type:ty, $dimensions:literal;)*) => {
+        $(
+            #[test]
+            fn $name() {
+                $scenes::<$type, $dimensions>();
+            }
+        )*
+    };
+}
 
 mod against_all;
 mod boxes;
@@ -58,12 +76,23 @@ mod oracle;
 mod periodic;
 mod properties;
 mod queries;
+mod random;
 mod reuse;
 mod stop;
 mod two_sets;
 mod unsafe_code;
 
-use fdem_contact::{Couple, Elements, Real, Search};
+use fdem_contact::{Couple, Elements, Engine, Real, Search};
+
+/// All engines, and the one that is chosen.
+const ENGINES: [Option<Engine>; 6] = [
+    None,
+    Some(Engine::Direct),
+    Some(Engine::Nbs),
+    Some(Engine::Rows),
+    Some(Engine::Multilevel),
+    Some(Engine::CGrid),
+];
 
 /// The couples of a search in ascending order; a couple that was found twice appears twice.
 fn ascending<T: Real, const D: usize>(

@@ -29,31 +29,13 @@ use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape;
 
+use crate::random::SplitMix64;
+
 const PAIRS: usize = 100_000;
 
 // ---------------------------------------------------------------- points
 
-/// `SplitMix64`.
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    /// A number in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / 2.0_f64.powi(53)
-    }
-
+impl SplitMix64 {
     fn point<const D: usize>(&mut self, scale: f64) -> [f64; D] {
         std::array::from_fn(|_| scale * self.unit())
     }
@@ -343,7 +325,7 @@ fn array(p: Vector) -> [f64; 3] {
 
 #[test]
 fn spheres_and_planes_agree_with_parry() {
-    let mut rng = Rng(1);
+    let mut rng = SplitMix64(1);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         let (c, d): ([f64; 3], [f64; 3]) = if grid {
@@ -382,7 +364,7 @@ fn spheres_and_planes_agree_with_parry() {
 
 #[test]
 fn spheres_against_triangles_agree_with_parry() {
-    let mut rng = Rng(2);
+    let mut rng = SplitMix64(2);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         let [a, b, c, p]: [[f64; 3]; 4] =
@@ -435,7 +417,7 @@ fn a_sphere_outside_of_a_convex_mesh_has_one_contact_and_parry_its_distance() {
     let cube = shape::Cuboid::new(Vector::new(1.0, 1.0, 1.0));
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let mut contacts = Vec::new();
-    let (mut rng, mut pairs) = (Rng(3), 0);
+    let (mut rng, mut pairs) = (SplitMix64(3), 0);
     while pairs < PAIRS {
         // A point on a grid of quarters, one step off it, or anywhere.
         let p: [f64; 3] = std::array::from_fn(|_| match rng.below(4) {
@@ -493,7 +475,7 @@ fn exact_distance_squared(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> BigRational {
 
 #[test]
 fn segments_and_capsules_agree_with_exact_numbers_and_parry() {
-    let (mut rng, mut decided) = (Rng(4), 0);
+    let (mut rng, mut decided) = (SplitMix64(4), 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         let exact: [[Near; 3]; 4] = rng.grid(4, case % 4 == 0);
@@ -561,7 +543,7 @@ fn check_plane(contact: &Contact<2>, overlap: &[[f64; 2]], a: &[[f64; 2]], b: &[
 
 #[test]
 fn triangles_in_the_plane_agree_with_exact_numbers_and_geo() {
-    let (mut rng, mut overlap, mut geo_differs) = (Rng(5), Vec::new(), 0);
+    let (mut rng, mut overlap, mut geo_differs) = (SplitMix64(5), Vec::new(), 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         let (one, two): ([[Near; 2]; 3], [[Near; 2]; 3]) =
@@ -594,7 +576,7 @@ fn triangles_in_the_plane_agree_with_exact_numbers_and_geo() {
 
 #[test]
 fn convex_polygons_agree_with_exact_numbers_and_geo() {
-    let (mut rng, mut overlap, mut geo_differs) = (Rng(6), Vec::new(), 0);
+    let (mut rng, mut overlap, mut geo_differs) = (SplitMix64(6), Vec::new(), 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         // The hull of seven points, some of which coincide or lie on its sides.
@@ -628,7 +610,7 @@ fn convex_polygons_agree_with_exact_numbers_and_geo() {
 
 #[test]
 fn triangles_in_space_agree_with_exact_numbers_and_parry() {
-    let (mut rng, mut decided) = (Rng(7), 0);
+    let (mut rng, mut decided) = (SplitMix64(7), 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
         let (one, two): ([[Near; 3]; 3], [[Near; 3]; 3]) =
@@ -675,7 +657,7 @@ fn any_tetrahedra_agree_with_exact_numbers_and_slices() {
 
 /// Compares pairs of tetrahedra, with corners on a grid or anywhere.
 fn compare_tetrahedra(grid: bool, seed: u64) {
-    let mut rng = Rng(seed);
+    let mut rng = SplitMix64(seed);
     let mut touching = 0;
     for case in 0..PAIRS {
         let (one, two): ([[Near; 3]; 4], [[Near; 3]; 4]) =
@@ -712,7 +694,7 @@ fn compare_tetrahedra(grid: bool, seed: u64) {
 
 #[test]
 fn parts_of_a_tetrahedron_add_up_to_it() {
-    let mut rng = Rng(9);
+    let mut rng = SplitMix64(9);
     for _ in 0..2000 {
         let p: [[f64; 3]; 4] = std::array::from_fn(|_| rng.point(2.0));
         let q: [[f64; 3]; 4] = std::array::from_fn(|_| rng.point(2.0));
@@ -741,7 +723,7 @@ fn parts_of_a_tetrahedron_add_up_to_it() {
 
 #[test]
 fn boxes_agree_with_parry() {
-    let mut rng = Rng(10);
+    let mut rng = SplitMix64(10);
     let (mut touching, mut parry_differs) = (0, 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;

@@ -109,18 +109,4 @@ fn all_scenes<T: FromF64, const D: usize>() {
     compare::<T, D>("two, 1e6 diameters apart", &far);
 }
 
-macro_rules! oracle {
-    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
-        $(
-            #[test]
-            fn $name() {
-                all_scenes::<$type, $dimensions>();
-            }
-        )*
-    };
-}
-
-oracle! {
-    f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4; f64_5d: f64, 5; f64_6d: f64, 6;
-    f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4; f32_5d: f32, 5; f32_6d: f32, 6;
-}
+for_all_types! { all_scenes }

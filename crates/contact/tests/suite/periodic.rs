@@ -13,17 +13,8 @@ use fdem_contact::{
 };
 use fdem_scenes::random::Random;
 
+use crate::ENGINES;
 use crate::oracle::FromF64;
-
-/// All engines, and the one that is chosen.
-const ENGINES: [Option<Engine>; 6] = [
-    None,
-    Some(Engine::Direct),
-    Some(Engine::Nbs),
-    Some(Engine::Rows),
-    Some(Engine::Multilevel),
-    Some(Engine::CGrid),
-];
 
 /// One radius for all, or one each.
 #[derive(Clone, Copy)]

@@ -9,15 +9,7 @@ use std::time::Duration;
 
 use fdem_contact::{Detector, Elements, Engine, Error, PeriodicBox, PeriodicSearch, Search};
 
-/// All engines, and the one that is chosen.
-const ENGINES: [Option<Engine>; 6] = [
-    None,
-    Some(Engine::Direct),
-    Some(Engine::Nbs),
-    Some(Engine::Rows),
-    Some(Engine::Multilevel),
-    Some(Engine::CGrid),
-];
+use crate::ENGINES;
 
 /// A grid whose points are 1 apart, in a shuffled order.
 fn points(edge: u32) -> Vec<[f64; 3]> {
