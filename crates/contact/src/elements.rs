@@ -462,9 +462,9 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         })
     }
 
-    /// How far the rounded comparison of [`Elements`] can be from the exact one, as a length. Elements that
-    /// touch have a distance of at most `reach + rounding()`; elements whose distance is at most
-    /// `reach - rounding()` touch.
+    /// Largest error of the rounded comparison of [`Elements`], as a length. Elements that touch have a
+    /// distance of at most `reach + rounding()`; elements whose distance is at most `reach - rounding()`
+    /// touch.
     ///
     /// Spheres: `reach = r_i + r_j + tolerance`, and the distance is that of the centres. With
     /// `u = EPSILON / 2`, the computed sum of squares is the exact one times a factor within

@@ -10,7 +10,7 @@ use crate::search::level::Level;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
-/// How a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would search a set of
+/// Plan of a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) for a set of
 /// elements, and the cost of the search. Its `Display` is text for a person.
 ///
 /// # Example

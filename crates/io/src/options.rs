@@ -1,4 +1,4 @@
-//! How tables of elements are read.
+//! Options of reading a table of elements.
 
 use crate::columns::Columns;
 

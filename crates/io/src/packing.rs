@@ -70,7 +70,7 @@ pub struct Packing {
     pub cell: Option<SimulationBox>,
     /// The frame of the file that was read.
     pub frame: Frame,
-    /// How the file was interpreted.
+    /// Format of the file, and the meaning of its columns.
     pub source: Source,
 }
 

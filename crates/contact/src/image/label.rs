@@ -25,7 +25,7 @@ macro_rules! label {
 }
 label!(u8 u16 u32 u64 i32 i64);
 
-/// Which grid squares are neighbours. Each kind includes those before it.
+/// Rule by which grid squares are neighbours. Each rule includes the ones before it.
 #[doc(alias = "connectivity")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Neighbourhood {

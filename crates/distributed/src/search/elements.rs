@@ -405,7 +405,7 @@ impl<T: Real, const D: usize> ElementSet<T, D> {
         .with_tolerance(self.tolerance)
     }
 
-    /// As [`ElementsView::level`].
+    /// Level of an element: see [`ElementsView::level`].
     #[inline]
     pub(crate) fn level(&self, place: usize) -> u16 {
         self.view().level(place)

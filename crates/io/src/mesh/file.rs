@@ -26,7 +26,7 @@ pub struct MeshFile {
     pub tetrahedra: Cells<4>,
     /// The bodies that have elements, in the order of their first elements in the file; at least one.
     pub bodies: Vec<MeshBody>,
-    /// How the file was interpreted.
+    /// Format of the file, and the meaning of its parts.
     pub source: MeshSource,
 }
 
@@ -68,7 +68,7 @@ pub struct MeshBody {
     pub name: Option<String>,
 }
 
-/// How a mesh file was interpreted.
+/// Format of a mesh file, and the meaning of its parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshSource {
     /// The format.

@@ -168,8 +168,7 @@ pub struct Fragment<const D: usize = 2> {
 
 /// The fragments of a run at one instant.
 ///
-/// Mass, area and volume are those of the undeformed mesh; position, motion and extent are those of the
-/// instant.
+/// Mass, area and volume refer to the undeformed mesh; position, motion and extent refer to the instant.
 ///
 /// # Example
 /// ```

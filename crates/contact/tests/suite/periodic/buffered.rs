@@ -18,7 +18,7 @@ fn expected<T: FromF64, const D: usize>(
     couples
 }
 
-/// How elements walk, and how the caller handles elements that leave the box.
+/// Steps of the elements, and treatment of elements that leave the box.
 #[derive(Clone, Copy)]
 struct Walk {
     step: f64,
