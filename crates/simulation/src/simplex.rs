@@ -155,9 +155,9 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         found: &mut [Interactions<D, N>],
     );
 
-    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound
+    /// The distance of two elements that do not overlap, m, or a lower bound of it. `known`: the lower bound
     /// of [`apart`].
-    fn distance(&self, other: &Self, told: f64) -> f64;
+    fn distance(&self, other: &Self, known: f64) -> f64;
 
     /// The matrix whose columns are the edges from corner 0.
     #[inline]

@@ -561,7 +561,7 @@ where
             histories,
             |first, deformed, forces, histories| {
                 let mut inverted = None;
-                let (mut given, mut told) = (BatchInputs::NONE, BatchResults::NONE);
+                let (mut given, mut results) = (BatchInputs::NONE, BatchResults::NONE);
                 let mut none = History::new(0);
                 for (k, deformed) in deformed.iter_mut().enumerate() {
                     let batch = first + k;
@@ -596,11 +596,11 @@ where
                         alike: own.iter().all(|element| element.material == own[0].material),
                     };
                     let law_of = |lane: usize| &constitutions[own[lane].material as usize].law;
-                    batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut told);
+                    batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut results);
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
-                        *forces = told.forces(lane);
-                        let ratio = told.ratio.get(lane);
+                        *forces = results.forces(lane);
+                        let ratio = results.ratio.get(lane);
                         if ratio <= 0.0 || ratio.is_nan() {
                             // Its stress may be infinite, and the step is finished.
                             *forces = [[0.0; D]; N];
@@ -611,11 +611,11 @@ where
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
                             // Work of the last viscous stress in the second half of its step, and of the new
                             // one in the first half of its step.
-                            let work = 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
+                            let work = 0.5 * step * results.power.get(lane) * undeformed.volume.get(lane);
                             history.dissipated.set(lane, history.dissipated.get(lane) + work);
                         }
                         if any_dissipates && constitutions[own[lane].material as usize].dissipates {
-                            let lost = told.dissipated.get(lane) * undeformed.volume.get(lane);
+                            let lost = results.dissipated.get(lane) * undeformed.volume.get(lane);
                             history.dissipated.set(lane, history.dissipated.get(lane) + lost);
                         }
                     }

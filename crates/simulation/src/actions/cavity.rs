@@ -74,6 +74,11 @@ impl<const D: usize> Face<D> {
         let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * solid.thickness);
         Self { corners, area, middle }
     }
+
+    /// Force of a pressure on each of its corners, N.
+    fn force(&self, pressure: f64) -> Point<D> {
+        self.area.map(|a| -(pressure / D as f64 * a))
+    }
 }
 
 /// Numbers of a cavity, the same on all ranks.
@@ -368,16 +373,15 @@ where
             numbers.work += 0.5 * numbers.pressure * numbers.swept;
             numbers.swept = 0.0;
             cavity.numbers = Some(numbers);
-            let force = |face: &Face<D>| face.area.map(|a| -(numbers.pressure / D as f64 * a));
             if cavity.gas.is_some() {
                 for face in &cavity.faces {
-                    let force = force(face);
+                    let force = face.force(numbers.pressure);
                     face.corners.into_iter().for_each(|corner| acting.solid.add_force(corner, force));
                 }
                 continue;
             }
             let on = |face: &Face<D>| {
-                let (force, boundary) = (force(face), cavity.boundary);
+                let (force, boundary) = (face.force(numbers.pressure), cavity.boundary);
                 face.corners.map(|corner| Applied { corner, boundary, force, viscous: [0.0; D] })
             };
             acting.apply(|_, applied| applied.extend(cavity.faces.iter().flat_map(on)));
@@ -392,7 +396,7 @@ where
             let factor = schedules[cavity.boundary as usize].factor(0.0);
             let pressure = cavity.numbers.map_or(0.0, |numbers| cavity.pressure_at(&numbers, factor));
             let forces = cavity.faces.iter().flat_map(move |face| {
-                let force = face.area.map(|a| -(pressure / D as f64 * a));
+                let force = face.force(pressure);
                 face.corners.map(|corner| (corner, force))
             });
             forces.collect::<Vec<_>>()

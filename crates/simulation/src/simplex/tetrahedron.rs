@@ -219,8 +219,8 @@ impl Simplex<3, 4> for Tetrahedron {
         potential::interactions(available, shapes, scratch, found);
     }
 
-    fn distance(&self, other: &Self, told: f64) -> f64 {
-        distance::between(self, other).max(told)
+    fn distance(&self, other: &Self, known: f64) -> f64 {
+        distance::between(self, other).max(known)
     }
 }
 

@@ -194,7 +194,7 @@ impl Simplex<2, 3> for Triangle {
         potential::interactions(available, shapes, scratch, found);
     }
 
-    fn distance(&self, _: &Self, told: f64) -> f64 {
-        told
+    fn distance(&self, _: &Self, known: f64) -> f64 {
+        known
     }
 }

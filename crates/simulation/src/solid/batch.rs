@@ -200,7 +200,7 @@ fn strain_one<
     constants: &L::Constants,
     deformed: &mut Deformed<D>,
     history: &mut History<D>,
-    told: &mut BatchResults<D, N>,
+    results: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -212,11 +212,11 @@ fn strain_one<
         L::stress(constants, &mut history.memory, lane, &gradient, j)
     } else {
         let response = L::stress_of_small(constants, &mut history.memory, lane, &gradient, j);
-        told.strain.set(lane, response.strain);
+        results.strain.set(lane, response.strain);
         response
     };
     if L::DISSIPATES {
-        told.dissipated.set(lane, response.dissipated);
+        results.dissipated.set(lane, response.dissipated);
     }
     let (mut stress, mut energy) = (response.stress, response.energy);
     if INITIAL {
@@ -235,11 +235,11 @@ fn strain_one<
         let viscosity = given.viscosity.get(lane);
         let before = tensor(&history.viscous, lane);
         let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
-        told.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
+        results.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
         set_tensor(&mut history.viscous, lane, &now);
         stress = matrix(|i, k| stress[i][k] + now[i][k]);
     }
-    told.ratio.set(lane, j);
+    results.ratio.set(lane, j);
     deformed.energy.set(lane, energy * volume);
     let cauchy = symmetric(&product_transposed(&stress, &gradient));
     let over = 1.0 / j;
@@ -247,7 +247,7 @@ fn strain_one<
     let forces: [Point<D>; N] = forces_of(&stress, &gradients, volume);
     for corner in 0..N {
         for axis in 0..D {
-            told.forces[corner][axis].set(lane, forces[corner][axis]);
+            results.forces[corner][axis].set(lane, forces[corner][axis]);
         }
     }
 }
@@ -260,13 +260,13 @@ fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
     constants: &L::Constants,
     deformed: &mut Deformed<D>,
     history: &mut History<D>,
-    told: &mut BatchResults<D, N>,
+    results: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     for lane in 0..LANES {
         strain_one::<D, N, INITIAL, VISCOUS, false, L>(
-            lane, undeformed, given, constants, deformed, history, told,
+            lane, undeformed, given, constants, deformed, history, results,
         );
     }
 }
@@ -279,7 +279,7 @@ compiled_for_vectors!(fn vectors = strain_all<
     constants: &L::Constants,
     deformed: &mut Deformed<D>,
     history: &mut History<D>,
-    told: &mut BatchResults<D, N>
+    results: &mut BatchResults<D, N>
 ) where [[f64; D]; N]: Simplex<D, N>, L: ElementLaw<D, N>);
 
 /// Computes the elements of a batch, all of which have the same law.
@@ -297,15 +297,15 @@ pub(super) fn strain<
     constants: &L::Constants,
     deformed: &mut Deformed<D>,
     history: &mut History<D>,
-    told: &mut BatchResults<D, N>,
+    results: &mut BatchResults<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    vectors::<D, N, INITIAL, VISCOUS, L>(available, undeformed, given, constants, deformed, history, told);
+    vectors::<D, N, INITIAL, VISCOUS, L>(available, undeformed, given, constants, deformed, history, results);
     for lane in 0..LANES {
-        if told.strain.get(lane) >= L::SMALL {
+        if results.strain.get(lane) >= L::SMALL {
             strain_one::<D, N, INITIAL, VISCOUS, true, L>(
-                lane, undeformed, given, constants, deformed, history, told,
+                lane, undeformed, given, constants, deformed, history, results,
             );
         }
     }

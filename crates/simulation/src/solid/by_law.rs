@@ -29,14 +29,14 @@ impl<const D: usize> ElementBatch<'_, D> {
         law_of: impl Fn(usize) -> &'l AnyLaw<D>,
         deformed: &mut Deformed<D>,
         history: &mut History<D>,
-        told: &mut BatchResults<D, N>,
+        results: &mut BatchResults<D, N>,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
         if self.alike {
             with_law!(law_of(0), law => {
                 let constants = ElementLaw::<D, N>::constants(law);
-                self.strain::<N, INITIAL, VISCOUS, _>(law, &constants, deformed, history, told);
+                self.strain::<N, INITIAL, VISCOUS, _>(law, &constants, deformed, history, results);
             });
             return;
         }
@@ -44,7 +44,7 @@ impl<const D: usize> ElementBatch<'_, D> {
         for first in 0..self.count {
             if !done[first] {
                 with_law!(law_of(first), law => {
-                    self.deform_own::<N, INITIAL, VISCOUS, _>(law, &law_of, &mut done, deformed, history, told);
+                    self.deform_own::<N, INITIAL, VISCOUS, _>(law, &law_of, &mut done, deformed, history, results);
                 });
             }
         }
@@ -58,7 +58,7 @@ impl<const D: usize> ElementBatch<'_, D> {
         done: &mut [bool; LANES],
         deformed: &mut Deformed<D>,
         history: &mut History<D>,
-        told: &mut BatchResults<D, N>,
+        results: &mut BatchResults<D, N>,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -72,15 +72,22 @@ impl<const D: usize> ElementBatch<'_, D> {
         }
         if own[..self.count].iter().all(|own| *own) {
             *done = own;
-            return self.strain::<N, INITIAL, VISCOUS, L>(law, &constants, deformed, history, told);
+            return self.strain::<N, INITIAL, VISCOUS, L>(law, &constants, deformed, history, results);
         }
-        let (mut others, mut of_others, mut told_others) = (deformed.clone(), history.clone(), told.clone());
-        self.strain::<N, INITIAL, VISCOUS, L>(law, &constants, &mut others, &mut of_others, &mut told_others);
+        let (mut others, mut of_others, mut other_results) =
+            (deformed.clone(), history.clone(), results.clone());
+        self.strain::<N, INITIAL, VISCOUS, L>(
+            law,
+            &constants,
+            &mut others,
+            &mut of_others,
+            &mut other_results,
+        );
         for lane in (0..self.count).filter(|&lane| own[lane]) {
             done[lane] = true;
             deformed.take_lane(&others, lane);
             history.take_lane(&of_others, lane);
-            told.take_lane(&told_others, lane);
+            results.take_lane(&other_results, lane);
         }
     }
 
@@ -92,11 +99,13 @@ impl<const D: usize> ElementBatch<'_, D> {
         constants: &L::Constants,
         deformed: &mut Deformed<D>,
         history: &mut History<D>,
-        told: &mut BatchResults<D, N>,
+        results: &mut BatchResults<D, N>,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let Self { available, undeformed, given, .. } = self;
-        strain::<D, N, INITIAL, VISCOUS, L>(available, undeformed, given, constants, deformed, history, told);
+        strain::<D, N, INITIAL, VISCOUS, L>(
+            available, undeformed, given, constants, deformed, history, results,
+        );
     }
 }
