@@ -153,7 +153,7 @@ where
     /// absorbing facets, one pair for each force.
     pub(crate) fn half_works(&self, solid: &Solid<D, N>, step: f64) -> impl Iterator<Item = [f64; 2]> {
         self.owned(solid).map(move |applied| {
-            let velocity = solid.at_corner(applied.corner).velocity;
+            let velocity = solid.velocity_at(applied.corner);
             let absorbed = 0.5 * step * dot(applied.viscous, velocity);
             [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
         })
@@ -166,7 +166,7 @@ where
     }
 
     fn owned(&self, solid: &Solid<D, N>) -> impl Iterator<Item = &Applied<D>> {
-        self.applied.iter().filter(|applied| solid.share.corner(applied.corner))
+        self.applied.iter().filter(|applied| solid.share().corner(applied.corner))
     }
 
     /// Adds the energies of all actions, J.

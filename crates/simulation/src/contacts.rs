@@ -311,7 +311,7 @@ where
             self.look(solid, joints, topology, team)?;
             self.looked = self.travel;
         }
-        self.add_parted(joints, topology, &solid.share);
+        self.add_parted(joints, topology, solid.share());
         self.add_bared();
         Ok(())
     }
@@ -366,7 +366,7 @@ where
             let found = team.look(candidates.len(), |range| {
                 let elements = |&Pair { i, j }: &Pair| [list[i as usize], list[j as usize]];
                 let all = candidates[range].iter().map(elements);
-                let acting = all.filter(|pair| pair.iter().any(|&element| solid.share.acts(element)));
+                let acting = all.filter(|pair| pair.iter().any(|&element| solid.share().acts(element)));
                 let couples = acting.filter_map(|pair| {
                     let is_new = parted.binary_search(&pair).is_ok();
                     couple(pair, is_new, groups, joints, topology)
@@ -562,37 +562,38 @@ where
         team: &Team,
     ) -> Touching {
         let mut all = Touching { energy: energy.then(Sum::default), ..Touching::default() };
-        let mut forces = std::mem::take(&mut solid.forces);
         let Self {
             options: laws, materials, joint_facets, travel, bare, couples, histories, pressed, ..
         } = self;
-        let pass = ContactPass {
-            solid,
-            joints,
-            laws,
-            materials: *materials,
-            joint_facets,
-            bare,
-            step,
-            travel: *travel,
-        };
-        let [last, next] = pressed;
-        let (round, mut done) = (next.len(), &[][..]);
-        let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
-        for (couples, histories) in rounds {
-            team.both(
-                || all.take(done, last, (&solid.share, solid.grains), &mut forces),
-                || {
-                    team.change_chunks(couples, histories, next, |couples, histories, pressed| {
-                        pass.press(couples, histories, pressed);
-                    });
-                },
-            );
-            done = couples;
-            std::mem::swap(last, next);
-        }
-        all.take(done, last, (&solid.share, solid.grains), &mut forces);
-        solid.forces = forces;
+        solid.with_forces(|solid, forces| {
+            let pass = ContactPass {
+                solid,
+                joints,
+                laws,
+                materials: *materials,
+                joint_facets,
+                bare,
+                step,
+                travel: *travel,
+            };
+            let counting = (solid.share(), solid.grains);
+            let [last, next] = pressed;
+            let (round, mut done) = (next.len(), &[][..]);
+            let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
+            for (couples, histories) in rounds {
+                team.both(
+                    || all.take(done, last, counting, forces),
+                    || {
+                        team.change_chunks(couples, histories, next, |couples, histories, pressed| {
+                            pass.press(couples, histories, pressed);
+                        });
+                    },
+                );
+                done = couples;
+                std::mem::swap(last, next);
+            }
+            all.take(done, last, counting, forces);
+        });
         all
     }
 

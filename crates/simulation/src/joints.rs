@@ -514,7 +514,7 @@ impl<const D: usize> Joints<D> {
         for joint in &saved.joints {
             let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
             let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
-            self.put(facet, law, joint.plane, topology, model, &solid.share);
+            self.put(facet, law, joint.plane, topology, model, solid.share());
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
@@ -522,7 +522,7 @@ impl<const D: usize> Joints<D> {
         if !self.weakest.is_empty() {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
-            self.find_tips(&joined, topology, &solid.share);
+            self.find_tips(&joined, topology, solid.share());
         }
         self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
@@ -632,11 +632,11 @@ impl<const D: usize> Joints<D> {
             if !joint.counted || joint.state != JointState::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
-            let frame = JointAxes::new::<N>(joint, &solid.nodes);
+            let frame = JointAxes::new::<N>(joint, solid);
             let (mut sum, mut whole, mut moment) = ([0.0; D], 0.0, [0.0; D]);
             for ([a, b], force) in frame.ends.into_iter().zip(forces) {
                 let weight = length(*force);
-                let middle = std::array::from_fn(|axis| f64::midpoint(a.position[axis], b.position[axis]));
+                let middle = std::array::from_fn(|axis| f64::midpoint(a[axis], b[axis]));
                 add(&mut sum, *force, 1.0);
                 add(&mut moment, middle, weight);
                 whole += weight;
@@ -676,8 +676,7 @@ impl<const D: usize> Joints<D> {
         let codes = self.at_corner.get(corner as usize).into_iter().flatten();
         for &code in codes.filter(|&&code| code != NONE) {
             let joint = &self.all[code as usize / (2 * D)];
-            let (frame, mut memory) =
-                (JointAxes::new::<N>(joint, &solid.nodes), joint.ends[code as usize / 2 % D]);
+            let (frame, mut memory) = (JointAxes::new::<N>(joint, solid), joint.ends[code as usize / 2 % D]);
             let traction = memory.traction(&joint.law, [0.0; D]);
             let area = joint.measure / D as f64 * solid.thickness;
             add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });

@@ -20,11 +20,12 @@
 //! # How it is built
 //!
 //! `Topology` never changes: vertices of the mesh, corners of elements, facets. `Solid` has the present
-//! nodes, which become more as the mesh comes apart. Elements and joints write their forces on corners;
-//! couples are computed in rounds, and the forces of each round are added to those of their elements, couple
-//! by couple. Each node then adds the forces of its corners in a fixed order (`gather` in `src/motion.rs`),
-//! so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds their
-//! results in order.
+//! nodes, which become more as the mesh comes apart. It stores columns, each with a value of every node,
+//! element or corner, which other files read and write by the functions in `src/solid/columns.rs`. Elements
+//! and joints write their forces on corners; couples are computed in rounds, and the forces of each round are
+//! added to those of their elements, couple by couple. Each node then adds the forces of its corners in a
+//! fixed order (`force_on` in `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts
+//! work into chunks of fixed size and adds their results in order.
 //!
 //! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one
 //! function computes one of them, without a branch, and the compiler makes vectors of the loop over a batch,
@@ -34,10 +35,11 @@
 //! faces that a contact of tetrahedra covers differ in how many lines cut them: each part is a task, and
 //! tasks with the same number of cuts share batches (`src/simplex/tetrahedron/part.rs`).
 //!
-//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint`
-//! and `Link`). A step skips everything that cannot have changed: edges of elements whose stress is far from
-//! the strength (`joints/stress_level.rs`), boxes of bodies that have moved less than the slack of the
-//! buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`).
+//! Data that each step reads are stored apart from data that are seldom read (positions and velocities from
+//! `Constants`, `Link` from `Joint`). A step skips everything that cannot have changed: edges of elements
+//! whose stress is far from the strength (`joints/stress_level.rs`), boxes of bodies that have moved less
+//! than the slack of the buffer, and couples that have moved less than the distance between them
+//! (`apart_until` in `contacts.rs`).
 //! Skipping changes no result. The mesher numbers nodes and elements along Hilbert's curve. Where every
 //! element has its own nodes, nodes are numbered in the order of the elements. `bench/SIMULATION.md` compares
 //! the speed with bounds and with other programs.
@@ -74,6 +76,7 @@
 //! | the time step of a simulation | `src/simulation.rs`; the beginning of a run: `src/simulation/run.rs` |
 //! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; the interface for elements: `src/laws/element_law.rs` |
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
+//! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |

@@ -11,7 +11,7 @@ use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
 use crate::team::Team;
-use crate::topology::{NONE, Nodes};
+use crate::topology::NONE;
 use crate::vector::{Point, add, dot, minus, plus};
 
 /// Everything that the motion of the nodes in a step depends on.
@@ -71,10 +71,9 @@ pub(crate) struct MotionSums<S, const D: usize> {
 
 impl<S, const D: usize> MotionSums<S, D> {
     /// Notes the force on a node, and those of its corners.
-    fn note_forces<const N: usize>(&mut self, node: Point<D>, forces: &[[Point<D>; N]], corners: &[u32]) {
+    fn note_forces(&mut self, node: Point<D>, of_corners: impl Iterator<Item = Point<D>>) {
         self.largest[0] = self.largest[0].max(dot(node, node));
-        for &corner in corners {
-            let force = forces.as_flattened()[corner as usize];
+        for force in of_corners {
             self.largest[1] = self.largest[1].max(dot(force, force));
         }
     }
@@ -122,33 +121,38 @@ fn advance_where<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let Solid { nodes, constants, true_masses, forces, corners, share, origin, .. } = solid;
-    let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
-    let found = team.change(nodes, |first, chunk| {
-        let mut sum = MotionSums::<Pile, D>::default();
-        for (k, node) in chunk.iter_mut().enumerate() {
-            if !share.node(first + k) || !moves(first + k) {
-                continue;
+    let found = solid.with_motion(|solid, positions, velocities| {
+        team.change_both(positions, velocities, |first, positions, velocities| {
+            let mut sum = MotionSums::<Pile, D>::default();
+            for (k, (position, velocity)) in positions.iter_mut().zip(velocities).enumerate() {
+                let number = first + k;
+                if !solid.share().node(number) || !moves(number) {
+                    continue;
+                }
+                let constants = solid.constants(number);
+                let true_mass = solid.true_mass(number);
+                let weight = motion.gravity.map(|acceleration| true_mass * acceleration);
+                let force = force_on(number, solid, motion.joints);
+                if motion.energy {
+                    let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
+                    let corners = solid.corners(number).iter();
+                    sum.note_forces(free, corners.map(|&corner| solid.force(corner)));
+                }
+                let node = Node { position: *position, velocity: *velocity };
+                let (node, reaction, squared) =
+                    move_node(node, constants, [force, weight], solid.origin, motion, &mut sum);
+                (*position, *velocity) = (node.position, node.velocity);
+                if constants.hold != NONE {
+                    sum.held.push((number as u32, reaction));
+                }
+                sum.fastest = sum.fastest.max(squared);
+                if squared > limit || squared.is_nan() {
+                    sum.note_runaway((solid.corners(number)[0] / N as u32, squared.sqrt()));
+                }
             }
-            let constants = &constants[first + k];
-            let true_mass = true_masses.get(first + k).copied().unwrap_or(constants.mass);
-            let weight = motion.gravity.map(|acceleration| true_mass * acceleration);
-            let force = gather(first + k, constants, forces, corners, motion.joints);
-            if motion.energy {
-                let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
-                sum.note_forces(free, forces, corners.of(first + k));
-            }
-            let (reaction, squared) = move_node(node, constants, [force, weight], origin, motion, &mut sum);
-            if constants.hold != NONE {
-                sum.held.push(((first + k) as u32, reaction));
-            }
-            sum.fastest = sum.fastest.max(squared);
-            if squared > limit || squared.is_nan() {
-                sum.note_runaway((corners.of(first + k)[0] / N as u32, squared.sqrt()));
-            }
-        }
-        sum
+            sum
+        })
     });
     for chunk in found {
         all.kinetic.add_pile(chunk.kinetic);
@@ -166,31 +170,9 @@ fn advance_where<const D: usize, const N: usize>(
     }
 }
 
-/// Force on a node: the sum over its corners in their order, for each that of its element with its contacts,
-/// and its joints.
+/// Force on a node, without its weight, N: the sum over its corners in their order, for each that of its
+/// element with its contacts, and its joints.
 #[inline]
-fn gather<const D: usize, const N: usize>(
-    number: usize,
-    constants: &Constants,
-    forces: &[[Point<D>; N]],
-    corners: &Nodes<N>,
-    joints: &Joints<D>,
-) -> Point<D>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut force = [0.0; D];
-    let joined = joints.at_vertex[constants.vertex as usize];
-    for &corner in corners.of(number) {
-        add(&mut force, forces.as_flattened()[corner as usize], 1.0);
-        if joined {
-            joints.add_force(corner, &mut force);
-        }
-    }
-    force
-}
-
-/// Force on a node, without its weight, N.
 pub(crate) fn force_on<const D: usize, const N: usize>(
     node: usize,
     solid: &Solid<D, N>,
@@ -199,33 +181,39 @@ pub(crate) fn force_on<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    gather(node, &solid.constants[node], &solid.forces, &solid.corners, joints)
+    let mut force = [0.0; D];
+    let joined = joints.at_vertex[solid.vertex(node) as usize];
+    for &corner in solid.corners(node) {
+        add(&mut force, solid.force(corner), 1.0);
+        if joined {
+            joints.add_force(corner, &mut force);
+        }
+    }
+    force
 }
 
-/// Moves a node under the force on it without its weight, and its weight, N. Returns the reaction of its
-/// supports, and the square of its speed.
+/// Moves a node under the force on it without its weight, and its weight, N. Returns the node at the end of
+/// the step, the reaction of its supports, and the square of its speed.
 #[inline]
 fn move_node<const D: usize, const N: usize>(
-    node: &mut Node<D>,
+    node: Node<D>,
     constants: &Constants,
     [force, weight]: [Point<D>; 2],
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
     sum: &mut MotionSums<Pile, D>,
-) -> (Point<D>, f64) {
+) -> (Node<D>, Point<D>, f64) {
     let (mass, step) = (constants.mass, motion.step);
-    let Node { position, velocity: before } = *node;
+    let Node { position, velocity: before } = node;
     let force = plus(force, weight);
     let over = step / mass;
     let (damped, after, reactions) = if constants.hold == NONE {
         let damped = damping(motion, mass, force, before);
         (damped, accelerated(before, over, minus(force, damped)), [0.0; D])
     } else {
-        hold_node(node, constants, force, origin, motion)
+        hold_node(&node, constants, force, origin, motion)
     };
-    // The whole node in one store: a processor waits if it reads together numbers that were written in parts.
-    *node =
-        Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
+    let position = std::array::from_fn(|axis| position[axis] + step * after[axis]);
     if motion.energy {
         sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
     }
@@ -242,7 +230,7 @@ fn move_node<const D: usize, const N: usize>(
     if motion.taken != RelaxationSums::Nothing {
         take(motion, constants, force, [before, after], sum);
     }
-    (reactions, dot(after, after))
+    (Node { position, velocity: after }, reactions, dot(after, after))
 }
 
 /// Adds the terms of a node along its free axes to the sums for the damping of dynamic relaxation.

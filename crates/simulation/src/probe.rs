@@ -228,9 +228,9 @@ where
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
             Probe::Velocity(elements) => self.weighed(elements, |element, weight| {
-                let density = self.model.materials[self.solid.elements[element].material as usize].density;
+                let density = self.model.materials[self.solid.element(element).material as usize].density;
                 for node in self.solid.nodes_of(element as u32) {
-                    let velocity = self.solid.nodes[node as usize].velocity;
+                    let velocity = self.solid.velocity(node as usize);
                     add(&velocity, weight * density);
                 }
                 // The weight is the same at all corners, and a mean does not depend on their number once it
@@ -240,7 +240,7 @@ where
                 add(&last[..=D], weight * density);
             }),
             Probe::PointVelocity(point) => {
-                if let Some(velocity) = self.at(point, |node| self.solid.nodes[node].velocity) {
+                if let Some(velocity) = self.at(point, |node| self.solid.velocity(node)) {
                     add(&velocity, 1.0);
                 }
             }
@@ -276,10 +276,11 @@ where
             }
             Probe::Reaction(nodes) => {
                 let applied = self.actions.applied(&self.solid);
-                let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
-                let own = self.held.iter().copied().filter(|(node, _)| self.solid.share.node(*node as usize));
+                let applied = applied.map(|([_, corner], force)| (self.solid.node_at(corner), force));
+                let own =
+                    self.held.iter().copied().filter(|(node, _)| self.solid.share().node(*node as usize));
                 for (node, force) in own.chain(applied) {
-                    let vertex = self.vertex(self.solid.constants[node as usize].vertex);
+                    let vertex = self.vertex(self.solid.vertex(node as usize));
                     if nodes.binary_search(&vertex).is_ok() {
                         add(&force, 1.0);
                     }
@@ -294,9 +295,9 @@ where
     fn weighed(&self, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
         for &number in elements {
             let element = self.topology.element(number);
-            if let Some(element) = element.filter(|&element| self.solid.share.element(element)) {
+            if let Some(element) = element.filter(|&element| self.solid.share().element(element)) {
                 let element = element as usize;
-                let volume = if elements.len() == 1 { 1.0 } else { self.solid.elements[element].volume };
+                let volume = if elements.len() == 1 { 1.0 } else { self.solid.element(element).volume };
                 visit(element, volume);
             }
         }
@@ -323,7 +324,7 @@ where
     /// A quantity of nodes at a point, if this rank counts its element.
     fn at(&self, point: &MaterialPoint<D, N>, of: impl Fn(usize) -> Point<D>) -> Option<Point<D>> {
         let element = self.topology.element(point.element)?;
-        if !self.solid.share.element(element) {
+        if !self.solid.share().element(element) {
             return None;
         }
         let mut sum = [0.0; D];
@@ -337,7 +338,7 @@ where
     /// and surfaces that touch under initial stress are contacts too.
     fn each_contact(&self, mut visit: impl FnMut([u32; 2], Point<D>)) {
         for (elements, force) in self.contacts.pushes() {
-            if self.solid.share.element(elements[0]) {
+            if self.solid.share().element(elements[0]) {
                 visit(elements, force);
             }
         }
@@ -346,7 +347,7 @@ where
             visit(contact.elements, contact.tangential);
         }
         for (elements, force) in self.actions.seams.pushes::<N>() {
-            if self.solid.share.element(elements[0]) {
+            if self.solid.share().element(elements[0]) {
                 visit(elements, force);
             }
         }

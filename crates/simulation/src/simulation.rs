@@ -213,7 +213,7 @@ where
         let Self { model, topology, solid, joints, contacts, .. } = self;
         peers.add_failing(&mut failing, topology);
         let split = joints.insert(&failing, solid, model, topology);
-        let vertices = contacts.part(broken, joints, topology, &solid.share);
+        let vertices = contacts.part(broken, joints, topology, solid.share());
         peers.exchange_splits(&split, &vertices, solid, joints, contacts, topology);
         peers.note_bared(&contacts.bared);
         clock.read(&mut self.timings.joints);

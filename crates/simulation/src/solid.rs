@@ -2,6 +2,7 @@
 
 pub(crate) mod batch;
 mod by_law;
+mod columns;
 mod viscous;
 
 use std::ops::Range;
@@ -20,9 +21,9 @@ use crate::solid::by_law::ElementBatch;
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
-use crate::vector::{Matrix, Point, add, minus};
+use crate::vector::{Matrix, Point, minus};
 
-/// Motion of a node.
+/// Motion of a node, as it is saved and sent to other ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
 pub(crate) struct Node<const D: usize = 2> {
@@ -34,8 +35,8 @@ pub(crate) struct Node<const D: usize = 2> {
 
 wire!([const D: usize] Node<D> { position, velocity });
 
-/// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step
-/// reads far more often.
+/// Properties of a node that its motion does not change. They are stored apart from positions and
+/// velocities, which a step reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
     /// Mass in its motion, kg.
@@ -80,7 +81,9 @@ struct Constitution<const D: usize> {
     viscosity: f64,
 }
 
-/// Nodes and elements of all bodies.
+/// Nodes and elements of all bodies: columns, each with a value of every node, element or corner.
+///
+/// Other files read and write the columns by the functions in `solid/columns.rs`.
 ///
 /// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's
 /// coordinates lose no digits.
@@ -88,25 +91,28 @@ struct Constitution<const D: usize> {
 pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Origin of positions, in the model's coordinates, m.
     pub(crate) origin: Point<D>,
-    pub(crate) nodes: Vec<Node<D>>,
-    pub(crate) constants: Vec<Constants>,
+    /// Position of each node relative to the origin, m.
+    positions: Vec<Point<D>>,
+    /// Velocity of each node half a step before its position, m/s.
+    velocities: Vec<Point<D>>,
+    constants: Vec<Constants>,
     /// Mass of each node by the densities of its elements, kg, where masses are scaled; empty where they are
     /// not: [`Solid::true_mass`].
-    pub(crate) true_masses: Vec<f64>,
-    pub(crate) elements: Vec<SolidElement>,
+    true_masses: Vec<f64>,
+    elements: Vec<SolidElement>,
     /// Undeformed shapes of the elements, in batches.
     undeformed: Vec<Undeformed<D>>,
     /// Results of the deformation of the elements, in batches.
-    pub(crate) deformed: Vec<Deformed<D>>,
+    deformed: Vec<Deformed<D>>,
     /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored
     /// apart, element by element, because the motion of nodes reads nothing else of an element.
-    pub(crate) forces: Vec<[Point<D>; N]>,
+    forces: Vec<[Point<D>; N]>,
     /// Histories of the elements, in batches; empty if no element keeps anything.
     histories: Vec<History<D>>,
     /// Number of values of the memory of an element: that of the law with the most.
     pub(crate) memory: usize,
-    pub(crate) corners: Nodes<N>,
-    pub(crate) share: Share,
+    corners: Nodes<N>,
+    share: Share,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
     /// Grains of the works that are added up.
@@ -179,15 +185,9 @@ where
         } else {
             Vec::new()
         };
-        let all = || mesh.nodes.iter().enumerate();
-        let nodes = all()
-            .map(|(vertex, &place)| Node {
-                position: minus(place, origin),
-                velocity: model.velocities.get(vertex).copied().unwrap_or([0.0; D]),
-            })
-            .collect();
-        let constants =
-            all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
+        let vertices = 0..mesh.nodes.len();
+        let velocity = |vertex: usize| model.velocities.get(vertex).copied().unwrap_or([0.0; D]);
+        let constant = |vertex: usize| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE };
         let corners = Nodes::new(mesh.elements.clone(), mesh.nodes.len());
         let prestress: Vec<Prestress<D>> = model
             .stresses
@@ -210,8 +210,9 @@ where
             memory,
             origin,
             true_masses: if model.mass_factors.is_empty() { Vec::new() } else { vec![0.0; mesh.nodes.len()] },
-            nodes,
-            constants,
+            positions: mesh.nodes.iter().map(|&place| minus(place, origin)).collect(),
+            velocities: vertices.clone().map(velocity).collect(),
+            constants: vertices.map(constant).collect(),
             elements,
             undeformed,
             deformed,
@@ -224,7 +225,7 @@ where
             heights,
             prestress,
         };
-        for node in 0..solid.nodes.len() {
+        for node in 0..solid.node_count() {
             solid.weigh(node as u32, model);
         }
         solid
@@ -232,9 +233,10 @@ where
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { nodes, constants, elements, undeformed, deformed, forces, histories, .. } = self;
-        let Self { corners, share, heights, prestress, true_masses, .. } = self;
-        size_of_val(&**nodes)
+        let Self { positions, velocities, constants, elements, undeformed, deformed, forces, .. } = self;
+        let Self { corners, share, heights, prestress, true_masses, histories, .. } = self;
+        size_of_val(&**positions)
+            + size_of_val(&**velocities)
             + size_of_val(&**constants)
             + size_of_val(&**true_masses)
             + size_of_val(&**elements)
@@ -252,8 +254,9 @@ where
 
     /// Reserves memory for `count` nodes in total.
     pub(crate) fn reserve_nodes(&mut self, count: usize) {
-        let more = count.saturating_sub(self.nodes.len());
-        self.nodes.reserve_exact(more);
+        let more = count.saturating_sub(self.node_count());
+        self.positions.reserve_exact(more);
+        self.velocities.reserve_exact(more);
         self.constants.reserve_exact(more);
         if !self.true_masses.is_empty() {
             self.true_masses.reserve_exact(more);
@@ -264,12 +267,13 @@ where
     /// Numbers the nodes by their first corners. If each element has separate nodes, a step then reads the
     /// nodes in the order of the elements.
     pub(crate) fn number_by_corners(&mut self) {
-        let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        let mut order: Vec<u32> = (0..self.node_count() as u32).collect();
         order.sort_unstable_by_key(|&node| self.corners.of(node as usize)[0]);
-        self.nodes = order.iter().map(|&node| self.nodes[node as usize]).collect();
-        self.constants = order.iter().map(|&node| self.constants[node as usize]).collect();
+        self.positions = in_order(&self.positions, &order);
+        self.velocities = in_order(&self.velocities, &order);
+        self.constants = in_order(&self.constants, &order);
         if !self.true_masses.is_empty() {
-            self.true_masses = order.iter().map(|&node| self.true_masses[node as usize]).collect();
+            self.true_masses = in_order(&self.true_masses, &order);
         }
         let mut number = vec![0; order.len()];
         for (new, &old) in (0..).zip(&order) {
@@ -287,7 +291,7 @@ where
             let (vertex, corner) = (self.constants[node as usize].vertex, self.corners.of(node as usize)[0]);
             (corner != topology.corners_of(vertex)[0], vertex, corner)
         };
-        let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        let mut order: Vec<u32> = (0..self.node_count() as u32).collect();
         order.sort_unstable_by_key(key);
         order
     }
@@ -316,8 +320,9 @@ where
         if !self.true_masses.is_empty() {
             self.true_masses = vec![0.0; nodes.len()];
         }
-        self.nodes = nodes;
-        for node in 0..self.nodes.len() as u32 {
+        self.positions = nodes.iter().map(|node| node.position).collect();
+        self.velocities = nodes.iter().map(|node| node.velocity).collect();
+        for node in 0..self.node_count() as u32 {
             self.weigh(node, model);
         }
         self.weigh_elements();
@@ -341,12 +346,6 @@ where
             let element = corner as usize / N;
             elements[element].mass = mean_mass(constants, &corners.of_corner[element]);
         }
-    }
-
-    /// Mass of a node by the densities of its elements, kg: that of its weight.
-    #[inline]
-    pub(crate) fn true_mass(&self, node: usize) -> f64 {
-        self.true_masses.get(node).copied().unwrap_or(self.constants[node].mass)
     }
 
     /// Mass of a node in its motion, and its true mass, kg.
@@ -388,10 +387,11 @@ where
     /// Gives each group of these corners of a vertex a separate node. Returns the nodes whose corners have
     /// changed.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
-        let Self { nodes, constants, true_masses, corners: lists, share, .. } = self;
+        let Self { positions, velocities, constants, true_masses, corners: lists, share, .. } = self;
         let mut changed = Vec::new();
         lists.split(corners, groups, |old, new| {
-            nodes.push(nodes[old as usize]);
+            positions.push(positions[old as usize]);
+            velocities.push(velocities[old as usize]);
             constants.push(constants[old as usize]);
             if let Some(&true_mass) = true_masses.get(old as usize) {
                 true_masses.push(true_mass);
@@ -407,47 +407,6 @@ where
         for (element, nodes) in self.elements.iter_mut().zip(&self.corners.of_corner) {
             element.mass = mean_mass(&self.constants, nodes);
         }
-    }
-
-    /// Present nodes of an element.
-    #[inline]
-    pub(crate) fn nodes_of(&self, element: u32) -> [u32; N] {
-        self.corners.of_corner[element as usize]
-    }
-
-    /// Present positions of the corners of an element.
-    #[inline]
-    pub(crate) fn shape(&self, element: u32) -> [Point<D>; N] {
-        self.nodes_of(element).map(|node| self.nodes[node as usize].position)
-    }
-
-    #[inline]
-    pub(crate) fn at_corner(&self, corner: u32) -> &Node<D> {
-        &self.nodes[self.corners.node_at(corner) as usize]
-    }
-
-    /// Adds a force, N, on a corner of an element.
-    #[inline]
-    pub(crate) fn add_force(&mut self, corner: u32, force: Point<D>) {
-        add(&mut self.forces[corner as usize / N][corner as usize % N], force, 1.0);
-    }
-
-    /// Force of the deformation, of contacts and of loads on a corner of an element, N.
-    #[inline]
-    pub(crate) fn force(&self, corner: u32) -> Point<D> {
-        self.forces[corner as usize / N][corner as usize % N]
-    }
-
-    /// Cauchy stress of an element in the last pass, Pa.
-    #[inline]
-    pub(crate) fn stress(&self, element: usize) -> Matrix<D> {
-        self.deformed[element / LANES].stress(element % LANES)
-    }
-
-    /// Strain energy of an element in the last pass, J.
-    #[inline]
-    pub(crate) fn energy(&self, element: usize) -> f64 {
-        self.deformed[element / LANES].energy.get(element % LANES)
     }
 
     /// The viscous part of the stress of each element, Pa: 0 without viscosity.
@@ -517,22 +476,6 @@ where
         }
     }
 
-    /// Displacement of a node, m.
-    pub(crate) fn displacement(&self, node: usize, model: &Model<D, N>) -> Point<D> {
-        let vertex = self.constants[node].vertex as usize;
-        minus(self.nodes[node].position, minus(model.mesh.nodes[vertex], self.origin))
-    }
-
-    /// Converts a position to the model's coordinates, m.
-    pub(crate) fn place(&self, position: Point<D>) -> Point<D> {
-        std::array::from_fn(|axis| position[axis] + self.origin[axis])
-    }
-
-    /// Prescribed motion of the node of a corner: an index of the holds of the loads, or [`NONE`].
-    pub(crate) fn hold_at(&self, corner: u32) -> u32 {
-        self.constants[self.corners.node_at(corner) as usize].hold
-    }
-
     /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns
     /// the first inverted element, with its ratio of deformed to undeformed area or volume.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Option<(u32, f64)> {
@@ -550,7 +493,8 @@ where
         step: f64,
         team: &Team,
     ) -> Option<(u32, f64)> {
-        let Self { nodes, elements, undeformed, deformed, forces, histories, corners, .. } = self;
+        let Self { positions, velocities, elements, undeformed, deformed, forces, histories, .. } = self;
+        let corners = &self.corners;
         let constitutions = &self.constitutions;
         let any_dissipates = constitutions.iter().any(|of| of.dissipates);
         let (heights, prestress, available, share) =
@@ -567,11 +511,12 @@ where
                     let batch = first + k;
                     let range = batch * LANES..((batch + 1) * LANES).min(elements.len());
                     for (lane, of_corner) in corners.of_corner[range.clone()].iter().enumerate() {
-                        let ends = of_corner.map(|node| &nodes[node as usize]);
-                        let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.position));
+                        let ends = of_corner.map(|node| positions[node as usize]);
+                        let edges = <[[f64; D]; N]>::edges(&ends);
                         set_tensor(&mut given.edges, lane, &edges);
                         if VISCOUS {
-                            let rates = <[[f64; D]; N]>::edges(&ends.map(|node| node.velocity));
+                            let ends = of_corner.map(|node| velocities[node as usize]);
+                            let rates = <[[f64; D]; N]>::edges(&ends);
                             set_tensor(&mut given.rates, lane, &rates);
                         }
                     }
@@ -679,6 +624,11 @@ fn middle_if_far<const D: usize>(nodes: &[Point<D>]) -> Point<D> {
         let middle = 0.5 * low + 0.5 * high;
         if middle.abs() >= high - low { middle } else { 0.0 }
     })
+}
+
+/// The values of a column in this order.
+fn in_order<T: Copy>(column: &[T], order: &[u32]) -> Vec<T> {
+    order.iter().map(|&k| column[k as usize]).collect()
 }
 
 /// Undeformed corners of an element.

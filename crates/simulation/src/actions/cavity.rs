@@ -66,7 +66,7 @@ impl<const D: usize> Face<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let places = corners.map(|corner| solid.at_corner(corner).position);
+        let places = corners.map(|corner| solid.position_at(corner));
         let mut middle = [0.0; D];
         for place in places {
             add(&mut middle, place, 1.0 / D as f64);
@@ -243,7 +243,7 @@ impl<const D: usize> Cavities<D> {
         for code in joint.sides {
             let Some(element) = topology.element(code / N as u32) else { continue };
             let face = Face::new(corners_of_facet::<D, N>(element as usize, code as usize % N), solid);
-            if solid.share.element(element) {
+            if solid.share().element(element) {
                 open -= dot(face.area, moved(&face, scene));
             }
             faces.push(face);
@@ -259,7 +259,7 @@ where
 {
     let mut mean = [0.0; D];
     for corner in face.corners {
-        let node = scene.solid.corners.node_at(corner) as usize;
+        let node = scene.solid.node_at(corner) as usize;
         add(&mut mean, scene.solid.displacement(node, scene.model), 1.0 / D as f64);
     }
     mean
@@ -401,7 +401,7 @@ where
             });
             forces.collect::<Vec<_>>()
         };
-        on_corners(N * scene.solid.elements.len(), self.all.iter().flat_map(on))
+        on_corners(N * scene.solid.element_count(), self.all.iter().flat_map(on))
     }
 
     fn measure(&mut self, event: &Event<'_, D>, scene: &Scene<'_, D, N>) -> Vec<Sum> {
@@ -417,7 +417,7 @@ where
                     let mut of = [(); 3].map(|()| Sum::default());
                     for face in &mut cavity.faces {
                         let now = Face::new(face.corners, solid);
-                        if solid.share.element(face.corners[0] / N as u32) {
+                        if solid.share().element(face.corners[0] / N as u32) {
                             let motion = minus(now.middle, face.middle);
                             of[0].add(-dot(face.area, motion));
                             of[1].add(-dot(now.area, motion));

@@ -35,8 +35,8 @@ where
             let moved = solid.displacement(node, model);
             factor * solid.true_mass(node) * dot(model.gravity, moved)
         };
-        let of = |range: Range<usize>| [range.filter(|&node| solid.share.node(node)).map(work).collect()];
-        let [sum] = Sum::all(team.look(solid.nodes.len(), of));
+        let of = |range: Range<usize>| [range.filter(|&node| solid.share().node(node)).map(work).collect()];
+        let [sum] = Sum::all(team.look(solid.node_count(), of));
         ledger.add(Account::Gravity, &sum);
     }
 }

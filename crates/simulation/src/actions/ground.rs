@@ -121,13 +121,13 @@ where
         for facet in &self.facets {
             let schedule = &model.boundaries[facet.boundary as usize].schedule;
             let factor = if facet.is_held { schedule.factor(time) } else { 1.0 };
-            let corners = facet.corners.map(|corner| solid.at_corner(corner).position);
+            let corners = facet.corners.map(|corner| solid.position_at(corner));
             let now = unit(<[[f64; D]; N]>::axes(&corners)[0]);
             applied.extend((0..D).map(|end| {
                 let corner = facet.corners[end];
-                let node = solid.corners.node_at(corner) as usize;
+                let node = solid.node_at(corner) as usize;
                 let moved = solid.displacement(node, model);
-                let velocity = solid.nodes[node].velocity;
+                let velocity = solid.velocity(node);
                 let springs = Self::against(moved, facet.normal, facet.stiffness);
                 let dashpots = Self::against(velocity, now, facet.impedance);
                 let elastic: Point<D> =
@@ -167,9 +167,9 @@ where
 
     fn support(&mut self, scene: &Scene<'_, D, N>, others: &dyn Fn(u32) -> Point<D>) {
         let Scene { model, solid, .. } = *scene;
-        let node_at = |corner: u32| solid.corners.node_at(corner) as usize;
+        let node_at = |corner: u32| solid.node_at(corner) as usize;
         // Edges at the same node share its force in proportion to their lengths.
-        let mut width = vec![0.0; solid.nodes.len()];
+        let mut width = vec![0.0; solid.node_count()];
         for facet in &self.facets {
             for corner in facet.corners {
                 width[node_at(corner)] += facet.area;
@@ -180,7 +180,7 @@ where
                 let node = node_at(facet.corners[end]);
                 let weight = model.gravity_schedule.factor(0.0) * solid.true_mass(node);
                 let mut force = model.gravity.map(|g| weight * g);
-                for &corner in solid.corners.of(node) {
+                for &corner in solid.corners(node) {
                     for part in [solid.initial_force(corner), others(corner)] {
                         add(&mut force, part, 1.0);
                     }

@@ -76,7 +76,7 @@ where
                 let force = match *load {
                     Load::Traction(traction) => traction.map(|t| t * factor * part * side.measure),
                     Load::Pressure(pressure) => {
-                        let now = side.corners.map(|corner| solid.at_corner(corner).position);
+                        let now = side.corners.map(|corner| solid.position_at(corner));
                         <[[f64; D]; N]>::facet_normal(&now).map(|n| -(pressure * factor * part * n))
                     }
                     Load::Velocity(_)
@@ -107,6 +107,6 @@ where
         let mut applied = Vec::new();
         self.collect(scene.solid, schedules, 0.0, &mut applied);
         let forces = applied.into_iter().map(|Applied { corner, force, .. }| (corner, force));
-        on_corners(N * scene.solid.elements.len(), forces)
+        on_corners(N * scene.solid.element_count(), forces)
     }
 }

@@ -142,12 +142,11 @@ impl<const D: usize> Prescribed<D> {
             return Err(ModelError::Target { boundary, needs: "nodes" });
         }
         for &number in nodes {
-            let node = &mut solid.constants[number as usize];
-            if node.hold == NONE {
-                node.hold = self.holds.len() as u32;
+            if solid.hold(number as usize) == NONE {
+                solid.set_hold(number as usize, self.holds.len() as u32);
                 self.holds.push([None; D]);
             }
-            let held = &mut self.holds[node.hold as usize];
+            let held = &mut self.holds[solid.hold(number as usize) as usize];
             for axis in 0..D {
                 let Some(motion) = motion[axis] else { continue };
                 match held[axis] {

@@ -51,11 +51,11 @@ where
             add(by_loads.entry(corner).or_insert([0.0; D]), force, -1.0);
         }
         let work = |(corner, before): (u32, Point<D>)| {
-            let node = solid.corners.node_at(corner) as usize;
-            let constants = &solid.constants[node];
-            let velocity = solid.nodes[node].velocity;
+            let node = solid.node_at(corner) as usize;
+            let constants = solid.constants(node);
+            let velocity = solid.velocity(node);
             let mut force = [0.0; D];
-            for &corner in solid.corners.of(node) {
+            for &corner in solid.corners(node) {
                 add(&mut force, solid.force(corner), 1.0);
                 add(&mut force, by_loads.get(&corner).copied().unwrap_or([0.0; D]), 1.0);
                 if joints.at_vertex[constants.vertex as usize] {
@@ -66,12 +66,12 @@ where
             impulse + 0.5 * step * dot(force, minus(velocity, before))
         };
         let own = std::mem::take(&mut self.replaced);
-        own.into_iter().filter(|(corner, _)| solid.share.corner(*corner)).map(work).collect()
+        own.into_iter().filter(|(corner, _)| solid.share().corner(*corner)).map(work).collect()
     }
 
     fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
         let of = |place: u32, vectors: &BTreeMap<u32, Point<D>>| -> Vec<Record> {
-            let own = vectors.iter().filter(|(corner, _)| scene.solid.share.corner(**corner));
+            let own = vectors.iter().filter(|(corner, _)| scene.solid.share().corner(**corner));
             own.map(|(&corner, vector)| {
                 Record::new([scene.topology.code_of_corner(corner); 2], place, vector)
             })

@@ -168,7 +168,7 @@ impl<const D: usize> Seams<D> {
         if model.stresses.is_empty() {
             return Ok(seams);
         }
-        let position = |corner: u32| solid.at_corner(corner).position;
+        let position = |corner: u32| solid.position_at(corner);
         for touching in near::<D, N>(&faces.outer, |facet| facet.map(position))? {
             seams.join(model, touching, position);
         }
@@ -276,7 +276,7 @@ where
         acting.team.change_both(holds, pressed, |first, holds, pressed| {
             for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
                 let place = &places[first + k];
-                let ends = place.corners.map(|facet| facet.map(|corner| on.at_corner(corner).position));
+                let ends = place.corners.map(|facet| facet.map(|corner| on.position_at(corner)));
                 *pressed = place.press::<N>(hold, ends);
             }
         });
@@ -291,9 +291,9 @@ where
         if self.places.is_empty() {
             return Vec::new();
         }
-        let mut forces = vec![[0.0; D]; N * scene.solid.elements.len()];
+        let mut forces = vec![[0.0; D]; N * scene.solid.element_count()];
         for (place, hold) in self.places.iter().zip(&self.holds) {
-            let ends = place.corners.map(|facet| facet.map(|corner| scene.solid.at_corner(corner).position));
+            let ends = place.corners.map(|facet| facet.map(|corner| scene.solid.position_at(corner)));
             let frame = place.frame::<N>(ends);
             place.give(place.forces::<N>(&frame, place.pressure, hold.traction), |corner, force| {
                 add(&mut forces[corner as usize], force, 1.0);
@@ -303,7 +303,7 @@ where
     }
 
     fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let share = &scene.solid.share;
+        let share = scene.solid.share();
         let counted = || {
             (0..self.places.len())
                 .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / N as u32))
@@ -316,7 +316,7 @@ where
     fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
         let Scene { solid, topology, .. } = scene;
         let all = self.places.iter().zip(&self.holds).enumerate();
-        let counted = all.filter(|(_, (place, _))| solid.share.element(place.corners[0][0] / N as u32));
+        let counted = all.filter(|(_, (place, _))| solid.share().element(place.corners[0][0] / N as u32));
         let points = counted.map(|(k, (place, hold))| {
             let first = self.places.partition_point(|other| other.corners < place.corners);
             Record::new(place.corners.map(|side| topology.code_of_side(&side)), (k - first) as u32, hold)
@@ -331,7 +331,8 @@ where
             return true;
         }
         let own = scene.topology.element(record.codes[0] / N as u32);
-        let counted = !scene.solid.share.is_whole() && own.is_some_and(|own| scene.solid.share.element(own));
+        let counted =
+            !scene.solid.share().is_whole() && own.is_some_and(|own| scene.solid.share().element(own));
         if counted {
             self.loose.push((record.clone(), hold));
         }

@@ -6,8 +6,6 @@
 
 use std::ops::Range;
 
-use fdem_contact::prefetch;
-
 use crate::contacts::couple::{AHEAD, Couple, skipped_until};
 use crate::contacts::grips::{ContactInputs, Grip, Histories, Works, grip_of};
 use crate::contacts::law::ContactLaw;
@@ -168,7 +166,7 @@ where
     /// Works of the last forces of a couple that touched, in the second half of their step.
     fn last_works(&self, couple: &Couple, histories: &Histories<D, N>) -> Works {
         let nodes = couple.elements.map(|element| self.solid.nodes_of(element));
-        let velocities = nodes.map(|nodes| nodes.map(|node| self.solid.nodes[node as usize].velocity));
+        let velocities = nodes.map(|nodes| nodes.map(|node| self.solid.velocity(node as usize)));
         let [friction, damping] = histories.get(couple.slot).second_half(&velocities, self.step);
         Works { friction, damping, ..Works::default() }
     }
@@ -230,12 +228,11 @@ where
     #[inline]
     fn prefetch<'a>(&self, ahead: impl Fn(usize) -> Option<&'a Couple>) {
         if let Some(Couple { elements: [_, next], .. }) = ahead(2 * AHEAD) {
-            prefetch(&self.solid.corners.of_corner[*next as usize]);
-            prefetch(&self.solid.elements[*next as usize]);
+            self.solid.prefetch_element(*next as usize);
         }
         if let Some(Couple { elements: [_, next], .. }) = ahead(AHEAD) {
             for node in self.solid.nodes_of(*next) {
-                prefetch(&self.solid.nodes[node as usize]);
+                self.solid.prefetch_node(node as usize);
             }
         }
     }
@@ -253,12 +250,12 @@ where
         for side in 0..2 {
             let nodes = solid.nodes_of(couple.elements[side]);
             for corner in 0..N {
-                let node = &solid.nodes[nodes[corner] as usize];
-                set_row(&mut shapes[side][corner], lane, &node.position);
-                set_row(&mut given.velocities[side][corner], lane, &node.velocity);
+                let node = nodes[corner] as usize;
+                set_row(&mut shapes[side][corner], lane, &solid.position(node));
+                set_row(&mut given.velocities[side][corner], lane, &solid.velocity(node));
             }
         }
-        let pair = couple.elements.map(|element| &solid.elements[element as usize]);
+        let pair = couple.elements.map(|element| solid.element(element as usize));
         for side in 0..2 {
             given.masses[side].set(lane, pair[side].mass);
         }

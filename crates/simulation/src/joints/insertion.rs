@@ -60,7 +60,7 @@ impl<const D: usize> Joints<D> {
         let suspects = team.change(&mut near, |first, chunk| {
             let mut failing = Vec::new();
             for (batch, near) in (first / LANES..).zip(chunk.chunks_mut(LANES)) {
-                let (weakest, deformed) = (&self.weakest[batch], &solid.deformed[batch]);
+                let (weakest, deformed) = (&self.weakest[batch], solid.deformed(batch));
                 nears::<D, N>(solid.available, &self.slopes, deformed, weakest, near);
                 for (lane, near) in near.iter_mut().enumerate() {
                     // The circle itself costs more than its bound.
@@ -114,7 +114,7 @@ impl<const D: usize> Joints<D> {
             // The laws of all facets were checked together with the model.
             if let Ok(Some(law)) = self.law(facet, model, topology) {
                 let plane = self.plane(facet, solid, topology);
-                self.put(facet, law, plane, topology, model, &solid.share);
+                self.put(facet, law, plane, topology, model, solid.share());
                 let corners = topology.facets[facet as usize].corners[0];
                 vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
             }
@@ -123,12 +123,12 @@ impl<const D: usize> Joints<D> {
         vertices.dedup();
         let mut split = Vec::new();
         for &vertex in &vertices {
-            if topology.corners_of(vertex).iter().any(|&corner| solid.share.corner(corner)) {
+            if topology.corners_of(vertex).iter().any(|&corner| solid.share().corner(corner)) {
                 split.push((vertex, self.part(vertex, solid, true, model, topology)));
             }
         }
         if !vertices.is_empty() {
-            self.find_tips(&vertices, topology, &solid.share);
+            self.find_tips(&vertices, topology, solid.share());
         }
         split
     }
@@ -322,7 +322,7 @@ impl<const D: usize> Joints<D> {
         if pulled && solid.hold_at(corners[0]) == NONE {
             let state = InsertionData { solid, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
-            let owned = |(_, corner): &(u32, u32)| solid.share.corner(*corner);
+            let owned = |(_, corner): &(u32, u32)| solid.share().corner(*corner);
             for (facet, corner) in topology.facets_around(vertex).filter(owned) {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
@@ -331,7 +331,7 @@ impl<const D: usize> Joints<D> {
                 }
             }
         }
-        let (owned, groups) = solid.share.owned(corners, &groups);
+        let (owned, groups) = solid.share().owned(corners, &groups);
         for node in solid.split(&owned, &groups) {
             solid.weigh(node, model);
         }
@@ -434,17 +434,17 @@ where
 
     /// Whether the end of a joint at this vertex is closed: one node on both sides.
     fn closed(&self, facet: u32) -> bool {
-        let [a, b] = self.beside(facet).map(|corner| self.state.solid.corners.node_at(corner));
+        let [a, b] = self.beside(facet).map(|corner| self.state.solid.node_at(corner));
         a == b
     }
 
     /// How many groups share the node of a corner.
     fn groups_of_node(&self, corner: u32) -> usize {
-        let nodes = &self.state.solid.corners;
-        let node = nodes.node_at(corner);
+        let solid = self.state.solid;
+        let node = solid.node_at(corner);
         let all = self.corners().iter().zip(self.groups);
         let mut groups: Vec<u32> =
-            all.filter(|(corner, _)| nodes.node_at(**corner) == node).map(|(_, &group)| group).collect();
+            all.filter(|(corner, _)| solid.node_at(**corner) == node).map(|(_, &group)| group).collect();
         groups.sort_unstable();
         groups.dedup();
         groups.len()
@@ -462,7 +462,7 @@ where
             for axis in 0..D {
                 force[side][axis] += total[axis];
             }
-            mass[side] += solid.elements[corner as usize / N].corner_mass(model);
+            mass[side] += solid.element(corner as usize / N).corner_mass(model);
         }
         let mut width = more;
         for (facet, _) in topology.facets_around(self.vertex) {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{JointLaw, JointPlane, Memory};
 use crate::simplex::Simplex;
-use crate::solid::{Node, Solid};
+use crate::solid::Solid;
 use crate::topology::Facet;
 use crate::vector::{Matrix, Point, add, dot, length, minus};
 
@@ -146,7 +146,7 @@ impl<const D: usize> Joint<D> {
 
     /// Looks up its nodes.
     pub(super) fn find_nodes<const N: usize>(&mut self, facet: &Facet<D>, solid: &Solid<D, N>) {
-        self.nodes = std::array::from_fn(|end| facet.corners.map(|side| solid.corners.node_at(side[end])));
+        self.nodes = std::array::from_fn(|end| facet.corners.map(|side| solid.node_at(side[end])));
     }
 
     /// The joint of a saved run, with the fields that are not saved.
@@ -187,14 +187,15 @@ impl<const D: usize> Joint<D> {
     }
 
     /// Mean opening and sliding, m: across it, then along it.
-    pub(crate) fn gap<const N: usize>(&self, nodes: &[Node<D>]) -> [f64; D]
+    /// `position`: of a node.
+    pub(crate) fn gap<const N: usize>(&self, position: impl Fn(u32) -> Point<D>) -> [f64; D]
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = JointAxes::new::<N>(self, nodes);
+        let frame = JointAxes::of::<N>(self.ends_at(position));
         let mut mean = [0.0; D];
         for [a, b] in frame.ends {
-            add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
+            add(&mut mean, frame.components(minus(b, a)), 1.0 / D as f64);
         }
         mean
     }
@@ -211,7 +212,7 @@ impl<const D: usize> Joint<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = JointAxes::new::<N>(self, &solid.nodes);
+        let frame = JointAxes::new::<N>(self, solid);
         let share = self.share(solid.thickness);
         let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
         let mut pressed = false;
@@ -220,8 +221,8 @@ impl<const D: usize> Joint<D> {
                 whole = true;
                 continue;
             }
-            let apart = minus(b.position, a.position);
-            let rate = minus(b.velocity, a.velocity);
+            let apart = minus(b, a);
+            let rate = self.rate(end, solid);
             let gap = frame.components(apart);
             if self.ends[end].damage() >= 1.0 {
                 let far = dot(apart, apart) > (APART * self.length) * (APART * self.length);
@@ -253,7 +254,7 @@ impl<const D: usize> Joint<D> {
                 self.state = JointState::Broken;
                 modes = Some(self.modes());
                 if is_detached {
-                    work -= self.leave(forces, &frame, step);
+                    work -= self.leave(forces, solid, step);
                 }
             }
             JointState::Broken => {
@@ -263,7 +264,7 @@ impl<const D: usize> Joint<D> {
                 // in one step. One that was inserted under pressure still presses when its gap is 0: it waits
                 // until it does not.
                 if (least >= 0.0 && !pressed) || self.faded >= 1.0 || is_detached {
-                    work -= self.leave(forces, &frame, step);
+                    work -= self.leave(forces, solid, step);
                 }
             }
             JointState::Holding | JointState::Removed => {}
@@ -278,31 +279,59 @@ impl<const D: usize> Joint<D> {
 
     /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of
     /// the forces that end here.
-    fn leave(&mut self, forces: &mut [Point<D>; D], frame: &JointAxes<'_, D>, step: f64) -> f64 {
+    fn leave<const N: usize>(&mut self, forces: &mut [Point<D>; D], solid: &Solid<D, N>, step: f64) -> f64
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         self.faded = 1.0;
         self.state = JointState::Removed;
         let dropped = std::mem::replace(forces, [[0.0; D]; D]);
-        let work = |(force, [a, b]): (&Point<D>, [&Node<D>; 2])| dot(*force, minus(b.velocity, a.velocity));
-        0.5 * step * dropped.iter().zip(frame.ends).map(work).sum::<f64>()
+        let work = |(end, force): (usize, &Point<D>)| dot(*force, self.rate(end, solid));
+        0.5 * step * dropped.iter().enumerate().map(work).sum::<f64>()
+    }
+
+    /// The positions of the nodes of its ends, m. `position`: of a node.
+    #[inline]
+    fn ends_at(&self, position: impl Fn(u32) -> Point<D>) -> [[Point<D>; 2]; D] {
+        self.nodes.map(|end| end.map(&position))
+    }
+
+    /// Velocity of side 1 of an end less that of side 0, m/s.
+    #[inline]
+    fn rate<const N: usize>(&self, end: usize, solid: &Solid<D, N>) -> Point<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let [a, b] = self.nodes[end].map(|node| solid.velocity(node as usize));
+        minus(b, a)
     }
 }
 
 /// Position and direction of a joint.
-pub(super) struct JointAxes<'a, const D: usize> {
-    pub(super) ends: [[&'a Node<D>; 2]; D],
+pub(super) struct JointAxes<const D: usize> {
+    /// Positions of the nodes of each end, m.
+    pub(super) ends: [[Point<D>; 2]; D],
     /// Unit vectors: the outward normal of side 0, and directions along the joint.
     pub(super) axes: Matrix<D>,
 }
 
-impl<'a, const D: usize> JointAxes<'a, D> {
+impl<const D: usize> JointAxes<D> {
     #[inline]
-    pub(super) fn new<const N: usize>(joint: &Joint<D>, nodes: &'a [Node<D>]) -> Self
+    pub(super) fn new<const N: usize>(joint: &Joint<D>, solid: &Solid<D, N>) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let ends = joint.nodes.map(|end| end.map(|node| &nodes[node as usize]));
+        Self::of::<N>(joint.ends_at(|node| solid.position(node as usize)))
+    }
+
+    /// The axes of a joint with these positions of the nodes of its ends, m.
+    #[inline]
+    fn of<const N: usize>(ends: [[Point<D>; 2]; D]) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         // The facet half way between the two sides, in twice its size.
-        let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
+        let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a[axis] + b[axis]));
         Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }
     }
 
@@ -363,19 +392,19 @@ mod tests {
     fn a_broken_end_that_came_round_does_not_press() {
         let (model, topology) = two_triangles();
         let mut solid = Solid::new(&model);
-        let mut joints = Joints::new(&model, &topology, &solid.share);
+        let mut joints = Joints::new(&model, &topology, solid.share());
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
             joints.part(vertex, &mut solid, false, &model, &topology);
         }
         // The upper end has turned far; the lower end is like a hinge.
         let joint = &mut joints.all[0];
-        let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
+        let end = usize::from(solid.vertex(joint.nodes[0][0] as usize) != 2);
         joint.open[1 - end] = false;
         joint.ends[end] = Memory::broken();
         let [a, b] = joint.nodes[end];
         for (node, place) in [(a, [0.9, -0.5]), (b, [-0.9, -0.5])] {
-            solid.nodes[node as usize].position = place;
+            solid.set_position(node as usize, place);
         }
         let mut forces = [[0.0; 2]; 2];
         let (_, modes) = joint.pull(&mut forces, &solid, 1e-6);
@@ -383,7 +412,7 @@ mod tests {
         // At a small distance the end presses only if it was open before.
         let mut at = |x: f64| {
             for (node, place) in [(a, [x, 1.0]), (b, [-x, 1.0])] {
-                solid.nodes[node as usize].position = place;
+                solid.set_position(node as usize, place);
             }
             let mut forces = [[0.0; 2]; 2];
             joints.all[0].pull(&mut forces, &solid, 1e-6);
@@ -400,7 +429,7 @@ mod tests {
     fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
         let (model, topology) = two_triangles();
         let mut solid = Solid::new(&model);
-        let mut joints = Joints::new(&model, &topology, &solid.share);
+        let mut joints = Joints::new(&model, &topology, solid.share());
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
             joints.part(vertex, &mut solid, false, &model, &topology);
@@ -408,9 +437,9 @@ mod tests {
         let joint = &mut joints.all[0];
         joint.ends[0] = Memory::broken();
         let [a, b] = joint.nodes[0];
-        let [x, y] = solid.nodes[a as usize].position;
+        let [x, y] = solid.position(a as usize);
         for (node, shift) in [(a, 0.3), (b, -0.3)] {
-            solid.nodes[node as usize].position = [x + shift, y];
+            solid.set_position(node as usize, [x + shift, y]);
         }
         let mut forces = [[1.0; 2]; 2];
         let (_, modes) = joint.pull(&mut forces, &solid, 1e-6);

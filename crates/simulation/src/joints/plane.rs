@@ -73,7 +73,7 @@ pub(crate) fn side<const D: usize, const N: usize>(solid: &Solid<D, N>, facet: &
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    facet.corners[0].map(|corner| solid.at_corner(corner).position)
+    facet.corners[0].map(|corner| solid.position_at(corner))
 }
 
 #[cfg(test)]

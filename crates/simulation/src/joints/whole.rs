@@ -4,13 +4,11 @@
 //! such a joint, a quarter of the whole record, and its tractions have no branch, unlike those of joints that
 //! soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
 
-use fdem_contact::prefetch;
-
 use crate::cohesive::JointLaw;
 use crate::joints::joint::{Joint, JointState};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
-use crate::solid::{Node, Solid};
+use crate::solid::Solid;
 use crate::sum::{Grains, Pile};
 use crate::vector::{Point, dot, minus, plus};
 
@@ -168,12 +166,12 @@ impl<const D: usize> JointBatch<D> {
         self.whole = Lanes::ZERO;
         for (lane, ((link, joint), forces)) in links.iter().zip(joints).zip(forces).enumerate() {
             if let Some(next) = next.get(lane) {
-                next.nodes.as_flattened().iter().for_each(|&node| prefetch(&solid.nodes[node as usize]));
+                next.nodes.as_flattened().iter().for_each(|&node| solid.prefetch_node(node as usize));
             }
             if link.is_whole() {
                 self.whole.set(lane, 1.0);
                 self.counted.set(lane, if link.counted { 1.0 } else { 0.0 });
-                self.take(lane, link, forces, &solid.nodes);
+                self.take(lane, link, forces, solid);
                 for end in 0..D {
                     let at_rest = link.kind == JointCase::AtRest;
                     let origin = if at_rest { [0.0; D] } else { joint.ends[end].origin() };
@@ -189,11 +187,20 @@ impl<const D: usize> JointBatch<D> {
 
     /// Takes a joint into a lane.
     #[inline]
-    fn take(&mut self, lane: usize, link: &Link<D>, forces: &[Point<D>; D], nodes: &[Node<D>]) {
-        let ends = link.nodes.map(|end| end.map(|node| &nodes[node as usize]));
-        set_tensor(&mut self.sums, lane, &ends.map(|[a, b]| plus(a.position, b.position)));
-        set_tensor(&mut self.apart, lane, &ends.map(|[a, b]| minus(b.position, a.position)));
-        set_tensor(&mut self.rates, lane, &ends.map(|[a, b]| minus(b.velocity, a.velocity)));
+    fn take<const N: usize>(
+        &mut self,
+        lane: usize,
+        link: &Link<D>,
+        forces: &[Point<D>; D],
+        solid: &Solid<D, N>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let ends = link.nodes.map(|end| end.map(|node| solid.position(node as usize)));
+        let speeds = link.nodes.map(|end| end.map(|node| solid.velocity(node as usize)));
+        set_tensor(&mut self.sums, lane, &ends.map(|[a, b]| plus(a, b)));
+        set_tensor(&mut self.apart, lane, &ends.map(|[a, b]| minus(b, a)));
+        set_tensor(&mut self.rates, lane, &speeds.map(|[a, b]| minus(b, a)));
         set_tensor(&mut self.forces, lane, forces);
         for end in 0..D {
             self.open[end].set(lane, f64::from(u8::from(link.open[end])));

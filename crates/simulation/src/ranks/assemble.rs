@@ -77,7 +77,7 @@ where
             nodes.first.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect();
         solid.set_nodes(moving, nodes.of_corner, &model);
         solid.set_masses(&nodes.first.iter().map(|at| at.masses).collect::<Vec<_>>());
-        solid.share = share;
+        solid.set_share(share);
         solid.grains = Grains::of(frame.scales.size);
         solid.restore(
             &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),
@@ -91,7 +91,7 @@ where
         let counted = |code: u32| {
             topology.element(code / N as u32).is_some_and(|element| {
                 let corner = <[[f64; D]; N]>::FACETS[code as usize % N][0] as u32;
-                solid.share.corner(element * N as u32 + corner)
+                solid.share().corner(element * N as u32 + corner)
             })
         };
         let loose_joints = loose.into_iter().filter(|moving| counted(moving.joint.facet)).collect();

@@ -217,8 +217,8 @@ where
 
     /// The elements and the traffic of this rank.
     pub fn traffic(&self) -> Traffic {
-        let share = &self.run.solid.share;
-        let elements = self.run.solid.elements.len();
+        let share = self.run.solid.share();
+        let elements = self.run.solid.element_count();
         let own = (0..elements as u32).filter(|&element| share.element(element)).count();
         Traffic {
             ranks: self.communicator.size(),
@@ -438,7 +438,7 @@ where
 
     /// Numbers of the joints, contacts and nodes that this rank counts.
     fn own_counts(&self) -> Counts {
-        let share = &self.solid.share;
+        let share = self.solid.share();
         let (mut joints, mut broken) = (0, 0);
         for joint in &self.joints.all {
             if joint.counted {
@@ -451,7 +451,7 @@ where
             broken: broken + loose,
             contacts: self.touching.count,
             detections: self.contacts.detections,
-            nodes: (0..self.solid.nodes.len()).filter(|&node| share.node(node)).count(),
+            nodes: (0..self.solid.node_count()).filter(|&node| share.node(node)).count(),
         }
     }
 
@@ -461,7 +461,7 @@ where
         let first = *self.topology.corners_of(vertex).first()?;
         let is_first =
             self.part.as_ref().is_none_or(|part| part.is_first(vertex, self.topology.code_of_corner(first)));
-        (is_first && self.solid.share.corner(first)).then(|| self.at_vertex(vertex))
+        (is_first && self.solid.share().corner(first)).then(|| self.at_vertex(vertex))
     }
 
     fn own_crack_lengths(&self) -> [Sum; 3] {

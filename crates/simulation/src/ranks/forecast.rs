@@ -159,7 +159,7 @@ impl Forecast {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let elements = run.solid.elements.len();
+        let elements = run.solid.element_count();
         if ranks == 0 || ranks > elements {
             return Err(ModelError::Ranks { ranks, elements });
         }
@@ -184,13 +184,11 @@ impl Forecast {
             for &holder in &holders {
                 of_ranks[holder as usize].halo += usize::from(holder != of_corners[0]);
                 let borrowed = (0..N).filter(|&k| of_corners[k] != holder);
-                sent.extend(
-                    borrowed.map(|k| (of_corners[k], holder, run.solid.corners.of_corner[element][k])),
-                );
+                sent.extend(borrowed.map(|k| (of_corners[k], holder, run.solid.nodes_of(element as u32)[k])));
             }
         }
-        for node in 0..run.solid.nodes.len() {
-            of_ranks[owners[run.solid.corners.of(node)[0] as usize] as usize].nodes += 1;
+        for node in 0..run.solid.node_count() {
+            of_ranks[owners[run.solid.corners(node)[0] as usize] as usize].nodes += 1;
         }
         once_each(&mut sent);
         add_messages::<D>(&mut of_ranks, &sent);
@@ -203,7 +201,7 @@ impl Forecast {
         let moving = (elements + held) * size_of::<ElementPiece<D, N>>()
             + run.joints.all.len() * size_of::<MovingJoint<D>>();
         let memory_at_beginning = (elements as f64 * sizes.all()).round() as u64 + moving as u64;
-        Ok(Self { elements, nodes: run.solid.nodes.len(), of_ranks, sizes, memory_at_beginning })
+        Ok(Self { elements, nodes: run.solid.node_count(), of_ranks, sizes, memory_at_beginning })
     }
 
     /// Number of ranks.
@@ -250,7 +248,7 @@ where
     let keys: Vec<u64> = units.iter().map(|unit| unit.key).collect();
     let of_units: Vec<u64> = units.iter().map(|unit| unit.weight).collect();
     let splitters = splitters_of_all(ranks, &keys, &of_units);
-    let mut owners = vec![0; N * run.solid.elements.len()];
+    let mut owners = vec![0; N * run.solid.element_count()];
     let mut weights = vec![0; ranks];
     for unit in units {
         let rank = owner(&splitters, unit.key);
@@ -272,7 +270,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let reach = reach(&CommonData::of(run), !run.model.stresses.is_empty());
-    let all = 0..run.solid.elements.len() as u32;
+    let all = 0..run.solid.element_count() as u32;
     let watched: Vec<u32> = all.filter(|&element| run.contacts.watched[element as usize]).collect();
     let bounds = |&element: &u32| -> [Point<D>; 2] {
         let shape = run.solid.shape(element);
@@ -325,7 +323,7 @@ fn sizes<const D: usize, const N: usize>(run: &Simulation<D, N>, couples: u64) -
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let elements = run.solid.elements.len() as f64;
+    let elements = run.solid.element_count() as f64;
     let each = |bytes: usize| bytes as f64 / elements;
     let Model { mesh, velocities, stresses, joint_facets, .. } = &run.model;
     let model = size_of_val(&*mesh.nodes)
@@ -410,7 +408,7 @@ mod tests {
                 let run = Distributed::new(communicator, run, 1).unwrap().run;
                 let part = run.part.as_ref().unwrap();
                 let of_part =
-                    size_of_val(&*part.owners) + run.solid.elements.len() + 12 * run.model.mesh.nodes.len();
+                    size_of_val(&*part.owners) + run.solid.element_count() + 12 * run.model.mesh.nodes.len();
                 let model = &run.model.mesh;
                 let mesh = size_of_val(&*model.nodes) + 20 * model.elements.len();
                 let parts = [run.topology.bytes(), run.solid.bytes(), run.joints.bytes()];

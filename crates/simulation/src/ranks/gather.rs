@@ -74,16 +74,16 @@ where
     /// All that this rank counts, for results and checkpoints.
     pub(super) fn own(&self) -> OwnResults<D, N> {
         let Self { solid, topology, model, .. } = self;
-        let share = &solid.share;
+        let share = solid.share();
         let node = |number: usize| {
-            let vertex = solid.constants[number].vertex;
-            let code = topology.code_of_corner(solid.corners.of(number)[0]);
+            let vertex = solid.vertex(number);
+            let code = topology.code_of_corner(solid.corners(number)[0]);
             let first = || topology.code_of_corner(topology.corners_of(vertex)[0]);
             OwnNode {
                 code,
                 is_first: code == self.part.as_ref().map_or_else(first, |part| part.first[vertex as usize]),
                 vertex: self.vertex(vertex),
-                node: solid.nodes[number],
+                node: solid.node(number),
                 displacement: solid.displacement(number, model),
             }
         };
@@ -94,12 +94,12 @@ where
             nodes: solid.nodes_of(number as u32).map(|node| solid.code_of_node(node, topology)),
             stress: solid.stress(number),
         };
-        let counted = || (0..solid.elements.len()).filter(|&element| share.element(element as u32));
+        let counted = || (0..solid.element_count()).filter(|&element| share.element(element as u32));
         let dissipated = solid.dissipated();
         let viscous = if dissipated.is_empty() { Vec::new() } else { solid.viscous() };
         let (parted, bared) = self.apart();
         OwnResults {
-            nodes: (0..solid.nodes.len()).filter(|&number| share.node(number)).map(node).collect(),
+            nodes: (0..solid.node_count()).filter(|&number| share.node(number)).map(node).collect(),
             elements: counted().map(element).collect(),
             viscous: counted().filter_map(|element| viscous.get(element).copied()).collect(),
             dissipated: counted().filter_map(|element| dissipated.get(element).copied()).collect(),
@@ -241,7 +241,8 @@ where
         };
         let nodes = self.moving_nodes();
         let joints = self.joints.iter().map(MovingJoint::seen::<N>);
-        let (damage, cracks) = cracks::<D, N>(joints, &nodes, self.origin, self.elements.len());
+        let (damage, cracks) =
+            cracks::<D, N>(joints, |node| nodes[node as usize].position, self.origin, self.elements.len());
         Snapshot {
             step: self.carried.step,
             time: self.time,

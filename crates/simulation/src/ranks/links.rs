@@ -17,7 +17,7 @@ use crate::joints::{Joints, VertexSplit};
 use crate::lists::once_each;
 use crate::peers::{Peers, StepReport, first_of_largest};
 use crate::simplex::Simplex;
-use crate::solid::Solid;
+use crate::solid::{Node, Solid};
 use crate::sum::{LIMBS, Sum};
 use crate::timings::Clock;
 use crate::topology::{NONE, Topology};
@@ -116,13 +116,13 @@ impl<'c> Links<'c> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let mut known = vec![NONE; solid.nodes.len()];
+        let mut known = vec![NONE; solid.node_count()];
         for (number, neighbour) in (0..).zip(&mut self.neighbours) {
             let Neighbour { lent, borrowed, lent_nodes, borrowed_nodes, .. } = neighbour;
             for (corners, nodes) in [(lent, lent_nodes), (borrowed, borrowed_nodes)] {
                 nodes.clear();
                 for &corner in corners.iter() {
-                    let node = solid.corners.node_at(corner);
+                    let node = solid.node_at(corner);
                     if known[node as usize] != number {
                         known[node as usize] = number;
                         nodes.push(node);
@@ -131,7 +131,7 @@ impl<'c> Links<'c> {
             }
         }
         self.lent.clear();
-        self.lent.resize(solid.nodes.len(), false);
+        self.lent.resize(solid.node_count(), false);
         for &node in self.neighbours.iter().flat_map(|neighbour| &neighbour.lent_nodes) {
             self.lent[node as usize] = true;
         }
@@ -200,7 +200,7 @@ where
         for (port, neighbour) in self.neighbours.iter().enumerate() {
             let places = halo.outgoing(port).as_chunks_mut::<8>().0.chunks_exact_mut(2 * D);
             for (&node, places) in neighbour.lent_nodes.iter().zip(places) {
-                let node = &solid.nodes[node as usize];
+                let node = solid.node(node as usize);
                 for (place, number) in places.iter_mut().zip(node.position.iter().chain(&node.velocity)) {
                     *place = number.to_le_bytes();
                 }
@@ -233,9 +233,10 @@ where
         for (port, neighbour) in self.neighbours.iter().enumerate() {
             let places = halo.incoming(port).as_chunks::<8>().0.chunks_exact(2 * D);
             for (&node, places) in neighbour.borrowed_nodes.iter().zip(places) {
-                let node = &mut solid.nodes[node as usize];
-                let numbers = node.position.iter_mut().chain(&mut node.velocity);
-                numbers.zip(places).for_each(|(number, place)| *number = f64::from_le_bytes(*place));
+                let axis = |axis: usize| f64::from_le_bytes(places[axis]);
+                let position = std::array::from_fn(axis);
+                let velocity = std::array::from_fn(|k| axis(D + k));
+                solid.set_node(node as usize, Node { position, velocity });
             }
         }
         self.travelled += step * report.fastest;
@@ -269,7 +270,7 @@ where
             let at = |&vertex: &u32| {
                 let shared = |corner: &&u32| neighbour.lent.binary_search(corner).is_ok();
                 let corners = topology.corners_of(vertex).iter().filter(shared).map(|&corner| {
-                    let node = solid.corners.node_at(corner);
+                    let node = solid.node_at(corner);
                     CornerChange {
                         code: topology.code_of_corner(corner),
                         node: solid.code_of_node(node, topology),
@@ -349,8 +350,8 @@ fn follow<const D: usize, const N: usize>(
         solid.split(&corners, &groups);
         for (&corner, changed) in corners.iter().zip(&change.corners) {
             solid.set_mass(corner, changed.masses);
-            let node = solid.corners.node_at(corner) as usize;
-            solid.share.codes[node] = changed.node;
+            let node = solid.node_at(corner) as usize;
+            solid.set_code(node, changed.node);
         }
         let begun = |&(code, traction): &(u32, [f64; D])| Some((topology.facet_with(code)?, traction));
         let begin: Vec<_> = change.begin.iter().filter_map(begun).collect();

@@ -346,8 +346,8 @@ where
         let (topology, solid, k) = (&run.topology, &run.solid, element as usize);
         let corner = |corner: usize| {
             let number = element * N as u32 + corner as u32;
-            let (vertex, node) = (topology.vertices[number as usize], solid.corners.node_at(number));
-            let Node { position, velocity } = solid.nodes[node as usize];
+            let (vertex, node) = (topology.vertices[number as usize], solid.node_at(number));
+            let Node { position, velocity } = solid.node(node as usize);
             let star = topology.corners_of(vertex);
             let (count, first) = (star.len() as u32, topology.code_of_corner(star[0]));
             CornerState {
@@ -408,8 +408,8 @@ where
 
     /// The elements that this rank counts.
     pub(super) fn counted(&self) -> Vec<u32> {
-        let share = &self.solid.share;
-        (0..self.solid.elements.len() as u32).filter(|&element| share.element(element)).collect()
+        let share = self.solid.share();
+        (0..self.solid.element_count() as u32).filter(|&element| share.element(element)).collect()
     }
 
     /// The joints that this rank counts.
@@ -421,7 +421,8 @@ where
 
     /// The couples that touch and that this rank counts.
     pub(super) fn own_touching(&self) -> Vec<Touch<D, N>> {
-        let counted = self.contacts.touching().filter(|(elements, _)| self.solid.share.element(elements[0]));
+        let counted =
+            self.contacts.touching().filter(|(elements, _)| self.solid.share().element(elements[0]));
         let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
         counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
     }

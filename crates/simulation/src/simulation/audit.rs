@@ -7,7 +7,6 @@ use crate::peers::{Peers, first_of_largest};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::totals::Totals;
-use crate::solid::{Constants, Node};
 use crate::sum::Sum;
 use crate::vector::dot;
 
@@ -95,7 +94,7 @@ where
     fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
         let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
         for (node, reaction) in &self.held {
-            let hold = self.actions.prescribed.holds[self.solid.constants[*node as usize].hold as usize];
+            let hold = self.actions.prescribed.holds[self.solid.hold(*node as usize) as usize];
             for axis in 0..D {
                 if let Some(hold) = hold[axis] {
                     sums[hold.boundary as usize][axis].add(reaction[axis]);
@@ -115,16 +114,17 @@ where
     /// The element with the most energy per mass: the first of them.
     pub(super) fn hottest(&self, peers: &dyn Peers<D, N>) -> u32 {
         let density = |number: u32| {
-            let element = &self.solid.elements[number as usize];
+            let element = self.solid.element(number as usize);
             let square = |node: u32| {
-                let velocity = self.solid.nodes[node as usize].velocity;
+                let velocity = self.solid.velocity(node as usize);
                 dot(velocity, velocity)
             };
             let fastest = self.solid.nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
             0.5 * fastest + self.solid.energy(number as usize) / (density * element.volume)
         };
-        let all = (0..self.solid.elements.len() as u32).filter(|&element| self.solid.share.element(element));
+        let all =
+            (0..self.solid.element_count() as u32).filter(|&element| self.solid.share().element(element));
         let of_all = all.map(|element| (density(element), self.topology.number(element)));
         let own = of_all.reduce(first_of_largest);
         peers.first_of_largest(own).map_or(0, |(_, element)| element)
@@ -132,11 +132,11 @@ where
 
     /// Kinetic energy with the velocities half a step after the positions, J.
     pub(super) fn kinetic_of_half_step(&self) -> Sum {
-        let of = |(node, constants): (&Node<D>, &Constants)| {
-            0.5 * constants.mass * dot(node.velocity, node.velocity)
+        let of = |node: usize| {
+            let velocity = self.solid.velocity(node);
+            0.5 * self.solid.constants(node).mass * dot(velocity, velocity)
         };
-        let all = self.solid.nodes.iter().zip(&self.solid.constants).enumerate();
-        all.filter(|(node, _)| self.solid.share.node(*node)).map(|(_, node)| of(node)).collect()
+        (0..self.solid.node_count()).filter(|&node| self.solid.share().node(node)).map(of).collect()
     }
 }
 
@@ -173,8 +173,8 @@ mod tests {
         let mut run = Simulation::new(model, 1).expect("a model");
         run.advance(150).expect("a sound run");
         let kinetic = run.energies().kinetic;
-        for node in &mut run.solid.nodes {
-            node.velocity = node.velocity.map(|v| 2.0 * v);
+        for node in 0..run.solid.node_count() {
+            run.solid.set_velocity(node, run.solid.velocity(node).map(|v| 2.0 * v));
         }
         run.totals.damping.add(-3.0 * kinetic);
         let stop = run.advance(100).expect_err("three times the energy from nowhere");

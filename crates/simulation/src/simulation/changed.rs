@@ -151,7 +151,7 @@ where
             add(&mut force, self.model.gravity, weight);
             force
         };
-        let forces = (0..self.solid.nodes.len()).map(force).collect();
+        let forces = (0..self.solid.node_count()).map(force).collect();
         let [mut energy, viscous] = self.solid.energies(&self.team);
         let mut of_actions = Ledger::default();
         self.actions.add_energies(&self.scene(), &mut of_actions);
@@ -166,15 +166,15 @@ where
     fn impulses_of_half_step(&self) -> Sum {
         let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
         for ([_, corner], force) in self.actions.applied(&self.solid) {
-            let node = self.solid.corners.node_at(corner);
+            let node = self.solid.node_at(corner);
             add(by_loads.entry(node).or_insert([0.0; D]), force, 1.0);
         }
         let of = |node: usize| {
             let force = force_on(node, &self.solid, &self.joints);
             let loads = by_loads.get(&(node as u32)).copied().unwrap_or([0.0; D]);
-            0.5 * self.scales.time_step * dot(minus(force, loads), self.solid.nodes[node].velocity)
+            0.5 * self.scales.time_step * dot(minus(force, loads), self.solid.velocity(node))
         };
-        (0..self.solid.nodes.len()).map(of).collect()
+        (0..self.solid.node_count()).map(of).collect()
     }
 
     /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A
@@ -186,7 +186,7 @@ where
             let places = vertices(side).map(|vertex| self.model.mesh.nodes[vertex as usize]);
             <[[f64; D]; N]>::facet_measure(&places)
         };
-        let nodes = |side: &[u32; D]| side.map(|corner| self.solid.corners.node_at(corner) as usize);
+        let nodes = |side: &[u32; D]| side.map(|corner| self.solid.node_at(corner) as usize);
         let mut widths = vec![0.0; forces.len()];
         let outer = &self.joints.faces.outer;
         for &side in outer {
@@ -340,14 +340,14 @@ impl Numbers {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let holds = |run: &Simulation<D, N>, node: usize| match run.solid.constants[node].hold {
+        let holds = |run: &Simulation<D, N>, node: usize| match run.solid.hold(node) {
             NONE => [false; D],
             hold => run.actions.prescribed.holds[hold as usize].map(|hold| hold.is_some()),
         };
         let lost = |node: usize| {
-            let corner = new.solid.corners.of(node)[0];
+            let corner = new.solid.corners(node)[0];
             let Some(element) = self.before[corner as usize / N] else { return [0.0; D] };
-            let before = old.solid.corners.node_at(element * N as u32 + corner % N as u32) as usize;
+            let before = old.solid.node_at(element * N as u32 + corner % N as u32) as usize;
             let share = new.solid.true_mass(node) / old.solid.true_mass(before);
             let (held, holds) = (holds(old, before), holds(new, node));
             let whole = share == 1.0;
@@ -360,6 +360,6 @@ impl Numbers {
             let lost = minus(had, has[node]);
             std::array::from_fn(|axis| if holds[axis] { 0.0 } else { lost[axis] })
         };
-        (0..new.solid.nodes.len()).map(lost).collect()
+        (0..new.solid.node_count()).map(lost).collect()
     }
 }

@@ -50,8 +50,9 @@ where
         }
         for (&node, &velocity) in nodes.iter().zip(velocities) {
             let node = order[node as usize] as usize;
-            let before = std::mem::replace(&mut self.solid.nodes[node].velocity, velocity);
-            self.actions.program.replaced.entry(self.solid.corners.of(node)[0]).or_insert(before);
+            let before = self.solid.velocity(node);
+            self.solid.set_velocity(node, velocity);
+            self.actions.program.replaced.entry(self.solid.corners(node)[0]).or_insert(before);
         }
         Ok(())
     }
@@ -71,7 +72,7 @@ where
         let order = self.solid.order(&self.topology);
         check(nodes, forces, order.len(), ["forces", "a force"])?;
         for (&node, &force) in nodes.iter().zip(forces) {
-            let corners = self.solid.corners.of(order[node as usize] as usize);
+            let corners = self.solid.corners(order[node as usize] as usize);
             let part = force.map(|f| f / corners.len() as f64);
             for &corner in corners {
                 if part == [0.0; D] {

@@ -173,10 +173,14 @@ where
         let wave = model.materials.iter().map(crate::model::Material::bar_speed).fold(0.0, f64::max);
         let speed_limit = RUNAWAY * wave;
         let modulus = |material: u32| model.materials[material as usize].stiffest_modulus();
-        let stiffnesses = || solid.elements.iter().map(|element| element.volume * modulus(element.material));
+        let stiffnesses = || {
+            let all = (0..solid.element_count()).map(|element| solid.element(element));
+            all.map(|element| element.volume * modulus(element.material))
+        };
         let stiffness: Sum = stiffnesses().collect();
         let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
-        let heaviest = solid.constants.iter().map(|node| node.mass).fold(0.0, f64::max);
+        let masses = (0..solid.node_count()).map(|node| solid.constants(node).mass);
+        let heaviest = masses.fold(0.0, f64::max);
         let fastest = prescribed::fastest(&model, time_step).min(speed_limit);
         // A node of a light body may rebound at twice the speed of a heavy one. Then it has four times the
         // kinetic energy, m/2 v².
@@ -309,7 +313,7 @@ where
             broken: self.joints.broken(),
             contacts: self.touching.count,
             detections: self.contacts.detections,
-            nodes: self.solid.nodes.len(),
+            nodes: self.solid.node_count(),
         }
     }
 
@@ -354,8 +358,8 @@ where
 
     /// Displacement, m, and velocity, m/s, of the first node of a vertex.
     pub(crate) fn at_vertex(&self, vertex: u32) -> ([f64; D], [f64; D]) {
-        let node = self.solid.corners.node_at(self.topology.corners_of(vertex)[0]) as usize;
-        (self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity)
+        let node = self.solid.node_at(self.topology.corners_of(vertex)[0]) as usize;
+        (self.solid.displacement(node, &self.model), self.solid.velocity(node))
     }
 
     /// [`Simulation::node`] for some nodes.

@@ -62,9 +62,9 @@ where
             totals: self.totals.clone(),
             energies: self.energies,
             reactions: self.reactions.clone(),
-            nodes: order.iter().map(|&node| self.solid.nodes[node as usize]).collect(),
+            nodes: order.iter().map(|&node| self.solid.node(node as usize)).collect(),
             of_corner: self.solid.in_order(&order),
-            stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
+            stresses: (0..self.solid.element_count()).map(|element| self.solid.stress(element)).collect(),
             viscous: self.solid.viscous(),
             dissipated: self.solid.dissipated(),
             memories: self.solid.memories(),
@@ -82,7 +82,7 @@ where
     /// [`ModelError::Missing`] if the state belongs to another model.
     pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
-        let elements = run.solid.elements.len();
+        let elements = run.solid.element_count();
         let lengths = [
             ("stresses", state.stresses.len(), elements),
             ("viscous stresses", state.viscous.len(), elements),

@@ -7,7 +7,6 @@ use crate::joints::JointView;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot};
-use crate::solid::Node;
 use crate::sum::Sum;
 use crate::vector::{Point, add, plus};
 
@@ -19,15 +18,16 @@ where
     pub fn snapshot(&self) -> Snapshot<D, N> {
         let order = self.solid.order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
-        let elements = self.solid.elements.len();
+        let elements = self.solid.element_count();
         let joints = self.joints.in_order().into_iter().map(|joint| self.joints.seen(joint, &self.topology));
-        let (damage, cracks) = cracks::<D, N>(joints, &self.solid.nodes, self.solid.origin, elements);
+        let position = |node: u32| self.solid.position(node as usize);
+        let (damage, cracks) = cracks::<D, N>(joints, position, self.solid.origin, elements);
         Snapshot {
             step: self.step,
             time: self.time(),
-            positions: nodes().map(|node| self.solid.place(self.solid.nodes[node].position)).collect(),
+            positions: nodes().map(|node| self.solid.place(self.solid.position(node))).collect(),
             displacements: nodes().map(|node| self.solid.displacement(node, &self.model)).collect(),
-            velocities: nodes().map(|node| self.solid.nodes[node].velocity).collect(),
+            velocities: nodes().map(|node| self.solid.velocity(node)).collect(),
             elements: self.solid.in_order(&order),
             stresses: (0..elements).map(|element| self.solid.stress_tensor(element)).collect(),
             damage,
@@ -63,7 +63,7 @@ where
     /// Forces of contacts and boundaries at the beginning of the last step.
     pub fn forces(&self) -> Forces<D> {
         let order = self.solid.order(&self.topology);
-        let codes = order.into_iter().map(|node| self.solid.corners.of(node as usize)[0]);
+        let codes = order.into_iter().map(|node| self.solid.corners(node as usize)[0]);
         self.own_forces().placed(codes, self.solid.origin)
     }
 
@@ -73,16 +73,16 @@ where
             elements: force.elements.map(|element| self.topology.number(element)),
             ..force
         };
-        let counted = |force: &ContactForce<D>| self.solid.share.element(force.elements[0]);
+        let counted = |force: &ContactForce<D>| self.solid.share().element(force.elements[0]);
         let contacts = self.contacts.forces(&self.solid).into_iter().filter(counted).map(numbered);
         let joints = self.joints.pressing(&self.solid, &self.topology).into_iter().map(numbered);
         let applied = self.actions.applied(&self.solid);
-        let applied = applied.map(|([_, corner], force)| (self.solid.corners.node_at(corner), force));
+        let applied = applied.map(|([_, corner], force)| (self.solid.node_at(corner), force));
         let mut reactions = BTreeMap::new();
         for (node, force) in self.held.iter().copied().chain(applied) {
             add(reactions.entry(node).or_insert([0.0; D]), force, 1.0);
         }
-        let code = |node: u32| self.topology.code_of_corner(self.solid.corners.of(node as usize)[0]);
+        let code = |node: u32| self.topology.code_of_corner(self.solid.corners(node as usize)[0]);
         OwnForces {
             contacts: contacts.collect(),
             joints: joints.collect(),
@@ -92,10 +92,10 @@ where
 }
 
 /// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them
-/// in order; `nodes`: those that the joints name; `origin`: of their positions.
+/// in order; `position`: of a node that the joints name; `origin`: of these positions.
 pub(crate) fn cracks<'a, const D: usize, const N: usize>(
     joints: impl Iterator<Item = JointView<'a, D>>,
-    nodes: &[Node<D>],
+    position: impl Fn(u32) -> Point<D> + Copy,
     origin: Point<D>,
     elements: usize,
 ) -> (Vec<f64>, Vec<Crack<D>>)
@@ -111,7 +111,7 @@ where
             *damage = damage.max(of_joint);
         }
         if of_joint > 0.0 {
-            cracks.push(crack::<D, N>(&seen, of_joint, nodes, origin));
+            cracks.push(crack::<D, N>(&seen, of_joint, position, origin));
         }
     }
     (damage, cracks)
@@ -120,17 +120,17 @@ where
 fn crack<const D: usize, const N: usize>(
     seen: &JointView<'_, D>,
     damage: f64,
-    nodes: &[Node<D>],
+    position: impl Fn(u32) -> Point<D> + Copy,
     origin: Point<D>,
 ) -> Crack<D>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let corner = |end: usize| {
-        let [a, b] = seen.joint.nodes[end].map(|node| nodes[node as usize].position);
+        let [a, b] = seen.joint.nodes[end].map(position);
         plus(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])), origin)
     };
-    let gap = seen.joint.gap::<N>(nodes);
+    let gap = seen.joint.gap::<N>(position);
     let modes = seen.broken.map_or_else(|| seen.joint.modes(), |(_, modes)| modes);
     Crack {
         corners: std::array::from_fn(corner),
