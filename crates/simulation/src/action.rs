@@ -11,6 +11,7 @@ use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::faces::BrokenSides;
 use crate::joints::Joints;
+use crate::machine::Machine;
 use crate::model::{Model, Schedule};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -24,8 +25,7 @@ use crate::vector::{Point, add};
 pub(crate) struct Scene<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
     pub(crate) topology: &'a Topology<D, N>,
-    pub(crate) solid: &'a Solid<D, N>,
-    pub(crate) joints: &'a Joints<D>,
+    pub(crate) machine: &'a dyn Machine<D, N>,
     pub(crate) team: &'a Team,
     /// Time of the positions, s.
     pub(crate) time: f64,
@@ -33,40 +33,62 @@ pub(crate) struct Scene<'a, const D: usize, const N: usize> {
     pub(crate) step: f64,
 }
 
-impl<const D: usize, const N: usize> Scene<'_, D, N>
+impl<'a, const D: usize, const N: usize> Scene<'a, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    /// Nodes and elements. An action that has nothing to do does not ask for them: a machine with a memory of
+    /// its own copies them.
+    pub(crate) fn solid(&self) -> &'a Solid<D, N> {
+        &self.machine.columns().solid
+    }
+
+    pub(crate) fn joints(&self) -> &'a Joints<D> {
+        &self.machine.columns().joints
+    }
+
     /// Whether this rank counts the data that all ranks know: one of them does.
     pub(crate) fn counts_common(&self) -> bool {
-        self.topology.element(0).is_some_and(|first| self.solid.share().element(first))
+        self.topology.element(0).is_some_and(|first| self.solid().share().element(first))
     }
 }
 
 /// A step in which actions add forces to the corners of elements.
 pub(crate) struct Acting<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
-    pub(crate) solid: &'a mut Solid<D, N>,
+    pub(crate) machine: &'a dyn Machine<D, N>,
     pub(crate) team: &'a Team,
     /// The factor of each boundary in time.
     pub(crate) schedules: &'a [Schedule],
     /// Time of the positions, s.
     pub(crate) time: f64,
     pub(crate) applied: &'a mut Vec<Applied<D>>,
+    /// Forces on corners of elements, N, in the order in which they are added.
+    pub(crate) forces: &'a mut Vec<(u32, Point<D>)>,
 }
 
-impl<const D: usize, const N: usize> Acting<'_, D, N>
+impl<'a, const D: usize, const N: usize> Acting<'a, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    /// Nodes and elements: see [`Scene::solid`].
+    pub(crate) fn solid(&self) -> &'a Solid<D, N> {
+        &self.machine.columns().solid
+    }
+
     /// Adds forces whose work is external work. Forces that are the gradient of an energy of the action are
-    /// added with [`Solid::add_force`] instead.
-    pub(crate) fn apply(&mut self, list: impl FnOnce(&Solid<D, N>, &mut Vec<Applied<D>>)) {
+    /// added with [`Acting::add_force`] instead.
+    pub(crate) fn apply(&mut self, list: impl FnOnce(&mut Vec<Applied<D>>)) {
         let first = self.applied.len();
-        list(self.solid, self.applied);
-        for &Applied { corner, force, .. } in &self.applied[first..] {
-            self.solid.add_force(corner, force);
-        }
+        list(self.applied);
+        let on = |&Applied { corner, force, .. }: &Applied<D>| (corner, force);
+        self.forces.extend(self.applied[first..].iter().map(on));
+    }
+
+    /// Adds a force, N, on a corner of an element.
+    #[inline]
+    pub(crate) fn add_force(&mut self, corner: u32, force: Point<D>) {
+        self.forces.push((corner, force));
     }
 }
 

@@ -26,6 +26,7 @@ use crate::actions::program::Program;
 use crate::actions::seams::Seams;
 use crate::energy::Ledger;
 use crate::error::ModelError;
+use crate::machine::Machine;
 use crate::model::{Load, Model, Schedule};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -52,6 +53,8 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     gravity: Gravity,
     /// Forces of this step whose work is external work.
     applied: Vec<Applied<D>>,
+    /// Forces of this step on corners of elements, N.
+    forces: Vec<(u32, Point<D>)>,
 }
 
 impl<const D: usize, const N: usize> Actions<D, N>
@@ -90,6 +93,7 @@ where
             cavities,
             gravity: Gravity,
             applied: Vec::new(),
+            forces: Vec::new(),
         })
     }
 
@@ -104,14 +108,24 @@ where
         ([seams, loads, ground, program, cavities, gravity], applied, schedules)
     }
 
-    /// Adds the forces of all actions to the corners of elements.
-    pub(crate) fn act(&mut self, model: &Model<D, N>, solid: &mut Solid<D, N>, team: &Team, time: f64) {
+    /// The forces of all actions on corners of elements, N, in the order in which they are added.
+    pub(crate) fn act(
+        &mut self,
+        model: &Model<D, N>,
+        machine: &dyn Machine<D, N>,
+        team: &Team,
+        time: f64,
+    ) -> &[(u32, Point<D>)] {
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear();
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
-        let mut acting = Acting { model, solid, team, schedules, time, applied };
+        let mut acting = Acting { model, machine, team, schedules, time, applied, forces: &mut forces };
         for action in all {
             action.act(&mut acting);
         }
+        self.forces = forces;
+        &self.forces
     }
 
     /// Acceleration of all nodes, m/s².
@@ -130,7 +144,7 @@ where
         let [of_seams, of_others @ ..] = forces;
         let others = |corner: u32| {
             let mut force = of_seams.get(corner as usize).copied().unwrap_or([0.0; D]);
-            scene.joints.add_initial_force(corner, scene.solid, &mut force);
+            scene.joints().add_initial_force(corner, scene.solid(), &mut force);
             for of_action in &of_others {
                 if let Some(more) = of_action.get(corner as usize) {
                     add(&mut force, *more, 1.0);
@@ -151,11 +165,18 @@ where
 
     /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of
     /// absorbing facets, one pair for each force.
-    pub(crate) fn half_works(&self, solid: &Solid<D, N>, step: f64) -> impl Iterator<Item = [f64; 2]> {
-        self.owned(solid).map(move |applied| {
-            let velocity = solid.velocity_at(applied.corner);
-            let absorbed = 0.5 * step * dot(applied.viscous, velocity);
-            [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
+    pub(crate) fn half_works(
+        &self,
+        machine: &dyn Machine<D, N>,
+        step: f64,
+    ) -> impl Iterator<Item = [f64; 2]> {
+        let solid = (!self.applied.is_empty()).then(|| &machine.columns().solid);
+        solid.into_iter().flat_map(move |solid| {
+            self.owned(solid).map(move |applied| {
+                let velocity = solid.velocity_at(applied.corner);
+                let absorbed = 0.5 * step * dot(applied.viscous, velocity);
+                [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
+            })
         })
     }
 

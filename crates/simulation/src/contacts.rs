@@ -57,7 +57,7 @@ pub(crate) struct SavedContacts<const D: usize = 2, const N: usize = 3> {
 }
 
 /// Couples of elements that may touch, and their detection.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<ContactLaw>,
     /// Joint sets of the facets of each element; empty without joint sets.

@@ -143,7 +143,7 @@ impl<const D: usize> SavedJoints<D> {
 }
 
 /// All joints of a model, and the strengths of facets that may still get one.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) all: Vec<Joint<D>>,
     /// The data of each joint that most steps need.
@@ -185,7 +185,7 @@ pub(crate) struct Joints<const D: usize = 2> {
 }
 
 /// A vertex on a free surface or at a joint, with the facets there that can get a joint.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Tip {
     vertex: u32,
     /// Joints that alone connect elements at the vertex: all of them in two dimensions.

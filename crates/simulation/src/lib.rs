@@ -54,6 +54,11 @@
 //! state of a run, and the files beside it the functions that change it. A step asks other ranks by the trait
 //! `Peers` (`src/peers.rs`), which does nothing in one process.
 //!
+//! The phases of a step are functions of the trait `Machine` (`src/machine.rs`), which has the columns: nodes
+//! and elements (`Solid`), `Joints`, and couples (`Contacts`). All other files reach the columns of a run
+//! through the machine alone. The threads of the processor are one machine (`src/machine/threads.rs`). To add
+//! one, add a file beside it and a place in `src/machine/list.rs`.
+//!
 //! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). Its knowledge of
 //! the rest is in three places: `Share` has the elements that it owns and counts, `Topology` the numbers of
 //! the elements in the whole model, and `Part` the data for giving elements away.
@@ -73,9 +78,10 @@
 //!
 //! | to change | open |
 //! |---|---|
-//! | the time step of a simulation | `src/simulation.rs`; the beginning of a run: `src/simulation/run.rs` |
+//! | the time step of a simulation | `src/simulation.rs`; insertion and splitting: `src/simulation/breaking.rs`; the beginning of a run: `src/simulation/run.rs` |
 //! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; the interface for elements: `src/laws/element_law.rs` |
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
+//! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine` |
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
@@ -167,6 +173,7 @@ mod actions;
 mod motion;
 mod critical;
 mod mass;
+mod machine;
 mod forces;
 mod exposure;
 mod snapshot;

@@ -17,7 +17,6 @@ use crate::vector::{Point, add, dot, minus, plus};
 /// Everything that the motion of the nodes in a step depends on.
 pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
-    pub(crate) joints: &'a Joints<D>,
     /// Prescribed motions, and the factor of each boundary in time.
     pub(crate) holds: &'a [[Option<Hold>; D]],
     pub(crate) schedules: &'a [Schedule],
@@ -96,6 +95,7 @@ pub(crate) enum Selected<'a> {
 /// Gathers the forces on each node that is selected, moves it, and adds to the sums over all nodes.
 pub(crate) fn advance<const D: usize, const N: usize>(
     solid: &mut Solid<D, N>,
+    joints: &Joints<D>,
     motion: &Motion<'_, D, N>,
     team: &Team,
     selected: Selected<'_>,
@@ -105,15 +105,16 @@ pub(crate) fn advance<const D: usize, const N: usize>(
 {
     match selected {
         Selected::Only([]) => {}
-        Selected::Except([]) => advance_where(solid, motion, team, |_| true, all),
-        Selected::Only(list) => advance_where(solid, motion, team, |node| list[node], all),
-        Selected::Except(list) => advance_where(solid, motion, team, |node| !list[node], all),
+        Selected::Except([]) => advance_where(solid, joints, motion, team, |_| true, all),
+        Selected::Only(list) => advance_where(solid, joints, motion, team, |node| list[node], all),
+        Selected::Except(list) => advance_where(solid, joints, motion, team, |node| !list[node], all),
     }
 }
 
 /// [`advance`] for the nodes that `moves` selects by their numbers.
 fn advance_where<const D: usize, const N: usize>(
     solid: &mut Solid<D, N>,
+    joints: &Joints<D>,
     motion: &Motion<'_, D, N>,
     team: &Team,
     moves: impl Fn(usize) -> bool + Sync,
@@ -133,7 +134,7 @@ fn advance_where<const D: usize, const N: usize>(
                 let constants = solid.constants(number);
                 let true_mass = solid.true_mass(number);
                 let weight = motion.gravity.map(|acceleration| true_mass * acceleration);
-                let force = force_on(number, solid, motion.joints);
+                let force = force_on(number, solid, joints);
                 if motion.energy {
                     let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
                     let corners = solid.corners(number).iter();

@@ -5,12 +5,11 @@
 
 use std::time::Duration;
 
-use crate::contacts::Contacts;
 use crate::error::Stop;
 use crate::faces::BrokenSides;
-use crate::joints::{Joints, VertexSplit};
+use crate::joints::VertexSplit;
+use crate::machine::{Columns, Machine};
 use crate::simplex::Simplex;
-use crate::solid::Solid;
 use crate::sum::Sum;
 use crate::topology::Topology;
 
@@ -38,13 +37,13 @@ where
     fn awaited(&self) -> &[bool];
 
     /// Starts to send the motions of these nodes.
-    fn start_motion(&mut self, solid: &Solid<D, N>);
+    fn start_motion(&mut self, machine: &dyn Machine<D, N>);
 
     /// Receives the motions of the nodes that other ranks move, and combines the reports of all ranks.
     /// `step`: time step, s; `waiting`: time that this takes is added.
     fn finish_motion(
         &mut self,
-        solid: &mut Solid<D, N>,
+        machine: &mut dyn Machine<D, N>,
         step: f64,
         report: StepReport,
         waiting: &mut Duration,
@@ -59,9 +58,7 @@ where
         &mut self,
         split: &[VertexSplit<D>],
         broken: &[u32],
-        solid: &mut Solid<D, N>,
-        joints: &mut Joints<D>,
-        contacts: &mut Contacts<D, N>,
+        columns: &mut Columns<D, N>,
         topology: &Topology<D, N>,
     );
 
@@ -108,11 +105,11 @@ where
         &[]
     }
 
-    fn start_motion(&mut self, _: &Solid<D, N>) {}
+    fn start_motion(&mut self, _: &dyn Machine<D, N>) {}
 
     fn finish_motion(
         &mut self,
-        _: &mut Solid<D, N>,
+        _: &mut dyn Machine<D, N>,
         _: f64,
         report: StepReport,
         _: &mut Duration,
@@ -126,9 +123,7 @@ where
         &mut self,
         _: &[VertexSplit<D>],
         _: &[u32],
-        _: &mut Solid<D, N>,
-        _: &mut Joints<D>,
-        _: &mut Contacts<D, N>,
+        _: &mut Columns<D, N>,
         _: &Topology<D, N>,
     ) {
     }

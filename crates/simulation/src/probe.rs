@@ -220,7 +220,7 @@ where
         };
         match probe {
             Probe::Stress(elements) => self.weighed(elements, |element, weight| {
-                let [a, b, c, d, e, f] = self.solid.stress_tensor(element);
+                let [a, b, c, d, e, f] = self.solid().stress_tensor(element);
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
             Probe::Strain(elements) => self.weighed(elements, |element, weight| {
@@ -228,9 +228,9 @@ where
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
             Probe::Velocity(elements) => self.weighed(elements, |element, weight| {
-                let density = self.model.materials[self.solid.element(element).material as usize].density;
-                for node in self.solid.nodes_of(element as u32) {
-                    let velocity = self.solid.velocity(node as usize);
+                let density = self.model.materials[self.solid().element(element).material as usize].density;
+                for node in self.solid().nodes_of(element as u32) {
+                    let velocity = self.solid().velocity(node as usize);
                     add(&velocity, weight * density);
                 }
                 // The weight is the same at all corners, and a mean does not depend on their number once it
@@ -240,13 +240,13 @@ where
                 add(&last[..=D], weight * density);
             }),
             Probe::PointVelocity(point) => {
-                if let Some(velocity) = self.at(point, |node| self.solid.velocity(node)) {
+                if let Some(velocity) = self.at(point, |node| self.solid().velocity(node)) {
                     add(&velocity, 1.0);
                 }
             }
             Probe::Gauge { ends, .. } => {
                 for (end, point) in ends.iter().enumerate() {
-                    if let Some(moved) = self.at(point, |node| self.solid.displacement(node, &self.model)) {
+                    if let Some(moved) = self.at(point, |node| self.solid().displacement(node, &self.model)) {
                         let mut terms = vec![0.0; 2 * D];
                         terms[end * D..(end + 1) * D].copy_from_slice(&moved);
                         add(&terms, 1.0);
@@ -275,12 +275,12 @@ where
                 }
             }
             Probe::Reaction(nodes) => {
-                let applied = self.actions.applied(&self.solid);
-                let applied = applied.map(|([_, corner], force)| (self.solid.node_at(corner), force));
+                let applied = self.actions.applied(self.solid());
+                let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));
                 let own =
-                    self.held.iter().copied().filter(|(node, _)| self.solid.share().node(*node as usize));
+                    self.held.iter().copied().filter(|(node, _)| self.solid().share().node(*node as usize));
                 for (node, force) in own.chain(applied) {
-                    let vertex = self.vertex(self.solid.vertex(node as usize));
+                    let vertex = self.vertex(self.solid().vertex(node as usize));
                     if nodes.binary_search(&vertex).is_ok() {
                         add(&force, 1.0);
                     }
@@ -295,9 +295,9 @@ where
     fn weighed(&self, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
         for &number in elements {
             let element = self.topology.element(number);
-            if let Some(element) = element.filter(|&element| self.solid.share().element(element)) {
+            if let Some(element) = element.filter(|&element| self.solid().share().element(element)) {
                 let element = element as usize;
-                let volume = if elements.len() == 1 { 1.0 } else { self.solid.element(element).volume };
+                let volume = if elements.len() == 1 { 1.0 } else { self.solid().element(element).volume };
                 visit(element, volume);
             }
         }
@@ -308,10 +308,10 @@ where
         // The gradient H of the displacement: FᵀF - 1 = H + Hᵀ + HᵀH, without the loss of digits in a
         // difference from 1.
         let moved = self
-            .solid
+            .solid()
             .nodes_of(element as u32)
-            .map(|node| self.solid.displacement(node as usize, &self.model));
-        let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid.inverse_edges(element));
+            .map(|node| self.solid().displacement(node as usize, &self.model));
+        let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid().inverse_edges(element));
         let turned = transposed(&gradient);
         let squared = product_transposed(&turned, &turned);
         PLACES.map(
@@ -324,11 +324,11 @@ where
     /// A quantity of nodes at a point, if this rank counts its element.
     fn at(&self, point: &MaterialPoint<D, N>, of: impl Fn(usize) -> Point<D>) -> Option<Point<D>> {
         let element = self.topology.element(point.element)?;
-        if !self.solid.share().element(element) {
+        if !self.solid().share().element(element) {
             return None;
         }
         let mut sum = [0.0; D];
-        for (node, weight) in self.solid.nodes_of(element).into_iter().zip(point.weights) {
+        for (node, weight) in self.solid().nodes_of(element).into_iter().zip(point.weights) {
             crate::vector::add(&mut sum, of(node as usize), weight);
         }
         Some(sum)
@@ -337,17 +337,17 @@ where
     /// Visits the contacts that this rank counts: two elements, and the force on the first, N. Closed cracks
     /// and surfaces that touch under initial stress are contacts too.
     fn each_contact(&self, mut visit: impl FnMut([u32; 2], Point<D>)) {
-        for (elements, force) in self.contacts.pushes() {
-            if self.solid.share().element(elements[0]) {
+        for (elements, force) in self.contacts().pushes() {
+            if self.solid().share().element(elements[0]) {
                 visit(elements, force);
             }
         }
-        for contact in self.joints.pressing(&self.solid, &self.topology) {
+        for contact in self.joints().pressing(self.solid(), &self.topology) {
             visit(contact.elements, contact.normal);
             visit(contact.elements, contact.tangential);
         }
         for (elements, force) in self.actions.seams.pushes::<N>() {
-            if self.solid.share().element(elements[0]) {
+            if self.solid().share().element(elements[0]) {
                 visit(elements, force);
             }
         }

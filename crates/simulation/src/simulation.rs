@@ -5,6 +5,7 @@
 
 pub(crate) mod advance;
 mod audit;
+mod breaking;
 pub(crate) mod changed;
 pub(crate) mod program;
 mod relaxation;
@@ -13,14 +14,16 @@ pub(crate) mod saved;
 pub(crate) mod snapshots;
 pub(crate) mod totals;
 
+#[cfg(test)]
+mod other_machine;
+
 use crate::action::{Event, Scene};
 use crate::error::Stop;
-use crate::faces::BrokenSides;
-use crate::motion::{self, Motion, MotionSums, Selected};
+use crate::motion::{Motion, MotionSums, Selected};
 use crate::peers::{Peers, StepReport};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
-use crate::sum::Sum;
+use crate::sum::{Grains, Sum};
 use crate::timings::Clock;
 
 /// Joints that broke while the forces of a step were computed, and the reason why the run cannot continue
@@ -76,7 +79,7 @@ where
     /// inverted.
     fn deform(&mut self) -> Option<Stop> {
         let mut clock = Clock::new();
-        let inverted = self.solid.deform(self.scales.time_step, &self.team);
+        let inverted = self.machine.deform(self.scales.time_step);
         clock.read(&mut self.timings.bulk);
         inverted.map(|(element, ratio)| Stop::Inverted {
             element: self.topology.number(element),
@@ -89,7 +92,7 @@ where
     fn pull(&mut self) -> Vec<u32> {
         let mut clock = Clock::new();
         let (step, time) = (self.scales.time_step, self.time());
-        let (broken, work) = self.joints.pull(&self.solid, step, time, &self.team);
+        let (broken, work) = self.machine.pull(step, time);
         self.totals.cohesive.add_sum(&work);
         clock.read(&mut self.timings.joints);
         broken
@@ -98,7 +101,7 @@ where
     /// Finds the couples of elements that may touch.
     fn detect(&mut self) -> Result<(), Stop> {
         let mut clock = Clock::new();
-        self.contacts.detect(&self.solid, &self.joints, &self.topology, &self.team)?;
+        self.machine.detect(&self.topology)?;
         clock.read(&mut self.timings.detection);
         Ok(())
     }
@@ -106,8 +109,8 @@ where
     /// Computes the forces between elements that touch.
     fn touch(&mut self, energies: bool) {
         let mut clock = Clock::new();
-        let Self { solid, joints, contacts, team, totals, .. } = self;
-        let touching = contacts.press(solid, joints, self.scales.time_step, energies, team);
+        let touching = self.machine.touch(&self.topology, self.scales.time_step, energies);
+        let totals = &mut self.totals;
         totals.friction.add_sum(&touching.friction);
         totals.damping.add_sum(&touching.damping);
         totals.cohesive.subtract(&touching.handed_over);
@@ -119,10 +122,14 @@ where
     fn act(&mut self) {
         let mut clock = Clock::new();
         let (time, step) = (self.time(), self.scales.time_step);
-        let Self { model, topology, solid, joints, actions, team, totals, .. } = self;
-        actions.act(model, solid, team, time);
-        totals.add_works(actions.half_works(solid, step));
-        let works = actions.works(&Scene { model, topology, solid, joints, team, time, step });
+        let Self { model, topology, machine, actions, team, totals, .. } = self;
+        let forces = actions.act(model, &**machine, team, time);
+        if !forces.is_empty() {
+            machine.add_forces(forces);
+        }
+        let machine = &**machine;
+        totals.add_works(actions.half_works(machine, step));
+        let works = actions.works(&Scene { model, topology, machine, team, time, step });
         totals.add_works(works.into_iter().map(|work| [work, 0.0]));
         clock.read(&mut self.timings.integration);
     }
@@ -131,8 +138,7 @@ where
     /// on.
     fn failing(&mut self) -> Vec<u32> {
         let mut clock = Clock::new();
-        let Self { model, topology, solid, joints, team, .. } = self;
-        let failing = joints.failing(solid, model, topology, team);
+        let failing = self.machine.failing(&self.model, &self.topology);
         clock.read(&mut self.timings.joints);
         failing
     }
@@ -141,25 +147,24 @@ where
     fn move_nodes(&mut self, energies: bool, peers: &mut dyn Peers<D, N>) -> MotionSums<Sum, D> {
         let mut clock = Clock::new();
         let (time, taken) = (self.time(), self.taken());
-        let Self { model, solid, joints, actions, team, totals, .. } = self;
+        let Self { model, machine, actions, totals, .. } = self;
         let motion = Motion {
             model,
-            joints,
             holds: &actions.prescribed.holds,
             schedules: &actions.schedules,
             gravity: actions.acceleration(model, time),
             time,
             step: self.scales.time_step,
             speed_limit: self.scales.speed_limit,
-            grains: solid.grains,
+            grains: Grains::of(self.scales.size),
             energy: energies,
             relaxation: totals.relaxation.damping,
             taken,
         };
         let mut moved = MotionSums::default();
-        motion::advance(solid, &motion, team, Selected::Only(peers.awaited()), &mut moved);
-        peers.start_motion(solid);
-        motion::advance(solid, &motion, team, Selected::Except(peers.awaited()), &mut moved);
+        machine.move_nodes(&motion, Selected::Only(peers.awaited()), &mut moved);
+        peers.start_motion(&**machine);
+        machine.move_nodes(&motion, Selected::Except(peers.awaited()), &mut moved);
         totals.external.add_sum(&moved.external[0]);
         totals.damping.add_sum(&moved.damping[0]);
         self.held = std::mem::take(&mut moved.held);
@@ -182,8 +187,8 @@ where
             runs_away: moved.runaway.is_some(),
         };
         let step = self.scales.time_step;
-        let report = peers.finish_motion(&mut self.solid, step, own, &mut self.timings.messages);
-        self.contacts.note_motion(step * report.fastest);
+        let report = peers.finish_motion(&mut *self.machine, step, own, &mut self.timings.messages);
+        self.machine.end_motion(step * report.fastest);
         report
     }
 
@@ -198,35 +203,12 @@ where
             self.imbalance = (largest[0] / largest[1]).sqrt();
         }
         self.relax(moved, peers);
-        let Self { solid, actions, totals, .. } = self;
-        totals.add_works(actions.half_works(solid, self.scales.time_step));
+        let Self { machine, actions, totals, .. } = self;
+        totals.add_works(actions.half_works(&**machine, self.scales.time_step));
         totals.external.add_sum(&moved.external[1]);
         totals.damping.add_sum(&moved.damping[1]);
         self.note(&Event::Moved, peers);
         clock.read(&mut self.timings.integration);
-    }
-
-    /// Inserts joints on facets that fail, and lets elements of joints that broke touch, from the next step
-    /// on.
-    fn part(&mut self, mut failing: Vec<u32>, broken: &[u32], peers: &mut dyn Peers<D, N>) {
-        let mut clock = Clock::new();
-        let Self { model, topology, solid, joints, contacts, .. } = self;
-        peers.add_failing(&mut failing, topology);
-        let split = joints.insert(&failing, solid, model, topology);
-        let vertices = contacts.part(broken, joints, topology, solid.share());
-        peers.exchange_splits(&split, &vertices, solid, joints, contacts, topology);
-        peers.note_bared(&contacts.bared);
-        clock.read(&mut self.timings.joints);
-        let sides = self.sides_of(broken);
-        let all = if self.actions.follow_events() { peers.all_broken(sides) } else { Vec::new() };
-        self.note(&Event::Broke(&all), peers);
-    }
-
-    /// The joints that have broken and that this rank counts, with the names that are the same on all ranks.
-    fn sides_of(&self, broken: &[u32]) -> Vec<BrokenSides<D>> {
-        let Self { joints, topology, .. } = self;
-        let counted = broken.iter().map(|&joint| &joints.all[joint as usize]).filter(|joint| joint.counted);
-        counted.map(|joint| BrokenSides::of(&topology.facets[joint.facet as usize], topology)).collect()
     }
 
     /// Lets the actions measure the step, on all ranks together.
@@ -235,8 +217,8 @@ where
             return;
         }
         let (time, step) = (self.time(), self.scales.time_step);
-        let Self { model, topology, solid, joints, actions, team, totals, .. } = self;
-        let scene = Scene { model, topology, solid, joints, team, time, step };
+        let Self { model, topology, machine, actions, team, totals, .. } = self;
+        let scene = Scene { model, topology, machine: &**machine, team, time, step };
         let mut sums = actions.measure(event, &scene);
         peers.add_up(&mut sums.iter_mut().flatten().collect::<Vec<_>>());
         let dissipated = actions.settle(event, &sums);

@@ -87,7 +87,7 @@ struct Constitution<const D: usize> {
 ///
 /// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's
 /// coordinates lose no digits.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Origin of positions, in the model's coordinates, m.
     pub(crate) origin: Point<D>,

@@ -238,7 +238,7 @@ impl<const D: usize> Cavities<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Scene { topology, solid, .. } = *scene;
+        let (topology, solid) = (scene.topology, scene.solid());
         let mut open = 0.0;
         for code in joint.sides {
             let Some(element) = topology.element(code / N as u32) else { continue };
@@ -259,8 +259,8 @@ where
 {
     let mut mean = [0.0; D];
     for corner in face.corners {
-        let node = scene.solid.node_at(corner) as usize;
-        add(&mut mean, scene.solid.displacement(node, scene.model), 1.0 / D as f64);
+        let node = scene.solid().node_at(corner) as usize;
+        add(&mut mean, scene.solid().displacement(node, scene.model), 1.0 / D as f64);
     }
     mean
 }
@@ -276,9 +276,9 @@ where
     for face in faces {
         let places = face.corners.map(|corner| {
             let vertex = scene.topology.vertices[corner as usize];
-            minus(scene.model.mesh.nodes[vertex as usize], scene.solid.origin)
+            minus(scene.model.mesh.nodes[vertex as usize], scene.solid().origin)
         });
-        let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * scene.solid.thickness);
+        let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * scene.solid().thickness);
         enclosed.add(-dot(area, places[0]) / D as f64);
         add(&mut sum, area, 1.0);
         whole += dot(area, area).sqrt();
@@ -301,10 +301,11 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn begin(&mut self, scene: &Scene<'_, D, N>) -> Result<(), ModelError> {
-        let Scene { model, topology, solid, joints, .. } = *scene;
         if self.all.is_empty() {
             return Ok(());
         }
+        let Scene { model, topology, .. } = *scene;
+        let (solid, joints) = (scene.solid(), scene.joints());
         let is_whole = topology.is_whole();
         if is_whole {
             self.broken = joints.broken_sides(topology).map(|joint| (joint.sides[0], joint)).collect();
@@ -376,7 +377,7 @@ where
             if cavity.gas.is_some() {
                 for face in &cavity.faces {
                     let force = face.force(numbers.pressure);
-                    face.corners.into_iter().for_each(|corner| acting.solid.add_force(corner, force));
+                    face.corners.into_iter().for_each(|corner| acting.add_force(corner, force));
                 }
                 continue;
             }
@@ -384,7 +385,7 @@ where
                 let (force, boundary) = (face.force(numbers.pressure), cavity.boundary);
                 face.corners.map(|corner| Applied { corner, boundary, force, viscous: [0.0; D] })
             };
-            acting.apply(|_, applied| applied.extend(cavity.faces.iter().flat_map(on)));
+            acting.apply(|applied| applied.extend(cavity.faces.iter().flat_map(on)));
         }
     }
 
@@ -401,11 +402,11 @@ where
             });
             forces.collect::<Vec<_>>()
         };
-        on_corners(N * scene.solid.element_count(), self.all.iter().flat_map(on))
+        on_corners(N * scene.solid().element_count(), self.all.iter().flat_map(on))
     }
 
     fn measure(&mut self, event: &Event<'_, D>, scene: &Scene<'_, D, N>) -> Vec<Sum> {
-        let solid = scene.solid;
+        let solid = scene.solid();
         let known = &mut self.broken;
         if let Event::Broke(joints) = event {
             known.extend(joints.iter().map(|joint| (joint.sides[0], *joint)));

@@ -26,10 +26,11 @@ where
     }
 
     fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let Scene { model, solid, team, time, .. } = *scene;
+        let Scene { model, team, time, .. } = *scene;
         if model.gravity == [0.0; D] {
             return;
         }
+        let solid = scene.solid();
         let factor = model.gravity_schedule.factor(time);
         let work = |node: usize| {
             let moved = solid.displacement(node, model);

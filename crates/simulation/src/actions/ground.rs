@@ -161,12 +161,15 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
-        let (model, time) = (acting.model, acting.time);
-        acting.apply(|solid, applied| self.collect(solid, model, time, applied));
+        if self.is_empty() {
+            return;
+        }
+        let (model, time, solid) = (acting.model, acting.time, acting.solid());
+        acting.apply(|applied| self.collect(solid, model, time, applied));
     }
 
     fn support(&mut self, scene: &Scene<'_, D, N>, others: &dyn Fn(u32) -> Point<D>) {
-        let Scene { model, solid, .. } = *scene;
+        let (model, solid) = (scene.model, scene.solid());
         let node_at = |corner: u32| solid.node_at(corner) as usize;
         // Edges at the same node share its force in proportion to their lengths.
         let mut width = vec![0.0; solid.node_count()];

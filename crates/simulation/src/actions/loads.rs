@@ -99,14 +99,17 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
-        let (schedules, time) = (acting.schedules, acting.time);
-        acting.apply(|solid, applied| self.collect(solid, schedules, time, applied));
+        if self.forces.is_empty() && self.sides.is_empty() {
+            return;
+        }
+        let (schedules, time, solid) = (acting.schedules, acting.time, acting.solid());
+        acting.apply(|applied| self.collect(solid, schedules, time, applied));
     }
 
     fn initial_forces(&self, scene: &Scene<'_, D, N>, schedules: &[Schedule]) -> Vec<Point<D>> {
         let mut applied = Vec::new();
-        self.collect(scene.solid, schedules, 0.0, &mut applied);
+        self.collect(scene.solid(), schedules, 0.0, &mut applied);
         let forces = applied.into_iter().map(|Applied { corner, force, .. }| (corner, force));
-        on_corners(N * scene.solid.element_count(), forces)
+        on_corners(N * scene.solid().element_count(), forces)
     }
 }

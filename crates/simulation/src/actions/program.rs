@@ -36,14 +36,14 @@ where
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
         let on = |(&corner, &force)| Applied { corner, boundary: NONE, force, viscous: [0.0; D] };
-        acting.apply(|_, applied| applied.extend(self.forces.iter().map(on)));
+        acting.apply(|applied| applied.extend(self.forces.iter().map(on)));
     }
 
     fn works(&mut self, scene: &Scene<'_, D, N>, applied: &[Applied<D>]) -> Vec<f64> {
-        let Scene { solid, joints, step, .. } = *scene;
         if self.replaced.is_empty() {
             return Vec::new();
         }
+        let (solid, joints, step) = (scene.solid(), scene.joints(), scene.step);
         // Works of loads are counted with the new velocities, so that the forces of loads have no part in the
         // second term.
         let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
@@ -71,7 +71,7 @@ where
 
     fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
         let of = |place: u32, vectors: &BTreeMap<u32, Point<D>>| -> Vec<Record> {
-            let own = vectors.iter().filter(|(corner, _)| scene.solid.share().corner(**corner));
+            let own = vectors.iter().filter(|(corner, _)| scene.solid().share().corner(**corner));
             own.map(|(&corner, vector)| {
                 Record::new([scene.topology.code_of_corner(corner); 2], place, vector)
             })

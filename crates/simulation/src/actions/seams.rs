@@ -272,7 +272,10 @@ where
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
         let Self { places, holds, pressed, .. } = self;
-        let on = &*acting.solid;
+        if places.is_empty() {
+            return;
+        }
+        let on = acting.solid();
         acting.team.change_both(holds, pressed, |first, holds, pressed| {
             for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
                 let place = &places[first + k];
@@ -282,7 +285,7 @@ where
         });
         for (place, pressed) in places.iter().zip(pressed) {
             place.give(pressed.forces, |corner, force| {
-                acting.solid.add_force(corner, force);
+                acting.add_force(corner, force);
             });
         }
     }
@@ -291,9 +294,9 @@ where
         if self.places.is_empty() {
             return Vec::new();
         }
-        let mut forces = vec![[0.0; D]; N * scene.solid.element_count()];
+        let mut forces = vec![[0.0; D]; N * scene.solid().element_count()];
         for (place, hold) in self.places.iter().zip(&self.holds) {
-            let ends = place.corners.map(|facet| facet.map(|corner| scene.solid.position_at(corner)));
+            let ends = place.corners.map(|facet| facet.map(|corner| scene.solid().position_at(corner)));
             let frame = place.frame::<N>(ends);
             place.give(place.forces::<N>(&frame, place.pressure, hold.traction), |corner, force| {
                 add(&mut forces[corner as usize], force, 1.0);
@@ -303,7 +306,7 @@ where
     }
 
     fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let share = scene.solid.share();
+        let share = scene.solid().share();
         let counted = || {
             (0..self.places.len())
                 .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / N as u32))
@@ -314,7 +317,7 @@ where
     }
 
     fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
-        let Scene { solid, topology, .. } = scene;
+        let (solid, topology) = (scene.solid(), scene.topology);
         let all = self.places.iter().zip(&self.holds).enumerate();
         let counted = all.filter(|(_, (place, _))| solid.share().element(place.corners[0][0] / N as u32));
         let points = counted.map(|(k, (place, hold))| {
@@ -332,7 +335,7 @@ where
         }
         let own = scene.topology.element(record.codes[0] / N as u32);
         let counted =
-            !scene.solid.share().is_whole() && own.is_some_and(|own| scene.solid.share().element(own));
+            !scene.solid().share().is_whole() && own.is_some_and(|own| scene.solid().share().element(own));
         if counted {
             self.loose.push((record.clone(), hold));
         }

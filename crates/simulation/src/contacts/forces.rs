@@ -21,7 +21,7 @@ use crate::vector::Point;
 const GROUP: usize = 4;
 
 /// Forces of a chunk of couples.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ChunkForces<const D: usize, const N: usize> {
     /// Forces of potential, friction and damping, in batches. Each couple has the place of its history.
     found: Vec<Interactions<D, N>>,

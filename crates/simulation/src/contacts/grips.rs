@@ -121,7 +121,7 @@ impl<const D: usize, const N: usize> Grips<D, N> {
 
 /// Histories of the couples of a chunk that touch. Each has a place: place `k` is lane `k % LANES` of batch
 /// `k / LANES`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Histories<const D: usize, const N: usize> {
     pub(super) batches: Vec<Grips<D, N>>,
     /// The couple in each place, by its number in the chunk, or [`FREE`].

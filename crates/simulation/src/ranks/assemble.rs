@@ -11,6 +11,8 @@ use crate::actions::seams::Seams;
 use crate::contacts::{Contacts, SavedContacts};
 use crate::error::ModelError;
 use crate::joints::{Joints, MovingJoint, SavedJoints};
+use crate::machine::Columns;
+use crate::machine::list::Machines;
 use crate::model::{Model, Target};
 use crate::ranks::part::RankPart;
 use crate::ranks::piece::{
@@ -27,7 +29,7 @@ use crate::vector::Point;
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     /// The part of a run that a rank makes of these pieces.
     pub(super) fn of_pieces(
@@ -109,7 +111,8 @@ where
             places,
             loose_joints,
         };
-        let parts = Components { topology, solid, joints, contacts, actions };
+        let machine = <[[f64; D]; N]>::machine(Columns { solid, joints, contacts }, &team);
+        let parts = Components { topology, machine, actions };
         let mut run = Self::with_parts(model, parts, team, frame.scales);
         run.part = Some(part);
         run.step = carried.step;

@@ -7,6 +7,8 @@ use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::joints::MovingJoint;
+use crate::machine::Columns;
+use crate::machine::list::Machines;
 use crate::model::Model;
 use crate::probe::Probe;
 use crate::ranks::gather::Gathered;
@@ -217,8 +219,8 @@ where
 
     /// The elements and the traffic of this rank.
     pub fn traffic(&self) -> Traffic {
-        let share = self.run.solid.share();
-        let elements = self.run.solid.element_count();
+        let share = self.run.solid().share();
+        let elements = self.run.solid().element_count();
         let own = (0..elements as u32).filter(|&element| share.element(element)).count();
         Traffic {
             ranks: self.communicator.size(),
@@ -401,7 +403,7 @@ fn part<'c, const D: usize, const N: usize>(
     team: &Team,
 ) -> Result<(Simulation<D, N>, Links<'c>), ModelError>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     let (pieces, near) = spread(run.as_ref(), links, division, frame, communicator);
     // The memory of the old part is free before that of the new one is needed.
@@ -413,7 +415,7 @@ where
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     /// A run without elements.
     fn nothing(frame: &CommonData<D, N>, team: Team) -> Result<Self, ModelError> {
@@ -430,17 +432,23 @@ where
         };
         Self::of_pieces(frame, RunPieces::default(), common, u32::MAX, team)
     }
+}
 
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Watches all bare elements.
     pub(crate) fn watch(&mut self) {
-        self.contacts.watch_bare(&self.joints, &self.topology);
+        let Columns { joints, contacts, .. } = self.machine.columns_mut();
+        contacts.watch_bare(joints, &self.topology);
     }
 
     /// Numbers of the joints, contacts and nodes that this rank counts.
     fn own_counts(&self) -> Counts {
-        let share = self.solid.share();
+        let share = self.solid().share();
         let (mut joints, mut broken) = (0, 0);
-        for joint in &self.joints.all {
+        for joint in &self.joints().all {
             if joint.counted {
                 if joint.holds() { joints += 1 } else { broken += 1 }
             }
@@ -450,8 +458,8 @@ where
             joints,
             broken: broken + loose,
             contacts: self.touching.count,
-            detections: self.contacts.detections,
-            nodes: (0..self.solid.node_count()).filter(|&node| share.node(node)).count(),
+            detections: self.contacts().detections,
+            nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),
         }
     }
 
@@ -461,11 +469,11 @@ where
         let first = *self.topology.corners_of(vertex).first()?;
         let is_first =
             self.part.as_ref().is_none_or(|part| part.is_first(vertex, self.topology.code_of_corner(first)));
-        (is_first && self.solid.share().corner(first)).then(|| self.at_vertex(vertex))
+        (is_first && self.solid().share().corner(first)).then(|| self.at_vertex(vertex))
     }
 
     fn own_crack_lengths(&self) -> [Sum; 3] {
-        let counted = |joint: u32| self.joints.all[joint as usize].counted;
+        let counted = |joint: u32| self.joints().all[joint as usize].counted;
         let mut lengths = self.lengths_of_cracks(counted);
         for (modes, measure) in
             self.part.iter().flat_map(|part| &part.loose_joints).filter_map(MovingJoint::failed)

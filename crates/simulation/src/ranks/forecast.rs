@@ -159,7 +159,7 @@ impl Forecast {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let elements = run.solid.element_count();
+        let elements = run.solid().element_count();
         if ranks == 0 || ranks > elements {
             return Err(ModelError::Ranks { ranks, elements });
         }
@@ -184,11 +184,13 @@ impl Forecast {
             for &holder in &holders {
                 of_ranks[holder as usize].halo += usize::from(holder != of_corners[0]);
                 let borrowed = (0..N).filter(|&k| of_corners[k] != holder);
-                sent.extend(borrowed.map(|k| (of_corners[k], holder, run.solid.nodes_of(element as u32)[k])));
+                sent.extend(
+                    borrowed.map(|k| (of_corners[k], holder, run.solid().nodes_of(element as u32)[k])),
+                );
             }
         }
-        for node in 0..run.solid.node_count() {
-            of_ranks[owners[run.solid.corners(node)[0] as usize] as usize].nodes += 1;
+        for node in 0..run.solid().node_count() {
+            of_ranks[owners[run.solid().corners(node)[0] as usize] as usize].nodes += 1;
         }
         once_each(&mut sent);
         add_messages::<D>(&mut of_ranks, &sent);
@@ -199,9 +201,9 @@ impl Forecast {
         // of the element for each rank that holds it.
         let held: usize = of_ranks.iter().map(RankForecast::held).sum();
         let moving = (elements + held) * size_of::<ElementPiece<D, N>>()
-            + run.joints.all.len() * size_of::<MovingJoint<D>>();
+            + run.joints().all.len() * size_of::<MovingJoint<D>>();
         let memory_at_beginning = (elements as f64 * sizes.all()).round() as u64 + moving as u64;
-        Ok(Self { elements, nodes: run.solid.node_count(), of_ranks, sizes, memory_at_beginning })
+        Ok(Self { elements, nodes: run.solid().node_count(), of_ranks, sizes, memory_at_beginning })
     }
 
     /// Number of ranks.
@@ -248,7 +250,7 @@ where
     let keys: Vec<u64> = units.iter().map(|unit| unit.key).collect();
     let of_units: Vec<u64> = units.iter().map(|unit| unit.weight).collect();
     let splitters = splitters_of_all(ranks, &keys, &of_units);
-    let mut owners = vec![0; N * run.solid.element_count()];
+    let mut owners = vec![0; N * run.solid().element_count()];
     let mut weights = vec![0; ranks];
     for unit in units {
         let rank = owner(&splitters, unit.key);
@@ -270,10 +272,10 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let reach = reach(&CommonData::of(run), !run.model.stresses.is_empty());
-    let all = 0..run.solid.element_count() as u32;
-    let watched: Vec<u32> = all.filter(|&element| run.contacts.watched[element as usize]).collect();
+    let all = 0..run.solid().element_count() as u32;
+    let watched: Vec<u32> = all.filter(|&element| run.contacts().watched[element as usize]).collect();
     let bounds = |&element: &u32| -> [Point<D>; 2] {
-        let shape = run.solid.shape(element);
+        let shape = run.solid().shape(element);
         let along = |axis: usize| (0..N).map(move |k| shape[k][axis]);
         [
             std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min)),
@@ -323,7 +325,7 @@ fn sizes<const D: usize, const N: usize>(run: &Simulation<D, N>, couples: u64) -
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let elements = run.solid.element_count() as f64;
+    let elements = run.solid().element_count() as f64;
     let each = |bytes: usize| bytes as f64 / elements;
     let Model { mesh, velocities, stresses, joint_facets, .. } = &run.model;
     let model = size_of_val(&*mesh.nodes)
@@ -337,14 +339,14 @@ where
     // whether it is this rank; three numbers for each vertex.
     let number = size_of::<u32>();
     let of_part = (number + N + N * (number + 1) + 1) as f64 + each(3 * number * mesh.nodes.len());
-    let watched = run.contacts.watched.iter().filter(|watched| **watched).count();
+    let watched = run.contacts().watched.iter().filter(|watched| **watched).count();
     let boxes = watched * 2 * size_of::<Point<D>>() + couples as usize * size_of::<Couple>();
     Sizes {
         model: each(model),
         connectivity: each(run.topology.bytes()) + of_part,
-        solid: each(run.solid.bytes()),
-        joints: each(run.joints.bytes()),
-        contacts: each(run.contacts.bytes() + boxes),
+        solid: each(run.solid().bytes()),
+        joints: each(run.joints().bytes()),
+        contacts: each(run.contacts().bytes() + boxes),
     }
 }
 
@@ -407,17 +409,18 @@ mod tests {
                 let run = (communicator.rank() == 0).then(|| Simulation::new(model.clone(), 1).unwrap());
                 let run = Distributed::new(communicator, run, 1).unwrap().run;
                 let part = run.part.as_ref().unwrap();
-                let of_part =
-                    size_of_val(&*part.owners) + run.solid.element_count() + 12 * run.model.mesh.nodes.len();
+                let of_part = size_of_val(&*part.owners)
+                    + run.solid().element_count()
+                    + 12 * run.model.mesh.nodes.len();
                 let model = &run.model.mesh;
                 let mesh = size_of_val(&*model.nodes) + 20 * model.elements.len();
-                let parts = [run.topology.bytes(), run.solid.bytes(), run.joints.bytes()];
-                mesh + of_part + parts.iter().sum::<usize>() + run.contacts.bytes()
+                let parts = [run.topology.bytes(), run.solid().bytes(), run.joints().bytes()];
+                mesh + of_part + parts.iter().sum::<usize>() + run.contacts().bytes()
             });
             let couples = {
                 let mut run = Simulation::new(model, 1).unwrap();
                 run.watch();
-                let watched = run.contacts.watched.iter().filter(|watched| **watched).count();
+                let watched = run.contacts().watched.iter().filter(|watched| **watched).count();
                 let near = near(&run, &vec![0; 3 * forecast.elements]).unwrap();
                 assert!(near.0.is_empty(), "one rank has all");
                 (32 * watched + 8 * near.1 as usize) as f64 / forecast.elements as f64

@@ -73,7 +73,8 @@ where
 {
     /// All that this rank counts, for results and checkpoints.
     pub(super) fn own(&self) -> OwnResults<D, N> {
-        let Self { solid, topology, model, .. } = self;
+        let Self { topology, model, .. } = self;
+        let solid = self.solid();
         let share = solid.share();
         let node = |number: usize| {
             let vertex = solid.vertex(number);

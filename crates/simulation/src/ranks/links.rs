@@ -10,11 +10,11 @@ use fdem_distributed::wire;
 use fdem_distributed::wire::{Wire, bytes_of, value_of};
 use fdem_distributed::{Communicator, Halo, Message, Port};
 
-use crate::contacts::Contacts;
 use crate::error::Stop;
 use crate::faces::BrokenSides;
-use crate::joints::{Joints, VertexSplit};
+use crate::joints::VertexSplit;
 use crate::lists::once_each;
+use crate::machine::{Columns, Machine};
 use crate::peers::{Peers, StepReport, first_of_largest};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
@@ -195,16 +195,15 @@ where
         &self.lent
     }
 
-    fn start_motion(&mut self, solid: &Solid<D, N>) {
+    fn start_motion(&mut self, machine: &dyn Machine<D, N>) {
         let Some(halo) = &mut self.halo else { return };
         for (port, neighbour) in self.neighbours.iter().enumerate() {
-            let places = halo.outgoing(port).as_chunks_mut::<8>().0.chunks_exact_mut(2 * D);
-            for (&node, places) in neighbour.lent_nodes.iter().zip(places) {
-                let node = solid.node(node as usize);
-                for (place, number) in places.iter_mut().zip(node.position.iter().chain(&node.velocity)) {
+            let mut places = halo.outgoing(port).as_chunks_mut::<8>().0.iter_mut();
+            machine.read_nodes(&neighbour.lent_nodes, &mut |node| {
+                for (number, place) in node.position.iter().chain(&node.velocity).zip(&mut places) {
                     *place = number.to_le_bytes();
                 }
-            }
+            });
             self.sent[0] += (neighbour.lent_nodes.len() * 2 * D * 8) as u64;
             self.sent[1] += 1;
         }
@@ -213,7 +212,7 @@ where
 
     fn finish_motion(
         &mut self,
-        solid: &mut Solid<D, N>,
+        machine: &mut dyn Machine<D, N>,
         step: f64,
         report: StepReport,
         waiting: &mut Duration,
@@ -231,13 +230,12 @@ where
         };
         halo.finish();
         for (port, neighbour) in self.neighbours.iter().enumerate() {
-            let places = halo.incoming(port).as_chunks::<8>().0.chunks_exact(2 * D);
-            for (&node, places) in neighbour.borrowed_nodes.iter().zip(places) {
-                let axis = |axis: usize| f64::from_le_bytes(places[axis]);
-                let position = std::array::from_fn(axis);
-                let velocity = std::array::from_fn(|k| axis(D + k));
-                solid.set_node(node as usize, Node { position, velocity });
-            }
+            let mut places = halo.incoming(port).as_chunks::<8>().0.iter();
+            let mut number = || places.next().map_or(f64::NAN, |place| f64::from_le_bytes(*place));
+            machine.write_nodes(&neighbour.borrowed_nodes, &mut || Node {
+                position: std::array::from_fn(|_| number()),
+                velocity: std::array::from_fn(|_| number()),
+            });
         }
         self.travelled += step * report.fastest;
         self.stale |= 2.0 * self.travelled > self.reach;
@@ -257,11 +255,10 @@ where
         &mut self,
         split: &[VertexSplit<D>],
         broken: &[u32],
-        solid: &mut Solid<D, N>,
-        joints: &mut Joints<D>,
-        contacts: &mut Contacts<D, N>,
+        columns: &mut Columns<D, N>,
         topology: &Topology<D, N>,
     ) {
+        let Columns { solid, contacts, .. } = &*columns;
         let begun = |vertex: u32| split.iter().find(|(at, _)| *at == vertex).map(|(_, begin)| begin);
         let mut vertices: Vec<u32> =
             split.iter().map(|(vertex, _)| *vertex).chain(broken.iter().copied()).collect();
@@ -291,10 +288,10 @@ where
             vertices.iter().filter_map(at).collect()
         };
         for change in self.tell(changes).into_iter().flatten() {
-            follow(&change, solid, joints, contacts, topology);
+            follow(&change, columns, topology);
         }
-        contacts.list_parted();
-        self.plan(solid);
+        columns.contacts.list_parted();
+        self.plan(&columns.solid);
     }
 
     fn note_bared(&mut self, bared: &[u32]) {
@@ -332,13 +329,12 @@ where
 /// Repeats the changes that the owner of a vertex has made there.
 fn follow<const D: usize, const N: usize>(
     change: &VertexChange<D>,
-    solid: &mut Solid<D, N>,
-    joints: &mut Joints<D>,
-    contacts: &mut Contacts<D, N>,
+    columns: &mut Columns<D, N>,
     topology: &Topology<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    let Columns { solid, joints, contacts } = columns;
     let here = |changed: &CornerChange| topology.corner(changed.code);
     let corners: Vec<u32> = change.corners.iter().filter_map(here).collect();
     let Some(&first) = corners.first() else { return };

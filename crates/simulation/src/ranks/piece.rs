@@ -214,7 +214,7 @@ where
         };
         Self {
             model,
-            origin: run.solid.origin,
+            origin: run.solid().origin,
             scales: run.scales,
             edge: mean_edge(whole),
             longest: edges(whole).fold(0.0, f64::max),
@@ -336,14 +336,14 @@ where
                 });
             }
         }
-        let (viscous, dissipated) = (run.solid.viscous(), run.solid.dissipated());
+        let (viscous, dissipated) = (run.solid().viscous(), run.solid().dissipated());
         Self { run, boundaries, sides, viscous, dissipated }
     }
 
     /// An element with all that is known of it. `owners`: the ranks that own each corner from now on.
     pub(super) fn piece(&self, element: u32, owners: &[u32]) -> ElementPiece<D, N> {
         let Self { run, .. } = *self;
-        let (topology, solid, k) = (&run.topology, &run.solid, element as usize);
+        let (topology, solid, k) = (&run.topology, run.solid(), element as usize);
         let corner = |corner: usize| {
             let number = element * N as u32 + corner as u32;
             let (vertex, node) = (topology.vertices[number as usize], solid.node_at(number));
@@ -358,8 +358,8 @@ where
                 position,
                 velocity,
                 masses: solid.masses(node as usize),
-                group: run.contacts.groups[number as usize],
-                free: run.contacts.free[vertex as usize],
+                group: run.contacts().groups[number as usize],
+                free: run.contacts().free[vertex as usize],
                 corners: run.part.as_ref().map_or(count, |part| part.wide.corners[vertex as usize]),
                 first: run.part.as_ref().map_or(first, |part| part.first[vertex as usize]),
                 boundaries: self.boundaries.get(&vertex).cloned().unwrap_or_default(),
@@ -372,7 +372,7 @@ where
             number: topology.number(element),
             body: run.model.mesh.bodies[k],
             material: run.model.mesh.materials[k],
-            watched: run.contacts.watched[k],
+            watched: run.contacts().watched[k],
             outer: std::array::from_fn(outer),
             initial: run.model.stresses.get(k).copied(),
             mass_factor: run.model.mass_factors.get(k).copied(),
@@ -408,21 +408,21 @@ where
 
     /// The elements that this rank counts.
     pub(super) fn counted(&self) -> Vec<u32> {
-        let share = self.solid.share();
-        (0..self.solid.element_count() as u32).filter(|&element| share.element(element)).collect()
+        let share = self.solid().share();
+        (0..self.solid().element_count() as u32).filter(|&element| share.element(element)).collect()
     }
 
     /// The joints that this rank counts.
     pub(super) fn own_joints(&self) -> Vec<MovingJoint<D>> {
-        let counted = (0..self.joints.all.len()).filter(|&joint| self.joints.all[joint].counted);
-        let joints = counted.map(|joint| self.joints.moving(joint as u32, &self.topology));
+        let counted = (0..self.joints().all.len()).filter(|&joint| self.joints().all[joint].counted);
+        let joints = counted.map(|joint| self.joints().moving(joint as u32, &self.topology));
         joints.chain(self.part.iter().flat_map(|part| part.loose_joints.iter().copied())).collect()
     }
 
     /// The couples that touch and that this rank counts.
     pub(super) fn own_touching(&self) -> Vec<Touch<D, N>> {
         let counted =
-            self.contacts.touching().filter(|(elements, _)| self.solid.share().element(elements[0]));
+            self.contacts().touching().filter(|(elements, _)| self.solid().share().element(elements[0]));
         let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
         counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
     }
@@ -435,7 +435,7 @@ where
     /// The elements that have separated or become bare in the last step, as far as this rank knows.
     pub(super) fn apart(&self) -> (Vec<[u32; 2]>, Vec<u32>) {
         let number = |element: u32| self.topology.number(element);
-        let Contacts { parted, bared, .. } = &self.contacts;
+        let Contacts { parted, bared, .. } = self.contacts();
         (parted.iter().map(|pair| pair.map(number)).collect(), bared.iter().copied().map(number).collect())
     }
 
@@ -450,7 +450,7 @@ where
             factors: self.actions.factors.iter().map(|(&boundary, &factor)| (boundary, factor)).collect(),
             records: self.records().into_iter().filter(Record::is_common).collect(),
             timings: self.timings,
-            detections: self.contacts.detections,
+            detections: self.contacts().detections,
         }
     }
 }

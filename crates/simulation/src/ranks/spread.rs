@@ -61,14 +61,14 @@ pub(super) fn units<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let (topology, share) = (&run.topology, run.solid.share());
-    let mut weights = vec![WEIGHTS[0]; run.solid.element_count()];
-    for joint in &run.joints.all {
+    let (topology, share) = (&run.topology, run.solid().share());
+    let mut weights = vec![WEIGHTS[0]; run.solid().element_count()];
+    for joint in &run.joints().all {
         for element in topology.facets[joint.facet as usize].elements() {
             weights[element as usize] += WEIGHTS[1] / 2;
         }
     }
-    for (elements, _) in run.contacts.touching() {
+    for (elements, _) in run.contacts().touching() {
         for element in elements {
             weights[element as usize] += WEIGHTS[2] / 2;
         }
@@ -80,13 +80,13 @@ where
         if !corners.iter().any(|&corner| share.corner(corner)) {
             continue;
         }
-        topology.groups(vertex, |facet| run.joints.acts(facet), &mut groups);
+        topology.groups(vertex, |facet| run.joints().acts(facet), &mut groups);
         let (corners, groups) = share.owned(corners, &groups);
         for leader in (0..corners.len()).filter(|&place| groups[place] as usize == place) {
             let of = (0..corners.len()).filter(|&place| groups[place] as usize == leader);
             let corners: Vec<u32> = of.map(|place| corners[place]).collect();
             let weight = corners.iter().map(|&corner| weights[corner as usize / N]).sum();
-            units.push(CornerUnit { key: curve.key(run.solid.position_at(corners[0])), corners, weight });
+            units.push(CornerUnit { key: curve.key(run.solid().position_at(corners[0])), corners, weight });
         }
     }
     units
@@ -99,8 +99,8 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mut ends = vec![f64::MIN; 2 * D];
-    let owned = (0..run.solid.node_count()).filter(|&node| run.solid.share().node(node));
-    for node in owned.map(|node| run.solid.position(node)) {
+    let owned = (0..run.solid().node_count()).filter(|&node| run.solid().share().node(node));
+    for node in owned.map(|node| run.solid().position(node)) {
         for axis in 0..D {
             ends[axis] = ends[axis].max(node[axis]);
             ends[D + axis] = ends[D + axis].max(-node[axis]);
@@ -225,7 +225,7 @@ impl Neighbourhood {
         }
         let topology = &run.topology;
         let is_hidden = |element: usize| self.hidden.contains(&topology.number(element as u32));
-        let hidden = (0..run.solid.element_count()).map(is_hidden).collect();
+        let hidden = (0..run.solid().element_count()).map(is_hidden).collect();
         let ranks: Vec<usize> =
             borrowed.keys().chain(self.lent.keys()).copied().collect::<BTreeSet<_>>().into_iter().collect();
         let neighbour = |rank: usize| {
@@ -234,7 +234,7 @@ impl Neighbourhood {
             Neighbour::new(rank, lent, borrowed.remove(&rank).unwrap_or_default())
         };
         let neighbours = ranks.into_iter().map(neighbour).collect();
-        Links::new(communicator, neighbours, hidden, self.reach, &run.solid)
+        Links::new(communicator, neighbours, hidden, self.reach, run.solid())
     }
 }
 
@@ -250,7 +250,7 @@ where
 {
     let mut owners = Vec::new();
     if let Some(run) = run {
-        owners = vec![0; N * run.solid.element_count()];
+        owners = vec![0; N * run.solid().element_count()];
         for (corner, owner) in owned {
             owners[corner as usize] = owner;
         }

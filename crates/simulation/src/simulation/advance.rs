@@ -1,6 +1,7 @@
 //! Many steps, in one process or on a rank of many.
 
 use crate::error::Stop;
+use crate::machine::list::Machines;
 use crate::model::Model;
 use crate::peers::{Alone, Peers};
 use crate::ranks::links::Links;
@@ -14,7 +15,7 @@ use crate::simulation::run::Simulation;
 pub trait Element<const D: usize, const N: usize>: Concrete<D, N> {}
 
 /// Functions that are written for the two kinds of elements, and not for all dimensions.
-pub(crate) trait Concrete<const D: usize, const N: usize>: Simplex<D, N> {
+pub(crate) trait Concrete<const D: usize, const N: usize>: Machines<D, N> {
     /// Takes `steps` steps. `links`: messages to other ranks, if this is a part of a run; then it takes fewer
     /// if ranks must first look for elements near theirs.
     ///

@@ -25,7 +25,7 @@ where
     /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy,
     /// J.
     pub(super) fn account(&mut self, kinetic: &Sum, peers: &dyn Peers<D, N>) {
-        let [strain, viscous] = self.solid.energies(&self.team);
+        let [strain, viscous] = self.machine.energies();
         let Totals { friction, cohesive, damping, external, loads, .. } = &self.totals;
         let mut ledger = Ledger::default();
         let contact = self.touching.energy.clone().unwrap_or_default();
@@ -94,14 +94,14 @@ where
     fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
         let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
         for (node, reaction) in &self.held {
-            let hold = self.actions.prescribed.holds[self.solid.hold(*node as usize) as usize];
+            let hold = self.actions.prescribed.holds[self.solid().hold(*node as usize) as usize];
             for axis in 0..D {
                 if let Some(hold) = hold[axis] {
                     sums[hold.boundary as usize][axis].add(reaction[axis]);
                 }
             }
         }
-        for ([boundary, _], force) in self.actions.applied(&self.solid) {
+        for ([boundary, _], force) in self.actions.applied(self.solid()) {
             // Forces of the caller belong to no boundary.
             let Some(sums) = sums.get_mut(boundary as usize) else { continue };
             for axis in 0..D {
@@ -114,17 +114,17 @@ where
     /// The element with the most energy per mass: the first of them.
     pub(super) fn hottest(&self, peers: &dyn Peers<D, N>) -> u32 {
         let density = |number: u32| {
-            let element = self.solid.element(number as usize);
+            let element = self.solid().element(number as usize);
             let square = |node: u32| {
-                let velocity = self.solid.velocity(node as usize);
+                let velocity = self.solid().velocity(node as usize);
                 dot(velocity, velocity)
             };
-            let fastest = self.solid.nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
+            let fastest = self.solid().nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
-            0.5 * fastest + self.solid.energy(number as usize) / (density * element.volume)
+            0.5 * fastest + self.solid().energy(number as usize) / (density * element.volume)
         };
         let all =
-            (0..self.solid.element_count() as u32).filter(|&element| self.solid.share().element(element));
+            (0..self.solid().element_count() as u32).filter(|&element| self.solid().share().element(element));
         let of_all = all.map(|element| (density(element), self.topology.number(element)));
         let own = of_all.reduce(first_of_largest);
         peers.first_of_largest(own).map_or(0, |(_, element)| element)
@@ -133,10 +133,10 @@ where
     /// Kinetic energy with the velocities half a step after the positions, J.
     pub(super) fn kinetic_of_half_step(&self) -> Sum {
         let of = |node: usize| {
-            let velocity = self.solid.velocity(node);
-            0.5 * self.solid.constants(node).mass * dot(velocity, velocity)
+            let velocity = self.solid().velocity(node);
+            0.5 * self.solid().constants(node).mass * dot(velocity, velocity)
         };
-        (0..self.solid.node_count()).filter(|&node| self.solid.share().node(node)).map(of).collect()
+        (0..self.solid().node_count()).filter(|&node| self.solid().share().node(node)).map(of).collect()
     }
 }
 
@@ -173,8 +173,9 @@ mod tests {
         let mut run = Simulation::new(model, 1).expect("a model");
         run.advance(150).expect("a sound run");
         let kinetic = run.energies().kinetic;
-        for node in 0..run.solid.node_count() {
-            run.solid.set_velocity(node, run.solid.velocity(node).map(|v| 2.0 * v));
+        let solid = &mut run.machine.columns_mut().solid;
+        for node in 0..solid.node_count() {
+            solid.set_velocity(node, solid.velocity(node).map(|v| 2.0 * v));
         }
         run.totals.damping.add(-3.0 * kinetic);
         let stop = run.advance(100).expect_err("three times the energy from nowhere");

@@ -13,6 +13,8 @@ use crate::contacts::SavedContacts;
 use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::joints::{MovingJoint, SavedJoints};
+use crate::machine::Columns;
+use crate::machine::list::Machines;
 use crate::model::{Boundary, Load, Model, Schedule, Target};
 use crate::motion::force_on;
 use crate::simplex::Simplex;
@@ -56,7 +58,7 @@ where
 
 impl<const D: usize, const N: usize> State<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     /// The model and the state with which a run of the model `before` continues after a change. `threads`:
     /// see [`Simulation::new`].
@@ -101,7 +103,8 @@ where
         new.begin_actions()?;
         for vertex in 0..new.topology.vertex_count() as u32 {
             // Elements may have hung together by vanished ones alone.
-            new.joints.part(vertex, &mut new.solid, false, &new.model, &new.topology);
+            let Columns { solid, joints, .. } = new.machine.columns_mut();
+            joints.part(vertex, solid, false, &new.model, &new.topology);
         }
         let mut state = new.state();
         let (had, has) = (old.look(), new.look());
@@ -145,14 +148,15 @@ where
         // those of loads have their work of that half step.
         let impulses = self.impulses_of_half_step();
         let factor = self.model.gravity_schedule.factor(self.time());
+        let Columns { solid, joints, .. } = self.machine.columns();
         let force = |node: usize| {
-            let mut force = force_on(node, &self.solid, &self.joints);
-            let weight = factor * self.solid.true_mass(node);
+            let mut force = force_on(node, solid, joints);
+            let weight = factor * solid.true_mass(node);
             add(&mut force, self.model.gravity, weight);
             force
         };
-        let forces = (0..self.solid.node_count()).map(force).collect();
-        let [mut energy, viscous] = self.solid.energies(&self.team);
+        let forces = (0..solid.node_count()).map(force).collect();
+        let [mut energy, viscous] = self.machine.energies();
         let mut of_actions = Ledger::default();
         self.actions.add_energies(&self.scene(), &mut of_actions);
         let contact = self.touching.energy.clone().unwrap_or_default();
@@ -165,16 +169,16 @@ where
     /// Works in half a step of the forces on nodes, without those of loads, J.
     fn impulses_of_half_step(&self) -> Sum {
         let mut by_loads: BTreeMap<u32, Point<D>> = BTreeMap::new();
-        for ([_, corner], force) in self.actions.applied(&self.solid) {
-            let node = self.solid.node_at(corner);
+        for ([_, corner], force) in self.actions.applied(self.solid()) {
+            let node = self.solid().node_at(corner);
             add(by_loads.entry(node).or_insert([0.0; D]), force, 1.0);
         }
         let of = |node: usize| {
-            let force = force_on(node, &self.solid, &self.joints);
+            let force = force_on(node, self.solid(), self.joints());
             let loads = by_loads.get(&(node as u32)).copied().unwrap_or([0.0; D]);
-            0.5 * self.scales.time_step * dot(minus(force, loads), self.solid.velocity(node))
+            0.5 * self.scales.time_step * dot(minus(force, loads), self.solid().velocity(node))
         };
-        (0..self.solid.node_count()).map(of).collect()
+        (0..self.solid().node_count()).map(of).collect()
     }
 
     /// Forces on nodes, as forces on the nodes of facets on the surface, which share them by their sizes. A
@@ -186,9 +190,9 @@ where
             let places = vertices(side).map(|vertex| self.model.mesh.nodes[vertex as usize]);
             <[[f64; D]; N]>::facet_measure(&places)
         };
-        let nodes = |side: &[u32; D]| side.map(|corner| self.solid.node_at(corner) as usize);
+        let nodes = |side: &[u32; D]| side.map(|corner| self.solid().node_at(corner) as usize);
         let mut widths = vec![0.0; forces.len()];
-        let outer = &self.joints.faces.outer;
+        let outer = &self.joints().faces.outer;
         for &side in outer {
             for node in nodes(&side) {
                 widths[node] += measure(&side);
@@ -287,14 +291,18 @@ impl Numbers {
             }
             // An element of another material begins with a memory of its law.
             let materials = [old.model.mesh.materials[number], fresh.model.mesh.materials[element]];
-            if old.solid.memory == fresh.solid.memory && materials[0] == materials[1] {
-                let length = old.solid.memory;
+            if old.solid().memory == fresh.solid().memory && materials[0] == materials[1] {
+                let length = old.solid().memory;
                 let from = &state.memories[number * length..][..length];
                 new.memories[element * length..][..length].copy_from_slice(from);
             }
         }
         let of = |run: &Simulation<D, N>| -> Vec<MovingJoint<D>> {
-            run.joints.in_order().into_iter().map(|joint| run.joints.moving(joint, &run.topology)).collect()
+            run.joints()
+                .in_order()
+                .into_iter()
+                .map(|joint| run.joints().moving(joint, &run.topology))
+                .collect()
         };
         let appears = |element: u32| self.before[element as usize].is_none().then_some(element);
         let stay = of(old).into_iter().filter_map(|joint| joint.renumbered::<N>(|element| self.now(element)));
@@ -340,15 +348,15 @@ impl Numbers {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let holds = |run: &Simulation<D, N>, node: usize| match run.solid.hold(node) {
+        let holds = |run: &Simulation<D, N>, node: usize| match run.solid().hold(node) {
             NONE => [false; D],
             hold => run.actions.prescribed.holds[hold as usize].map(|hold| hold.is_some()),
         };
         let lost = |node: usize| {
-            let corner = new.solid.corners(node)[0];
+            let corner = new.solid().corners(node)[0];
             let Some(element) = self.before[corner as usize / N] else { return [0.0; D] };
-            let before = old.solid.node_at(element * N as u32 + corner % N as u32) as usize;
-            let share = new.solid.true_mass(node) / old.solid.true_mass(before);
+            let before = old.solid().node_at(element * N as u32 + corner % N as u32) as usize;
+            let share = new.solid().true_mass(node) / old.solid().true_mass(before);
             let (held, holds) = (holds(old, before), holds(new, node));
             let whole = share == 1.0;
             let had: Point<D> = std::array::from_fn(|axis| match held[axis] {
@@ -360,6 +368,6 @@ impl Numbers {
             let lost = minus(had, has[node]);
             std::array::from_fn(|axis| if holds[axis] { 0.0 } else { lost[axis] })
         };
-        (0..new.solid.node_count()).map(lost).collect()
+        (0..new.solid().node_count()).map(lost).collect()
     }
 }

@@ -40,7 +40,7 @@ where
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn set_velocities(&mut self, nodes: &[u32], velocities: &[[f64; D]]) -> Result<(), ModelError> {
-        let order = self.solid.order(&self.topology);
+        let order = self.solid().order(&self.topology);
         check(nodes, velocities, order.len(), ["velocities", "a velocity"])?;
         let limit = self.scales.speed_limit;
         if let Some(&value) = velocities.iter().flatten().find(|value| value.abs() > limit) {
@@ -48,11 +48,12 @@ where
             let range = "at most ten times the speed of waves";
             return Err(ModelError::OutOfRange { place, what: "a velocity", value, range });
         }
+        let solid = &mut self.machine.columns_mut().solid;
         for (&node, &velocity) in nodes.iter().zip(velocities) {
             let node = order[node as usize] as usize;
-            let before = self.solid.velocity(node);
-            self.solid.set_velocity(node, velocity);
-            self.actions.program.replaced.entry(self.solid.corners(node)[0]).or_insert(before);
+            let before = solid.velocity(node);
+            solid.set_velocity(node, velocity);
+            self.actions.program.replaced.entry(solid.corners(node)[0]).or_insert(before);
         }
         Ok(())
     }
@@ -69,10 +70,11 @@ where
     /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a force that is no
     /// number. Then nothing is changed.
     pub fn set_forces(&mut self, nodes: &[u32], forces: &[[f64; D]]) -> Result<(), ModelError> {
-        let order = self.solid.order(&self.topology);
+        let order = self.solid().order(&self.topology);
         check(nodes, forces, order.len(), ["forces", "a force"])?;
+        let solid = &self.machine.columns().solid;
         for (&node, &force) in nodes.iter().zip(forces) {
-            let corners = self.solid.corners(order[node as usize] as usize);
+            let corners = solid.corners(order[node as usize] as usize);
             let part = force.map(|f| f / corners.len() as f64);
             for &corner in corners {
                 if part == [0.0; D] {

@@ -14,6 +14,8 @@ use crate::energy::Energies;
 use crate::error::ModelError;
 use crate::joints::Joints;
 use crate::lanes::Available;
+use crate::machine::list::Machines;
+use crate::machine::{Columns, Machine};
 use crate::model::{Insertion, Model};
 use crate::ranks::part::RankPart;
 use crate::share::Share;
@@ -54,10 +56,10 @@ const NEGLIGIBLE_SHARE: f64 = 1e-9;
 pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) model: Model<D, N>,
     pub(crate) topology: Topology<D, N>,
-    pub(crate) solid: Solid<D, N>,
-    pub(crate) joints: Joints<D>,
-    pub(crate) contacts: Contacts<D, N>,
+    /// The columns of nodes, elements, joints and couples, and the phases of a step on them.
+    pub(crate) machine: Box<dyn Machine<D, N>>,
     pub(crate) actions: Actions<D, N>,
+    /// The threads of this process, for everything besides the phases.
     pub(crate) team: Team,
     pub(crate) scales: Scales,
     pub(crate) step: u64,
@@ -98,9 +100,7 @@ wire!([] Scales { critical, time_step, speed_limit, size, negligible });
 /// The parts of a simulation that depend on its elements.
 pub(crate) struct Components<const D: usize, const N: usize> {
     pub(crate) topology: Topology<D, N>,
-    pub(crate) solid: Solid<D, N>,
-    pub(crate) joints: Joints<D>,
-    pub(crate) contacts: Contacts<D, N>,
+    pub(crate) machine: Box<dyn Machine<D, N>>,
     pub(crate) actions: Actions<D, N>,
 }
 
@@ -121,7 +121,7 @@ pub struct Counts {
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the
     /// number of threads.
@@ -157,16 +157,17 @@ where
             joints.find_nodes(&topology, &solid);
         }
         actions.seams = Seams::new(&model, &joints.faces, &solid)?;
+        let mut machine = <[[f64; D]; N]>::machine(Columns { solid, joints, contacts }, &team);
         let scene = Scene {
             model: &model,
             topology: &topology,
-            solid: &solid,
-            joints: &joints,
+            machine: &*machine,
             team: &team,
             time: 0.0,
             step: 0.0,
         };
         actions.begin(&scene)?;
+        let Columns { solid, joints, .. } = machine.columns();
         if solid.is_prestressed() {
             actions.support(&scene);
         }
@@ -185,9 +186,9 @@ where
         // A node of a light body may rebound at twice the speed of a heavy one. Then it has four times the
         // kinetic energy, m/2 v².
         let size = stiffnesses().fold(4.0 * heaviest * fastest * fastest, f64::max);
-        solid.grains = Grains::of(size);
-        let [strain, _] = solid.energies(&team).map(|sum| sum.value());
-        let cohesive = joints.stored(&solid);
+        let cohesive = joints.stored(solid);
+        machine.columns_mut().solid.grains = Grains::of(size);
+        let [strain, _] = machine.energies().map(|sum| sum.value());
         let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
         let scales = Scales {
             critical,
@@ -197,7 +198,7 @@ where
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
                 + NEGLIGIBLE_SHARE * strain,
         };
-        let parts = Components { topology, solid, joints, contacts, actions };
+        let parts = Components { topology, machine, actions };
         let mut run = Self::with_parts(model, parts, team, scales);
         run.totals = totals;
         run.energies = Energies { strain, initial: strain, ..Energies::default() };
@@ -211,10 +212,11 @@ where
         team: Team,
         scales: Scales,
     ) -> Self {
-        let Components { topology, solid, joints, contacts, actions } = parts;
+        let Components { topology, machine, actions } = parts;
         Self {
             scales,
             reactions: vec![[0.0; D]; model.boundaries.len()],
+            machine,
             team,
             step: 0,
             totals: Totals::default(),
@@ -225,18 +227,35 @@ where
             timings: Timings::default(),
             model,
             topology,
-            solid,
-            joints,
-            contacts,
             actions,
             part: None,
         }
     }
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Nodes and elements now.
+    pub(crate) fn solid(&self) -> &Solid<D, N> {
+        &self.machine.columns().solid
+    }
+
+    /// Joints now.
+    pub(crate) fn joints(&self) -> &Joints<D> {
+        &self.machine.columns().joints
+    }
+
+    /// Couples now.
+    pub(crate) fn contacts(&self) -> &Contacts<D, N> {
+        &self.machine.columns().contacts
+    }
 
     /// The state, as actions see it.
     pub(crate) fn scene(&self) -> Scene<'_, D, N> {
-        let Self { model, topology, solid, joints, team, .. } = self;
-        Scene { model, topology, solid, joints, team, time: self.time(), step: self.scales.time_step }
+        let Self { model, topology, machine, team, .. } = self;
+        Scene { model, topology, machine: &**machine, team, time: self.time(), step: self.scales.time_step }
     }
 
     /// The memory of the actions, as far as this rank counts it.
@@ -247,15 +266,15 @@ where
     /// Gives an action a record. Returns `false` if it does not fit the model.
     pub(crate) fn take_record(&mut self, record: &Record) -> bool {
         let (time, step) = (self.time(), self.scales.time_step);
-        let Self { model, topology, solid, joints, actions, team, .. } = self;
-        actions.take(record, &Scene { model, topology, solid, joints, team, time, step })
+        let Self { model, topology, machine, actions, team, .. } = self;
+        actions.take(record, &Scene { model, topology, machine: &**machine, team, time, step })
     }
 
     /// Begins the actions after their records have been taken over.
     pub(crate) fn begin_actions(&mut self) -> Result<(), ModelError> {
         let (time, step) = (self.time(), self.scales.time_step);
-        let Self { model, topology, solid, joints, actions, team, .. } = self;
-        actions.begin(&Scene { model, topology, solid, joints, team, time, step })
+        let Self { model, topology, machine, actions, team, .. } = self;
+        actions.begin(&Scene { model, topology, machine: &**machine, team, time, step })
     }
 
     /// Pressure, volume and work of the cavity of a boundary; `None` if it has none.
@@ -309,11 +328,11 @@ where
     /// Numbers of joints, contacts and nodes.
     pub fn counts(&self) -> Counts {
         Counts {
-            joints: self.joints.all.len() - self.joints.broken(),
-            broken: self.joints.broken(),
+            joints: self.joints().all.len() - self.joints().broken(),
+            broken: self.joints().broken(),
             contacts: self.touching.count,
-            detections: self.contacts.detections,
-            nodes: self.solid.node_count(),
+            detections: self.contacts().detections,
+            nodes: self.solid().node_count(),
         }
     }
 
@@ -336,14 +355,16 @@ where
     /// The vector instructions on which elements, whole joints and contacts are computed: the fastest that
     /// the processor has, where nothing else was set.
     pub fn simd(&self) -> Simd {
-        self.solid.available.simd()
+        self.solid().available.simd()
     }
 
     /// Computes elements, whole joints and contacts on other vector instructions. Results are the same to the
     /// last bit. Returns `false`, and changes nothing, if the processor does not have them.
     pub fn set_simd(&mut self, simd: Simd) -> bool {
         let available = Available::new(simd);
-        self.solid.available = available.unwrap_or(self.solid.available);
+        if let Some(available) = available {
+            self.machine.columns_mut().solid.available = available;
+        }
         available.is_some()
     }
 
@@ -358,8 +379,8 @@ where
 
     /// Displacement, m, and velocity, m/s, of the first node of a vertex.
     pub(crate) fn at_vertex(&self, vertex: u32) -> ([f64; D], [f64; D]) {
-        let node = self.solid.node_at(self.topology.corners_of(vertex)[0]) as usize;
-        (self.solid.displacement(node, &self.model), self.solid.velocity(node))
+        let node = self.solid().node_at(self.topology.corners_of(vertex)[0]) as usize;
+        (self.solid().displacement(node, &self.model), self.solid().velocity(node))
     }
 
     /// [`Simulation::node`] for some nodes.

@@ -9,6 +9,8 @@ use crate::contacts::{Contacts, SavedContacts};
 use crate::energy::Energies;
 use crate::error::ModelError;
 use crate::joints::{Joint, SavedJoints};
+use crate::machine::Columns;
+use crate::machine::list::Machines;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -56,25 +58,30 @@ where
 {
     /// State from which the run can be resumed.
     pub fn state(&self) -> State<D, N> {
-        let order = self.solid.order(&self.topology);
+        let order = self.solid().order(&self.topology);
         State {
             step: self.step,
             totals: self.totals.clone(),
             energies: self.energies,
             reactions: self.reactions.clone(),
-            nodes: order.iter().map(|&node| self.solid.node(node as usize)).collect(),
-            of_corner: self.solid.in_order(&order),
-            stresses: (0..self.solid.element_count()).map(|element| self.solid.stress(element)).collect(),
-            viscous: self.solid.viscous(),
-            dissipated: self.solid.dissipated(),
-            memories: self.solid.memories(),
-            joints: self.joints.save(&self.topology),
-            contacts: self.contacts.save(),
+            nodes: order.iter().map(|&node| self.solid().node(node as usize)).collect(),
+            of_corner: self.solid().in_order(&order),
+            stresses: (0..self.solid().element_count()).map(|element| self.solid().stress(element)).collect(),
+            viscous: self.solid().viscous(),
+            dissipated: self.solid().dissipated(),
+            memories: self.solid().memories(),
+            joints: self.joints().save(&self.topology),
+            contacts: self.contacts().save(),
             factors: self.actions.factors.clone(),
             records: self.records(),
         }
     }
+}
 
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Machines<D, N>,
+{
     /// Creates a run that continues from a state of a run of the same model.
     ///
     /// # Errors
@@ -82,13 +89,13 @@ where
     /// [`ModelError::Missing`] if the state belongs to another model.
     pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
-        let elements = run.solid.element_count();
+        let elements = run.solid().element_count();
         let lengths = [
             ("stresses", state.stresses.len(), elements),
             ("viscous stresses", state.viscous.len(), elements),
             ("elements", state.of_corner.len(), elements),
-            ("dissipated energies", state.dissipated.len(), run.solid.dissipated().len()),
-            ("memories of laws", state.memories.len(), run.solid.memories().len()),
+            ("dissipated energies", state.dissipated.len(), run.solid().dissipated().len()),
+            ("memories of laws", state.memories.len(), run.solid().memories().len()),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
         for (what, found, expected) in lengths {
@@ -103,11 +110,12 @@ where
         {
             return Err(missing(node));
         }
-        run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
-        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
-        run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
+        let Columns { solid, joints, contacts } = run.machine.columns_mut();
+        solid.set_nodes(state.nodes, state.of_corner, &run.model);
+        solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
+        joints.restore(state.joints, &run.model, &run.topology, solid)?;
         let couples = Contacts::without_forces(state.contacts);
-        run.contacts.restore(couples, &run.joints, &run.topology);
+        contacts.restore(couples, joints, &run.topology);
         for (boundary, factor) in state.factors {
             run.set_factor(boundary as usize, Some(factor))?;
         }

@@ -16,20 +16,21 @@ where
 {
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
-        let order = self.solid.order(&self.topology);
+        let order = self.solid().order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
-        let elements = self.solid.element_count();
-        let joints = self.joints.in_order().into_iter().map(|joint| self.joints.seen(joint, &self.topology));
-        let position = |node: u32| self.solid.position(node as usize);
-        let (damage, cracks) = cracks::<D, N>(joints, position, self.solid.origin, elements);
+        let elements = self.solid().element_count();
+        let joints =
+            self.joints().in_order().into_iter().map(|joint| self.joints().seen(joint, &self.topology));
+        let position = |node: u32| self.solid().position(node as usize);
+        let (damage, cracks) = cracks::<D, N>(joints, position, self.solid().origin, elements);
         Snapshot {
             step: self.step,
             time: self.time(),
-            positions: nodes().map(|node| self.solid.place(self.solid.position(node))).collect(),
-            displacements: nodes().map(|node| self.solid.displacement(node, &self.model)).collect(),
-            velocities: nodes().map(|node| self.solid.velocity(node)).collect(),
-            elements: self.solid.in_order(&order),
-            stresses: (0..elements).map(|element| self.solid.stress_tensor(element)).collect(),
+            positions: nodes().map(|node| self.solid().place(self.solid().position(node))).collect(),
+            displacements: nodes().map(|node| self.solid().displacement(node, &self.model)).collect(),
+            velocities: nodes().map(|node| self.solid().velocity(node)).collect(),
+            elements: self.solid().in_order(&order),
+            stresses: (0..elements).map(|element| self.solid().stress_tensor(element)).collect(),
             damage,
             bodies: self.model.mesh.bodies.clone(),
             materials: self.model.mesh.materials.clone(),
@@ -47,7 +48,7 @@ where
     /// Sums of the lengths of the broken joints that are `counted`, by mode.
     pub(crate) fn lengths_of_cracks(&self, counted: impl Fn(u32) -> bool) -> [Sum; 3] {
         let mut lengths = [(); 3].map(|()| Sum::default());
-        for (_, joint, broken) in self.joints.breaks().filter(|(number, ..)| counted(*number)) {
+        for (_, joint, broken) in self.joints().breaks().filter(|(number, ..)| counted(*number)) {
             lengths[mode(broken.modes) as usize].add(joint.measure);
         }
         lengths
@@ -57,14 +58,14 @@ where
     /// of the first element of each fragment. The fragments change only when joints break: see
     /// [`Counts::broken`](crate::Counts::broken). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
-        self.topology.pieces(|facet| self.joints.holds(facet))
+        self.topology.pieces(|facet| self.joints().holds(facet))
     }
 
     /// Forces of contacts and boundaries at the beginning of the last step.
     pub fn forces(&self) -> Forces<D> {
-        let order = self.solid.order(&self.topology);
-        let codes = order.into_iter().map(|node| self.solid.corners(node as usize)[0]);
-        self.own_forces().placed(codes, self.solid.origin)
+        let order = self.solid().order(&self.topology);
+        let codes = order.into_iter().map(|node| self.solid().corners(node as usize)[0]);
+        self.own_forces().placed(codes, self.solid().origin)
     }
 
     /// The forces that this rank counts.
@@ -73,16 +74,16 @@ where
             elements: force.elements.map(|element| self.topology.number(element)),
             ..force
         };
-        let counted = |force: &ContactForce<D>| self.solid.share().element(force.elements[0]);
-        let contacts = self.contacts.forces(&self.solid).into_iter().filter(counted).map(numbered);
-        let joints = self.joints.pressing(&self.solid, &self.topology).into_iter().map(numbered);
-        let applied = self.actions.applied(&self.solid);
-        let applied = applied.map(|([_, corner], force)| (self.solid.node_at(corner), force));
+        let counted = |force: &ContactForce<D>| self.solid().share().element(force.elements[0]);
+        let contacts = self.contacts().forces(self.solid()).into_iter().filter(counted).map(numbered);
+        let joints = self.joints().pressing(self.solid(), &self.topology).into_iter().map(numbered);
+        let applied = self.actions.applied(self.solid());
+        let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));
         let mut reactions = BTreeMap::new();
         for (node, force) in self.held.iter().copied().chain(applied) {
             add(reactions.entry(node).or_insert([0.0; D]), force, 1.0);
         }
-        let code = |node: u32| self.topology.code_of_corner(self.solid.corners(node as usize)[0]);
+        let code = |node: u32| self.topology.code_of_corner(self.solid().corners(node as usize)[0]);
         OwnForces {
             contacts: contacts.collect(),
             joints: joints.collect(),

@@ -1,0 +1,89 @@
+//! The machine of a run: it has the columns, and computes the phases of a step on them.
+//!
+//! A column has a value of every node, element, corner, joint or couple. The phases read and write whole
+//! columns. Everything else that a step does is apart from them, and reaches the columns through the machine
+//! only: insertion and splitting (`simulation/breaking.rs`), the audit (`simulation/audit.rs`), snapshots,
+//! states that are saved, and messages to other ranks.
+//!
+//! The threads of the processor are one machine: `machine/threads.rs`. A machine with a memory of its own
+//! keeps its columns there; it returns them when [`Machine::columns`] asks for them, and takes changed ones
+//! over before the next phase. To add a machine: a file beside `machine/threads.rs`, and a place in the list
+//! of machines, `machine/list.rs`.
+
+pub(crate) mod list;
+mod threads;
+
+use std::fmt;
+
+use crate::contacts::{Contacts, Touching};
+use crate::error::Stop;
+use crate::joints::Joints;
+use crate::model::Model;
+use crate::motion::{Motion, MotionSums, Selected};
+use crate::solid::{Node, Solid};
+use crate::sum::Sum;
+use crate::topology::Topology;
+use crate::vector::Point;
+
+/// The columns of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns<const D: usize, const N: usize> {
+    /// Nodes, elements and their corners.
+    pub(crate) solid: Solid<D, N>,
+    pub(crate) joints: Joints<D>,
+    /// Couples of elements.
+    pub(crate) contacts: Contacts<D, N>,
+}
+
+/// The columns of a run, and the phases of a step, which are called in the order of these functions.
+///
+/// All machines give the same bits: sums over corners go in the order of the corners, those over couples in
+/// the order of the couples, and sums of energies are exact.
+pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sync {
+    /// Computes the stresses of all elements, and sets the forces on their corners. `step`: time step, s.
+    /// Returns the first inverted element, with its ratio of deformed to undeformed area or volume.
+    fn deform(&mut self, step: f64) -> Option<(u32, f64)>;
+
+    /// Computes the forces of all joints at a time, s. Returns the joints that broke, ascending, and the work
+    /// against all joints since the last step.
+    fn pull(&mut self, step: f64, time: f64) -> (Vec<u32>, Sum);
+
+    /// Finds the couples of elements that may touch.
+    fn detect(&mut self, topology: &Topology<D, N>) -> Result<(), Stop>;
+
+    /// Computes the forces of all couples, and adds them to the forces on corners. `energies`: whether to
+    /// compute the energy of their potentials.
+    fn touch(&mut self, topology: &Topology<D, N>, step: f64, energies: bool) -> Touching;
+
+    /// Adds forces, N, to those on corners, in this order.
+    fn add_forces(&mut self, forces: &[(u32, Point<D>)]);
+
+    /// The facets, ascending, on which the forces have reached the strength.
+    fn failing(&mut self, model: &Model<D, N>, topology: &Topology<D, N>) -> Vec<u32>;
+
+    /// Gathers the forces on the selected nodes, moves these nodes, and adds to the sums over all nodes.
+    fn move_nodes(
+        &mut self,
+        motion: &Motion<'_, D, N>,
+        selected: Selected<'_>,
+        sums: &mut MotionSums<Sum, D>,
+    );
+
+    /// Calls `each` with the present positions and velocities of some nodes, in this order.
+    fn read_nodes(&self, nodes: &[u32], each: &mut dyn FnMut(Node<D>));
+
+    /// Sets the positions and velocities of some nodes, in this order, to those that `next` returns.
+    fn write_nodes(&mut self, nodes: &[u32], next: &mut dyn FnMut() -> Node<D>);
+
+    /// Ends the motion of all nodes: none has moved farther than this in the step, m.
+    fn end_motion(&mut self, distance: f64);
+
+    /// Strain energy in the last pass, and energy that viscosity and laws have dissipated so far, J.
+    fn energies(&self) -> [Sum; 2];
+
+    /// The columns after the last phase.
+    fn columns(&self) -> &Columns<D, N>;
+
+    /// The columns after the last phase, to be changed before the next one.
+    fn columns_mut(&mut self) -> &mut Columns<D, N>;
+}

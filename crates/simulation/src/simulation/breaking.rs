@@ -1,0 +1,39 @@
+//! Insertion of joints, and the splitting of nodes where joints have broken: between the phases of a step.
+
+use crate::action::Event;
+use crate::faces::BrokenSides;
+use crate::machine::Columns;
+use crate::peers::Peers;
+use crate::simplex::Simplex;
+use crate::simulation::run::Simulation;
+use crate::timings::Clock;
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Inserts joints on facets that fail, and lets elements of joints that broke touch, from the next step
+    /// on.
+    pub(super) fn part(&mut self, mut failing: Vec<u32>, broken: &[u32], peers: &mut dyn Peers<D, N>) {
+        let mut clock = Clock::new();
+        let Self { model, topology, machine, .. } = self;
+        let columns = machine.columns_mut();
+        let Columns { solid, joints, contacts } = columns;
+        peers.add_failing(&mut failing, topology);
+        let split = joints.insert(&failing, solid, model, topology);
+        let vertices = contacts.part(broken, joints, topology, solid.share());
+        peers.exchange_splits(&split, &vertices, columns, topology);
+        peers.note_bared(&columns.contacts.bared);
+        clock.read(&mut self.timings.joints);
+        let sides = self.sides_of(broken);
+        let all = if self.actions.follow_events() { peers.all_broken(sides) } else { Vec::new() };
+        self.note(&Event::Broke(&all), peers);
+    }
+
+    /// The joints that have broken and that this rank counts, with the names that are the same on all ranks.
+    fn sides_of(&self, broken: &[u32]) -> Vec<BrokenSides<D>> {
+        let (joints, topology) = (self.joints(), &self.topology);
+        let counted = broken.iter().map(|&joint| &joints.all[joint as usize]).filter(|joint| joint.counted);
+        counted.map(|joint| BrokenSides::of(&topology.facets[joint.facet as usize], topology)).collect()
+    }
+}
