@@ -115,6 +115,49 @@ impl<const D: usize> Bounds<D> {
     }
 }
 
+impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
+    /// The same elements, which the caller knows to be in `f64` and in `E` dimensions.
+    pub(crate) fn in_f64<const E: usize>(&self) -> Elements<'a, f64, E> {
+        let shape = match self.shape {
+            Shape::Equal(equal) => Shape::Equal(EqualSpheres {
+                centres: points_in_f64(equal.centres),
+                radius: equal.radius.to_f64(),
+                reach_squared: equal.reach_squared.to_f64(),
+            }),
+            Shape::Spheres(spheres) => Shape::Spheres(Spheres {
+                centres: points_in_f64(spheres.centres),
+                radii: in_f64(spheres.radii),
+                tolerance: spheres.tolerance.to_f64(),
+            }),
+            Shape::Boxes(boxes) => Shape::Boxes(Boxes {
+                min: points_in_f64(boxes.min),
+                max: points_in_f64(boxes.max),
+                tolerance: boxes.tolerance.to_f64(),
+            }),
+        };
+        let Bounds { min, max } = &self.bounds;
+        Elements {
+            shape,
+            tolerance: self.tolerance.to_f64(),
+            bounds: Bounds {
+                min: std::array::from_fn(|axis| min[axis]),
+                max: std::array::from_fn(|axis| max[axis]),
+            },
+            largest: self.largest,
+            filter: self.filter,
+        }
+    }
+}
+
+fn in_f64<T: Real>(values: &[T]) -> &[f64] {
+    T::as_f64(values).expect("the type is f64")
+}
+
+fn points_in_f64<T: Real, const D: usize, const E: usize>(points: &[[T; D]]) -> &[[f64; E]] {
+    debug_assert_eq!(D, E);
+    in_f64(points.as_flattened()).as_chunks().0
+}
+
 /// Ids are `u32`, and the largest value marks the end of a list.
 pub(crate) const MAX_ELEMENTS: usize = u32::MAX as usize - 1;
 

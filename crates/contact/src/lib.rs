@@ -170,6 +170,7 @@
 //! [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
 
 // In the order in which data flows.
+mod compiled;
 mod memory;
 mod real;
 mod filter;

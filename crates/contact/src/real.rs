@@ -22,6 +22,10 @@ pub trait Real:
     + Mul<Output = Self>
     + 'static
 {
+    /// Whether the type is `f64`.
+    #[doc(hidden)]
+    const IS_F64: bool;
+
     /// Zero.
     const ZERO: Self;
 
@@ -52,11 +56,16 @@ pub trait Real:
 
     /// Whether the value is neither NaN nor infinite.
     fn is_finite(self) -> bool;
+
+    /// The same values, if the type is `f64`.
+    #[doc(hidden)]
+    fn as_f64(values: &[Self]) -> Option<&[f64]>;
 }
 
 macro_rules! impl_real {
-    ($type:ty, $exponent:literal) => {
+    ($type:ty, $exponent:literal, $is_f64:literal, $values:ident => $as_f64:expr) => {
         impl Real for $type {
+            const IS_F64: bool = $is_f64;
             const ZERO: Self = 0.0;
             const HALF: Self = 0.5;
             const MAX_MAGNITUDE: Self = power_of_two($exponent) as $type;
@@ -79,12 +88,16 @@ macro_rules! impl_real {
             fn is_finite(self) -> bool {
                 <$type>::is_finite(self)
             }
+
+            fn as_f64($values: &[Self]) -> Option<&[f64]> {
+                $as_f64
+            }
         }
     };
 }
 
-impl_real!(f32, 60);
-impl_real!(f64, 500);
+impl_real!(f32, 60, false, _values => None);
+impl_real!(f64, 500, true, values => Some(values));
 
 const fn power_of_two(exponent: u64) -> f64 {
     f64::from_bits((1023 + exponent) << 52)

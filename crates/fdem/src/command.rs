@@ -10,7 +10,6 @@ mod aside;
 mod bench;
 mod check;
 mod contacts;
-mod detect;
 mod drawings;
 mod explain;
 mod failure;
@@ -46,7 +45,6 @@ mod tables;
 mod templates;
 mod threads;
 mod validate;
-mod verify;
 
 use std::ffi::OsString;
 use std::io::{self, Write};

@@ -1,7 +1,7 @@
 //! Looking at contact networks and at runs: analysis, pictures, plots, animations, files for ParaView, and
 //! pages for a browser.
 //!
-//! [`network`] is the input of [`analysis`] and [`picture`]; the results of a run ([`Frame`], [`History`],
+//! [`detection`] finds the couples of a packing. [`network`] is the input of [`analysis`] and [`picture`]; the results of a run ([`Frame`], [`History`],
 //! [`Pictures`]) are made from snapshots of `fdem-simulation`. [`page`] makes both into pages. This crate
 //! makes text and bytes, and knows no paths.
 //!
@@ -25,6 +25,7 @@
 //!
 //! | to change | open |
 //! |---|---|
+//! | detection of couples, their statistics, the check by brute force | `src/detection.rs`, `src/detection/verify.rs` |
 //! | analysis of a network | `src/analysis.rs`, then its part: `src/analysis/fabric.rs`, `src/analysis/clusters.rs` and so on; its lines in the summary: `crates/fdem/src/command/analyse.rs` |
 //! | pictures: layout, colours, texts | `src/picture/drawing.rs`, `src/picture/colour.rs`, `src/picture/furniture.rs` |
 //! | spheres and discs by pixel, the distributions | `src/picture/raster.rs`, `src/picture/flat.rs`, `src/picture/plots.rs` |
@@ -45,6 +46,7 @@
 
 mod arrays;
 pub mod network;
+pub mod detection;
 pub mod analysis;
 pub mod picture;
 mod fields;

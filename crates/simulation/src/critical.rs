@@ -16,6 +16,7 @@ use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
 
 use crate::actions::ground::Ground;
+use crate::compiled::compiled;
 use crate::contacts;
 use crate::error::ModelError;
 use crate::joints::{Joints, penalty};
@@ -76,6 +77,14 @@ impl CriticalStep {
     /// # Errors
     /// An error that says why the model cannot be simulated.
     pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        compiled!((model: reference [Model<2, 3>, Model<3, 4>])
+            -> [Result<CriticalStep, ModelError>, Result<CriticalStep, ModelError>] = CriticalStep::of_model)
+    }
+
+    fn of_model<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {

@@ -144,6 +144,7 @@
 )]
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 
+mod compiled;
 mod moduli;
 mod strength;
 mod model;

@@ -13,6 +13,7 @@
 //! ```
 //! Each element takes the largest factor that one of its nodes requires.
 
+use crate::compiled::compiled;
 use crate::critical::{least_nodes, reduction};
 use crate::error::ModelError;
 use crate::joints::Joints;
@@ -54,6 +55,14 @@ impl MassScaling {
     /// # Errors
     /// An error that says why the model cannot be simulated.
     pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        compiled!((model: reference [Model<2, 3>, Model<3, 4>])
+            -> [Result<MassScaling, ModelError>, Result<MassScaling, ModelError>] = MassScaling::of_model)
+    }
+
+    fn of_model<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {

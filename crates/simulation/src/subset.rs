@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use fdem_mesh::Mesh;
 
+use crate::compiled::compiled;
 use crate::error::ModelError;
 use crate::model::{Load, Model, Target};
 use crate::simplex::Simplex;
@@ -31,6 +32,12 @@ where
     /// The errors of the mesh: see [`ModelError`]. [`ModelError::Length`] if `keep` has not an entry for each
     /// element.
     pub fn keeping(&self, keep: &[bool]) -> Result<Subset<D, N>, ModelError> {
+        let model = self;
+        compiled!((model: reference [Model<2, 3>, Model<3, 4>], keep: as_is [&[bool], &[bool]])
+            -> [Result<Subset<2, 3>, ModelError>, Result<Subset<3, 4>, ModelError>] = Model::part)
+    }
+
+    fn part(&self, keep: &[bool]) -> Result<Subset<D, N>, ModelError> {
         let mesh = &self.mesh;
         let expected = mesh.elements.len();
         if keep.len() != expected {

@@ -4,6 +4,7 @@ mod levels;
 mod lists;
 mod spans;
 
+use crate::compiled::compiled;
 use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::error::Error;
@@ -194,12 +195,14 @@ impl<T: Real, const D: usize> Search<T, D> for CGrid<T, D> {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
-        self.search(elements, &mut visit)
+        search(self, elements, &mut visit)
     }
 }
 
+compiled!(fn search = CGrid<T, D>, CGrid<f64, 2>, CGrid<f64, 3>: all(&mut dyn FnMut(Couple)));
+
 impl<T: Real, const D: usize> CGrid<T, D> {
-    fn search(&mut self, elements: &Elements<'_, T, D>, visit: &mut dyn FnMut(Couple)) -> Result<(), Error> {
+    fn all(&mut self, elements: &Elements<'_, T, D>, visit: &mut dyn FnMut(Couple)) -> Result<(), Error> {
         self.counted = Counted::default();
         if elements.is_empty() {
             return Ok(());

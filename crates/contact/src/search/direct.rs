@@ -1,5 +1,6 @@
 //! Direct checking: every element against every other.
 
+use crate::compiled::compiled;
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
@@ -39,16 +40,25 @@ impl<T: Real, const D: usize> Search<T, D> for DirectUntil {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
-        let visit = &mut visit;
+        search(self, elements, &mut visit)
+    }
+}
+
+compiled!(fn search = DirectUntil, DirectUntil, DirectUntil: all(&mut dyn FnMut(Couple)));
+
+impl DirectUntil {
+    fn all<T: Real, const D: usize>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        visit: &mut dyn FnMut(Couple),
+    ) -> Result<(), Error> {
         match elements.shape {
             Shape::Equal(equal) => self.filtered(equal, elements.filter(), visit),
             Shape::Spheres(spheres) => self.filtered(spheres, elements.filter(), visit),
             Shape::Boxes(boxes) => self.filtered(boxes, elements.filter(), visit),
         }
     }
-}
 
-impl DirectUntil {
     fn filtered(
         &self,
         geometry: impl Geometry,

@@ -4,6 +4,7 @@ mod levels;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::compiled::compiled;
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
@@ -325,7 +326,13 @@ fn in_windows<T: Real, const D: usize>(task: &Task<'_, T>) -> [u64; 2] {
     counted
 }
 
+compiled!(fn search = Multilevel<T, D>, Multilevel<f64, 2>, Multilevel<f64, 3>: scan_all(Sink<'_>));
+
 impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
+    fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
+        search(self, elements, sink)
+    }
+
     fn with_scans(
         &mut self,
         elements: &Elements<'_, T, D>,

@@ -1,5 +1,6 @@
 //! Munjiza-NBS, as published: singly connected lists and the contact mask, in any number of dimensions.
 
+use crate::compiled::compiled;
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
@@ -169,10 +170,28 @@ impl<const D: usize> Nbs<D> {
         observer: &mut impl Observer<D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
+        self.all(elements, observer, &mut visit)
+    }
+
+    /// [`Nbs::observe`] without an observer.
+    fn unobserved<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        visit: &mut dyn FnMut(Couple),
+    ) -> Result<(), Error> {
+        self.all(elements, &mut Unobserved, visit)
+    }
+
+    fn all<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        observer: &mut impl Observer<D>,
+        visit: &mut dyn FnMut(Couple),
+    ) -> Result<(), Error> {
         match elements.shape {
-            Shape::Equal(equal) => self.filtered(elements, equal, observer, &mut visit),
-            Shape::Spheres(spheres) => self.filtered(elements, spheres, observer, &mut visit),
-            Shape::Boxes(boxes) => self.filtered(elements, boxes, observer, &mut visit),
+            Shape::Equal(equal) => self.filtered(elements, equal, observer, visit),
+            Shape::Spheres(spheres) => self.filtered(elements, spheres, observer, visit),
+            Shape::Boxes(boxes) => self.filtered(elements, boxes, observer, visit),
         }
     }
 
@@ -219,10 +238,16 @@ impl<const D: usize> Nbs<D> {
 }
 
 impl<T: Real, const D: usize> Search<T, D> for Nbs<D> {
-    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
-        self.observe(elements, &mut Unobserved, visit)
+    fn for_each(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        search(self, elements, &mut visit)
     }
 }
+
+compiled!(fn search = Nbs<D>, Nbs<2>, Nbs<3>: unobserved(&mut dyn FnMut(Couple)));
 
 /// Observes a search, for teaching and for the golden tests. Every method does nothing by default.
 pub trait Observer<const D: usize> {

@@ -10,6 +10,7 @@ pub(crate) mod scan;
 mod scatter;
 mod sparse;
 
+use crate::compiled::compiled;
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
@@ -184,7 +185,13 @@ impl<T: Real, const D: usize> Rows<T, D> {
     }
 }
 
+compiled!(fn search = Rows<T, D>, Rows<f64, 2>, Rows<f64, 3>: scan_all(Sink<'_>));
+
 impl<T: Real, const D: usize> Scanner<T, D> for Rows<T, D> {
+    fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
+        search(self, elements, sink)
+    }
+
     fn with_scans(
         &mut self,
         elements: &Elements<'_, T, D>,

@@ -10,8 +10,9 @@ use fdem_contact::{CGrid, Couple, Direct, Elements, Engine, Error, Multilevel, N
 use fdem_io::{Centres, Packing};
 use serde::Serialize;
 
+use fdem_results::detection::DetectionRequest;
+
 use crate::command::args::{BenchArguments, Contestant};
-use crate::command::detect::DetectionRequest;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, refusal, refused, sizes};
 use crate::command::output::{Output, refuse_to_overwrite};

@@ -4,10 +4,9 @@
 use std::fmt::Write;
 
 use fdem_contact::{Detector, Engine, Error, Explanation, Level, Multilevel, PeriodicSearch, Work};
+use fdem_results::detection::DetectionRequest;
 use fdem_results::network::Space;
 use serde::Serialize;
-
-use crate::command::detect::DetectionRequest;
 
 /// The estimate, written as JSON by `--json` and as text to standard output.
 #[derive(Debug, Serialize)]

@@ -23,6 +23,14 @@ impl Failure {
         }
     }
 
+    /// The failure of `--verify`.
+    pub(crate) fn of_couples(name: &str, mismatch: &str) -> Self {
+        Self::Wrong(format!(
+            "{name}: --verify: {mismatch} (numbered in the order of the file, from 0). This is a bug in fdem: please report it with \
+             the file. Nothing was written"
+        ))
+    }
+
     /// The failure for an input that cannot be opened or read.
     pub(crate) fn reading(name: &str, error: &io::Error) -> Self {
         Self::Unusable(format!("cannot read {name}: {error}"))

@@ -23,7 +23,6 @@ use crate::command::progress::{Position, Progress};
 use crate::command::shapes::{BodyParts, Branches, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
-use crate::command::verify::wrong;
 
 pub(crate) fn run(
     arguments: &ContactsArguments,
@@ -506,7 +505,7 @@ impl MeshTask<'_> {
             (names[file], number - model.starts[file].min(number))
         };
         match stop {
-            MeshStop::Wrong(mismatch) => wrong(&all, &mismatch),
+            MeshStop::Wrong(mismatch) => Failure::of_couples(&all, &mismatch),
             MeshStop::Refused(DiscretisedError::Coordinate { node, axis, value }) => {
                 let (name, node) = file_of(false, node);
                 let error = DiscretisedError::Coordinate { node, axis, value };

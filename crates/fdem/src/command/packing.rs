@@ -1,11 +1,11 @@
 //! The contacts of a packing: found, counted, and written.
 
 use fdem_io::Centres;
+use fdem_results::detection::{DetectionRequest, check, detect};
 use fdem_results::network::{Network, Space};
 
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
-use crate::command::detect::{DetectionRequest, detect};
 use crate::command::explain::Estimate;
 use crate::command::failure::Failure;
 use crate::command::input::{Input, refused, sizes};
@@ -14,7 +14,6 @@ use crate::command::periodic::{periodic_box, takes_file_box};
 use crate::command::progress::Progress;
 use crate::command::summary::{Seconds, Summary};
 use crate::command::tables::write_network;
-use crate::command::verify::{check, wrong};
 
 /// Finds the contacts of a packing and writes them.
 pub(crate) fn treat(
@@ -101,7 +100,7 @@ fn find<const D: usize>(
         let (checked, verification) =
             progress.step("verifying", None, |_| check(&space, &request, &found.couples, sample));
         seconds.verify = Some(verification);
-        verified = Some(checked.map_err(|mismatch| wrong(name, &mismatch))?);
+        verified = Some(checked.map_err(|mismatch| Failure::of_couples(name, &mismatch))?);
     }
 
     let network = Network { space, sizes: request.sizes, couples: &found.couples };

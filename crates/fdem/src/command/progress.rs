@@ -49,19 +49,24 @@ impl Progress {
         work: impl FnOnce(&Position) -> R,
     ) -> (R, f64) {
         let position = Position::default();
-        let watched = Arc::clone(&position);
         let start = Instant::now();
-        let bar = match (self.quiet, is_terminal()) {
-            (true, _) => None,
-            (false, true) => Watched::start(move |wait| draw(label, total, &watched, wait)),
-            (false, false) => Watched::start(move |wait| tell(label, wait)),
-        };
+        let bar = self.watch(label, total, &position);
         let result = work(&position);
         let seconds = start.elapsed().as_secs_f64();
         if let Some(bar) = bar {
             bar.finish();
         }
         (result, seconds)
+    }
+
+    /// Starts the thread that shows a step. Not generic, so that it is compiled once.
+    fn watch(&self, label: &'static str, total: Option<u64>, position: &Position) -> Option<Watched> {
+        let position = Arc::clone(position);
+        match (self.quiet, is_terminal()) {
+            (true, _) => None,
+            (false, true) => Watched::start(move |wait| draw(label, total, &position, wait)),
+            (false, false) => Watched::start(move |wait| tell(label, wait)),
+        }
     }
 }
 

@@ -3,11 +3,11 @@
 use std::fmt;
 
 use fdem_results::analysis::Analysis;
+use fdem_results::detection::{Detection, DetectionRequest};
 use fdem_results::network::{Sizes, Space};
 use serde::Serialize;
 
 use crate::command::analyse::write_lines;
-use crate::command::detect::{Detection, DetectionRequest};
 use crate::command::input::{Input, id};
 
 pub(crate) use fdem_io::numbers::{brief, grouped};

@@ -28,6 +28,7 @@ use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
 use fdem_distributed::wire;
 
 use crate::action::{Acting, Action, Record, Scene};
+use crate::compiled::compiled;
 use crate::contacts;
 use crate::energy::{Account, Ledger};
 use crate::error::ModelError;
@@ -76,6 +77,14 @@ impl InitialContacts {
     /// # Errors
     /// An error that says why the model cannot be simulated.
     pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        compiled!((model: reference [Model<2, 3>, Model<3, 4>])
+            -> [Result<InitialContacts, ModelError>, Result<InitialContacts, ModelError>] = InitialContacts::of_model)
+    }
+
+    fn of_model<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {

@@ -8,6 +8,7 @@ use fdem_contact::{Couple, Detector, Elements as Boxes, Search};
 use fdem_distributed::curve::{owner, splitters_of_all};
 use serde::Serialize;
 
+use crate::compiled::compiled;
 use crate::error::ModelError;
 use crate::joints::MovingJoint;
 use crate::lists::once_each;
@@ -153,6 +154,17 @@ impl Forecast {
     /// # Errors
     /// [`ModelError::Ranks`] if there are no ranks, or more than elements.
     pub fn of<const D: usize, const N: usize>(
+        run: &mut Simulation<D, N>,
+        ranks: usize,
+    ) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        compiled!((run: change [Simulation<2, 3>, Simulation<3, 4>], ranks: as_is [usize, usize])
+            -> [Result<Forecast, ModelError>, Result<Forecast, ModelError>] = Forecast::of_run)
+    }
+
+    fn of_run<const D: usize, const N: usize>(
         run: &mut Simulation<D, N>,
         ranks: usize,
     ) -> Result<Self, ModelError>

@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::compiled::compiled;
 use crate::contacts::SavedContacts;
 use crate::energy::Ledger;
 use crate::error::ModelError;
@@ -74,6 +75,19 @@ where
     /// are not those of the two models; [`ModelError::OutOfRange`] if the time step is too long for the new
     /// model.
     pub fn changed(
+        self,
+        before: &Model<D, N>,
+        change: Change<D, N>,
+        threads: usize,
+    ) -> Result<(Model<D, N>, Self), ModelError> {
+        let state = self;
+        compiled!((state: value [State<2, 3>, State<3, 4>], before: reference [Model<2, 3>, Model<3, 4>],
+            change: value [Change<2, 3>, Change<3, 4>], threads: as_is [usize, usize])
+            -> [Result<(Model<2, 3>, State<2, 3>), ModelError>, Result<(Model<3, 4>, State<3, 4>), ModelError>]
+            = State::after)
+    }
+
+    fn after(
         self,
         before: &Model<D, N>,
         change: Change<D, N>,

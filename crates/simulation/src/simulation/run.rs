@@ -8,6 +8,7 @@ use crate::actions::cavity::CavityState;
 use crate::actions::seams::Seams;
 use crate::actions::{Actions, prescribed};
 use crate::checks;
+use crate::compiled::compiled;
 use crate::contacts::{Contacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
@@ -129,6 +130,11 @@ where
     /// # Errors
     /// An error that says why the model cannot be simulated.
     pub fn new(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
+        compiled!((model: value [Model<2, 3>, Model<3, 4>], threads: as_is [usize, usize])
+            -> [Result<Simulation<2, 3>, ModelError>, Result<Simulation<3, 4>, ModelError>] = Simulation::begin)
+    }
+
+    fn begin(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::of(&model.mesh)?;
         let mut joints = Joints::new(&model, &topology, &Share::default());

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::action::Record;
+use crate::compiled::compiled;
 use crate::contacts::{Contacts, SavedContacts};
 use crate::energy::Energies;
 use crate::error::ModelError;
@@ -58,6 +59,12 @@ where
 {
     /// State from which the run can be resumed.
     pub fn state(&self) -> State<D, N> {
+        let run = self;
+        compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
+            -> [State<2, 3>, State<3, 4>] = Simulation::own_state)
+    }
+
+    fn own_state(&self) -> State<D, N> {
         let order = self.solid().order(&self.topology);
         State {
             step: self.step,
@@ -88,6 +95,11 @@ where
     /// An error that says why the model cannot be simulated; [`ModelError::Length`] or
     /// [`ModelError::Missing`] if the state belongs to another model.
     pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
+        compiled!((model: value [Model<2, 3>, Model<3, 4>], state: value [State<2, 3>, State<3, 4>], threads: as_is [usize, usize])
+            -> [Result<Simulation<2, 3>, ModelError>, Result<Simulation<3, 4>, ModelError>] = Simulation::continued)
+    }
+
+    fn continued(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
         let elements = run.solid().element_count();
         let lengths = [

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::compiled::compiled;
 use crate::forces::{ContactForce, Forces, OwnForces};
 use crate::joints::JointView;
 use crate::simplex::Simplex;
@@ -16,6 +17,12 @@ where
 {
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
+        let run = self;
+        compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
+            -> [Snapshot<2, 3>, Snapshot<3, 4>] = Simulation::own_snapshot)
+    }
+
+    fn own_snapshot(&self) -> Snapshot<D, N> {
         let order = self.solid().order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
         let elements = self.solid().element_count();
@@ -58,11 +65,23 @@ where
     /// of the first element of each fragment. The fragments change only when joints break: see
     /// [`Counts::broken`](crate::Counts::broken). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
+        let run = self;
+        compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
+            -> [Vec<u32>, Vec<u32>] = Simulation::own_fragments)
+    }
+
+    fn own_fragments(&self) -> Vec<u32> {
         self.topology.pieces(|facet| self.joints().holds(facet))
     }
 
     /// Forces of contacts and boundaries at the beginning of the last step.
     pub fn forces(&self) -> Forces<D> {
+        let run = self;
+        compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
+            -> [Forces<2>, Forces<3>] = Simulation::forces_now)
+    }
+
+    fn forces_now(&self) -> Forces<D> {
         let order = self.solid().order(&self.topology);
         let codes = order.into_iter().map(|node| self.solid().corners(node as usize)[0]);
         self.own_forces().placed(codes, self.solid().origin)

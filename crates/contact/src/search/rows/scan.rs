@@ -39,8 +39,11 @@ pub(crate) trait Scanner<T: Real, const D: usize> {
         search: impl FnOnce(Scans<'_, T, D>) -> Result<(), Error>,
     ) -> Result<(), Error>;
 
-    /// Runs all scans in their order.
-    fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
+    /// Runs all scans in their order, by code that is compiled with this crate if it has the types.
+    fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error>;
+
+    /// [`Scanner::search`] by code that is compiled where it is called.
+    fn scan_all(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
         self.with_scans(elements, |scans| scans.all(sink))
     }
 

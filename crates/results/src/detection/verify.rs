@@ -1,16 +1,12 @@
-//! `--verify`: compares the couples of a sample of elements with brute force.
+//! Comparison of the couples of a sample of elements with brute force.
 
 use fdem_contact::{PeriodicBox, PeriodicCouple, verify};
-use fdem_results::network::{Couples, Sizes, Space};
 
-use crate::command::detect::DetectionRequest;
-use crate::command::failure::Failure;
+use crate::detection::DetectionRequest;
+use crate::network::{Couples, Sizes, Space};
 
-/// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements,
-/// or a description of the mismatch.
-///
-/// The sample is the same in every run, so that an error can be reproduced.
-pub(crate) fn check<const D: usize>(
+/// [`check`](super::check), compiled where it is called.
+pub(super) fn check<const D: usize>(
     space: &Space<'_, D>,
     request: &DetectionRequest<'_>,
     couples: &Couples<D>,
@@ -147,14 +143,6 @@ fn pick(n: usize, sample: usize) -> Vec<u32> {
         (from + u128::from(state >> 33) % (to - from)) as u32
     };
     (0..sample).map(one_of).collect()
-}
-
-/// The failure of a command whose couples are wrong.
-pub(crate) fn wrong(name: &str, mismatch: &str) -> Failure {
-    Failure::Wrong(format!(
-        "{name}: --verify: {mismatch} (numbered in the order of the file, from 0). This is a bug in fdem: please report it with \
-         the file. Nothing was written"
-    ))
 }
 
 #[cfg(test)]

@@ -1,33 +1,42 @@
-//! One detection: finds the couples of a packing and their statistics.
+//! Detections: the couples of a packing with their statistics, and their comparison with brute force.
+//!
+//! They are compiled in this crate for the plane and for space: a run over all couples must be optimised, and
+//! the crate of the command is not.
 
-use std::sync::atomic::Ordering;
+mod verify;
+
+use std::any::Any;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use fdem_contact::{
     Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
 };
-use fdem_results::network::{Couples, Sizes, Space, unshifted};
 
-use crate::command::progress::Position;
+use crate::network::{Couples, Sizes, Space, unshifted};
 
 /// Elements and options of a detection.
-pub(crate) struct DetectionRequest<'a> {
-    pub(crate) sizes: Sizes<'a>,
-    pub(crate) tolerance: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct DetectionRequest<'a> {
+    /// Sizes of the elements.
+    pub sizes: Sizes<'a>,
+    /// Largest gap that counts as contact, in the unit of the centres.
+    pub tolerance: f64,
     /// Body of each element. Elements of the same body form no couple.
-    pub(crate) bodies: Option<&'a [u32]>,
-    pub(crate) engine: Option<Engine>,
+    pub bodies: Option<&'a [u32]>,
+    /// The engine; `None` to choose one.
+    pub engine: Option<Engine>,
     /// Number of threads; 0 is one per processor.
-    pub(crate) threads: usize,
+    pub threads: usize,
     /// Whether the couples are kept; otherwise only their statistics are.
-    pub(crate) keep: bool,
+    pub keep: bool,
 }
 
 impl<'a> DetectionRequest<'a> {
-    /// Returns the elements, or why the library refuses them.
-    pub(crate) fn elements<'b, const D: usize>(
-        &self,
-        centres: &'b [[f64; D]],
-    ) -> Result<Elements<'b, f64, D>, Error>
+    /// Returns the elements.
+    ///
+    /// # Errors
+    /// The reason for which the library refuses them.
+    pub fn elements<'b, const D: usize>(&self, centres: &'b [[f64; D]]) -> Result<Elements<'b, f64, D>, Error>
     where
         'a: 'b,
     {
@@ -45,22 +54,25 @@ impl<'a> DetectionRequest<'a> {
 }
 
 /// Result of a detection.
-pub(crate) struct Detection<const D: usize> {
+#[derive(Debug)]
+pub struct Detection<const D: usize> {
     /// Couples in ascending order; empty unless the request keeps them.
-    pub(crate) couples: Couples<D>,
+    pub couples: Couples<D>,
     /// Plan of the search. In a periodic box it is the plan for the wrapped elements without images.
-    pub(crate) plan: Plan<D>,
-    pub(crate) statistics: Statistics<D>,
+    pub plan: Plan<D>,
+    /// Statistics of the couples.
+    pub statistics: Statistics<D>,
 }
 
 /// Statistics of the couples. They do not depend on the order of the couples.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Statistics<const D: usize> {
-    pub(crate) couples: u64,
+pub struct Statistics<const D: usize> {
+    /// Number of couples.
+    pub couples: u64,
     /// Whether each element has a contact.
     touched: Vec<bool>,
     /// Largest overlap and its couple, the first one if several couples have it.
-    pub(crate) max_overlap: Option<(f64, PeriodicCouple<D>)>,
+    pub max_overlap: Option<(f64, PeriodicCouple<D>)>,
 }
 
 impl<const D: usize> Statistics<D> {
@@ -81,21 +93,110 @@ impl<const D: usize> Statistics<D> {
     }
 
     /// Elements without any contact.
-    pub(crate) fn rattlers(&self) -> u64 {
+    pub fn rattlers(&self) -> u64 {
         self.touched.iter().filter(|&&touched| !touched).count() as u64
     }
 
     /// Mean number of contacts of an element: two per couple.
-    pub(crate) fn mean_coordination(&self) -> f64 {
+    pub fn mean_coordination(&self) -> f64 {
         if self.touched.is_empty() { 0.0 } else { 2.0 * self.couples as f64 / self.touched.len() as f64 }
     }
 }
 
 /// Finds the couples. `position` counts them for the progress display.
-pub(crate) fn detect<const D: usize>(
+///
+/// # Errors
+/// The errors of the search.
+pub fn detect<const D: usize>(
     space: &Space<'_, D>,
     request: &DetectionRequest<'_>,
-    position: &Position,
+    position: &AtomicU64,
+) -> Result<Detection<D>, Error> {
+    fn plane(
+        space: &Space<'_, 2>,
+        request: &DetectionRequest<'_>,
+        position: &AtomicU64,
+    ) -> Result<Detection<2>, Error> {
+        detect_in(space, request, position)
+    }
+
+    fn volume(
+        space: &Space<'_, 3>,
+        request: &DetectionRequest<'_>,
+        position: &AtomicU64,
+    ) -> Result<Detection<3>, Error> {
+        detect_in(space, request, position)
+    }
+
+    match D {
+        2 => same(plane(&of_dimension(space), request, position)),
+        3 => same(volume(&of_dimension(space), request, position)),
+        _ => detect_in(space, request, position),
+    }
+}
+
+/// Compares the couples of `sample` elements with brute force. Returns the number of checked elements.
+///
+/// The sample is the same in every call, so that an error can be reproduced.
+///
+/// # Errors
+/// A description of the mismatch.
+///
+/// # Panics
+/// If these elements were not searched before.
+pub fn check<const D: usize>(
+    space: &Space<'_, D>,
+    request: &DetectionRequest<'_>,
+    couples: &Couples<D>,
+    sample: usize,
+) -> Result<usize, String> {
+    fn plane(
+        space: &Space<'_, 2>,
+        request: &DetectionRequest<'_>,
+        couples: &Couples<2>,
+        sample: usize,
+    ) -> Result<usize, String> {
+        verify::check(space, request, couples, sample)
+    }
+
+    fn volume(
+        space: &Space<'_, 3>,
+        request: &DetectionRequest<'_>,
+        couples: &Couples<3>,
+        sample: usize,
+    ) -> Result<usize, String> {
+        verify::check(space, request, couples, sample)
+    }
+
+    match D {
+        2 => plane(&of_dimension(space), request, same_reference(couples), sample),
+        3 => volume(&of_dimension(space), request, same_reference(couples), sample),
+        _ => verify::check(space, request, couples, sample),
+    }
+}
+
+/// The same space, whose dimension the caller knows to be `E`.
+fn of_dimension<'a, const D: usize, const E: usize>(space: &Space<'a, D>) -> Space<'a, E> {
+    Space { centres: space.centres.as_flattened().as_chunks().0, cell: same(space.cell) }
+}
+
+/// The same value, whose type the caller knows to be `B`.
+fn same<A: 'static, B: 'static>(value: A) -> B {
+    let mut slot = Some(value);
+    let same = (&mut slot as &mut dyn Any).downcast_mut::<Option<B>>().expect("the dimensions are equal");
+    same.take().expect("the value was put there")
+}
+
+/// A reference to the same value, whose type the caller knows to be `B`.
+fn same_reference<A: 'static, B: 'static>(value: &A) -> &B {
+    (value as &dyn Any).downcast_ref().expect("the dimensions are equal")
+}
+
+/// [`detect`], compiled where it is called.
+fn detect_in<const D: usize>(
+    space: &Space<'_, D>,
+    request: &DetectionRequest<'_>,
+    position: &AtomicU64,
 ) -> Result<Detection<D>, Error> {
     let elements = request.elements(space.centres)?;
     let mut statistics = Statistics::new(elements.len());
