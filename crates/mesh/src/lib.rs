@@ -25,4 +25,4 @@ pub mod triangles;
 pub use grading::{Grading, Place, Refinement};
 pub use mesh::{MOST_ELEMENTS, Mesh, bounds};
 pub use quality::{Quality, edges};
-pub use simplex::{Simplex, facets_of, sorted};
+pub use simplex::{Simplex, facets_of, sorted, sorted_facets};

@@ -1,5 +1,7 @@
 //! Triangles and tetrahedra by their corners.
 
+use std::any::Any;
+
 /// The corners of a triangle, `[[f64; 2]; 3]`, or of a tetrahedron, `[[f64; 3]; 4]`, in the order of
 /// [`Mesh::elements`](crate::Mesh).
 pub trait Simplex<const D: usize, const N: usize> {
@@ -86,6 +88,47 @@ where
 pub fn sorted<const D: usize>(mut facet: [u32; D]) -> [u32; D] {
     facet.sort_unstable();
     facet
+}
+
+/// The facets of all elements by their nodes, ascending, each with the number of its element. The list is in
+/// ascending order, so that the facets of neighbours follow each other.
+pub fn sorted_facets<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<([u32; D], u32)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    // Compiled in this crate, which is optimised, and not in those that call it.
+    fn plane(elements: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
+        all_sorted(elements)
+    }
+
+    fn space(elements: &[[u32; 4]]) -> Vec<([u32; 3], u32)> {
+        all_sorted(elements)
+    }
+
+    fn same<const D: usize, const E: usize>(facets: Vec<([u32; E], u32)>) -> Vec<([u32; D], u32)> {
+        let mut facets = Some(facets);
+        let same = (&mut facets as &mut dyn Any).downcast_mut::<Option<Vec<([u32; D], u32)>>>();
+        same.and_then(Option::take).expect("the dimensions are equal")
+    }
+
+    if const { D == 2 } {
+        same(plane(elements.as_flattened().as_chunks().0))
+    } else {
+        same(space(elements.as_flattened().as_chunks().0))
+    }
+}
+
+/// [`sorted_facets`], compiled where it is called.
+fn all_sorted<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<([u32; D], u32)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut facets = Vec::with_capacity(N * elements.len());
+    for (number, element) in (0..).zip(elements) {
+        facets.extend(facets_of(element).map(|facet| (sorted(facet), number)));
+    }
+    facets.sort_unstable();
+    facets
 }
 
 /// Normal of a face, twice as long as its area.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::grouped;
-use fdem_mesh::{Simplex, facets_of, sorted};
+use fdem_mesh::{Simplex, sorted_facets};
 use fdem_simulation::Model;
 
 /// Strengths that hold nothing together, and those of a material with itself.
@@ -41,16 +41,11 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mesh = &model.mesh;
-    let mut sides: Vec<([u32; D], u32)> = Vec::with_capacity(N * mesh.elements.len());
-    for (element, &material) in mesh.elements.iter().zip(&mesh.materials) {
-        sides.extend(facets_of(element).map(|facet| (sorted(facet), material)));
-    }
-    sides.sort_unstable();
     let mut facets = BTreeMap::new();
-    for pair in sides.windows(2) {
+    for pair in sorted_facets::<D, N>(&mesh.elements).windows(2) {
         if pair[0].0 == pair[1].0 {
-            // Sorted, so that the lesser material comes first.
-            *facets.entry([pair[0].1, pair[1].1]).or_default() += 1;
+            let [one, other] = [pair[0].1, pair[1].1].map(|element| mesh.materials[element as usize]);
+            *facets.entry([one.min(other), one.max(other)]).or_default() += 1;
         }
     }
     facets

@@ -1,18 +1,14 @@
 //! Parts of a mesh: elements that hang together by facets. Nothing holds elements to each other that share
 //! only nodes, or an edge in three dimensions.
 
-use fdem_mesh::{Simplex, facets_of, sorted};
+use fdem_mesh::{Simplex, sorted_facets};
 
 /// The part of each element: the least element of its part.
 pub(crate) fn parts<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<u32>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut facets: Vec<([u32; D], u32)> = Vec::with_capacity(N * elements.len());
-    for (number, element) in (0..).zip(elements) {
-        facets.extend(facets_of(element).map(|facet| (sorted(facet), number)));
-    }
-    facets.sort_unstable();
+    let facets = sorted_facets::<D, N>(elements);
     let mut parent: Vec<u32> = (0..elements.len() as u32).collect();
     for pair in facets.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
         join(&mut parent, pair[0].1, pair[1].1);

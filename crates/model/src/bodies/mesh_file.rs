@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::{exact, grouped};
 use fdem_io::{Cells, MeshBody, MeshFile};
-use fdem_mesh::{Simplex, facets_of, sorted};
+use fdem_mesh::{Simplex, sorted, sorted_facets};
 
 use crate::bodies::{gmsh, materials};
 use crate::shapes::outline::Point;
@@ -255,10 +255,9 @@ where
     if facets.is_empty() {
         return None;
     }
-    let mut known: Vec<[u32; D]> = elements.nodes.iter().flat_map(facets_of).map(sorted).collect();
-    known.sort_unstable();
-    let mut loose =
-        (0..facets.nodes.len()).filter(|&k| known.binary_search(&sorted(facets.nodes[k])).is_err());
+    let known = sorted_facets::<D, N>(&elements.nodes);
+    let is_known = |facet: [u32; D]| known.binary_search_by_key(&sorted(facet), |(nodes, _)| *nodes).is_ok();
+    let mut loose = (0..facets.nodes.len()).filter(|&k| !is_known(facets.nodes[k]));
     let first = loose.next()?;
     let count = loose.count() + 1;
     let Words { facet: [one, more], element, .. } = words;

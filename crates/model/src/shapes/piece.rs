@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::brief;
 use fdem_mesh::triangles::{INSIDE, Triangles};
-use fdem_mesh::{Simplex, facets_of, sorted};
+use fdem_mesh::{Simplex, facets_of, sorted, sorted_facets};
 
 /// A body of triangles or of tetrahedra.
 #[derive(Debug, Clone)]
@@ -98,16 +98,17 @@ where
     /// # Errors
     /// Messages about facets of more than two elements, or of two on the same side.
     pub(crate) fn find_outline(&mut self) -> Result<(), String> {
-        let mut facets: Vec<([u32; D], [u32; D])> = Vec::with_capacity(N * self.elements.len());
-        for element in &self.elements {
-            facets.extend(facets_of(element).map(|facet| (sorted(facet), facet)));
-        }
-        facets.sort_unstable();
+        let facets = sorted_facets::<D, N>(&self.elements);
+        // The nodes in the order in which the element has them.
+        let of_element = |&(nodes, element): &([u32; D], u32)| {
+            let facets = facets_of(&self.elements[element as usize]);
+            facets.into_iter().find(|&facet| sorted(facet) == nodes).unwrap_or(nodes)
+        };
         self.outline.clear();
         for alike in facets.chunk_by(|a, b| a.0 == b.0) {
             match alike {
-                [(_, only)] => self.outline.push(*only),
-                [(_, one), (_, other)] if is_odd(*one) != is_odd(*other) => {}
+                [only] => self.outline.push(of_element(only)),
+                [one, other] if is_odd(of_element(one)) != is_odd(of_element(other)) => {}
                 _ => {
                     let at = self.nodes[alike[0].0[0] as usize].map(brief).join(", ");
                     return Err(format!("elements lie on top of each other at a facet near [{at}]"));
