@@ -138,6 +138,7 @@
 //! | bodies that span cells: cells covered, order of lists | `src/search/cgrid.rs`, `src/search/cgrid/lists.rs` |
 //! | running and joining the parts of a search | `src/search/rows/scan.rs`, `src/ordered.rs`, `src/pool.rs` |
 //! | the threads of a search | `src/pool.rs`, `src/pool/others.rs`; under Miri `src/pool/miri.rs` |
+//! | searches that are compiled with this crate | `src/compiled.rs` |
 //! | vector instructions | `src/simd.rs`, `src/simd/task.rs`, `src/simd/vector.rs`, `src/simd/kernel.rs`; four elements at a time: `src/simd/cluster.rs` |
 //! | the check of coordinates, the extremes of motions | `src/elements.rs`, `src/simd/extremes.rs` |
 //! | the choice of an engine, a new engine | `src/detector.rs`, `src/engine.rs`, `src/search.rs` |

@@ -45,7 +45,7 @@
 //! the speed with bounds and with other programs.
 //!
 //! Steps are compiled in this crate, once for each kind of element (`src/simulation/advance.rs`), and not in
-//! the crates that call them.
+//! the crates that call them. So are other functions that pass over all elements (`src/compiled.rs`).
 //!
 //! `State` is all that persists between steps. It is saved with postcard, and sufficient to continue a run.
 //! It has nodes, joints and couples in the order of the model, and not of memory.
