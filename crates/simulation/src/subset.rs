@@ -6,6 +6,7 @@ use fdem_mesh::Mesh;
 
 use crate::compiled::compiled;
 use crate::error::ModelError;
+use crate::faces::Faces;
 use crate::model::{Load, Model, Target};
 use crate::simplex::Simplex;
 use crate::topology::{NONE, Topology};
@@ -73,7 +74,7 @@ where
         let mut surface = BTreeSet::new();
         if self.boundaries.iter().any(|boundary| !boundary.target.facets().is_empty()) {
             let topology = Topology::<D, N>::of(&part)?;
-            surface.extend(topology.surface().map(|side| {
+            surface.extend(Faces::new(&topology).outer.into_iter().map(|side| {
                 let mut vertices = side.map(|corner| topology.vertices[corner as usize]);
                 vertices.sort_unstable();
                 vertices

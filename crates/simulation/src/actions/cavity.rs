@@ -20,166 +20,24 @@
 //! Each rank has the faces of its own elements, and knows all joints that have broken anywhere, so that all
 //! ranks find the same connections.
 
+mod face;
+mod state;
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use fdem_distributed::wire;
-
 use crate::action::{Acting, Action, Applied, Event, Record, Scene, on_corners};
+use crate::actions::cavity::face::{Face, add_sides, rims, volumes};
+pub use crate::actions::cavity::state::CavityState;
+use crate::actions::cavity::state::{Cavity, CavityNumbers};
 use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::faces::BrokenSides;
 use crate::model::{Load, Model, Schedule, Stored};
 use crate::outer_side::outer_side;
 use crate::simplex::Simplex;
-use crate::solid::Solid;
 use crate::sum::Sum;
-use crate::topology::{NONE, corners_of_facet};
-use crate::vector::{Point, add, dot, minus};
-
-/// The boundary of a facet is made of rims: its vertices, in three dimensions its edges. Numbers of vertices
-/// in the whole mesh, ascending; [`NONE`] for a missing one.
-type Rim = [u32; 2];
-
-/// The rims of a facet with these vertices.
-fn rims<const D: usize>(vertices: [u32; D]) -> impl Iterator<Item = Rim> {
-    (0..D).map(move |without| {
-        let mut rim = [NONE; 2];
-        let others = (0..D).filter(|&k| k != without).map(|k| vertices[k]);
-        rim.iter_mut().zip(others).for_each(|(place, vertex)| *place = vertex);
-        rim.sort_unstable();
-        rim
-    })
-}
-
-/// A face of a cavity that belongs to an element here.
-#[derive(Clone, Copy, Debug)]
-struct Face<const D: usize> {
-    /// Corners of the element, in the order in which they go around the face, seen from outside.
-    corners: [u32; D],
-    /// Area vector along the outward normal, m², and mean position of the corners, m, at the last positions.
-    area: Point<D>,
-    middle: Point<D>,
-}
-
-impl<const D: usize> Face<D> {
-    fn new<const N: usize>(corners: [u32; D], solid: &Solid<D, N>) -> Self
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let places = corners.map(|corner| solid.position_at(corner));
-        let mut middle = [0.0; D];
-        for place in places {
-            add(&mut middle, place, 1.0 / D as f64);
-        }
-        let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * solid.thickness);
-        Self { corners, area, middle }
-    }
-
-    /// Force of a pressure on each of its corners, N.
-    fn force(&self, pressure: f64) -> Point<D> {
-        self.area.map(|a| -(pressure / D as f64 * a))
-    }
-}
-
-/// Numbers of a cavity, the same on all ranks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct CavityNumbers {
-    /// Volume of the undeformed hole, m³, by which a changed hole is recognised.
-    hole: f64,
-    /// Volume in the beginning, and now, m³.
-    first: f64,
-    volume: f64,
-    /// Sum of `p dV`, J, but for the half that the next pressure adds: `swept` is its volume, m³.
-    work: f64,
-    swept: f64,
-    /// Area of all faces, m².
-    area: f64,
-    /// Pressure in the last step, Pa.
-    pressure: f64,
-    /// Energy of a gas in the last step, J.
-    stored: f64,
-}
-
-wire!([] CavityNumbers { hole, first, volume, work, swept, area, pressure, stored });
-
-/// Pressure, volume and work of a cavity.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CavityState {
-    /// Pressure at the beginning of the last step, Pa.
-    pub pressure: f64,
-    /// Volume, m³.
-    pub volume: f64,
-    /// Area of its faces, m².
-    pub area: f64,
-    /// Work of the pressure since the beginning, J: the sum of `p dV`.
-    pub work: f64,
-    /// Energy that a gas stores, J; 0 for a prescribed pressure.
-    pub stored: f64,
-}
-
-/// A cavity.
-#[derive(Debug)]
-struct Cavity<const D: usize> {
-    boundary: u32,
-    name: String,
-    pressure: f64,
-    /// Ratio of the specific heats of a gas; `None` for a prescribed pressure.
-    gas: Option<f64>,
-    /// Rims of all of its faces.
-    rims: BTreeSet<Rim>,
-    /// Codes of the joints that have joined.
-    joined: BTreeSet<u32>,
-    /// Broken joints elsewhere, by their rims.
-    elsewhere: BTreeMap<Rim, Vec<u32>>,
-    /// In the order of their corners.
-    faces: Vec<Face<D>>,
-    numbers: Option<CavityNumbers>,
-}
-
-impl<const D: usize> Cavity<D> {
-    /// Pressure at a volume, Pa. `factor`: of the schedule.
-    fn pressure_at(&self, numbers: &CavityNumbers, factor: f64) -> f64 {
-        match self.gas {
-            Some(exponent) => self.pressure * libm::pow(numbers.first / numbers.volume, exponent),
-            None => self.pressure * factor,
-        }
-    }
-
-    /// Energy that a gas stores at a volume, J.
-    fn stored(&self, numbers: &CavityNumbers) -> f64 {
-        let Some(exponent) = self.gas else { return 0.0 };
-        let ratio = libm::pow(numbers.first / numbers.volume, exponent - 1.0);
-        self.pressure * numbers.first * ratio / (exponent - 1.0)
-    }
-
-    /// Takes a broken joint in, if it is connected, with all that it connects. Returns the joints that have
-    /// joined, by their codes.
-    fn reach(&mut self, joint: &BrokenSides<D>, known: &BTreeMap<u32, BrokenSides<D>>) -> Vec<u32> {
-        let code = joint.sides[0];
-        if self.joined.contains(&code) {
-            return Vec::new();
-        }
-        if !rims(joint.vertices).any(|rim| self.rims.contains(&rim)) {
-            for rim in rims(joint.vertices) {
-                self.elsewhere.entry(rim).or_default().push(code);
-            }
-            return Vec::new();
-        }
-        let (mut new, mut waiting) = (Vec::new(), vec![*joint]);
-        while let Some(joint) = waiting.pop() {
-            if !self.joined.insert(joint.sides[0]) {
-                continue;
-            }
-            new.push(joint.sides[0]);
-            for rim in rims(joint.vertices) {
-                self.rims.insert(rim);
-                let connected = self.elsewhere.remove(&rim).unwrap_or_default();
-                waiting.extend(connected.iter().filter_map(|code| known.get(code)));
-            }
-        }
-        new
-    }
-}
+use crate::topology::NONE;
+use crate::vector::{Point, dot, minus};
 
 /// All cavities of a model.
 #[derive(Debug, Default)]
@@ -206,6 +64,11 @@ impl<const D: usize> Cavities<D> {
             let needs = <[[f64; D]; N]>::FACETS_ARE;
             return Err(ModelError::Target { boundary: boundary.name.clone(), needs });
         }
+        if let Some(value) = gas.filter(|exponent| !(*exponent > 1.0 && exponent.is_finite())) {
+            let place = format!("boundary '{}'", boundary.name);
+            let what = "the ratio of the specific heats";
+            return Err(ModelError::OutOfRange { place, what, value, range: "above 1" });
+        }
         self.all.push(Cavity {
             boundary: number,
             name: boundary.name.clone(),
@@ -227,74 +90,10 @@ impl<const D: usize> Cavities<D> {
         // Until the next pressure is known, the last one stands for it.
         Some(CavityState { pressure, volume, area, work: work + 0.5 * pressure * swept, stored })
     }
-
-    /// Adds the sides of a joint that belong to elements here. Returns the volume by which it is open, m³, as
-    /// far as this rank counts it.
-    fn add_sides<const N: usize>(
-        faces: &mut Vec<Face<D>>,
-        joint: &BrokenSides<D>,
-        scene: &Scene<'_, D, N>,
-    ) -> f64
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let (topology, solid) = (scene.topology, scene.solid());
-        let mut open = 0.0;
-        for code in joint.sides {
-            let Some(element) = topology.element(code / N as u32) else { continue };
-            let face = Face::new(corners_of_facet::<D, N>(element as usize, code as usize % N), solid);
-            if solid.share().element(element) {
-                open -= dot(face.area, moved(&face, scene));
-            }
-            faces.push(face);
-        }
-        open
-    }
-}
-
-/// Mean displacement of the corners of a face, m.
-fn moved<const D: usize, const N: usize>(face: &Face<D>, scene: &Scene<'_, D, N>) -> Point<D>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut mean = [0.0; D];
-    for corner in face.corners {
-        let node = scene.solid().node_at(corner) as usize;
-        add(&mut mean, scene.solid().displacement(node, scene.model), 1.0 / D as f64);
-    }
-    mean
-}
-
-/// The volume that undeformed facets enclose, m³, with that by which their motion has increased it; the
-/// second alone if they do not enclose any.
-fn volumes<const D: usize, const N: usize>(faces: &[Face<D>], scene: &Scene<'_, D, N>) -> [f64; 2]
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let (mut enclosed, mut increase) = (Sum::default(), Sum::default());
-    let (mut sum, mut whole) = ([0.0; D], 0.0);
-    for face in faces {
-        let places = face.corners.map(|corner| {
-            let vertex = scene.topology.vertices[corner as usize];
-            minus(scene.model.mesh.nodes[vertex as usize], scene.solid().origin)
-        });
-        let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * scene.solid().thickness);
-        enclosed.add(-dot(area, places[0]) / D as f64);
-        add(&mut sum, area, 1.0);
-        whole += dot(area, area).sqrt();
-        let mean = std::array::from_fn(|axis| 0.5 * (area[axis] + face.area[axis]));
-        increase.add(-dot(mean, moved(face, scene)));
-    }
-    let is_closed = dot(sum, sum).sqrt() <= CLOSED * whole;
-    let enclosed = if is_closed { enclosed.value() } else { 0.0 };
-    [enclosed.max(0.0), increase.value()]
 }
 
 /// A hole is another one if its volume has changed by more than this share.
 const SAME: f64 = 1e-9;
-
-/// Facets enclose a volume if the sum of their area vectors is less than this share of their area.
-const CLOSED: f64 = 1e-9;
 
 impl<const D: usize, const N: usize> Action<D, N> for Cavities<D>
 where
@@ -338,7 +137,7 @@ where
             }
             for code in joined {
                 if let Some(joint) = known.get(&code) {
-                    opened.add(Self::add_sides(&mut faces, joint, scene));
+                    opened.add(add_sides(&mut faces, joint, scene));
                 }
             }
             faces.sort_unstable_by_key(|face| face.corners);
@@ -374,15 +173,16 @@ where
             numbers.work += 0.5 * numbers.pressure * numbers.swept;
             numbers.swept = 0.0;
             cavity.numbers = Some(numbers);
+            let force = |face: &Face<D>| face.area.map(|a| -(numbers.pressure / D as f64 * a));
             if cavity.gas.is_some() {
                 for face in &cavity.faces {
-                    let force = face.force(numbers.pressure);
+                    let force = force(face);
                     face.corners.into_iter().for_each(|corner| acting.add_force(corner, force));
                 }
                 continue;
             }
             let on = |face: &Face<D>| {
-                let (force, boundary) = (face.force(numbers.pressure), cavity.boundary);
+                let (force, boundary) = (force(face), cavity.boundary);
                 face.corners.map(|corner| Applied { corner, boundary, force, viscous: [0.0; D] })
             };
             acting.apply(|applied| applied.extend(cavity.faces.iter().flat_map(on)));
@@ -397,7 +197,7 @@ where
             let factor = schedules[cavity.boundary as usize].factor(0.0);
             let pressure = cavity.numbers.map_or(0.0, |numbers| cavity.pressure_at(&numbers, factor));
             let forces = cavity.faces.iter().flat_map(move |face| {
-                let force = face.force(pressure);
+                let force = face.area.map(|a| -(pressure / D as f64 * a));
                 face.corners.map(|corner| (corner, force))
             });
             forces.collect::<Vec<_>>()
@@ -433,7 +233,7 @@ where
                     for joint in *joints {
                         for code in cavity.reach(joint, known) {
                             if let Some(joint) = known.get(&code) {
-                                opened.add(Self::add_sides(&mut cavity.faces, joint, scene));
+                                opened.add(add_sides(&mut cavity.faces, joint, scene));
                             }
                         }
                     }
