@@ -155,27 +155,16 @@ fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(),
         if let Some(&index) = nodes.iter().find(|&&node| node as usize >= model.mesh.nodes.len()) {
             return Err(ModelError::Missing { what: "node", index, place });
         }
-        let values: Vec<f64> = match boundary.load {
-            Load::Velocity(values) | Load::Displacement(values) => values.into_iter().flatten().collect(),
-            Load::Force(values) | Load::Traction(values) => values.to_vec(),
-            Load::Pressure(value) => vec![value],
-            Load::Cavity { pressure, gas } => vec![pressure, gas.unwrap_or_default()],
-            Load::Absorbing => Vec::new(),
-            Load::Held => match &boundary.target {
-                Target::Held(facets, forces) if facets.len() == forces.len() => {
-                    forces.as_flattened().as_flattened().to_vec()
-                }
-                _ => {
-                    return Err(ModelError::Target { boundary: boundary.name.clone(), needs: "held facets" });
-                }
-            },
+        let values = match (&boundary.load, &boundary.target) {
+            (Load::Held, Target::Held(facets, forces)) if facets.len() == forces.len() => {
+                forces.as_flattened().as_flattened().to_vec()
+            }
+            (Load::Held, _) => {
+                return Err(ModelError::Target { boundary: boundary.name.clone(), needs: "held facets" });
+            }
+            (load, _) => load.summary().components,
         };
         finite(&place, "a value", &values)?;
-        if let Load::Cavity { gas: Some(value), .. } = boundary.load
-            && value <= 1.0
-        {
-            return Err(out_of_range(&place, "the ratio of the specific heats", value, "above 1"));
-        }
         schedule(&place, &boundary.schedule)?;
     }
     Ok(())

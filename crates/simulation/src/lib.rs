@@ -86,7 +86,7 @@
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
-//! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions` |
+//! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions`; loads of boundaries in `src/model/load.rs` |
 //! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
 //! | outer facets and faces of cracks | `src/faces.rs` |
 //! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
@@ -196,7 +196,7 @@ pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,
-    Material, Model, Plane, STORED, Schedule, Strength, Target, TimeOptions,
+    LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target, TimeOptions,
 };
 pub use probe::{MaterialPoint, Probe};
 pub use ranks::distributed::{Distributed, Traffic};

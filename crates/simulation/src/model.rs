@@ -1,10 +1,14 @@
 //! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read
 //! elsewhere.
 
+mod load;
+
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 use crate::laws::{AnyLaw, MaterialLaw};
+pub(crate) use crate::model::load::Stored;
+pub use crate::model::load::{Load, LoadEffect, LoadSummary, STORED};
 pub use crate::moduli::Plane;
 use crate::simplex::Simplex;
 pub use crate::strength::Strength;
@@ -262,51 +266,6 @@ impl<const D: usize> Target<D> {
             Self::Facets(facets) | Self::Held(facets, _) => facets,
         }
     }
-}
-
-/// Action of a [`Boundary`]. Components that are `None` are free.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize, [Option<f64>; D]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>"
-))]
-pub enum Load<const D: usize = 2> {
-    /// Prescribes the velocity of nodes, m/s. Zero holds them.
-    Velocity([Option<f64>; D]),
-    /// Prescribes the displacement of nodes, m.
-    Displacement([Option<f64>; D]),
-    /// A total force, N, shared equally by the nodes.
-    Force([f64; D]),
-    /// A traction on facets, Pa, in a fixed direction, per measure of the undeformed facet.
-    Traction([f64; D]),
-    /// A pressure on facets, Pa, against the outward normal of the deformed facet.
-    Pressure(f64),
-    /// A pressure, Pa, on facets and on the faces of all broken joints that are connected with them, against
-    /// their outward normals. Facets between elements stand for open joints with which the cavity begins.
-    /// `gas`: ratio of the specific heats of a gas, above 1, which has this pressure at the beginning and
-    /// then follows its volume instead of the schedule.
-    Cavity {
-        /// Pressure, Pa.
-        pressure: f64,
-        /// Ratio of the specific heats; `None` for a pressure that follows the schedule.
-        gas: Option<f64>,
-    },
-    /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the
-    /// static force of the beginning, and springs as stiff as the ground beyond.
-    Absorbing,
-    /// Forces that are given node by node: [`Target::Held`]. They replace the support of an excavated part or
-    /// of a boundary that has ended.
-    Held,
-}
-
-/// Key and name of each term of the energy balance in which loads store energy of their own. A run that has
-/// no such load has no such term.
-pub const STORED: [(&str, &str); 1] = [("gas", "gas")];
-
-/// A place in [`STORED`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stored {
-    Gas,
 }
 
 /// The factor of a [`Load`] in time.

@@ -2,7 +2,7 @@
 
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
-use fdem_simulation::{Load, Material, Model};
+use fdem_simulation::{LoadEffect, LoadSummary, Material, Model};
 
 use crate::text::document::{Document, Table};
 use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
@@ -121,24 +121,25 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
     } else {
         (width * width, "width of the model squared")
     };
-    let length = |vector: &[f64; D]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = |vector: &[f64]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     for boundary in &model.boundaries {
         let title = format!("[[boundary]] \"{}\"", boundary.name);
-        let (what, stress) = match &boundary.load {
-            Load::Force(force) => ("force", length(force) / section),
-            Load::Traction(traction) => ("traction", length(traction)),
-            Load::Pressure(pressure) | Load::Cavity { pressure, .. } => ("pressure", pressure.abs()),
-            Load::Velocity(velocity) => {
-                let speed = length(&velocity.map(|component| component.unwrap_or(0.0)));
-                warnings.extend(too_fast(&title, speed, wave));
+        let LoadSummary { key, effect, components, .. } = boundary.load.summary();
+        let size = length(&components);
+        let stress = match effect {
+            LoadEffect::Force => size / section,
+            LoadEffect::Stress => size,
+            LoadEffect::Velocity => {
+                warnings.extend(too_fast(&title, size, wave));
                 continue;
             }
-            Load::Displacement(_) | Load::Absorbing | Load::Held => continue,
+            LoadEffect::Displacement | LoadEffect::Support => continue,
         };
         if stress > stiffest {
-            let over = if what == "force" { format!(" over the {product}") } else { String::new() };
+            let over =
+                if effect == LoadEffect::Force { format!(" over the {product}") } else { String::new() };
             warnings.push(format!(
-                "{title}: its {what}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
+                "{title}: its {key}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
                 brief(stress),
                 brief(stiffest)
             ));
@@ -152,7 +153,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             brief(stiffest)
         ));
     }
-    let fastest = model.velocities.iter().map(length).fold(0.0, f64::max);
+    let fastest = model.velocities.iter().map(|velocity| length(velocity)).fold(0.0, f64::max);
     warnings.extend(too_fast("at the start, a body", fastest, wave));
 }
 

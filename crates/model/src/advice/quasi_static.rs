@@ -3,7 +3,7 @@
 
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
-use fdem_simulation::{Boundary, Load, Material, Model, Schedule};
+use fdem_simulation::{Boundary, Load, LoadEffect, LoadSummary, Material, Model, Schedule};
 
 use crate::text::file::{ModelFile, Stage};
 
@@ -41,14 +41,7 @@ fn is_without_waves<const D: usize, const N: usize>(model: &Model<D, N>) -> bool
 
 /// Whether a boundary moves or loads anything.
 fn acts<const D: usize>(boundary: &Boundary<D>) -> bool {
-    match boundary.load {
-        Load::Velocity(components) | Load::Displacement(components) => {
-            components.iter().flatten().any(|component| *component != 0.0)
-        }
-        Load::Force(components) | Load::Traction(components) => components != [0.0; D],
-        Load::Pressure(pressure) | Load::Cavity { pressure, .. } => pressure != 0.0,
-        Load::Absorbing | Load::Held => false,
-    }
+    boundary.load.summary().components.iter().any(|component| *component != 0.0)
 }
 
 /// Whether a boundary moves or loads anything, and does not become less with time, as a pulse does.
@@ -139,15 +132,12 @@ fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
 /// Advice on a load that comes within a few passages of a wave. Motions without a ramp are reported
 /// elsewhere.
 fn sudden<const D: usize>(boundary: &Boundary<D>, passage: f64, damping: &str) -> Option<String> {
-    let what = match boundary.load {
-        Load::Displacement(_) => "displacement",
-        Load::Force(_) => "force",
-        Load::Traction(_) => "traction",
-        Load::Pressure(_) | Load::Cavity { .. } => "pressure",
-        Load::Velocity(_) | Load::Absorbing | Load::Held => return None,
-    };
+    let LoadSummary { key: what, effect, .. } = boundary.load.summary();
+    if matches!(effect, LoadEffect::Velocity | LoadEffect::Support) {
+        return None;
+    }
     let within = duration(&boundary.schedule)?;
-    if within >= SUDDEN * passage || (within == 0.0 && what == "displacement") {
+    if within >= SUDDEN * passage || (within == 0.0 && effect == LoadEffect::Displacement) {
         return None;
     }
     let when = if within == 0.0 {

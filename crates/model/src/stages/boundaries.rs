@@ -141,9 +141,7 @@ where
             );
             continue;
         }
-        let on_facets =
-            matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Cavity { .. } | Load::Absorbing);
-        let (target, count, what) = if on_facets {
+        let (target, count, what) = if load.summary().on_facets {
             let mut facets = place.facets();
             if let Some(point) = &boundary.at {
                 facets = cavities::at(point.components(), &facets, mesh, file, placed);

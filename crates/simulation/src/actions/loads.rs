@@ -51,7 +51,9 @@ where
             }
             (Load::Absorbing, Target::Facets(facets)) | (Load::Held, Target::Held(facets, _))
                 if !facets.is_empty() => {}
-            (load, Target::Facets(facets)) if !facets.is_empty() => {
+            (load @ (Load::Traction(_) | Load::Pressure(_)), Target::Facets(facets))
+                if !facets.is_empty() =>
+            {
                 let sides = facets.iter().map(|&facet| outer_side(model, topology, facet, &boundary.name));
                 self.sides.push((number, load, sides.collect::<Result<_, _>>()?));
             }
@@ -79,12 +81,7 @@ where
                         let now = side.corners.map(|corner| solid.position_at(corner));
                         <[[f64; D]; N]>::facet_normal(&now).map(|n| -(pressure * factor * part * n))
                     }
-                    Load::Velocity(_)
-                    | Load::Displacement(_)
-                    | Load::Force(_)
-                    | Load::Cavity { .. }
-                    | Load::Absorbing
-                    | Load::Held => [0.0; D],
+                    _ => [0.0; D],
                 };
                 for corner in side.corners {
                     applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; D] });

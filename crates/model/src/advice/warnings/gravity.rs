@@ -3,7 +3,7 @@
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
-use fdem_simulation::{Load, Model, Schedule};
+use fdem_simulation::{Load, LoadEffect, Model, Schedule};
 
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::PreparedBody;
@@ -64,8 +64,7 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
             Load::Velocity(components) | Load::Displacement(components) => {
                 (0..D).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
             }
-            Load::Absorbing | Load::Held => true,
-            Load::Force(_) | Load::Traction(_) | Load::Pressure(_) | Load::Cavity { .. } => false,
+            _ => boundary.load.summary().effect == LoadEffect::Support,
         };
         if holds {
             for node in boundary.target.nodes() {
