@@ -2,7 +2,7 @@
 
 use fdem_simulation::Schedule;
 
-use crate::joints::polylines::rows;
+use crate::joints::shape_file::rows;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{self, ModelFile};
