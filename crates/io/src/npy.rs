@@ -10,7 +10,7 @@ use crate::npy_header::{Dtype, Header, Scalar};
 use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size, whole};
-use crate::table::Table;
+use crate::table::UnassignedColumns;
 
 /// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
@@ -35,7 +35,7 @@ fn read_rows(
     options: &ReadOptions,
     progress: &AtomicU64,
 ) -> Result<Packing, ReadError> {
-    let array = Array::new(header, data)?;
+    let array = NpyArray::new(header, data)?;
     let (roles, unit) = array.roles(options)?;
     let chosen = array.chosen(&roles, header)?;
     array.check_size(header)?;
@@ -117,7 +117,7 @@ impl NpyRows {
             return Ok(None);
         }
         let header = Header::parse(start).map_err(|problem| ReadError::NpyHeader { problem })?;
-        let Array { rows, stride, columns, .. } = Array::new(&header, &[])?;
+        let NpyArray { rows, stride, columns, .. } = NpyArray::new(&header, &[])?;
         if header.fortran_order && columns.len() > 1 && rows > 1 {
             return Ok(None);
         }
@@ -174,7 +174,7 @@ impl NpyRows {
 
 /// The data of an array as a table.
 #[derive(Debug)]
-struct Array<'a> {
+struct NpyArray<'a> {
     data: &'a [u8],
     rows: usize,
     /// Number of bytes from one row to the next.
@@ -199,7 +199,7 @@ struct ArrayColumn {
 /// A column that is read, with its role.
 type Chosen<'a> = (&'a ArrayColumn, Role);
 
-impl<'a> Array<'a> {
+impl<'a> NpyArray<'a> {
     fn new(header: &Header, data: &'a [u8]) -> Result<Self, ReadError> {
         const MOST: u64 = MOST_COLUMNS as u64;
         let wrong_shape = || ReadError::NpyShape { shape: header.shown_shape(), dtype: header.descr.clone() };
@@ -244,7 +244,7 @@ impl<'a> Array<'a> {
     fn roles(&self, options: &ReadOptions) -> Result<(Vec<Option<Role>>, Option<String>), ReadError> {
         let names: Vec<Name> = self.columns.iter().map(|column| column.name.clone()).collect();
         let row = format!("array of shape {}", self.shape);
-        let table = Table { names: &names, header: self.named, line: None, row: &row };
+        let table = UnassignedColumns { names: &names, header: self.named, line: None, row: &row };
         let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
         Ok((roles, unit))

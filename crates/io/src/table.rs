@@ -6,7 +6,7 @@ use crate::excerpt;
 use crate::options::ReadOptions;
 
 /// The columns of one file before roles are assigned.
-pub(crate) struct Table<'a> {
+pub(crate) struct UnassignedColumns<'a> {
     /// The names in the header, or the numbers of the columns counted from 1.
     pub(crate) names: &'a [Name],
     /// Whether `names` come from a header.
@@ -17,7 +17,7 @@ pub(crate) struct Table<'a> {
     pub(crate) row: &'a str,
 }
 
-impl Table<'_> {
+impl UnassignedColumns<'_> {
     /// Assigns a role to every column, by the user's choice, by name or by number, in this order.
     pub(crate) fn roles(&self, columns: Option<&Columns>) -> Result<Vec<Option<Role>>, ReadError> {
         match columns {
@@ -41,7 +41,7 @@ impl Table<'_> {
         let mut roles = match body {
             Some(place) if columns.is_none() && !self.header => {
                 let others: Vec<Name> = [&self.names[..place], &self.names[place + 1..]].concat();
-                let mut roles = Table { names: &others, ..*self }.roles_by_number()?;
+                let mut roles = UnassignedColumns { names: &others, ..*self }.roles_by_number()?;
                 roles.insert(place, None);
                 roles
             }
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_number_is_a_column_unless_a_column_has_that_name() {
         let names = [Name::new("2"), Name::new("PosX[m]"), Name::new("PosX[mm]"), Name::new("b")];
-        let table = Table { names: &names, header: true, line: Some(1), row: "" };
+        let table = UnassignedColumns { names: &names, header: true, line: Some(1), row: "" };
         assert_eq!(table.place_of("2"), Ok(0));
         assert_eq!(table.place_of("3"), Ok(2));
         assert_eq!(table.place_of("PosX[mm]"), Ok(2));

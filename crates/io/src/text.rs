@@ -11,7 +11,7 @@ use crate::lines::Lines;
 use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, Source};
 use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
-use crate::table::Table;
+use crate::table::UnassignedColumns;
 
 /// Number of lines between two reports of progress: some microseconds of work.
 const LINES_PER_REPORT: u64 = 1024;
@@ -212,7 +212,7 @@ impl Opening {
             (numbered(fields.len()), false, number)
         };
 
-        let table = Table { names: &names, header, line: Some(line), row: &excerpt::line(shown) };
+        let table = UnassignedColumns { names: &names, header, line: Some(line), row: &excerpt::line(shown) };
         let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
         let label = |(name, role): (&Name, &Option<Role>)| match role {
@@ -285,7 +285,7 @@ fn is_header(fields: &[&[u8]], delimiter: Delimiter, choice: Option<&Columns>) -
 fn fits(names: &[Name], choice: Option<&Columns>) -> bool {
     match choice {
         Some(columns) if !columns.by_number() => {
-            Table { names, header: true, line: None, row: "" }.roles(choice).is_ok()
+            UnassignedColumns { names, header: true, line: None, row: "" }.roles(choice).is_ok()
         }
         _ => {
             [Role::X, Role::Y].iter().all(|role| names.iter().any(|name| name.role().as_ref() == Some(role)))

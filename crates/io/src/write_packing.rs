@@ -80,14 +80,15 @@ pub fn write_packing_npy<W: Write>(out: &mut W, centres: &Centres, radii: Option
 }
 
 /// The values of one element: its centre, followed by its radius if there is one.
-type Values<'a> = std::iter::Chain<std::iter::Copied<std::slice::Iter<'a, f64>>, std::option::IntoIter<f64>>;
+type PackingValues<'a> =
+    std::iter::Chain<std::iter::Copied<std::slice::Iter<'a, f64>>, std::option::IntoIter<f64>>;
 
 fn write_rows<W: Write>(
     out: &mut W,
     head: Vec<u8>,
     centres: &Centres,
     radii: Option<&[f64]>,
-    mut write: impl FnMut(&mut Vec<u8>, Values<'_>),
+    mut write: impl FnMut(&mut Vec<u8>, PackingValues<'_>),
 ) -> io::Result<()> {
     if let Some(radii) = radii.filter(|radii| radii.len() != centres.len()) {
         let problem = format!("expected as many radii as centres, {}, found {}", centres.len(), radii.len());

@@ -6,7 +6,7 @@ use fdem::analysis::{Analysis, Options, RadialOptions, analyse as analysed};
 use fdem::command::network_file;
 use fdem::network::{Couples, Network, Sizes, Space};
 use fdem::picture::{self, Caption};
-use fdem::report::{Report, html};
+use fdem::report::{NetworkReport, html};
 use fdem_contact::{Couple, PeriodicCouple};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -168,7 +168,7 @@ pub(crate) fn draw<'py>(
                 ("plots", "svg") => picture::plots_svg(network, &caption).map(String::into_bytes),
                 ("plots", "png") => picture::plots_png(network, &caption, width),
                 ("report", "html") => {
-                    let report = Report { network: *network, caption, ids: None, facts: &[] };
+                    let report = NetworkReport { network: *network, caption, ids: None, facts: &[] };
                     html(&report).map(String::into_bytes)
                 }
                 _ => return Err(Problem::Arguments(format!("there is no {what} in the form {form}"))),

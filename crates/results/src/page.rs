@@ -22,12 +22,12 @@ pub const STYLE: &str = include_str!("page/style.css");
 pub(crate) const SHARED: &str = include_str!("page/shared.js");
 
 /// The common parts of all pages with a script: head, heading, footer. The places for the parts of a kind of
-/// page are filled by [`Parts::page`].
+/// page are filled by [`PageParts::page`].
 const SHELL: &str = include_str!("page/shell.html");
 
 /// The parts in which kinds of pages differ. All but the style and the script are templates, in which
 /// `{{names}}` are replaced.
-pub(crate) struct Parts<'a> {
+pub(crate) struct PageParts<'a> {
     /// Suffix of the title after the title of the page.
     pub(crate) kind: &'a str,
     /// The command that makes such pages.
@@ -41,7 +41,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) scripts: &'a [&'a str],
 }
 
-impl Parts<'_> {
+impl PageParts<'_> {
     /// Returns a page. `value` returns the texts of places but those of the policy, the style, the script and
     /// the version.
     pub(crate) fn page<E>(&self, value: impl Fn(&str) -> Result<String, E>) -> Result<String, E> {

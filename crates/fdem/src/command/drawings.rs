@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fdem_results::network::Network;
-use fdem_results::page::network::{self as report, BodiesReport, Report};
+use fdem_results::page::network::{self as report, BodiesReport, NetworkReport};
 use fdem_results::picture::{self, Bodies, Caption, MeshDrawing, PictureError};
 
 use crate::command::args::{DrawingArguments, has_extension};
@@ -101,8 +101,9 @@ impl Drawings {
                 (0..network.space.centres.len()).map(|index| id(&input.packing, index)).collect();
             let summary = summary();
             let facts = facts(&summary);
-            let page = report::html(&Report { network: *network, caption, ids: Some(&ids), facts: &facts })
-                .map_err(wrong)?;
+            let page =
+                report::html(&NetworkReport { network: *network, caption, ids: Some(&ids), facts: &facts })
+                    .map_err(wrong)?;
             output.write(|out| out.write_all(page.as_bytes()))?;
         }
         Ok(())

@@ -25,7 +25,7 @@ const REFUSED: [&str; 11] = [
 ];
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    let mut reader = Reader::default();
+    let mut reader = AbaqusReader::default();
     let mut cursor = Cursor::new(bytes);
     let mut block = Block::Other;
     while let Some((place, line)) = cursor.line() {
@@ -113,7 +113,7 @@ struct Pending {
 
 /// Nodes and elements of a part, or those outside of parts.
 #[derive(Default)]
-struct Part {
+struct AbaqusPart {
     name: Option<String>,
     place: Option<Place>,
     numbers: Vec<i64>,
@@ -140,9 +140,9 @@ struct Instance {
 }
 
 #[derive(Default)]
-struct Reader {
+struct AbaqusReader {
     /// The first entry holds everything outside of parts.
-    parts: Vec<Part>,
+    parts: Vec<AbaqusPart>,
     /// Index of the open part.
     open: usize,
     instances: Vec<Instance>,
@@ -153,10 +153,10 @@ struct Reader {
     set_names: Vec<String>,
 }
 
-impl Reader {
-    fn part(&mut self) -> &mut Part {
+impl AbaqusReader {
+    fn part(&mut self) -> &mut AbaqusPart {
         if self.parts.is_empty() {
-            self.parts.push(Part::default());
+            self.parts.push(AbaqusPart::default());
         }
         &mut self.parts[self.open]
     }
@@ -215,7 +215,11 @@ impl Reader {
                     return fault(malformed("a part in a part, or two of one name"));
                 }
                 self.open = self.parts.len();
-                self.parts.push(Part { name: Some(named), place: Some(place), ..Part::default() });
+                self.parts.push(AbaqusPart {
+                    name: Some(named),
+                    place: Some(place),
+                    ..AbaqusPart::default()
+                });
                 Ok(Block::Other)
             }
             "END PART" => {
@@ -385,7 +389,7 @@ impl Reader {
     }
 
     /// The set of each element: the one named by `*ELEMENT` or, if no `*ELEMENT` names one, that of `*ELSET`.
-    fn body_of_elements(&self, part: &Part) -> Result<Vec<Option<u32>>, Fault> {
+    fn body_of_elements(&self, part: &AbaqusPart) -> Result<Vec<Option<u32>>, Fault> {
         if part.named.iter().any(Option::is_some) {
             return Ok(part.named.clone());
         }
@@ -423,7 +427,7 @@ impl Reader {
     }
 }
 
-impl Part {
+impl AbaqusPart {
     fn is(&self, name: &str) -> bool {
         self.name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(name))
     }
@@ -458,7 +462,7 @@ fn members(fields: &[&[u8]], generate: bool) -> Result<Vec<Member>, String> {
 
 /// Adds a translated part, with the body of each of its elements.
 fn place_part(
-    part: &Part,
+    part: &AbaqusPart,
     shift: [f64; 3],
     bodies: impl Iterator<Item = u32>,
     draft: &mut Draft,

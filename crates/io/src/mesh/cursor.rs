@@ -15,7 +15,7 @@ pub(crate) enum Endian {
 
 /// Kind of a binary or textual number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scalar {
+pub(crate) enum NumberKind {
     I8,
     U8,
     I16,
@@ -28,7 +28,7 @@ pub(crate) enum Scalar {
     F64,
 }
 
-impl Scalar {
+impl NumberKind {
     pub(crate) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -201,7 +201,7 @@ impl<'a> Cursor<'a> {
         Ok(&rest[..count])
     }
 
-    pub(crate) fn integer(&mut self, kind: Scalar, endian: Endian, what: &str) -> Result<i64, Fault> {
+    pub(crate) fn integer(&mut self, kind: NumberKind, endian: Endian, what: &str) -> Result<i64, Fault> {
         let bytes = self.take(kind.size(), what)?;
         match kind.integer(bytes, endian) {
             Some(value) => Ok(value),
@@ -209,7 +209,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    pub(crate) fn float(&mut self, kind: Scalar, endian: Endian, what: &str) -> Result<f64, Fault> {
+    pub(crate) fn float(&mut self, kind: NumberKind, endian: Endian, what: &str) -> Result<f64, Fault> {
         Ok(kind.float(self.take(kind.size(), what)?, endian))
     }
 }
@@ -261,19 +261,19 @@ mod tests {
     #[test]
     fn binary_numbers_in_both_orders() {
         for (kind, bytes, expected) in [
-            (Scalar::I8, &[0xff][..], -1),
-            (Scalar::U8, &[0xff], 255),
-            (Scalar::I16, &[0xfe, 0xff], -2),
-            (Scalar::U32, &[1, 0, 0, 0x80], 0x8000_0001),
-            (Scalar::I64, &[0xff; 8], -1),
+            (NumberKind::I8, &[0xff][..], -1),
+            (NumberKind::U8, &[0xff], 255),
+            (NumberKind::I16, &[0xfe, 0xff], -2),
+            (NumberKind::U32, &[1, 0, 0, 0x80], 0x8000_0001),
+            (NumberKind::I64, &[0xff; 8], -1),
         ] {
             let reversed: Vec<u8> = bytes.iter().rev().copied().collect();
             assert_eq!(kind.integer(bytes, Endian::Little), Some(expected));
             assert_eq!(kind.integer(&reversed, Endian::Big), Some(expected));
         }
-        assert_eq!(Scalar::U64.integer(&[0xff; 8], Endian::Little), None);
-        assert_eq!(Scalar::F32.float(&0.1_f32.to_be_bytes(), Endian::Big), f64::from(0.1_f32));
-        assert_eq!(Scalar::F64.float(&0.1_f64.to_le_bytes(), Endian::Little), 0.1);
+        assert_eq!(NumberKind::U64.integer(&[0xff; 8], Endian::Little), None);
+        assert_eq!(NumberKind::F32.float(&0.1_f32.to_be_bytes(), Endian::Big), f64::from(0.1_f32));
+        assert_eq!(NumberKind::F64.float(&0.1_f64.to_le_bytes(), Endian::Little), 0.1);
     }
 
     #[test]

@@ -6,12 +6,12 @@ use memchr::memmem;
 
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape, refused};
-use crate::mesh::cursor::{Cursor, Endian, Scalar, integer, name, words};
+use crate::mesh::cursor::{Cursor, Endian, NumberKind, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
 use crate::mesh::file::{BodiesFrom, MeshBody};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    let mut reader = Reader::new(bytes);
+    let mut reader = GmshReader::new(bytes);
     while reader.cursor.peek().is_some() {
         reader.section()?;
     }
@@ -32,9 +32,9 @@ enum Version {
 
 /// How numbers are stored.
 #[derive(Debug, Clone, Copy)]
-enum Encoding {
+enum GmshEncoding {
     Ascii,
-    Binary { endian: Endian, size: Scalar },
+    Binary { endian: Endian, size: NumberKind },
 }
 
 /// Dimension and tag of an entity or a physical group.
@@ -42,31 +42,31 @@ type Tag = (i64, i64);
 
 /// The possible bodies of an element; `physical` is 0 without a group.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct GmshPart {
     dimension: i64,
     physical: i64,
     entity: i64,
 }
 
-struct Reader<'a> {
+struct GmshReader<'a> {
     cursor: Cursor<'a>,
     version: Option<Version>,
-    encoding: Encoding,
+    encoding: GmshEncoding,
     names: BTreeMap<Tag, String>,
     /// Physical groups of the entities, version 4.1.
     groups: BTreeMap<Tag, Vec<i64>>,
     draft: Draft,
     /// Numbers of the nodes; `None` until they have been read.
     nodes: Option<Vec<i64>>,
-    parts: Vec<Part>,
+    parts: Vec<GmshPart>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> GmshReader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         Self {
             cursor: Cursor::new(bytes),
             version: None,
-            encoding: Encoding::Ascii,
+            encoding: GmshEncoding::Ascii,
             names: BTreeMap::new(),
             groups: BTreeMap::new(),
             draft: Draft::new(Numbering::Own(Vec::new())),
@@ -138,8 +138,8 @@ impl<'a> Reader<'a> {
         };
         let binary = self.cursor.word_integer("0 for ASCII or 1 for binary")?;
         let size = match self.cursor.word_integer("data size")? {
-            4 if self.version == Some(Version::Four) => Scalar::U32,
-            8 => Scalar::U64,
+            4 if self.version == Some(Version::Four) => NumberKind::U32,
+            8 => NumberKind::U64,
             other => return self.cursor.fault(unsupported(format!("data size {other}"), "8 is read")),
         };
         match binary {
@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
                     [0, 0, 0, 1] => Endian::Big,
                     _ => return self.cursor.bad("expected the binary number 1"),
                 };
-                self.encoding = Encoding::Binary { endian, size };
+                self.encoding = GmshEncoding::Binary { endian, size };
             }
             other => return self.cursor.bad(format!("expected 0 for ASCII or 1 for binary, found {other}")),
         }
@@ -181,30 +181,30 @@ impl<'a> Reader<'a> {
     /// A 32-bit number.
     fn int(&mut self, what: &str) -> Result<i64, Fault> {
         match self.encoding {
-            Encoding::Ascii => self.cursor.word_integer(what),
-            Encoding::Binary { endian, .. } => self.cursor.integer(Scalar::I32, endian, what),
+            GmshEncoding::Ascii => self.cursor.word_integer(what),
+            GmshEncoding::Binary { endian, .. } => self.cursor.integer(NumberKind::I32, endian, what),
         }
     }
 
     /// A number with the width of an address, version 4.1.
     fn wide(&mut self, what: &str) -> Result<i64, Fault> {
         match self.encoding {
-            Encoding::Ascii => self.cursor.word_integer(what),
-            Encoding::Binary { endian, size } => self.cursor.integer(size, endian, what),
+            GmshEncoding::Ascii => self.cursor.word_integer(what),
+            GmshEncoding::Binary { endian, size } => self.cursor.integer(size, endian, what),
         }
     }
 
     fn real(&mut self, what: &str) -> Result<f64, Fault> {
         match self.encoding {
-            Encoding::Ascii => self.cursor.word_float(what),
-            Encoding::Binary { endian, .. } => self.cursor.float(Scalar::F64, endian, what),
+            GmshEncoding::Ascii => self.cursor.word_float(what),
+            GmshEncoding::Binary { endian, .. } => self.cursor.float(NumberKind::F64, endian, what),
         }
     }
 
     /// A number of items of at least `binary` bytes each, or of two characters each.
     fn count(&mut self, binary: usize, what: &str) -> Result<usize, Fault> {
         let count = self.wide(what)?;
-        let size = if matches!(self.encoding, Encoding::Ascii) { 2 } else { binary };
+        let size = if matches!(self.encoding, GmshEncoding::Ascii) { 2 } else { binary };
         self.cursor.checked_count(count, size, what)
     }
 
@@ -213,7 +213,7 @@ impl<'a> Reader<'a> {
         let mut place = self.cursor.place();
         for (value, what) in point.iter_mut().zip(["x of a node", "y of a node", "z of a node"]) {
             *value = self.real(what)?;
-            if matches!(self.encoding, Encoding::Ascii) {
+            if matches!(self.encoding, GmshEncoding::Ascii) {
                 place = self.cursor.place();
             }
         }
@@ -312,7 +312,7 @@ impl<'a> Reader<'a> {
         self.cursor.line();
         let mut read = 0;
         while read < total {
-            let binary = !matches!(self.encoding, Encoding::Ascii);
+            let binary = !matches!(self.encoding, GmshEncoding::Ascii);
             // Binary files have one header per block, text files one per element.
             let mut number = if binary { 0 } else { self.int("number of an element")? };
             let kind = self.int("type of an element")?;
@@ -331,7 +331,7 @@ impl<'a> Reader<'a> {
                     number = self.int("number of an element")?;
                 }
                 let (shape, dimension) = self.shape(kind, number)?;
-                let mut part = Part { dimension, physical: 0, entity: 0 };
+                let mut part = GmshPart { dimension, physical: 0, entity: 0 };
                 for place in 0..tags {
                     let tag = self.int("tag of an element")?;
                     match place {
@@ -371,7 +371,7 @@ impl<'a> Reader<'a> {
             for _ in 0..count {
                 let number = self.wide("number of an element")?;
                 let (shape, _) = self.shape(kind, number)?;
-                self.element(number, shape, Part { dimension, physical, entity }, Self::wide)?;
+                self.element(number, shape, GmshPart { dimension, physical, entity }, Self::wide)?;
             }
         }
         let read = self.draft.elements.len() - before;
@@ -385,7 +385,7 @@ impl<'a> Reader<'a> {
         &mut self,
         number: i64,
         shape: Shape,
-        part: Part,
+        part: GmshPart,
         node: impl Fn(&mut Self, &str) -> Result<i64, Fault>,
     ) -> Result<(), Fault> {
         let Ok(number) = u64::try_from(number) else {
@@ -432,7 +432,7 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Result<Draft, Fault> {
         let grouped = self.parts.iter().any(|part| part.physical != 0);
         let tagged = self.parts.iter().any(|part| part.entity != 0);
-        let body = |part: &Part| if grouped { part.physical } else { part.entity };
+        let body = |part: &GmshPart| if grouped { part.physical } else { part.entity };
         if grouped {
             self.check_groups()?;
         }

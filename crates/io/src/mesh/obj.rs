@@ -28,7 +28,7 @@ const IGNORED: [&[u8]; 14] = [
 ];
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    let mut reader = Reader {
+    let mut reader = ObjReader {
         draft: Draft::new(Numbering::From(1)),
         objects: Names::default(),
         groups: Names::default(),
@@ -83,7 +83,7 @@ impl Names {
     }
 }
 
-struct Reader {
+struct ObjReader {
     draft: Draft,
     objects: Names,
     groups: Names,
@@ -91,7 +91,7 @@ struct Reader {
     parts: Vec<(u32, u32)>,
 }
 
-impl Reader {
+impl ObjReader {
     fn statement(&mut self, line: &[u8], place: Place) -> Result<(), MeshProblem> {
         let mut fields = words(line);
         let Some(keyword) = fields.next() else { return Ok(()) };

@@ -2,20 +2,20 @@
 
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering, Raw, Shape};
-use crate::mesh::cursor::{Cursor, Endian, Scalar, float, integer, words};
+use crate::mesh::cursor::{Cursor, Endian, NumberKind, float, integer, words};
 use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::place::Place;
 
 /// How the values of an element are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
+enum PlyEncoding {
     Ascii,
     Binary(Endian),
 }
 
 /// An element of the header: a table in the data.
 #[derive(Debug)]
-struct Table {
+struct PlyElement {
     name: String,
     rows: i64,
     properties: Vec<Property>,
@@ -26,11 +26,11 @@ struct Table {
 struct Property {
     name: String,
     /// Type of the length if the property is a list.
-    length: Option<Scalar>,
-    scalar: Scalar,
+    length: Option<NumberKind>,
+    scalar: NumberKind,
 }
 
-impl Table {
+impl PlyElement {
     fn property(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
@@ -57,8 +57,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     Ok(draft)
 }
 
-fn header(cursor: &mut Cursor<'_>) -> Result<(Encoding, Vec<Table>), Fault> {
-    let (mut encoding, mut tables): (_, Vec<Table>) = (None, Vec::new());
+fn header(cursor: &mut Cursor<'_>) -> Result<(PlyEncoding, Vec<PlyElement>), Fault> {
+    let (mut encoding, mut tables): (_, Vec<PlyElement>) = (None, Vec::new());
     if cursor.line().is_none_or(|(_, line)| line != b"ply") {
         return Err((Place::Line(1), malformed("expected 'ply'")));
     }
@@ -69,15 +69,15 @@ fn header(cursor: &mut Cursor<'_>) -> Result<(Encoding, Vec<Table>), Fault> {
             [b"comment" | b"obj_info", ..] | [] => {}
             [b"format", kind, b"1.0"] => {
                 encoding = Some(match kind {
-                    b"ascii" => Encoding::Ascii,
-                    b"binary_little_endian" => Encoding::Binary(Endian::Little),
-                    b"binary_big_endian" => Encoding::Binary(Endian::Big),
+                    b"ascii" => PlyEncoding::Ascii,
+                    b"binary_little_endian" => PlyEncoding::Binary(Endian::Little),
+                    b"binary_big_endian" => PlyEncoding::Binary(Endian::Big),
                     _ => return bad("expected ascii, binary_little_endian or binary_big_endian"),
                 });
             }
             [b"element", name, rows] => {
                 let rows = integer(rows).map_err(|problem| (place, malformed(problem)))?;
-                tables.push(Table { name: excerpt::field(name), rows, properties: Vec::new(), place });
+                tables.push(PlyElement { name: excerpt::field(name), rows, properties: Vec::new(), place });
             }
             [b"property", ref property @ ..] => {
                 let Some(table) = tables.last_mut() else { return bad("a property before any element") };
@@ -102,18 +102,18 @@ fn header(cursor: &mut Cursor<'_>) -> Result<(Encoding, Vec<Table>), Fault> {
     cursor.cut_off("'end_header'")
 }
 
-fn scalar(name: &[u8]) -> Option<Scalar> {
+fn scalar(name: &[u8]) -> Option<NumberKind> {
     Some(match name {
-        b"char" | b"int8" => Scalar::I8,
-        b"uchar" | b"uint8" => Scalar::U8,
-        b"short" | b"int16" => Scalar::I16,
-        b"ushort" | b"uint16" => Scalar::U16,
-        b"int" | b"int32" => Scalar::I32,
-        b"uint" | b"uint32" => Scalar::U32,
-        b"int64" | b"long" => Scalar::I64,
-        b"uint64" | b"ulong" => Scalar::U64,
-        b"float" | b"float32" => Scalar::F32,
-        b"double" | b"float64" => Scalar::F64,
+        b"char" | b"int8" => NumberKind::I8,
+        b"uchar" | b"uint8" => NumberKind::U8,
+        b"short" | b"int16" => NumberKind::I16,
+        b"ushort" | b"uint16" => NumberKind::U16,
+        b"int" | b"int32" => NumberKind::I32,
+        b"uint" | b"uint32" => NumberKind::U32,
+        b"int64" | b"long" => NumberKind::I64,
+        b"uint64" | b"ulong" => NumberKind::U64,
+        b"float" | b"float32" => NumberKind::F32,
+        b"double" | b"float64" => NumberKind::F64,
         _ => return None,
     })
 }
@@ -137,8 +137,8 @@ impl Value {
 /// Calls `with` for each row with its number, its place, and the values of each property.
 fn each_row(
     cursor: &mut Cursor<'_>,
-    encoding: Encoding,
-    table: &Table,
+    encoding: PlyEncoding,
+    table: &PlyElement,
     mut with: impl FnMut(u64, Place, &[Vec<Value>]) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     if table.properties.is_empty() && table.rows != 0 {
@@ -149,8 +149,8 @@ fn each_row(
     for row in 0..rows as u64 {
         let label = format_args!("{} {row}", table.name).to_string();
         let place = match encoding {
-            Encoding::Ascii => ascii_row(cursor, table, &label, &mut values)?,
-            Encoding::Binary(endian) => {
+            PlyEncoding::Ascii => ascii_row(cursor, table, &label, &mut values)?,
+            PlyEncoding::Binary(endian) => {
                 let place = cursor.place();
                 for (property, values) in table.properties.iter().zip(&mut values) {
                     binary_values(cursor, endian, property, &label, values)?;
@@ -165,7 +165,7 @@ fn each_row(
 
 fn ascii_row(
     cursor: &mut Cursor<'_>,
-    table: &Table,
+    table: &PlyElement,
     label: &str,
     values: &mut [Vec<Value>],
 ) -> Result<Place, Fault> {
@@ -219,8 +219,8 @@ fn binary_values(
 
 fn vertices(
     cursor: &mut Cursor<'_>,
-    encoding: Encoding,
-    table: &Table,
+    encoding: PlyEncoding,
+    table: &PlyElement,
     draft: &mut Draft,
 ) -> Result<(), Fault> {
     let axes = ["x", "y", "z"].map(|name| table.property(&[name]));
@@ -239,8 +239,8 @@ fn vertices(
 
 fn elements(
     cursor: &mut Cursor<'_>,
-    encoding: Encoding,
-    table: &Table,
+    encoding: PlyEncoding,
+    table: &PlyElement,
     draft: &mut Draft,
 ) -> Result<(), Fault> {
     let bad = |problem: &str| Err((table.place, malformed(problem)));

@@ -1,7 +1,7 @@
 //! STL: solids of facets; equal corners are merged.
 
 use crate::mesh::build::{Draft, Numbering, Raw, Shape, check_finite};
-use crate::mesh::cursor::{Cursor, Endian, Scalar, float, name, words};
+use crate::mesh::cursor::{Cursor, Endian, NumberKind, float, name, words};
 use crate::mesh::error::{Fault, malformed};
 use crate::mesh::file::{BodiesFrom, MeshBody};
 use crate::place::Place;
@@ -51,7 +51,7 @@ fn binary(bytes: &[u8]) -> Result<Draft, Fault> {
     for number in 0..facets {
         let place = cursor.place();
         let facet = cursor.take(FACET, "a facet")?;
-        let value = |at: usize| Scalar::F32.float(&facet[4 * at..], Endian::Little);
+        let value = |at: usize| NumberKind::F32.float(&facet[4 * at..], Endian::Little);
         let corners = [3, 6, 9].map(|at| [value(at), value(at + 1), value(at + 2)]);
         list.push(Facet { corners, place, solid: 0, number });
     }

@@ -3,7 +3,7 @@
 use crate::column_values::ColumnValues;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering};
-use crate::mesh::cursor::{Cursor, Endian, Scalar, integer, name, words};
+use crate::mesh::cursor::{Cursor, Endian, NumberKind, integer, name, words};
 use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
@@ -12,18 +12,18 @@ use crate::mesh::vtk_points::{PointCloud, is_time};
 use crate::place::Place;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    Reader::new(bytes, Want::Mesh)?.read_all()?.finish()
+    VtkReader::new(bytes, Want::Mesh)?.read_all()?.finish()
 }
 
 /// Whether there are cells other than vertices.
 pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
-    let reader = Reader::new(bytes, Want::Cells)?.read_all()?;
+    let reader = VtkReader::new(bytes, Want::Cells)?.read_all()?;
     Ok(reader.sections.iter().any(|(list, _)| list.has_cells()))
 }
 
 /// The points with their data, regardless of cells.
 pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
-    Ok(Reader::new(bytes, Want::Points)?.read_all()?.cloud)
+    Ok(VtkReader::new(bytes, Want::Points)?.read_all()?.cloud)
 }
 
 /// The parts of a file that are read; everything else is skipped.
@@ -61,8 +61,8 @@ fn header(cursor: &mut Cursor<'_>) -> Result<(bool, bool), Fault> {
 
 /// Type of the values in an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Scalar(Scalar),
+enum VtkNumber {
+    Scalar(NumberKind),
     /// Eight values per byte.
     Bit,
 }
@@ -74,7 +74,7 @@ enum Of {
     Points,
 }
 
-struct Reader<'a> {
+struct VtkReader<'a> {
     want: Want,
     cloud: PointCloud,
     cursor: Cursor<'a>,
@@ -90,7 +90,7 @@ struct Reader<'a> {
     bodies: BodyData,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> VtkReader<'a> {
     fn new(bytes: &'a [u8], want: Want) -> Result<Self, Fault> {
         let mut cursor = Cursor::new(bytes);
         let (binary, offsets) = header(&mut cursor)?;
@@ -137,7 +137,7 @@ impl<'a> Reader<'a> {
                 let count = self.cursor.word_count("number of cell types")?;
                 self.cursor.line();
                 self.sections[0].0.types =
-                    self.integers(count, Kind::Scalar(Scalar::I32), "type of a cell")?;
+                    self.integers(count, VtkNumber::Scalar(NumberKind::I32), "type of a cell")?;
                 Ok(())
             }
             b"CELL_DATA" | b"POINT_DATA" => {
@@ -199,7 +199,7 @@ impl<'a> Reader<'a> {
     /// Cells up to version 4: each is preceded by the number of its nodes.
     fn with_counts(&mut self, cells: usize, size: usize) -> Result<CellList, Fault> {
         let mut list = CellList::default();
-        let int = Kind::Scalar(Scalar::I32);
+        let int = VtkNumber::Scalar(NumberKind::I32);
         let mut left = size as i64;
         for _ in 0..cells {
             let nodes = self.integer(int, "number of nodes of a cell")?;
@@ -280,13 +280,13 @@ impl<'a> Reader<'a> {
                 self.cursor.word("name of an array")?;
                 let components = self.cursor.word_integer("number of components")?;
                 self.cursor.line();
-                self.skip(components, self.rows as i64, Kind::Scalar(Scalar::U8))
+                self.skip(components, self.rows as i64, VtkNumber::Scalar(NumberKind::U8))
             }
             b"LOOKUP_TABLE" => {
                 self.cursor.word("name of a table")?;
                 let rows = self.cursor.word_integer("number of colours")?;
                 self.cursor.line();
-                self.skip(4, rows, Kind::Scalar(Scalar::U8))
+                self.skip(4, rows, VtkNumber::Scalar(NumberKind::U8))
             }
             b"FIELD" => {
                 self.cursor.word("name of a field")?;
@@ -317,7 +317,7 @@ impl<'a> Reader<'a> {
         self.skip(components, self.rows as i64, kind)
     }
 
-    fn array(&mut self, name: &str, kind: Kind, components: i64, rows: i64) -> Result<(), Fault> {
+    fn array(&mut self, name: &str, kind: VtkNumber, components: i64, rows: i64) -> Result<(), Fault> {
         if self.want == Want::Points && components == 1 && self.keeps(name, rows) {
             return self.point_array(name, kind, rows);
         }
@@ -328,7 +328,7 @@ impl<'a> Reader<'a> {
         let place = self.cursor.place();
         let rows = self.cursor.checked_count(rows, 1, "number of data")?;
         let values = match kind {
-            Kind::Scalar(scalar) if scalar.is_float() => {
+            VtkNumber::Scalar(scalar) if scalar.is_float() => {
                 let mut values = Vec::new();
                 for _ in 0..rows {
                     values.push(self.real(kind, "value of cell data")?);
@@ -350,13 +350,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn point_array(&mut self, name: &str, kind: Kind, rows: i64) -> Result<(), Fault> {
-        if kind == Kind::Bit && self.binary {
+    fn point_array(&mut self, name: &str, kind: VtkNumber, rows: i64) -> Result<(), Fault> {
+        if kind == VtkNumber::Bit && self.binary {
             return self.skip(1, rows, kind);
         }
         let place = self.cursor.place();
         let rows = self.cursor.checked_count(rows, 1, "number of data")?;
-        let is_real = matches!(kind, Kind::Scalar(scalar) if scalar.is_float());
+        let is_real = matches!(kind, VtkNumber::Scalar(scalar) if scalar.is_float());
         let values = if is_real || self.of.is_none() {
             let values: Result<Vec<f64>, Fault> =
                 (0..rows).map(|_| self.real(kind, "value of point data")).collect();
@@ -379,26 +379,26 @@ impl<'a> Reader<'a> {
     }
 
     /// The type of the following values; reads to the end of the line.
-    fn kind(&mut self) -> Result<Kind, Fault> {
+    fn kind(&mut self) -> Result<VtkNumber, Fault> {
         let word = self.cursor.word("type of values")?;
         let kind = self.kind_of(word)?;
         self.cursor.line();
         Ok(kind)
     }
 
-    fn kind_of(&self, word: &[u8]) -> Result<Kind, Fault> {
-        Ok(Kind::Scalar(match word.to_ascii_lowercase().as_slice() {
-            b"bit" => return Ok(Kind::Bit),
-            b"char" | b"signed_char" => Scalar::I8,
-            b"unsigned_char" => Scalar::U8,
-            b"short" => Scalar::I16,
-            b"unsigned_short" => Scalar::U16,
-            b"int" | b"vtkidtype" => Scalar::I32,
-            b"unsigned_int" => Scalar::U32,
-            b"long" | b"vtktypeint64" => Scalar::I64,
-            b"unsigned_long" | b"vtktypeuint64" => Scalar::U64,
-            b"float" => Scalar::F32,
-            b"double" => Scalar::F64,
+    fn kind_of(&self, word: &[u8]) -> Result<VtkNumber, Fault> {
+        Ok(VtkNumber::Scalar(match word.to_ascii_lowercase().as_slice() {
+            b"bit" => return Ok(VtkNumber::Bit),
+            b"char" | b"signed_char" => NumberKind::I8,
+            b"unsigned_char" => NumberKind::U8,
+            b"short" => NumberKind::I16,
+            b"unsigned_short" => NumberKind::U16,
+            b"int" | b"vtkidtype" => NumberKind::I32,
+            b"unsigned_int" => NumberKind::U32,
+            b"long" | b"vtktypeint64" => NumberKind::I64,
+            b"unsigned_long" | b"vtktypeuint64" => NumberKind::U64,
+            b"float" => NumberKind::F32,
+            b"double" => NumberKind::F64,
             _ => {
                 let what = format!("values of type '{}'", excerpt::field(word));
                 return self.cursor.fault(unsupported(what, "numbers are read"));
@@ -406,27 +406,27 @@ impl<'a> Reader<'a> {
         }))
     }
 
-    fn real(&mut self, kind: Kind, what: &str) -> Result<f64, Fault> {
+    fn real(&mut self, kind: VtkNumber, what: &str) -> Result<f64, Fault> {
         match kind {
-            Kind::Scalar(scalar) if self.binary => self.cursor.float(scalar, Endian::Big, what),
-            Kind::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
+            VtkNumber::Scalar(scalar) if self.binary => self.cursor.float(scalar, Endian::Big, what),
+            VtkNumber::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
             _ => self.cursor.word_float(what),
         }
     }
 
-    fn integer(&mut self, kind: Kind, what: &str) -> Result<i64, Fault> {
+    fn integer(&mut self, kind: VtkNumber, what: &str) -> Result<i64, Fault> {
         match kind {
-            Kind::Scalar(scalar) if self.binary => self.cursor.integer(scalar, Endian::Big, what),
-            Kind::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
+            VtkNumber::Scalar(scalar) if self.binary => self.cursor.integer(scalar, Endian::Big, what),
+            VtkNumber::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
             _ => self.cursor.word_integer(what),
         }
     }
 
-    fn integers(&mut self, count: usize, kind: Kind, what: &str) -> Result<Vec<i64>, Fault> {
+    fn integers(&mut self, count: usize, kind: VtkNumber, what: &str) -> Result<Vec<i64>, Fault> {
         (0..count).map(|_| self.integer(kind, what)).collect()
     }
 
-    fn skip(&mut self, components: i64, rows: i64, kind: Kind) -> Result<(), Fault> {
+    fn skip(&mut self, components: i64, rows: i64, kind: VtkNumber) -> Result<(), Fault> {
         let Some(values) = components.checked_mul(rows).filter(|_| components >= 0) else {
             return self.cursor.bad(format!("an array of {components} times {rows} values"));
         };
@@ -437,10 +437,10 @@ impl<'a> Reader<'a> {
                 }
                 return Ok(());
             }
-            Kind::Scalar(scalar) => {
+            VtkNumber::Scalar(scalar) => {
                 self.cursor.checked_count(values, scalar.size(), "values of an array")? * scalar.size()
             }
-            Kind::Bit => {
+            VtkNumber::Bit => {
                 self.cursor.checked_count(values / 8 + i64::from(values % 8 != 0), 1, "bits of an array")?
             }
         };

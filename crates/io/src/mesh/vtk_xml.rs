@@ -10,7 +10,7 @@ use roxmltree::{Document, Node};
 use crate::column_values::ColumnValues;
 use crate::excerpt;
 use crate::mesh::build::{Draft, Numbering};
-use crate::mesh::cursor::{Endian, Scalar, float, integer, name, words};
+use crate::mesh::cursor::{Endian, NumberKind, float, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
@@ -108,7 +108,7 @@ struct File<'a, 'input> {
     data_set: Node<'a, 'input>,
     endian: Endian,
     /// Type of the integers before binary data: the numbers of bytes or blocks.
-    header: Scalar,
+    header: NumberKind,
     zlib: bool,
     appended: Option<(Coding, &'input [u8])>,
 }
@@ -137,8 +137,8 @@ impl<'a, 'input> File<'a, 'input> {
             _ => Endian::Little,
         };
         let header = match root.attribute("header_type") {
-            None | Some("UInt32") => Scalar::U32,
-            Some("UInt64") => Scalar::U64,
+            None | Some("UInt32") => NumberKind::U32,
+            Some("UInt64") => NumberKind::U64,
             Some(other) => {
                 return fault(malformed(format!("header_type '{}'", excerpt::field(other.as_bytes()))));
             }
@@ -446,25 +446,25 @@ fn bytes_of(coding: Coding, data: &[u8], count: usize) -> Result<Vec<u8>, String
     Ok(bytes)
 }
 
-fn ascii(text: &[u8], scalar: Scalar) -> Result<ColumnValues, String> {
+fn ascii(text: &[u8], scalar: NumberKind) -> Result<ColumnValues, String> {
     if scalar.is_float() {
         return words(text).map(float).collect::<Result<_, _>>().map(ColumnValues::Real);
     }
     words(text).map(integer).collect::<Result<_, _>>().map(ColumnValues::Whole)
 }
 
-fn scalar(name: &str) -> Option<Scalar> {
+fn scalar(name: &str) -> Option<NumberKind> {
     Some(match name {
-        "Int8" => Scalar::I8,
-        "UInt8" => Scalar::U8,
-        "Int16" => Scalar::I16,
-        "UInt16" => Scalar::U16,
-        "Int32" => Scalar::I32,
-        "UInt32" => Scalar::U32,
-        "Int64" => Scalar::I64,
-        "UInt64" => Scalar::U64,
-        "Float32" => Scalar::F32,
-        "Float64" => Scalar::F64,
+        "Int8" => NumberKind::I8,
+        "UInt8" => NumberKind::U8,
+        "Int16" => NumberKind::I16,
+        "UInt16" => NumberKind::U16,
+        "Int32" => NumberKind::I32,
+        "UInt32" => NumberKind::U32,
+        "Int64" => NumberKind::I64,
+        "UInt64" => NumberKind::U64,
+        "Float32" => NumberKind::F32,
+        "Float64" => NumberKind::F64,
         _ => return None,
     })
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use crate::written::table::{Column, Values};
+use crate::written::table::{TableColumn, Values};
 
 /// Number of bytes compressed at a time: a multiple of the size of every value.
 const BLOCK: usize = 1 << 20;
@@ -24,7 +24,7 @@ pub(super) struct Appended {
 
 impl Appended {
     /// Adds a column of `rows` rows; returns the XML element that describes it.
-    pub(super) fn column(&mut self, column: &Column<'_>, rows: usize) -> io::Result<String> {
+    pub(super) fn column(&mut self, column: &TableColumn<'_>, rows: usize) -> io::Result<String> {
         let of_type = match column.values {
             Values::I32(_) => "Int32",
             Values::I64(_) => "Int64",
@@ -48,7 +48,7 @@ impl Appended {
     pub(super) fn field_data(&mut self, time: f64, named: &[(String, Vec<i64>)]) -> io::Result<String> {
         let mut head = String::from("<FieldData>\n");
         let mut add = |name: &str, values: Values<'_>, count: usize| -> io::Result<()> {
-            let column = Column { name: "", components: &[], unit: "", values };
+            let column = TableColumn { name: "", components: &[], unit: "", values };
             let array = self.column(&column, count)?;
             let tuples = format!(" Name=\"{}\" NumberOfTuples=\"{count}\"", escaped(name));
             head += &array.replace(" Name=\"\"", &tuples);

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::appended::Appended;
-use crate::written::table::{Column, Table, Values};
+use crate::written::table::{Table, TableColumn, Values};
 
 /// Writes points, and lines or triangles between them if there are `cells`, as a VTK file of `PolyData`:
 /// binary, compressed. Without cells every point is a vertex.
@@ -105,6 +105,6 @@ fn whole(number: usize) -> i64 {
     number.cast_signed() as i64
 }
 
-fn plain<'a>(name: &'static str, components: &'static [&'static str], values: Values<'a>) -> Column<'a> {
-    Column { name, components, unit: "", values }
+fn plain<'a>(name: &'static str, components: &'static [&'static str], values: Values<'a>) -> TableColumn<'a> {
+    TableColumn { name, components, unit: "", values }
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::appended::Appended;
-use crate::written::table::{Column, Table, Values};
+use crate::written::table::{Table, TableColumn, Values};
 
 /// The number of corners and the type, `VTK_TRIANGLE` and `VTK_TETRA`, of each kind of cell.
 const KINDS: [(usize, u8); 2] = [(3, 5), (4, 10)];
@@ -73,7 +73,7 @@ pub fn write_vtu<W: Write>(
     let end = |k: usize| (count * (k + 1)).cast_signed() as i64;
     let offsets = plain("offsets", Values::i64(end));
     let places =
-        Column { name: "Points", components: &["x", "y", "z"], unit: "", values: Values::f64(place) };
+        TableColumn { name: "Points", components: &["x", "y", "z"], unit: "", values: Values::f64(place) };
 
     let (n, m) = (points.rows(), cells.rows());
     let mut body = Appended::default();
@@ -103,6 +103,6 @@ pub fn write_vtu<W: Write>(
     out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
 }
 
-fn plain<'a>(name: &'static str, values: Values<'a>) -> Column<'a> {
-    Column { name, components: &[], unit: "", values }
+fn plain<'a>(name: &'static str, values: Values<'a>) -> TableColumn<'a> {
+    TableColumn { name, components: &[], unit: "", values }
 }

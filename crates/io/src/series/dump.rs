@@ -22,7 +22,7 @@ pub(crate) fn is(bytes: &[u8]) -> bool {
 
 /// Skips a frame; returns false if it is damaged or followed by anything other than another frame.
 pub(crate) fn pass(lines: &mut Lines<'_>) -> bool {
-    let passed = Head::read(lines).is_ok_and(|head| lines.pass(head.count as u64));
+    let passed = DumpHead::read(lines).is_ok_and(|head| lines.pass(head.count as u64));
     passed && lines.clone().next_filled().is_none_or(|(_, line)| line.starts_with(ITEM))
 }
 
@@ -32,7 +32,7 @@ pub(crate) fn read(
     progress: &AtomicU64,
 ) -> Result<Packing, ReadError> {
     let before = lines.number;
-    let head = Head::read(&mut lines)?;
+    let head = DumpHead::read(&mut lines)?;
     let Some(cell) = head.cell else {
         return broken(head.line, "ITEM: ATOMS comes before ITEM: BOX BOUNDS");
     };
@@ -50,7 +50,7 @@ pub(crate) fn read(
 }
 
 /// The lines before the rows of a frame.
-struct Head<'a> {
+struct DumpHead<'a> {
     step: i64,
     time: Option<f64>,
     count: usize,
@@ -60,7 +60,7 @@ struct Head<'a> {
     line: u64,
 }
 
-impl<'a> Head<'a> {
+impl<'a> DumpHead<'a> {
     fn read(lines: &mut Lines<'a>) -> Result<Self, ReadError> {
         let (mut step, mut time, mut count, mut cell) = (None, None, None, None);
         loop {

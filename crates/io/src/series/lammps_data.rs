@@ -72,7 +72,7 @@ pub(crate) fn read(
     options: &ReadOptions,
     progress: &AtomicU64,
 ) -> Result<Packing, ReadError> {
-    let head = Head::read(&mut lines)?;
+    let head = LammpsHead::read(&mut lines)?;
     let row = lines.clone().map(|(number, line)| (number, bare(line))).find(|(_, line)| !line.is_empty());
     // Blank lines separate the keyword from the rows.
     while lines.clone().next().is_some_and(|(_, line)| bare(line).is_empty()) && lines.more() {
@@ -101,7 +101,7 @@ pub(crate) fn read(
 }
 
 /// Everything before the rows of atoms.
-struct Head {
+struct LammpsHead {
     count: usize,
     cell: SimulationBox,
     style: Option<String>,
@@ -109,7 +109,7 @@ struct Head {
     line: u64,
 }
 
-impl Head {
+impl LammpsHead {
     fn read(lines: &mut Lines<'_>) -> Result<Self, ReadError> {
         let (mut count, mut limits, mut tilt, mut origin) = (None, [None; 3], [0.0; 3], None);
         let mut edges: [Option<[f64; 3]>; 3] = [None; 3];
@@ -192,7 +192,7 @@ fn style(line: &[u8]) -> Option<String> {
 }
 
 /// The columns, by the user's choice or by the style.
-fn names(head: &Head, columns: Option<usize>, options: &ReadOptions) -> Result<Vec<Name>, ReadError> {
+fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Result<Vec<Name>, ReadError> {
     let plain = |names: &mut dyn Iterator<Item = &str>| names.map(Name::unsuffixed).collect::<Vec<_>>();
     let known = head.style.as_deref().and_then(|style| STYLES.iter().find(|(name, _)| *name == style));
     let Some((style, names)) = known else {

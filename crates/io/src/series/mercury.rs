@@ -22,12 +22,12 @@ pub(crate) fn is(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     let mut lines = Lines::new(head);
     let Some((_, first)) = lines.next_filled() else { return false };
-    let Some(head) = Head::of(first) else { return false };
+    let Some(head) = MercuryHead::of(first) else { return false };
     match lines.next_filled() {
         Some((_, row)) if head.count > 0 => {
             words(row).count() == head.columns().split(' ').count() && words(row).all(is_number)
         }
-        Some((_, next)) => Head::of(next).is_some_and(|next| next.dimensions == head.dimensions),
+        Some((_, next)) => MercuryHead::of(next).is_some_and(|next| next.dimensions == head.dimensions),
         None => false,
     }
 }
@@ -38,9 +38,9 @@ fn is_number(word: &[u8]) -> bool {
 
 /// Skips a frame; returns false if it is damaged or followed by anything other than another frame.
 pub(crate) fn pass(lines: &mut Lines<'_>) -> bool {
-    let head = lines.next_filled().and_then(|(_, line)| Head::of(line));
+    let head = lines.next_filled().and_then(|(_, line)| MercuryHead::of(line));
     let passed = head.is_some_and(|head| lines.pass(head.count as u64));
-    passed && lines.clone().next_filled().is_none_or(|(_, line)| Head::of(line).is_some())
+    passed && lines.clone().next_filled().is_none_or(|(_, line)| MercuryHead::of(line).is_some())
 }
 
 pub(crate) fn read(
@@ -51,7 +51,7 @@ pub(crate) fn read(
     const HEADER: &str = "number of particles, time, and the limits of the box: 8 numbers, or 6 in 2D";
     let before = lines.number;
     let (line, text) = expect(&mut lines, HEADER)?;
-    let Some(head) = Head::of(text) else {
+    let Some(head) = MercuryHead::of(text) else {
         return broken(line, format!("expected {HEADER}, found '{}'", excerpt::line(text)));
     };
     let names: Vec<Name> = head.columns().split(' ').map(Name::unsuffixed).collect();
@@ -79,12 +79,12 @@ pub(crate) fn read(
 }
 
 /// The first numbers of the line before the rows.
-struct Head {
+struct MercuryHead {
     count: usize,
     dimensions: usize,
 }
 
-impl Head {
+impl MercuryHead {
     fn of(line: &[u8]) -> Option<Self> {
         let mut fields = words(line);
         let count = whole(fields.next()?)?;

@@ -12,7 +12,7 @@ use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, SimulationBox, Source};
 use crate::place::Place;
 use crate::row::RowReader;
-use crate::table::Table;
+use crate::table::UnassignedColumns;
 
 /// Number of lines between two reports of progress.
 const LINES_PER_REPORT: u64 = 1024;
@@ -37,7 +37,7 @@ impl RowTable {
         if names.len() > MOST_COLUMNS {
             return Err(ReadError::TooManyColumns { line: Some(line) });
         }
-        let table = Table { names, header: true, line: Some(line), row: &excerpt::line(shown) };
+        let table = UnassignedColumns { names, header: true, line: Some(line), row: &excerpt::line(shown) };
         let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
         let reader = RowReader::new(Delimiter::Blank, &roles, names.iter().map(Name::shown).collect());

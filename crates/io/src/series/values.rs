@@ -8,7 +8,7 @@ use crate::excerpt;
 use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size};
-use crate::table::Table;
+use crate::table::UnassignedColumns;
 
 /// Makes a packing of `rows` elements from columns with these names; only columns with a role are requested.
 pub(super) fn packing(
@@ -21,7 +21,7 @@ pub(super) fn packing(
 ) -> Result<Packing, ReadError> {
     let shown =
         format!("{} of {}", excerpt::count(names.len() as u64, "column"), excerpt::count(rows as u64, "row"));
-    let table = Table { names, header: true, line: None, row: &shown };
+    let table = UnassignedColumns { names, header: true, line: None, row: &shown };
     let roles = table.roles_and_body(options)?;
     let unit = table.unit(&roles)?;
     let mut chosen = Vec::new();

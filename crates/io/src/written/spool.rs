@@ -46,13 +46,13 @@ impl<F> fmt::Debug for Spool<F> {
 struct Kept<F> {
     name: &'static str,
     components: &'static [&'static str],
-    kind: Kind,
+    kind: SpooledNumber,
     file: RefCell<Blocks<F>>,
 }
 
 /// The type of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum SpooledNumber {
     I32,
     I64,
     U64,
@@ -141,10 +141,10 @@ impl<F: Read + Write + Seek> Kept<F> {
     fn values(&self) -> Values<'_> {
         let file = &self.file;
         match self.kind {
-            Kind::I32 => Values::i32(|k| i32::from_le_bytes(file.borrow_mut().value(k))),
-            Kind::I64 => Values::i64(|k| i64::from_le_bytes(file.borrow_mut().value(k))),
-            Kind::U64 => Values::u64(|k| u64::from_le_bytes(file.borrow_mut().value(k))),
-            Kind::F64 => Values::f64(|k| f64::from_le_bytes(file.borrow_mut().value(k))),
+            SpooledNumber::I32 => Values::i32(|k| i32::from_le_bytes(file.borrow_mut().value(k))),
+            SpooledNumber::I64 => Values::i64(|k| i64::from_le_bytes(file.borrow_mut().value(k))),
+            SpooledNumber::U64 => Values::u64(|k| u64::from_le_bytes(file.borrow_mut().value(k))),
+            SpooledNumber::F64 => Values::f64(|k| f64::from_le_bytes(file.borrow_mut().value(k))),
         }
     }
 }
@@ -181,12 +181,12 @@ impl<F: Read + Seek> Blocks<F> {
     }
 }
 
-fn kind(values: &Values<'_>) -> io::Result<Kind> {
+fn kind(values: &Values<'_>) -> io::Result<SpooledNumber> {
     match values {
-        Values::I32(_) => Ok(Kind::I32),
-        Values::I64(_) => Ok(Kind::I64),
-        Values::U64(_) => Ok(Kind::U64),
-        Values::F64(_) => Ok(Kind::F64),
+        Values::I32(_) => Ok(SpooledNumber::I32),
+        Values::I64(_) => Ok(SpooledNumber::I64),
+        Values::U64(_) => Ok(SpooledNumber::U64),
+        Values::F64(_) => Ok(SpooledNumber::F64),
         Values::Text { .. } => Err(io::Error::new(io::ErrorKind::InvalidInput, "text is not kept in files")),
     }
 }

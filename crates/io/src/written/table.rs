@@ -90,7 +90,7 @@ impl<'a> Values<'a> {
 }
 
 /// A name and its values: one number for each row, or several, as for a point.
-pub(crate) struct Column<'a> {
+pub(crate) struct TableColumn<'a> {
     /// Name of the column, in formats whose arrays may have several components.
     pub(crate) name: &'static str,
     /// Names of the components, for formats without them; empty for a column of single numbers.
@@ -101,7 +101,7 @@ pub(crate) struct Column<'a> {
     pub(crate) values: Values<'a>,
 }
 
-impl Column<'_> {
+impl TableColumn<'_> {
     /// Number of values per row.
     pub(crate) fn width(&self) -> usize {
         self.components.len().max(1)
@@ -144,7 +144,7 @@ impl Column<'_> {
 /// ```
 pub struct Table<'a> {
     rows: usize,
-    columns: Vec<Column<'a>>,
+    columns: Vec<TableColumn<'a>>,
 }
 
 impl fmt::Debug for Table<'_> {
@@ -165,7 +165,7 @@ impl<'a> Table<'a> {
     /// Names consist of letters, digits and underscores.
     #[must_use]
     pub fn with(mut self, name: &'static str, values: Values<'a>) -> Self {
-        self.columns.push(Column { name, components: &[], unit: "", values });
+        self.columns.push(TableColumn { name, components: &[], unit: "", values });
         self
     }
 
@@ -178,7 +178,7 @@ impl<'a> Table<'a> {
         components: &'static [&'static str],
         values: Values<'a>,
     ) -> Self {
-        self.columns.push(Column { name, components, unit: "", values });
+        self.columns.push(TableColumn { name, components, unit: "", values });
         self
     }
 
@@ -202,7 +202,7 @@ impl<'a> Table<'a> {
         self.plain().map(|column| column.values.size()).sum()
     }
 
-    pub(crate) fn columns(&self) -> &[Column<'a>] {
+    pub(crate) fn columns(&self) -> &[TableColumn<'a>] {
         &self.columns
     }
 

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use crate::written::table::{Column, Table, Values};
+use crate::written::table::{Table, TableColumn, Values};
 
 /// Number of bytes compressed at a time: a multiple of the size of every value.
 const BLOCK: usize = 1 << 20;
@@ -55,9 +55,10 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
         return Err(invalid("the ends of a line are two whole numbers"));
     };
     // Two numbers per line, computed without an array of pairs.
-    let connectivity = Column { name: "connectivity", components: &[], unit: "", values: Values::i64(at) };
+    let connectivity =
+        TableColumn { name: "connectivity", components: &[], unit: "", values: Values::i64(at) };
     // The end of each line in the list of points.
-    let offsets = Column {
+    let offsets = TableColumn {
         name: "offsets",
         components: &[],
         unit: "",
@@ -91,7 +92,7 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
 }
 
 /// The name of an array: the name of its component if there is only one, otherwise the name of the column.
-fn plain_name(column: &Column<'_>) -> &'static str {
+fn plain_name(column: &TableColumn<'_>) -> &'static str {
     match column.components {
         [name] => name,
         _ => column.name,
@@ -104,14 +105,14 @@ fn encoder() -> ZlibEncoder<Vec<u8>> {
 
 /// The arrays after the header.
 struct Body<'t> {
-    arrays: Vec<Array<'t>>,
+    arrays: Vec<VtpArray<'t>>,
     /// The offset of the next array.
     at: u64,
     encoder: ZlibEncoder<Vec<u8>>,
     block: Vec<u8>,
 }
 
-struct Array<'t> {
+struct VtpArray<'t> {
     values: &'t Values<'t>,
     length: usize,
     /// Number of bytes of each compressed block.
@@ -120,7 +121,7 @@ struct Array<'t> {
 
 impl<'t> Body<'t> {
     /// Adds an array of `rows` rows; returns the XML element that describes it.
-    fn announce(&mut self, column: &'t Column<'_>, name: &str, rows: usize) -> io::Result<String> {
+    fn announce(&mut self, column: &'t TableColumn<'_>, name: &str, rows: usize) -> io::Result<String> {
         let of_type = match column.values {
             Values::I32(_) => "Int32",
             Values::I64(_) => "Int64",
@@ -131,7 +132,7 @@ impl<'t> Body<'t> {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
             }
         };
-        let mut array = Array { values: &column.values, length: rows * column.width(), sizes: Vec::new() };
+        let mut array = VtpArray { values: &column.values, length: rows * column.width(), sizes: Vec::new() };
         for start in (0..array.length).step_by(array.per_block()) {
             array.sizes.push(self.compress(&array, start)?.len() as u64);
         }
@@ -144,7 +145,7 @@ impl<'t> Body<'t> {
     }
 
     /// Compresses the block that starts with this value.
-    fn compress(&mut self, array: &Array<'_>, start: usize) -> io::Result<&[u8]> {
+    fn compress(&mut self, array: &VtpArray<'_>, start: usize) -> io::Result<&[u8]> {
         self.block.clear();
         array.values.write_le(start..array.length.min(start + array.per_block()), &mut self.block);
         let mut room = std::mem::take(self.encoder.get_mut());
@@ -174,7 +175,7 @@ impl<'t> Body<'t> {
     }
 }
 
-impl Array<'_> {
+impl VtpArray<'_> {
     /// Number of values per block.
     fn per_block(&self) -> usize {
         BLOCK / self.values.size()

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::analysis::packing::Frame;
+use crate::analysis::packing::DomainFrame;
 use crate::arrays::each;
 use crate::network::Network;
 
@@ -111,7 +111,7 @@ fn reach_faces<const D: usize>(
     of_each: &[u32],
     percolates: &mut [[bool; D]],
 ) {
-    let frame = Frame::of(network);
+    let frame = DomainFrame::of(network);
     let [low, high] = frame.domain[axis];
     let reach = frame.largest_radius;
     let mut reached = vec![[false; 2]; percolates.len()];

@@ -45,7 +45,7 @@ pub struct PackingFraction {
 
 /// Coordinates whose axes are at right angles to the faces of the domain: the coordinates of the centres, or
 /// in a sheared box the distances from its faces.
-pub(crate) struct Frame<const D: usize> {
+pub(crate) struct DomainFrame<const D: usize> {
     /// Period along each periodic axis.
     pub(crate) periods: [Option<f64>; D],
     /// Limits of the box along periodic axes, and of the box around all elements with their radii along the
@@ -58,7 +58,7 @@ pub(crate) struct Frame<const D: usize> {
     stretch: f64,
 }
 
-impl<const D: usize> Frame<D> {
+impl<const D: usize> DomainFrame<D> {
     pub(crate) fn of(network: &Network<'_, D>) -> Self {
         let n = network.space.centres.len();
         let mut frame = Self {
@@ -132,7 +132,7 @@ pub(crate) fn fraction<const D: usize>(
     if network.space.centres.is_empty() {
         return Ok(Err("there are no elements".to_owned()));
     }
-    let frame = Frame::of(network);
+    let frame = DomainFrame::of(network);
     if inner.is_some() && !frame.along_axes {
         return Err(AnalysisError::ShearedBox);
     }
@@ -170,7 +170,7 @@ fn is_region([low, high]: [f64; 2]) -> bool {
 
 fn measured<const D: usize>(
     network: &Network<'_, D>,
-    frame: &Frame<D>,
+    frame: &DomainFrame<D>,
     region: [[f64; 2]; D],
     whole: [bool; D],
 ) -> PackingFraction {
@@ -209,7 +209,7 @@ fn measured<const D: usize>(
 
 /// The region, and the axes along which it is the whole periodic box.
 struct Inside<'a, const D: usize> {
-    frame: &'a Frame<D>,
+    frame: &'a DomainFrame<D>,
     region: [[f64; 2]; D],
     whole: [bool; D],
 }

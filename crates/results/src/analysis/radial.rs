@@ -4,7 +4,7 @@ use fdem_contact::{Detector, Elements, PeriodicSearch, Search};
 use serde::Serialize;
 
 use crate::analysis::error::AnalysisError;
-use crate::analysis::packing::{Frame, ball};
+use crate::analysis::packing::{DomainFrame, ball};
 use crate::arrays::each;
 use crate::network::{Network, unshifted};
 
@@ -71,7 +71,7 @@ pub(crate) fn distribution<const D: usize>(
     if n == 0 {
         return Ok(Err("there are no elements".to_owned()));
     }
-    let mut frame = Frame::of(network);
+    let mut frame = DomainFrame::of(network);
     around_centres(&mut frame, network);
     let r_max = options.r_max.unwrap_or_else(|| usual_distance(&frame, network));
     if r_max <= 0.0 {
@@ -117,7 +117,7 @@ pub(crate) fn distribution<const D: usize>(
 }
 
 /// Shrinks the domain to the box around the centres, along axes that are not periodic.
-fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>) {
+fn around_centres<const D: usize>(frame: &mut DomainFrame<D>, network: &Network<'_, D>) {
     for axis in (0..D).filter(|&axis| frame.periods[axis].is_none()) {
         let places =
             (0..network.space.centres.len()).map(|element| frame.coordinates(network, element)[axis]);
@@ -128,7 +128,7 @@ fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>
 
 /// Default largest distance: three mean diameters, but at most half of a periodic box and a quarter of an
 /// open domain.
-fn usual_distance<const D: usize>(frame: &Frame<D>, network: &Network<'_, D>) -> f64 {
+fn usual_distance<const D: usize>(frame: &DomainFrame<D>, network: &Network<'_, D>) -> f64 {
     let n = network.space.centres.len();
     let mean = (0..n).fold(0.0, |sum, element| sum + network.sizes.radius(element)) / n as f64;
     let mut r_max = 6.0 * mean;

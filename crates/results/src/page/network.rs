@@ -20,7 +20,7 @@ use serde_json::json;
 
 use crate::analysis::Radial;
 use crate::network::{Network, Sizes};
-use crate::page::{Parts, STYLE, escape, rows};
+use crate::page::{PageParts, STYLE, escape, rows};
 use crate::picture::camera::outline;
 use crate::picture::colour::{ALONE, HEAT, SEA};
 use crate::picture::furniture::{Counts, counts};
@@ -47,7 +47,7 @@ const SCRIPTS: [&str; 4] = [
 /// `ids`: one per element, or `None` if elements are numbered from 0. `facts`: rows of the summary, each with
 /// a name and a text. A row without a name continues the row before.
 #[derive(Clone, Copy, Debug)]
-pub struct Report<'a, const D: usize> {
+pub struct NetworkReport<'a, const D: usize> {
     /// Elements and contacts.
     pub network: Network<'a, D>,
     /// Title and unit.
@@ -77,19 +77,19 @@ pub struct Report<'a, const D: usize> {
 /// use fdem_contact::Couple;
 /// use fdem_results::network::{Couples, Network, Sizes, Space};
 /// use fdem_results::picture::Caption;
-/// use fdem_results::page::network::{Report, html};
+/// use fdem_results::page::network::{NetworkReport, html};
 ///
 /// let centres = [[0.0, 0.0], [1.9, 0.0]];
 /// let couples = Couples::Plain(vec![Couple::new(0, 1)]);
 /// let space = Space { centres: &centres, cell: None };
 /// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples };
 /// let caption = Caption { title: "two <b>discs</b>", unit: None };
-/// let page = html(&Report { network, caption, ids: None, facts: &[("elements", "2")] })?;
+/// let page = html(&NetworkReport { network, caption, ids: None, facts: &[("elements", "2")] })?;
 /// assert!(page.contains("two &lt;b&gt;discs"));
 /// # Ok::<(), fdem_results::picture::PictureError>(())
 /// ```
-pub fn html<const D: usize>(report: &Report<'_, D>) -> Result<String, PictureError> {
-    let Report { network, caption, ids, facts } = *report;
+pub fn html<const D: usize>(report: &NetworkReport<'_, D>) -> Result<String, PictureError> {
+    let NetworkReport { network, caption, ids, facts } = *report;
     let too_many = |what, found, most| Err(PictureError::TooMany { what, found, most });
     let (elements, contacts) = (network.space.centres.len(), network.couples.len());
     if elements > MOST_ELEMENTS {
@@ -183,7 +183,7 @@ fn page(
     (meta, data): (String, String),
 ) -> Result<String, PictureError> {
     let data = Cell::new(data);
-    let parts = Parts {
+    let parts = PageParts {
         kind: "contact network",
         command: "fdem contacts --report",
         skip: ["elements-table", "Skip to the table of {{nouns}}"],
@@ -379,7 +379,7 @@ mod tests {
         let couples = Couples::Plain(vec![Couple::new(0, 1)]);
         let space = Space { centres: &centres, cell: None };
         let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
-        html(&Report { network, caption: Caption { title, unit: None }, ids: Some(&[7, 8, 9]), facts })
+        html(&NetworkReport { network, caption: Caption { title, unit: None }, ids: Some(&[7, 8, 9]), facts })
             .unwrap()
     }
 
@@ -418,7 +418,7 @@ mod tests {
             sizes: Sizes::All(0.5),
             couples: &couples,
         };
-        let report = Report { network, caption: Caption::default(), ids: None, facts: &[] };
+        let report = NetworkReport { network, caption: Caption::default(), ids: None, facts: &[] };
         let error = html(&report).unwrap_err();
         assert_eq!(
             error.to_string(),

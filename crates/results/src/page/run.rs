@@ -19,7 +19,7 @@ use crate::fields::colours::{NO_VALUE, NUMBERED};
 use crate::fields::field::{Field, SCALES};
 use crate::fields::quantity::{Ends, Quantity};
 use crate::fields::range::{Range, Scale};
-use crate::page::{Parts, STYLE, rows};
+use crate::page::{PageParts, STYLE, rows};
 use crate::picture::PictureError;
 use crate::picture::svg::escape;
 use crate::run::fragments::Fragments;
@@ -87,7 +87,7 @@ impl RunPage<'_> {
         let main = [("{{show}}", self.show), ("{{more}}", self.more), ("{{help}}", self.help)]
             .into_iter()
             .fold(PAGE.to_owned(), |main, (name, part)| main.replace(name, part));
-        let parts = Parts {
+        let parts = PageParts {
             kind: "run",
             command: "fdem run",
             skip: ["summary", "Skip to the summary"],

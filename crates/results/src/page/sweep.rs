@@ -10,7 +10,7 @@ use fdem_io::numbers::brief;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
-use crate::page::{Parts, STYLE};
+use crate::page::{PageParts, STYLE};
 use crate::picture::svg::escape;
 use crate::run::{History, HistoryCurve};
 
@@ -65,7 +65,7 @@ pub struct SweepReport<'a> {
 impl SweepReport<'_> {
     /// The page.
     pub fn html(&self) -> String {
-        let parts = Parts {
+        let parts = PageParts {
             kind: "sweep",
             command: "fdem sweep",
             skip: ["runs", "Skip to the table"],

@@ -4,7 +4,7 @@
 use crate::picture::caption::Caption;
 use crate::picture::error::PictureError;
 use crate::picture::plots;
-use crate::picture::scene::{Bond, Joint, Overlaps, Scene, Shapes};
+use crate::picture::scene::{Bond, Joint, OverlapRange, Scene, Shapes};
 use crate::picture::{drawing, encode, room};
 
 /// Largest number of triangles in a picture or a report of bodies.
@@ -166,7 +166,7 @@ pub(crate) fn scene(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<Scene,
         centres: centres.to_vec(),
         radii: radii.to_vec(),
         coordination,
-        overlaps: Overlaps::of(bonds.iter().map(|bond| bond.overlap).collect()),
+        overlaps: OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
         bonds,
         cell: None,
         are_points: false,

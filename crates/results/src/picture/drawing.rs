@@ -36,7 +36,7 @@ const DOTS: [f64; 2] = [0.6, 2.0];
 const NODE: Rgb = [186, 193, 201];
 
 pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
-    let page = Page::new(scene)?;
+    let page = NetworkLayout::new(scene)?;
     let is_small = scene.centres.len().max(scene.bonds.len()) <= MOST_SHAPES;
     if scene.dimensions == 2 && is_small && scene.facets().next().is_none() {
         room::check(room::of_shapes(scene.centres.len() + 2 * scene.bonds.len()))?;
@@ -56,7 +56,7 @@ pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
 
 /// Draws a PNG, `width` pixels wide or twice as wide as the drawing.
 pub(crate) fn png(scene: &Scene, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
-    let page = Page::new(scene)?;
+    let page = NetworkLayout::new(scene)?;
     let scale = scale(width, page.size[0])?;
     room::check(room::of_pixels(page.size, scale))?;
     page.png(scale)
@@ -73,11 +73,11 @@ pub(crate) fn scale(pixels: Option<u32>, width: f64) -> Result<f64, PictureError
 
 /// Draws a smaller PNG, for browsers that cannot show the 3D view.
 pub(crate) fn preview(scene: &Scene) -> Result<Vec<u8>, PictureError> {
-    Page::new(scene)?.png(1.0)
+    NetworkLayout::new(scene)?.png(1.0)
 }
 
 /// Layout of a drawing.
-struct Page<'a> {
+struct NetworkLayout<'a> {
     scene: &'a Scene,
     camera: Camera,
     counts: Counts,
@@ -88,7 +88,7 @@ struct Page<'a> {
     dot: f64,
 }
 
-impl<'a> Page<'a> {
+impl<'a> NetworkLayout<'a> {
     fn new(scene: &'a Scene) -> Result<Self, PictureError> {
         let (least, most, areas) = if scene.dimensions == 2 {
             ([520.0, 60.0], [900.0, 860.0], 1)

@@ -3,7 +3,7 @@
 use fdem_io::numbers::{brief, grouped};
 
 use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
-use crate::picture::scene::{Overlaps, Scene};
+use crate::picture::scene::{OverlapRange, Scene};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{round_below, tick_texts, ticks};
@@ -90,8 +90,8 @@ pub(crate) fn axes(svg: &mut Svg, [x, y]: [f64; 2], axes: &[(&str, [f64; 2])]) {
 }
 
 /// Draws the colour bar of the overlaps, aligned to the right.
-pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right, y]: [f64; 2]) {
-    let Overlaps { low, high, largest } = overlaps;
+pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: OverlapRange, [right, y]: [f64; 2]) {
+    let OverlapRange { low, high, largest } = overlaps;
     let x = right - BAR;
     svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, name);
     if largest > high {

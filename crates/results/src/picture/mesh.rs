@@ -9,7 +9,7 @@ use crate::picture::caption::Caption;
 use crate::picture::colour::{HEAT, Rgb, at, hex};
 use crate::picture::error::PictureError;
 use crate::picture::furniture::{self, FOOT, HEAD};
-use crate::picture::scene::Overlaps;
+use crate::picture::scene::OverlapRange;
 use crate::picture::svg::{Anchor, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{drawing, encode};
@@ -82,7 +82,7 @@ pub struct MeshDrawing<'a> {
 /// # Ok::<(), fdem_results::picture::PictureError>(())
 /// ```
 pub fn mesh_svg(drawing: &MeshDrawing<'_>, caption: &Caption<'_>) -> Result<String, PictureError> {
-    let page = Page::new(drawing)?;
+    let page = MeshLayout::new(drawing)?;
     Ok(page.svg(drawing, caption))
 }
 
@@ -98,12 +98,12 @@ pub fn mesh_png(
     caption: &Caption<'_>,
     width: Option<u32>,
 ) -> Result<Vec<u8>, PictureError> {
-    let page = Page::new(drawing)?;
+    let page = MeshLayout::new(drawing)?;
     encode::png(&page.svg(drawing, caption), &[], drawing::scale(width, page.size[0])?)
 }
 
 /// Layout of the drawing.
-struct Page {
+struct MeshLayout {
     low: [f64; 2],
     high: [f64; 2],
     scale: f64,
@@ -112,7 +112,7 @@ struct Page {
     size: [f64; 2],
 }
 
-impl Page {
+impl MeshLayout {
     fn new(drawing: &MeshDrawing<'_>) -> Result<Self, PictureError> {
         if drawing.triangles.len() > MOST_TRIANGLES {
             let found = drawing.triangles.len();
@@ -182,7 +182,7 @@ impl Page {
         self.outlines(drawing, &mut svg);
         let overlap = drawing.contacts.iter().any(|contact| contact.overlap > 0.0);
         let value = |contact: &BodyContact<2>| if overlap { contact.overlap } else { contact.shared };
-        let values = Overlaps::of(drawing.contacts.iter().map(value).collect());
+        let values = OverlapRange::of(drawing.contacts.iter().map(value).collect());
         svg.put(format_args!(r#"<g fill="none" stroke-linecap="round" stroke-linejoin="round">"#));
         for contact in drawing.contacts {
             let colour = at(&HEAT, values.map_or(0.0, |values| values.share(value(contact))));
@@ -217,7 +217,7 @@ impl Page {
     }
 }
 
-impl Page {
+impl MeshLayout {
     /// Draws the outlines of the bodies: edges that belong to only one triangle of a body.
     fn outlines(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
         let mut edges: Vec<(u32, [u32; 2])> = Vec::with_capacity(3 * drawing.triangles.len());

@@ -25,7 +25,7 @@ pub(crate) struct Scene {
     pub(crate) coordination: Vec<u32>,
     pub(crate) bonds: Vec<Bond>,
     /// Range of the overlaps; `None` without contacts.
-    pub(crate) overlaps: Option<Overlaps>,
+    pub(crate) overlaps: Option<OverlapRange>,
     /// Corner and edges of the box, including edges that are not periodic.
     pub(crate) cell: Option<([f64; 3], Vec<[f64; 3]>)>,
     /// Whether the elements are points, which have no size.
@@ -78,14 +78,14 @@ pub(crate) struct Shapes {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Overlaps {
+pub(crate) struct OverlapRange {
     pub(crate) low: f64,
     /// Upper end of the colours.
     pub(crate) high: f64,
     pub(crate) largest: f64,
 }
 
-impl Overlaps {
+impl OverlapRange {
     /// Returns the range of overlaps; `None` without any.
     pub(crate) fn of(mut values: Vec<f64>) -> Option<Self> {
         let last = values.len().checked_sub(1)?;
@@ -162,7 +162,7 @@ impl Scene {
             centres,
             radii: (0..n).map(|index| sizes.radius(index) * drawn).collect(),
             coordination,
-            overlaps: Overlaps::of(bonds.iter().map(|bond| bond.overlap).collect()),
+            overlaps: OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
             bonds,
             cell,
             are_points: drawn < 1.0,

@@ -87,7 +87,7 @@ pub(crate) struct Chart<'a> {
 }
 
 /// Conversion of the numbers of an axis to positions in the chart.
-struct Scale {
+struct AxisScale {
     /// Limits in the displayed unit; their decimal logarithms on a logarithmic axis.
     low: f64,
     high: f64,
@@ -96,7 +96,7 @@ struct Scale {
     logarithmic: bool,
 }
 
-impl Scale {
+impl AxisScale {
     fn of(values: impl Iterator<Item = f64>, unit: &str) -> Self {
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
         for value in values.filter(|value| value.is_finite()) {
@@ -168,9 +168,9 @@ impl Chart<'_> {
         let legend = if self.curves.len() > 1 { 46.0 + names } else { 0.0 };
         let (width, height) = (WIDTH - LEFT - RIGHT - legend, HEIGHT - TOP - BOTTOM);
         let values = self.curves.iter().flat_map(|curve| curve.across.iter().copied());
-        let scale = if self.logarithmic { Scale::logarithmic } else { Scale::of };
+        let scale = if self.logarithmic { AxisScale::logarithmic } else { AxisScale::of };
         let across = scale(values, self.across.unit);
-        let up = Scale::of(self.curves.iter().flat_map(|curve| curve.up.iter().copied()), self.up.unit);
+        let up = AxisScale::of(self.curves.iter().flat_map(|curve| curve.up.iter().copied()), self.up.unit);
         let place = |[x, y]: [f64; 2]| [LEFT + across.share(x) * width, TOP + (1.0 - up.share(y)) * height];
 
         for tick in up.ticks(5) {
@@ -304,14 +304,14 @@ mod tests {
 
     #[test]
     fn a_logarithmic_axis_has_round_ticks_and_equal_decades() {
-        let scale = Scale::logarithmic([2e-3, 0.0, f64::NAN, 0.15].into_iter(), "m");
+        let scale = AxisScale::logarithmic([2e-3, 0.0, f64::NAN, 0.15].into_iter(), "m");
         assert_eq!((scale.ticks(6), scale.unit.as_str()), (vec![2.0, 5.0, 10.0, 20.0, 50.0, 100.0], "mm"));
         let apart = [[1e-3, 1e-2], [1e-2, 1e-1]].map(|[a, b]| scale.share(b) - scale.share(a));
         assert!((apart[0] - apart[1]).abs() < 1e-12 && apart[0] > 0.0, "{apart:?}");
         assert!(!scale.share(0.0).is_finite());
-        let wide = Scale::logarithmic([1e-6, 1.0].into_iter(), "m");
+        let wide = AxisScale::logarithmic([1e-6, 1.0].into_iter(), "m");
         assert_eq!(wide.ticks(6), [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
-        let one = Scale::logarithmic([0.03].into_iter(), "m");
+        let one = AxisScale::logarithmic([0.03].into_iter(), "m");
         assert!(one.ticks(6).len() >= 2, "{:?}", one.ticks(6));
         assert!((one.share(0.03) - 0.5).abs() < 1e-12);
     }
@@ -321,9 +321,9 @@ mod tests {
         let across = [0.0, 1.0, 2.0, 3.0];
         let up = [1.0, f64::NAN, 2.0, f64::INFINITY];
         assert_eq!(path(&across, &up, |point| point), "M0.0 1.0M2.0 2.0");
-        let scale = Scale::of([f64::NAN, 0.0].into_iter(), "J");
+        let scale = AxisScale::of([f64::NAN, 0.0].into_iter(), "J");
         assert_eq!((scale.low, scale.high), (0.0, 1.04));
-        let scale = Scale::of([-2e3, 0.0].into_iter(), "J");
+        let scale = AxisScale::of([-2e3, 0.0].into_iter(), "J");
         assert_eq!((scale.share(0.0) > 0.9, scale.label("energy").as_str()), (true, "energy (kJ)"));
     }
 }

@@ -189,7 +189,7 @@ impl Pictures<'_> {
         encode::pixels(&svg.finish(), &[self.layer(&page, &opened, scale)], scale)
     }
 
-    fn page(&self) -> Result<Page, PictureError> {
+    fn page(&self) -> Result<FrameLayout, PictureError> {
         let FrameView { low, high, .. } = self.view;
         let extent = [high[0] - low[0], high[1] - low[1]];
         if !extent.iter().all(|side| side.is_finite()) {
@@ -202,10 +202,10 @@ impl Pictures<'_> {
         let scale = if scale.is_finite() { scale } else { 1.0 };
         let area = [(extent[0] * scale + 8.0).max(NARROWEST).round(), (extent[1] * scale + 8.0).round()];
         let middle = [low[0] + extent[0] / 2.0, low[1] + extent[1] / 2.0];
-        Ok(Page { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
+        Ok(FrameLayout { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
     }
 
-    fn sheet(&self, page: &Page, frame: &Frame) -> Svg {
+    fn sheet(&self, page: &FrameLayout, frame: &Frame) -> Svg {
         let name = format!("{} at {}", self.title, self.view.time(frame.time));
         let description = format!("Elements coloured by {}; {}.", self.field.name(), self.sentence(frame));
         Svg::new(page.size[0], page.size[1], &name, &description)
@@ -238,7 +238,7 @@ impl Pictures<'_> {
 
     /// Returns the outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their
     /// width.
-    fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
+    fn outlines(page: &FrameLayout, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
         let mask = [OF_BODIES, OF_GRAINS][kind];
         let line = |(element, corner): (usize, usize)| {
             let corners = opened.corners[element];
@@ -260,7 +260,7 @@ impl Pictures<'_> {
     }
 
     /// Draws elements, outlines and cracks as pixels.
-    fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
+    fn layer(&self, page: &FrameLayout, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Fill::new(size);
         let scaled = |[x, y]: [f64; 2]| [x * scale, y * scale];
@@ -289,7 +289,7 @@ impl Pictures<'_> {
     }
 
     /// Draws elements, outlines and cracks as paths, one for each colour.
-    fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
+    fn vectors(&self, page: &FrameLayout, opened: &Opened, svg: &mut Svg) {
         let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
         for (element, corners) in opened.corners.iter().enumerate() {
             let [a, b, c] = corners.map(|corner| page.place(corner));
@@ -350,7 +350,7 @@ impl Pictures<'_> {
     }
 
     /// Draws the title, the scale bar, the colour bar and the legend of the cracks.
-    fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
+    fn surroundings(&self, page: &FrameLayout, frame: &Frame, svg: &mut Svg) {
         let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
         svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
@@ -405,7 +405,7 @@ fn opened(frame: &Frame) -> Result<Opened, PictureError> {
 }
 
 /// Layout of a picture.
-struct Page {
+struct FrameLayout {
     /// The point in the middle of the area, m.
     middle: [f64; 2],
     /// Units of the drawing per metre.
@@ -414,7 +414,7 @@ struct Page {
     size: [f64; 2],
 }
 
-impl Page {
+impl FrameLayout {
     /// Returns the position of a point, from the upper left of the area.
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [

@@ -69,7 +69,7 @@ pub(crate) struct CrackFacet {
 
 /// The contents of a picture, as plain lists.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scene {
+pub(crate) struct SpaceScene {
     pub(crate) facets: Vec<Facet>,
     /// All elements, if there is a cut that shows the inside.
     pub(crate) tetrahedra: Vec<Tetrahedron>,
@@ -80,7 +80,7 @@ pub(crate) struct Scene {
 
 /// Projection of a scene onto pixels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Camera {
+pub(crate) struct SpaceCamera {
     pub(crate) view: SpaceView,
     /// Point in the middle of the picture: to the right, upwards and to the eye, m.
     pub(crate) middle: [f64; 3],
@@ -92,7 +92,7 @@ pub(crate) struct Camera {
     pub(crate) zoom: f64,
 }
 
-impl Camera {
+impl SpaceCamera {
     /// Returns a point in pixels from the upper left corner, and towards the eye.
     fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.view.turned(point);
@@ -105,7 +105,7 @@ impl Camera {
 }
 
 /// Returns the layers of a picture of the solid.
-pub(crate) fn solid(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<Vec<Triangle>> {
+pub(crate) fn solid(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane>) -> Vec<Vec<Triangle>> {
     let mut sheet = Sheet::new(camera);
     for facet in &scene.facets {
         let Some(normal) = facing(camera, facet.corners) else { continue };
@@ -143,7 +143,7 @@ pub(crate) fn solid(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<V
 
 /// Returns the layers of a picture of the cracks: the cracks and the far side of the solid, and its near
 /// side, which is transparent.
-pub(crate) fn cracks(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<Vec<Triangle>> {
+pub(crate) fn cracks(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane>) -> Vec<Vec<Triangle>> {
     let (mut far, mut near) = (Sheet::new(camera), Sheet::new(camera));
     far.line = Some(Paint::solid([200, 208, 216]));
     near.line = Some(Paint { cover: 130, colour: LINE });
@@ -189,7 +189,7 @@ fn clipped(facet: &Facet, cut: Option<Plane>) -> impl Iterator<Item = ([[f64; 3]
 }
 
 /// Returns the unit normal of a facet, to the right, upwards and to the eye; `None` if it has no area.
-fn facing(camera: &Camera, corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
+fn facing(camera: &SpaceCamera, corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     let normal = camera.view.turned(normal(corners));
     let length = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
     (length > 0.0 && length.is_finite()).then(|| each(|axis| normal[axis] / length))
@@ -249,7 +249,7 @@ struct Piece {
 
 /// Triangles with their lines, in pixels.
 struct Sheet<'a> {
-    camera: &'a Camera,
+    camera: &'a SpaceCamera,
     triangles: Vec<Triangle>,
     pieces: Vec<Piece>,
     /// Colour of all lines, if it is not that of their kind.
@@ -259,7 +259,7 @@ struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    fn new(camera: &'a Camera) -> Self {
+    fn new(camera: &'a SpaceCamera) -> Self {
         Self { camera, triangles: Vec::new(), pieces: Vec::new(), line: None, rims: false }
     }
 
@@ -438,8 +438,8 @@ mod tests {
     }
 
     /// The scene of a cube: all its lines are those of features or of elements.
-    fn scene(by: [f64; 3], colour: Rgb) -> Scene {
-        let mut scene = Scene { closed: true, ..Scene::default() };
+    fn scene(by: [f64; 3], colour: Rgb) -> SpaceScene {
+        let mut scene = SpaceScene { closed: true, ..SpaceScene::default() };
         for corners in cube(by) {
             let facets = FACETS.map(|facet| facet.map(|corner| corners[corner]));
             let out = facets.map(|facet| outside(facet, by));
@@ -459,7 +459,7 @@ mod tests {
     }
 
     /// Two scenes as one.
-    fn both(mut one: Scene, other: Scene) -> Scene {
+    fn both(mut one: SpaceScene, other: SpaceScene) -> SpaceScene {
         one.facets.extend(other.facets);
         one.tetrahedra.extend(other.tetrahedra);
         one.cracks.extend(other.cracks);
@@ -467,10 +467,10 @@ mod tests {
     }
 
     /// Looks at the point (0.5, 0.5, 0.5) with 80 pixels per metre.
-    fn camera(azimuth: f64, elevation: f64) -> Camera {
+    fn camera(azimuth: f64, elevation: f64) -> SpaceCamera {
         let view = SpaceView::between([0.0; 3], [1.0; 3], 0.0).seen_from(azimuth, elevation);
         let size = [SIZE as f64; 2];
-        Camera { view, middle: view.turned([0.5; 3]), scale: 80.0, size, zoom: 1.0 }
+        SpaceCamera { view, middle: view.turned([0.5; 3]), scale: 80.0, size, zoom: 1.0 }
     }
 
     fn at(pixels: &[u8], [column, row]: [usize; 2]) -> Rgb {
@@ -478,7 +478,7 @@ mod tests {
         [pixels[place], pixels[place + 1], pixels[place + 2]]
     }
 
-    fn seen(scene: &Scene, camera: &Camera, cut: Option<Plane>) -> Vec<u8> {
+    fn seen(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane>) -> Vec<u8> {
         draw([SIZE; 2], &solid(scene, camera, cut))
     }
 
@@ -543,7 +543,7 @@ mod tests {
         scene.cracks = scene.facets.iter().map(|facet| CrackFacet { corners: facet.corners, mode }).collect();
         let camera = camera(30.0, 25.0);
         let cut = Some(Plane { normal: [1.0, -1.0, 0.5], offset: 0.4 });
-        let pixels = |scene: &Scene| {
+        let pixels = |scene: &SpaceScene| {
             [solid(scene, &camera, None), solid(scene, &camera, cut), cracks(scene, &camera, cut)]
                 .map(|layers| draw([SIZE; 2], &layers))
         };
@@ -608,7 +608,7 @@ mod tests {
         let diagonal = |pixels: &[u8]| (30..90).filter(|&k| at(pixels, [k, 119 - k]) != face).count();
         let other = |pixels: &[u8]| (30..90).filter(|&k| at(pixels, [k, k]) != face).count();
         assert!(diagonal(&coarse).max(other(&coarse)) == 60);
-        let small = Camera { scale: 4.0, ..camera };
+        let small = SpaceCamera { scale: 4.0, ..camera };
         let Some(triangle) = solid(&scene([0.0; 3], BLUE), &small, None)[0]
             .iter()
             .find(|triangle| triangle.paint == Paint::solid(face))
@@ -661,7 +661,7 @@ mod tests {
         let blue = scene([0.0; 3], BLUE);
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let corners = [[0.0, -1.0, 0.0], [bad, -1.0, 0.0], [0.0, -1.0, bad]];
-            let mut scene = both(blue.clone(), Scene::default());
+            let mut scene = both(blue.clone(), SpaceScene::default());
             let edges = [Edge::Crack; 3];
             scene.facets.push(Facet { corners, colour: RED, edges, broken: true });
             scene.cracks.push(CrackFacet { corners, mode: Mode::Mixed });
@@ -671,15 +671,15 @@ mod tests {
             assert!(seen(&scene, &camera, None) == seen(&blue, &camera, None), "{bad}");
             let cut = Some(Plane { normal: [0.1, -1.0, 0.2], offset: -0.4 });
             assert!(seen(&scene, &camera, cut) == seen(&blue, &camera, cut), "{bad}");
-            let drawn = |scene: &Scene| draw([SIZE; 2], &cracks(scene, &camera, cut));
+            let drawn = |scene: &SpaceScene| draw([SIZE; 2], &cracks(scene, &camera, cut));
             assert!(drawn(&scene) == drawn(&blue), "{bad}");
         }
         let camera = camera(0.0, 0.0);
-        let mut point = both(Scene::default(), Scene::default());
+        let mut point = both(SpaceScene::default(), SpaceScene::default());
         let edges = [Edge::Feature; 3];
         point.facets.push(Facet { corners: [[0.5; 3]; 3], colour: RED, edges, broken: false });
         point.cracks.push(CrackFacet { corners: [[0.5; 3]; 3], mode: Mode::Shear });
-        for scene in [point, Scene::default()] {
+        for scene in [point, SpaceScene::default()] {
             assert_eq!(painted(&seen(&scene, &camera, None)), 0);
             assert_eq!(painted(&draw([SIZE; 2], &cracks(&scene, &camera, None))), 0);
         }

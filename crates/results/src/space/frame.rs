@@ -12,7 +12,7 @@ use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
 use crate::space::facets::{FACETS, Marks};
 use crate::space::opened::{OpenedCrack, OpenedSpace};
-use crate::space::shell::{Seen, Shell};
+use crate::space::shell::{Shell, VisibleParts};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
 const MAGIC: &[u8; 8] = b"fdemspc2";
@@ -386,7 +386,7 @@ impl SpaceFrame {
 /// Appends the cracks but their openings. The code of a crack has its mode in two bits; in the next two the
 /// place, among the corners of the facet on side 1, of the vertex that is first on side 0 (the others follow
 /// in the opposite order); then six bits of traces.
-fn pack_cracks(packed: &mut Packed, snapshot: &Snapshot<3, 4>, seen: &Seen, surface: &[u32]) {
+fn pack_cracks(packed: &mut Packed, snapshot: &Snapshot<3, 4>, seen: &VisibleParts, surface: &[u32]) {
     let place = |facet: u32| {
         // All elements at cracks are among those of the surface.
         let element = surface.binary_search(&(facet / 4)).unwrap_or_default();

@@ -17,7 +17,7 @@ use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
 use crate::run::pictures::{colour_bar, crack_legend, time_text};
 use crate::run::unit::prefixed;
-use crate::space::drawing::{self, CRACK, Camera, CrackFacet, Edge, Facet, Scene, Tetrahedron};
+use crate::space::drawing::{self, CRACK, CrackFacet, Edge, Facet, SpaceCamera, SpaceScene, Tetrahedron};
 use crate::space::frame::SpaceFrame;
 use crate::space::opened::OpenedSpace;
 use crate::space::section::Plane;
@@ -171,7 +171,7 @@ impl SpacePictures<'_> {
         encode::pixels(&svg.finish(), &[self.layer(&page, &scene, scale)], scale)
     }
 
-    fn page(&self) -> Result<Page, PictureError> {
+    fn page(&self) -> Result<SpaceLayout, PictureError> {
         let ends = self.view.extent();
         let extent = ends.map(|[low, high]| high - low);
         if !extent.iter().all(|side| side.is_finite()) {
@@ -185,10 +185,10 @@ impl SpacePictures<'_> {
         let side = |axis: usize| (extent[axis] * scale + 2.0 * EDGE).min(MOST[axis]);
         let area = [side(0).max(NARROWEST).round(), side(1).round()];
         let middle = [0, 1, 2].map(|axis| ends[axis][0] + extent[axis] / 2.0);
-        Ok(Page { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
+        Ok(SpaceLayout { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
     }
 
-    fn sheet(&self, page: &Page, frame: &SpaceFrame) -> Svg {
+    fn sheet(&self, page: &SpaceLayout, frame: &SpaceFrame) -> Svg {
         let name = format!("{} at {}", self.title, time_text(frame.time, self.view.last));
         let what = match self.show {
             Show::Solid => format!("Elements coloured by {}", self.field.name()),
@@ -226,7 +226,7 @@ impl SpacePictures<'_> {
     }
 
     /// Decompresses a frame into plain lists.
-    fn scene(&self, frame: &SpaceFrame) -> Result<Scene, PictureError> {
+    fn scene(&self, frame: &SpaceFrame) -> Result<SpaceScene, PictureError> {
         let opened = frame.open().map_err(|error| PictureError::Png { message: error.to_string() })?;
         let broken: BTreeSet<(usize, usize)> = opened.cracks.iter().flat_map(|crack| crack.facets).collect();
         // Ends of the edges at which cracks reach the surface. Facets beside them have the same corners.
@@ -272,13 +272,18 @@ impl SpacePictures<'_> {
         };
         let cracks =
             opened.cracks.iter().map(|crack| CrackFacet { corners: crack.middle(), mode: crack.mode });
-        Ok(Scene { facets, tetrahedra, cracks: cracks.collect(), closed: self.cut.is_none() || opened.solid })
+        Ok(SpaceScene {
+            facets,
+            tetrahedra,
+            cracks: cracks.collect(),
+            closed: self.cut.is_none() || opened.solid,
+        })
     }
 
     /// Draws a scene as pixels.
-    fn layer(&self, page: &Page, scene: &Scene, scale: f64) -> Layer {
+    fn layer(&self, page: &SpaceLayout, scene: &SpaceScene, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
-        let camera = Camera {
+        let camera = SpaceCamera {
             view: self.view,
             middle: page.middle,
             scale: page.scale * scale,
@@ -294,7 +299,7 @@ impl SpacePictures<'_> {
     }
 
     /// Draws the title, the axes, the scale bar, the legend of the cracks and the colour bar.
-    fn surroundings(&self, page: &Page, frame: &SpaceFrame, svg: &mut Svg) {
+    fn surroundings(&self, page: &SpaceLayout, frame: &SpaceFrame, svg: &mut Svg) {
         let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
         svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
@@ -323,7 +328,7 @@ impl SpacePictures<'_> {
 }
 
 /// Layout of a picture.
-struct Page {
+struct SpaceLayout {
     /// Point in the middle of the area: to the right, upwards and to the eye, m.
     middle: [f64; 3],
     /// Units of the drawing per metre.

@@ -43,7 +43,7 @@ pub struct Shell {
 }
 
 /// The visible parts of a snapshot.
-pub(crate) struct Seen {
+pub(crate) struct VisibleParts {
     /// Facets that are seen, and lines on edges, of each element.
     pub(crate) marks: Vec<Marks>,
     /// Broken joints between elements that are drawn.
@@ -111,7 +111,11 @@ impl Shell {
 
     /// Finds the visible parts of a snapshot of this mesh: facets outside, facets beside elements that are
     /// not drawn, and both sides of broken joints. Nothing is seen of elements that are not drawn.
-    pub(crate) fn seen(&self, snapshot: &Snapshot<3, 4>, drawn: &[bool]) -> Result<Seen, SnapshotError> {
+    pub(crate) fn seen(
+        &self,
+        snapshot: &Snapshot<3, 4>,
+        drawn: &[bool],
+    ) -> Result<VisibleParts, SnapshotError> {
         let mut marks = vec![Marks::default(); self.elements.len()];
         for (element, across) in self.across.iter().enumerate() {
             if !drawn[element] {
@@ -152,7 +156,7 @@ impl Shell {
                 }
             }
         }
-        Ok(Seen { marks, cracks })
+        Ok(VisibleParts { marks, cracks })
     }
 
     /// Marks the edges of facets that are seen at which the surface has an angle, or the grain or the
