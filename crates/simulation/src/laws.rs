@@ -89,6 +89,16 @@ impl MaterialLaw {
         }
     }
 
+    /// Poisson's ratio of the isotropic material that is nearest to this one.
+    pub(crate) fn mean_poissons_ratio(&self, youngs_modulus: f64, poissons_ratio: f64) -> f64 {
+        match self {
+            Self::NeoHookean => poissons_ratio,
+            Self::TransverselyIsotropic(bedding) => {
+                bedding.mean_poissons_ratio(youngs_modulus, poissons_ratio)
+            }
+        }
+    }
+
     /// The least shear modulus of all planes, Pa.
     pub(crate) fn least_shear_modulus(&self, youngs_modulus: f64, poissons_ratio: f64) -> f64 {
         let own = youngs_modulus / (2.0 * (1.0 + poissons_ratio));

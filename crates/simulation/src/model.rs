@@ -127,6 +127,11 @@ impl Material {
         self.law.stiffest_modulus(self.youngs_modulus)
     }
 
+    /// Poisson's ratio of the isotropic material that is nearest to this one: how nearly incompressible it is.
+    pub fn mean_poissons_ratio(&self) -> f64 {
+        self.law.mean_poissons_ratio(self.youngs_modulus, self.poissons_ratio)
+    }
+
     /// Speed of a wave along a bar, m/s, in the stiffest direction.
     pub fn bar_speed(&self) -> f64 {
         (self.stiffest_modulus() / self.density).sqrt()

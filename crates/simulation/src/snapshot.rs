@@ -1,8 +1,10 @@
 //! The state of a run at one instant, as results show it.
 
-use crate::exposure::exposure;
+use crate::exposure::{exposure, exposure_of_planes};
+use crate::laws::MaterialLaw;
 use crate::model::Strength;
 use crate::simplex::Simplex;
+use crate::vector::{applied, minus, transposed, unit};
 
 /// Positions, motion, stress and cracks at one instant. SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub cracks: Vec<Crack<D>>,
     /// Strength of each material; `None` for a material that does not break.
     pub strengths: Vec<Option<Strength>>,
+    /// Law of each material, which strengths may depend on; empty for laws without directions.
+    pub laws: Vec<MaterialLaw>,
 }
 
 impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
@@ -55,6 +59,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             fragments: Vec::new(),
             cracks: Vec::new(),
             strengths: Vec::new(),
+            laws: Vec::new(),
         }
     }
 }
@@ -73,13 +78,28 @@ where
 
     /// Exposure of an element: the reciprocal of the factor by which its stress can grow until it reaches the
     /// strength of its material. It is 1 where the stress reaches the strength; `None` if the material has
-    /// none. The strength is the mean one, without its scatter. See `src/exposure.rs` for the definition.
+    /// none. The strength is the mean one, without its scatter; in bedded rock it is that of each plane. See
+    /// `src/exposure.rs` for the definition.
     ///
     /// # Panics
     /// If there is no such element.
     pub fn exposure(&self, element: usize) -> Option<f64> {
-        let strength = self.strengths.get(self.materials[element] as usize)?.as_ref()?;
-        Some(exposure::<D, N>(strength, &<[[f64; D]; N]>::of_tensor(&self.stresses[element])))
+        let material = self.materials[element] as usize;
+        let strength = self.strengths.get(material)?.as_ref()?;
+        let stress = <[[f64; D]; N]>::of_tensor(&self.stresses[element]);
+        let Some(law) = self.laws.get(material).filter(|law| law.has_directions()) else {
+            return Some(exposure::<D, N>(strength, &stress));
+        };
+        // Strengths depend on the normal in the undeformed body. An edge there has the same component along
+        // it as the deformed edge along the present normal, but for a common factor.
+        let nodes = self.elements[element].map(|node| node as usize);
+        let edge = |k: usize| minus(self.positions[nodes[k + 1]], self.positions[nodes[0]]);
+        let moved = |k: usize| minus(self.displacements[nodes[k + 1]], self.displacements[nodes[0]]);
+        let now = std::array::from_fn(edge);
+        let before = std::array::from_fn(|k| minus(now[k], moved(k)));
+        let inverse = transposed(&<[[f64; D]; N]>::cofactor(&before));
+        let on = |normal| law.strength_on(*strength, unit(applied(&inverse, applied(&now, normal))));
+        Some(exposure_of_planes::<D, N>(&stress, on))
     }
 }
 

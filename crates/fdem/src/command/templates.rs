@@ -24,15 +24,17 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 22] = [
+pub(crate) const TEMPLATES: [Template; 24] = [
     Template { name: "starter", text: STARTER },
     template!("bar_impact"),
+    template!("bedded_rock"),
     template!("borehole"),
     template!("brazilian_disc"),
     template!("compression"),
     template!("direct_shear"),
     template!("falling_blocks"),
     template!("fragment_heap"),
+    template!("hydraulic_fracture"),
     template!("jointed_slope"),
     template!("masonry_wall"),
     template!("ring_on_plate"),

@@ -97,28 +97,30 @@ fn excess_in_space(poissons_ratio: f64, elements: f64) -> f64 {
 /// Members of tetrahedra that are too stiff in bending, and materials that lock.
 pub(crate) fn warnings_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], warnings: &mut Vec<String>) {
     let bends = !model.boundaries.is_empty() || model.gravity != [0.0; 3];
-    let error =
-        |member: &Member| excess_in_space(model.materials[member.material].poissons_ratio, member.elements);
+    let error = |member: &Member| {
+        excess_in_space(model.materials[member.material].mean_poissons_ratio(), member.elements)
+    };
     let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
         .filter_map(|body| member_in_space(model, placed, body))
         .filter(|member| error(member) > STIFF)
         .collect();
     if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
-        let nu = model.materials[worst.material].poissons_ratio;
+        let nu = model.materials[worst.material].mean_poissons_ratio();
         let needed =
             (1..100).map(f64::from).find(|count| excess_in_space(nu, *count) <= STIFF).unwrap_or(100.0);
         too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);
     }
     for (number, material) in (0..).zip(&model.materials) {
-        let nu = material.poissons_ratio;
+        let nu = material.mean_poissons_ratio();
         if nu <= NEARLY_INCOMPRESSIBLE || !model.mesh.materials.contains(&number) {
             continue;
         }
         let row = RATIOS_IN_SPACE.iter().position(|ratio| *ratio >= nu).unwrap_or(RATIOS_IN_SPACE.len() - 1);
         let at_least = if nu > RATIOS_IN_SPACE[row] { "more than" } else { "up to" };
         warnings.push(format!(
-            "[[material]] \"{}\": elements lock where Poisson's ratio is {nu}: a member with {:.0} elements through its thickness is {at_least} {:.0} % too stiff in bending, one with {:.0} {at_least} {:.0} %",
+            "[[material]] \"{}\": elements lock where Poisson's ratio is {}: a member with {:.0} elements through its thickness is {at_least} {:.0} % too stiff in bending, one with {:.0} {at_least} {:.0} %",
             material.name,
+            brief(nu),
             CELLS[1] as f64 / EDGE,
             100.0 * EXCESS_IN_SPACE[row][1],
             CELLS[2] as f64 / EDGE,
@@ -144,7 +146,7 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
     // Where nothing is held, loaded or heavy, bodies fly and hit each other: that need not bend them.
     let bends = !model.boundaries.is_empty() || model.gravity != [0.0; 2];
     let error = |member: &Member| {
-        excess(model.plane, model.materials[member.material].poissons_ratio, member.elements)
+        excess(model.plane, model.materials[member.material].mean_poissons_ratio(), member.elements)
     };
     let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
         .filter_map(|body| member(model, placed, body))
@@ -152,17 +154,18 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
         .filter(|member| error(member) > STIFF)
         .collect();
     if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
-        let needed = needed(model.plane, model.materials[worst.material].poissons_ratio);
+        let needed = needed(model.plane, model.materials[worst.material].mean_poissons_ratio());
         too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);
     }
     for (number, material) in model.materials.iter().enumerate() {
-        let nu = material.poissons_ratio;
+        let nu = material.mean_poissons_ratio();
         let used = model.mesh.materials.contains(&(number as u32));
         if matches!(model.plane, Plane::Strain) && nu > NEARLY_INCOMPRESSIBLE && used {
             warnings.push(format!(
-                "[[material]] \"{}\": elements lock where Poisson's ratio is {nu} in plane strain: a member with {ENOUGH} elements through its thickness is about {:.0} % too stiff in bending, \
+                "[[material]] \"{}\": elements lock where Poisson's ratio is {} in plane strain: a member with {ENOUGH} elements through its thickness is about {:.0} % too stiff in bending, \
                  one with 16 about {:.0} %",
                 material.name,
+                brief(nu),
                 100.0 * excess(model.plane, nu, ENOUGH),
                 100.0 * excess(model.plane, nu, 2.0 * ENOUGH),
             ));

@@ -9,7 +9,7 @@ use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_mesh::{Simplex, bounds, edges};
-use fdem_simulation::{Boundary, Load, Model, Plane, Target};
+use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Plane, Strength, Target};
 
 use crate::advice::ready::Ready;
 use crate::advice::{equilibrium, parts, quasi_static};
@@ -161,8 +161,13 @@ fn process_zone<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &
     let mut large = vec![0_usize; model.materials.len()];
     let mut count = vec![0_usize; model.materials.len()];
     let zone = |number: usize| {
-        let strength = model.materials[number].strength?;
-        Some(plane_modulus(model, number) * strength.energy_i / strength.tensile.powi(2))
+        let material = &model.materials[number];
+        let zone = |modulus: f64, strength: Strength| modulus * strength.energy_i / strength.tensile.powi(2);
+        let strength = material.strength?;
+        let whole = zone(plane_modulus(model, number), strength);
+        // A crack along the bedding opens against the stiffness across it.
+        let MaterialLaw::TransverselyIsotropic(bedding) = &material.law else { return Some(whole) };
+        Some(whole.min(zone(bedding.youngs_modulus, bedding.strength.unwrap_or(strength))))
     };
     for (nodes, &number) in model.mesh.elements.iter().zip(&model.mesh.materials) {
         let number = number as usize;
@@ -194,14 +199,21 @@ fn process_zone<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &
 fn apex<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     for material in &model.materials {
         let Some(strength) = material.strength else { continue };
-        let apex = strength.cohesion / strength.friction;
-        if strength.tensile > apex {
-            warnings.push(format!(
-                "material \"{}\" cannot carry its tensile strength of {} Pa: by cohesion / tan(friction_angle) it fails in shear at a tension of {} Pa",
-                material.name,
-                brief(strength.tensile),
-                brief(apex)
-            ));
+        let on_bedding = match &material.law {
+            MaterialLaw::TransverselyIsotropic(bedding) => bedding.strength,
+            _ => None,
+        };
+        let all = [Some((strength, "")), on_bedding.map(|strength| (strength, " on its bedding"))];
+        for (Strength { tensile, cohesion, .. }, place) in all.into_iter().flatten() {
+            let apex = cohesion / strength.friction;
+            if tensile > apex {
+                warnings.push(format!(
+                    "material \"{}\" cannot carry its tensile strength of {} Pa{place}: by cohesion / tan(friction_angle) it fails in shear at a tension of {} Pa",
+                    material.name,
+                    brief(tensile),
+                    brief(apex)
+                ));
+            }
         }
     }
 }

@@ -58,8 +58,7 @@ pub(crate) fn rows<T>(text: &str, of: impl Fn(&[f64]) -> Option<T>, form: &str) 
     Ok(found)
 }
 
-/// Checks that there are shapes, and that all of their coordinates are numbers. `many`: what the shapes are
-/// called.
+/// Checks that there are shapes, and that all of their coordinates are numbers. `many`: name of several.
 pub(crate) fn check<'a>(
     name: &str,
     many: &str,

@@ -34,6 +34,21 @@ fn bedding_has_the_constants_and_the_direction_of_the_file() {
     assert_eq!(found, [3e6, 8e6, 200.0, 2500.0]);
 }
 
+/// Elements have to resolve the crack whose process zone is the shortest.
+#[test]
+fn advice_on_elements_is_for_the_shortest_process_zone() {
+    let weak = ", tensile_strength = 3e6, cohesion = 8e6, fracture_energy_i = 10";
+    for (strength, zone) in [("", "0.111111"), (weak, "0.02")] {
+        let warnings = right(&with(STRONG, &format!("{ELASTIC}, dip = 30{strength}"))).warnings;
+        let part = format!("fracture process zone (E' G/f² = {zone} m");
+        assert!(warnings.iter().any(|warning| warning.contains(&part)), "{part:?} is not in {warnings:?}");
+    }
+    let brittle = ", tensile_strength = 3e6, cohesion = 1e6";
+    let warnings = right(&with(STRONG, &format!("{ELASTIC}, dip = 30{brittle}"))).warnings;
+    let part = "cannot carry its tensile strength of 3e6 Pa on its bedding";
+    assert!(warnings.iter().any(|warning| warning.contains(part)), "{warnings:?}");
+}
+
 #[test]
 fn bedding_in_space_dips_in_a_direction() {
     let space = with("", &format!("{ELASTIC}, dip = 30, dip_direction = 90")).replacen(

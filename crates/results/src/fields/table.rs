@@ -173,8 +173,9 @@ pub const QUANTITIES: &[Quantity] = &[
                      largest circle. 1/F is the largest share of the strength that a plane uses, the stress \
                      exposure of its action plane (Puck and Schürmann, Compos. Sci. Technol. 62 (2002) \
                      1633-1662). In two dimensions σ₁, m and r are those in the plane. The strength is \
-                     that of the material, without the scatter of `weibull_modulus`, and not that of an interface or \
-                     of a joint set.",
+                     that of the material, in bedded rock that of each plane by its angle to the bedding, \
+                     without the scatter of `weibull_modulus`, and not that of an interface or of a joint \
+                     set.",
         sign: "negative beyond the strength",
         span: Span::Any,
         shown: Some(Shown::Scale { ramp: &DISTANCE, ends: Ends::Fixed(0.0, 1.0), column: None }),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use fdem_simulation::{Element, Forces, Snapshot, Strength};
+use fdem_simulation::{Bedding, Element, Forces, MaterialLaw, Snapshot, Strength};
 
 use crate::fields::colours::NO_VALUE;
 use crate::fields::state::Instant;
@@ -166,6 +166,38 @@ fn shear_and_distance_to_failure_in_space_are_those_of_the_largest_circle() {
             assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{stress:?}: {found}");
         }
     }
+}
+
+/// Tension across the bedding meets its strength, along it that of the material; both turn with an element.
+#[test]
+fn distance_to_failure_in_bedded_rock_is_that_of_the_weakest_plane() {
+    let weak = Strength { tensile: 1e6, cohesion: 2.5e6, ..ROCK };
+    let bedding = Bedding {
+        normal: [0.0, 2.0, 0.0],
+        youngs_modulus: 1e9,
+        poissons_ratio: 0.2,
+        shear_modulus: 1e9,
+        strength: Some(weak),
+    };
+    let laws = vec![MaterialLaw::TransverselyIsotropic(bedding)];
+    let bedded = |stress| Snapshot { strengths: vec![Some(ROCK)], laws: laws.clone(), ..triangle(stress) };
+    let near = |snapshot: &Snapshot, expected: f64| {
+        let [_, distance] = found(snapshot);
+        assert!((distance - expected).abs() < 1e-6, "{distance} {expected}");
+    };
+    near(&bedded([0.0, 0.5e6, 0.0, 0.0, 0.0, 0.0]), 0.5);
+    near(&bedded([0.0, 1.5e6, 0.0, 0.0, 0.0, 0.0]), -0.5);
+    // Along the bedding: the plane across it carries four times as much, and no other plane less.
+    let along = bedded([0.5e6, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert!((0.5..0.875).contains(&found(&along)[1]), "{:?}", found(&along));
+    // Turned by a right angle, the bedding is across x.
+    let mut turned = along;
+    for (position, displacement) in turned.positions.iter_mut().zip(&mut turned.displacements) {
+        let before: [f64; 2] = std::array::from_fn(|axis| position[axis] - displacement[axis]);
+        *position = [-before[1], before[0]];
+        *displacement = std::array::from_fn(|axis| position[axis] - before[axis]);
+    }
+    near(&turned, 0.5);
 }
 
 #[test]

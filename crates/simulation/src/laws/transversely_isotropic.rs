@@ -114,6 +114,13 @@ impl Bedding {
         unit(std::array::from_fn(|axis| self.normal[axis]))
     }
 
+    /// Poisson's ratio of Voigt's mean over all directions. `e`, `nu`: the constants in the plane of the
+    /// bedding.
+    pub(super) fn mean_poissons_ratio(&self, e: f64, nu: f64) -> f64 {
+        let [lame, shear] = self.in_elements::<3>(e, nu, false).whole.isotropic_mean(3.0);
+        0.5 * lame / (lame + shear)
+    }
+
     /// The law in elements. `e`, `nu`: the constants in the plane of the bedding; `plate`: whether the stress
     /// out of the plane vanishes.
     pub(super) fn in_elements<const D: usize>(&self, e: f64, nu: f64, plate: bool) -> Bedded<D> {

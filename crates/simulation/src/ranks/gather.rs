@@ -258,6 +258,7 @@ where
             fragments: self.fragments.clone(),
             cracks,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
+            laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }
     }
 

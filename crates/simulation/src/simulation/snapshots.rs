@@ -44,6 +44,7 @@ where
             fragments: self.fragments(),
             cracks,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
+            laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }
     }
 

@@ -329,3 +329,18 @@ fn constants_without_a_positive_energy_are_refused() {
     assert!(refusal(bedding, 3, 1.0).contains("Poisson's ratio"));
     assert!(refusal(Bedding { poissons_ratio: 0.5, ..bedding }, 3, nu).contains("1 - ν - 2 ν'² E/E'"));
 }
+
+#[test]
+fn the_mean_of_isotropic_constants_is_theirs() {
+    let (e, nu) = (30e9, 0.49);
+    let bedding = Bedding {
+        normal: [1.0, 0.0, 2.0],
+        youngs_modulus: e,
+        poissons_ratio: nu,
+        shear_modulus: e / (2.0 + 2.0 * nu),
+        strength: None,
+    };
+    assert!((bedding.mean_poissons_ratio(e, nu) - nu).abs() < 1e-12);
+    let softer = Bedding { youngs_modulus: 0.5 * e, poissons_ratio: 0.2, ..bedding };
+    assert!((0.1..0.49).contains(&softer.mean_poissons_ratio(e, 0.3)));
+}
