@@ -17,7 +17,7 @@ pub(crate) mod caption;
 pub(crate) mod colour;
 pub(crate) mod encode;
 pub(crate) mod error;
-mod flat;
+pub(crate) mod flat;
 pub(crate) mod furniture;
 pub(crate) mod drawing;
 pub(crate) mod letters;

@@ -17,7 +17,6 @@ mod chart;
 mod csv;
 mod curves;
 mod emission;
-mod fill;
 pub(crate) mod fragments;
 pub(crate) mod frame;
 mod history;

@@ -202,7 +202,7 @@ impl<'a> NetworkLayout<'a> {
 
     fn discs(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
         let Self { scene, camera, .. } = self;
-        let mut flat = Flat::new(size);
+        let mut flat = Flat::new(size, 1);
         let place = |point: [f64; 3]| {
             let [x, y, _] = camera.place(point);
             [x * zoom, y * zoom]

@@ -12,12 +12,12 @@ use crate::fields::field::Field;
 use crate::fields::range::Range;
 use crate::picture::colour::{Rgb, hex};
 use crate::picture::encode::{self, Layer};
+use crate::picture::flat::Flat;
 use crate::picture::furniture::{self, BAR, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
-use crate::run::fill::Fill;
 use crate::run::frame::{Frame, Opened, code};
 use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::run::unit::prefixed;
@@ -35,6 +35,9 @@ const MOST_VECTORS: usize = 20_000;
 /// white seam separates the cracks from the elements.
 pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
+/// Samples along the side of a pixel.
+const SAMPLES: usize = 2;
+
 const CRACK: f64 = 2.0;
 const SEAM: f64 = 4.0;
 
@@ -262,7 +265,7 @@ impl Pictures<'_> {
     /// Draws elements, outlines and cracks as pixels.
     fn layer(&self, page: &FrameLayout, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
-        let mut fill = Fill::new(size);
+        let mut fill = Flat::new(size, SAMPLES);
         let scaled = |[x, y]: [f64; 2]| [x * scale, y * scale];
         let pixel = |point: [f64; 2]| scaled(page.place(point));
         for (element, [a, b, c]) in opened.corners.iter().enumerate() {
@@ -276,14 +279,14 @@ impl Pictures<'_> {
             }
             for [a, b] in lines {
                 // A line narrower than a sample would have holes.
-                fill.line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
+                fill.square_line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
             }
         }
         for (ends, _) in &opened.cracks {
-            fill.line(ends.map(pixel), SEAM * scale, [255; 3]);
+            fill.square_line(ends.map(pixel), SEAM * scale, [255; 3]);
         }
         for (ends, mode) in &opened.cracks {
-            fill.line(ends.map(pixel), CRACK * scale, crack_colour(*mode));
+            fill.square_line(ends.map(pixel), CRACK * scale, crack_colour(*mode));
         }
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
     }
