@@ -37,8 +37,8 @@ impl Flat {
         });
     }
 
-    /// Fills a triangle. A sample belongs to the triangle that contains its centre, so it belongs to only one of
-    /// two adjacent triangles.
+    /// Fills a triangle. A sample belongs to the triangle that contains its centre, so it belongs to only one
+    /// of two adjacent triangles.
     pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
         self.convex(&corners, colour);
     }
@@ -95,10 +95,13 @@ impl Flat {
         for row in (0..self.height).step_by(grid) {
             for column in (0..width).step_by(grid) {
                 for channel in 0..3 {
-                    let of_row = |row: usize| &self.samples[row * width + column..][..grid];
-                    let samples = (row..row + grid).flat_map(of_row);
-                    let sum: u32 = samples.map(|sample| u32::from(sample[channel])).sum();
-                    pixels.push(((sum + count / 2) / count) as u8);
+                    let mut sum = count / 2;
+                    for of_row in row..row + grid {
+                        for sample in &self.samples[of_row * width + column..][..grid] {
+                            sum += u32::from(sample[channel]);
+                        }
+                    }
+                    pixels.push((sum / count) as u8);
                 }
             }
         }
