@@ -306,7 +306,7 @@ where
     }
 
     /// Replaces the nodes by those of a saved run. Each vertex keeps its supports.
-    pub(crate) fn set_nodes(&mut self, nodes: Vec<Node<D>>, of_corner: Vec<[u32; N]>, model: &Model<D, N>) {
+    pub(crate) fn set_nodes(&mut self, nodes: &[Node<D>], of_corner: Vec<[u32; N]>, model: &Model<D, N>) {
         let vertices = &model.mesh.elements;
         let mut holds = vec![NONE; model.mesh.nodes.len()];
         for constants in &self.constants {

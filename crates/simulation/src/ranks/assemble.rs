@@ -75,9 +75,9 @@ where
         let nodes = NodesOf::of(all);
         share.nodes = nodes.first.iter().map(|corner| corner.owner == rank).collect();
         share.codes = nodes.codes;
-        let moving =
+        let moving: Vec<_> =
             nodes.first.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect();
-        solid.set_nodes(moving, nodes.of_corner, &model);
+        solid.set_nodes(&moving, nodes.of_corner, &model);
         solid.set_masses(&nodes.first.iter().map(|at| at.masses).collect::<Vec<_>>());
         solid.set_share(share);
         solid.grains = Grains::of(frame.scales.size);

@@ -123,7 +123,7 @@ where
             return Err(missing(node));
         }
         let Columns { solid, joints, contacts } = run.machine.columns_mut();
-        solid.set_nodes(state.nodes, state.of_corner, &run.model);
+        solid.set_nodes(&state.nodes, state.of_corner, &run.model);
         solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
         joints.restore(state.joints, &run.model, &run.topology, solid)?;
         let couples = Contacts::without_forces(state.contacts);
