@@ -3,55 +3,16 @@
 //! They are compiled in this crate for the plane and for space: a run over all couples must be optimised, and
 //! the crate of the command is not.
 
+mod request;
 mod verify;
 
 use std::any::Any;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use fdem_contact::{
-    Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
-};
+use fdem_contact::{Detector, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search};
 
-use crate::network::{Couples, Sizes, Space, unshifted};
-
-/// Elements and options of a detection.
-#[derive(Clone, Copy, Debug)]
-pub struct DetectionRequest<'a> {
-    /// Sizes of the elements.
-    pub sizes: Sizes<'a>,
-    /// Largest gap that counts as contact, in the unit of the centres.
-    pub tolerance: f64,
-    /// Body of each element. Elements of the same body form no couple.
-    pub bodies: Option<&'a [u32]>,
-    /// The engine; `None` to choose one.
-    pub engine: Option<Engine>,
-    /// Number of threads; 0 is one per processor.
-    pub threads: usize,
-    /// Whether the couples are kept; otherwise only their statistics are.
-    pub keep: bool,
-}
-
-impl<'a> DetectionRequest<'a> {
-    /// Returns the elements.
-    ///
-    /// # Errors
-    /// The reason for which the library refuses them.
-    pub fn elements<'b, const D: usize>(&self, centres: &'b [[f64; D]]) -> Result<Elements<'b, f64, D>, Error>
-    where
-        'a: 'b,
-    {
-        let elements = match self.sizes {
-            Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
-            Sizes::All(radius) => Elements::spheres(centres, radius),
-            Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
-        }?
-        .with_tolerance(self.tolerance)?;
-        match self.bodies {
-            Some(bodies) => elements.with_filter(Filter::bodies(bodies)),
-            None => Ok(elements),
-        }
-    }
-}
+pub use crate::detection::request::DetectionRequest;
+use crate::network::{Couples, Space, unshifted};
 
 /// Result of a detection.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! Looking at contact networks and at runs: analysis, pictures, plots, animations, files for ParaView, and
 //! pages for a browser.
 //!
-//! [`detection`] finds the couples of a packing. [`network`] is the input of [`analysis`] and [`picture`]; the results of a run ([`Frame`], [`History`],
-//! [`Pictures`]) are made from snapshots of `fdem-simulation`. [`page`] makes both into pages. This crate
-//! makes text and bytes, and knows no paths.
+//! [`detection`] finds the couples of a packing. [`network`] is the input of [`analysis`] and [`picture`];
+//! the results of a run ([`Frame`], [`History`], [`Pictures`]) are made from snapshots of `fdem-simulation`.
+//! [`page`] makes both into pages. This crate makes text and bytes, and knows no paths.
 //!
 //! # How it is built
 //!
@@ -25,7 +25,7 @@
 //!
 //! | to change | open |
 //! |---|---|
-//! | detection of couples, their statistics, the check by brute force | `src/detection.rs`, `src/detection/verify.rs` |
+//! | detection of couples, their statistics, the check by brute force | `src/detection.rs`, `src/detection/request.rs`, `src/detection/verify.rs` |
 //! | analysis of a network | `src/analysis.rs`, then its part: `src/analysis/fabric.rs`, `src/analysis/clusters.rs` and so on; its lines in the summary: `crates/fdem/src/command/analyse.rs` |
 //! | pictures: layout, colours, texts | `src/picture/drawing.rs`, `src/picture/colour.rs`, `src/picture/furniture.rs` |
 //! | spheres and discs by pixel, the distributions | `src/picture/raster.rs`, `src/picture/flat.rs`, `src/picture/plots.rs` |

@@ -1,8 +1,8 @@
 //! Functions that are compiled with this crate, for triangles and for tetrahedra.
 //!
 //! A generic function is compiled in each crate that calls it, with the options of that crate: slowly, and
-//! not optimised in crates that are built quickly. There are only two kinds of elements, so what takes long
-//! for a large model is compiled here.
+//! not optimised in crates that are built quickly. There are only two kinds of elements, so functions that
+//! take long for a large model are compiled here.
 
 use std::any::Any;
 

@@ -127,7 +127,8 @@ impl Material {
         self.law.stiffest_modulus(self.youngs_modulus)
     }
 
-    /// Poisson's ratio of the isotropic material that is nearest to this one: how nearly incompressible it is.
+    /// Poisson's ratio of the isotropic material that is nearest to this one: it says whether this one is
+    /// nearly incompressible.
     pub fn mean_poissons_ratio(&self) -> f64 {
         self.law.mean_poissons_ratio(self.youngs_modulus, self.poissons_ratio)
     }

@@ -2,7 +2,7 @@
 
 use fdem_contact::{PeriodicBox, PeriodicCouple, verify};
 
-use crate::detection::DetectionRequest;
+use crate::detection::request::DetectionRequest;
 use crate::network::{Couples, Sizes, Space};
 
 /// [`check`](super::check), compiled where it is called.

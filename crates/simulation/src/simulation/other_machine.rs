@@ -28,7 +28,7 @@ const STEP: [&str; 9] =
     ["deform", "pull", "detect", "touch", "add forces", "failing", "move nodes", "move nodes", "end motion"];
 
 /// A machine with a memory of its own, as a graphics processor has. The host gets a copy of the columns when
-/// it asks for them, and the next phase takes over what the host has changed.
+/// it asks for them, and the next phase takes over the changes of the host.
 #[derive(Debug)]
 struct Device<const D: usize, const N: usize> {
     own: Box<dyn Machine<D, N>>,
