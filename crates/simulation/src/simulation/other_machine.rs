@@ -241,12 +241,13 @@ where
     let mut run = Simulation::new(model.clone(), 1).expect("a model");
     let mut other = Simulation::new(model, 1).expect("a model");
     let (phases, copies) = put_on_device(&mut other);
-    let mut done = 0;
+    let (mut done, mut most_contacts) = (0, 0);
     for steps in [1, 120, 280] {
         for run in [&mut run, &mut other] {
             run.advance(steps).expect("steps");
         }
         done += steps as usize;
+        most_contacts = most_contacts.max(run.counts().contacts);
         assert_eq!(other.snapshot(), run.snapshot());
         assert_eq!(other.forces(), run.forces());
         assert_eq!(other.energies(), run.energies());
@@ -260,7 +261,7 @@ where
     assert_eq!(*phases.lock().expect("phases"), STEP.repeat(done));
     assert!(*copies.lock().expect("copies") > done, "the host reads columns in each step");
     let counts = run.counts();
-    assert!(counts.broken > 5 && counts.contacts > 5, "it should have broken: {counts:?}");
+    assert!(counts.broken > 5 && most_contacts > 0, "it should have broken and touched: {counts:?}");
 }
 
 /// Insertion, splitting, audits, snapshots and changes by a program reach the columns of a machine that has
