@@ -24,7 +24,7 @@
 //! element or corner, which other files read and write by the functions in `src/solid/columns.rs`. Elements
 //! and joints write their forces on corners; couples are computed in rounds, and the forces of each round are
 //! added to those of their elements, couple by couple. Each node then adds the forces of its corners in a
-//! fixed order (`force_on` in `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts
+//! fixed order (`force_on` in `src/motion/nodes.rs`), so that threads share no sum and change no bit. `Team` cuts
 //! work into chunks of fixed size and adds their results in order.
 //!
 //! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one
@@ -39,7 +39,7 @@
 //! `Constants`, `Link` from `Joint`). A step skips everything that cannot have changed: edges of elements
 //! whose stress is far from the strength (`joints/stress_level.rs`), boxes of bodies that have moved less
 //! than the slack of the buffer, and couples that have moved less than the distance between them
-//! (`apart_until` in `contacts.rs`).
+//! (`apart_until` in `contacts/pair.rs`).
 //! Skipping changes no result. The mesher numbers nodes and elements along Hilbert's curve. Where every
 //! element has its own nodes, nodes are numbered in the order of the elements. `bench/SIMULATION.md` compares
 //! the speed with bounds and with other programs.
@@ -71,8 +71,13 @@
 //! `Faces` lists the outer facets and the facets of broken joints, and is kept while joints break. Contact,
 //! tips of cracks, seams and cavities read it.
 //!
-//! Abstractions without a second use are left out. All couples are couples of elements: a trait for other
-//! shapes comes with the second of its kind.
+//! Bodies of a kind have numbered parts that can touch (`Bodies`, `src/bodies.rs`): elements are the first
+//! kind. Couples of a pair of kinds are found, sleep, keep their histories and are computed by the same code
+//! (`Couples`, `src/contacts/couples.rs`); the pair adds forces and works (`PairPass`,
+//! `src/contacts/pair.rs`). Degrees of freedom move by kinds (`Freedoms`, `src/motion.rs`): nodes are the
+//! first.
+//!
+//! Abstractions without a second use are left out, but for those of kinds of bodies: a test has spheres.
 //!
 //! # To change X, open Y
 //!
@@ -85,7 +90,9 @@
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `stress_level.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
-//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
+//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/elements/grips.rs`; in batches: `src/contacts/elements.rs` |
+//! | couples: search, sleep, histories | `src/contacts/couples.rs`, `src/contacts/chunk.rs`; elements that can touch: `src/contacts/surface.rs`; saved ones: `src/contacts/saved.rs` |
+//! | a kind of bodies | `src/bodies.rs`, `src/contacts/pair.rs`, `src/motion.rs`, and the walk-through in CONTRIBUTING.md |
 //! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions`; loads of boundaries in `src/model/load.rs` |
 //! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
 //! | outer facets and faces of cracks | `src/faces.rs` |
@@ -93,7 +100,7 @@
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
 //! | changes by the caller between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | the longest stable time step | `src/critical.rs` |
-//! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion.rs` |
+//! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion/nodes.rs` |
 //! | mass that is added for a longer time step | `src/mass.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/actions/seams.rs`, `src/actions/ground.rs` |
@@ -166,6 +173,7 @@ mod cohesive;
 mod joint_sets;
 mod faces;
 mod joints;
+mod bodies;
 mod contacts;
 mod outer_side;
 mod energy;

@@ -1,38 +1,76 @@
-//! Motion of the nodes: central differences (book, (5.12)-(5.13)).
+//! Motion of degrees of freedom: central differences (book, (5.12)-(5.13)).
 //!
 //! Velocities are half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the
 //! kinetic energy at the positions between them: with it, the sum of kinetic and strain energy of a linear
 //! system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
+//!
+//! Nodes are one kind of members with degrees of freedom (`motion/nodes.rs`). A kind implements [`Freedoms`];
+//! chunks of members, and sums over their motion, are written once.
 
-use crate::actions::prescribed::Hold;
-use crate::joints::Joints;
-use crate::model::{Model, Schedule};
-use crate::simplex::Simplex;
-use crate::solid::{Constants, Node, Solid};
-use crate::sum::{Grains, Pile, Sum};
-use crate::team::Team;
-use crate::topology::NONE;
-use crate::vector::{Point, add, dot, minus, plus};
+pub(crate) mod nodes;
 
-/// Everything that the motion of the nodes in a step depends on.
-pub(crate) struct Motion<'a, const D: usize, const N: usize> {
-    pub(crate) model: &'a Model<D, N>,
-    /// Prescribed motions, and the factor of each boundary in time.
-    pub(crate) holds: &'a [[Option<Hold>; D]],
-    pub(crate) schedules: &'a [Schedule],
-    /// Acceleration of gravity at the beginning of the step, m/s².
-    pub(crate) gravity: Point<D>,
-    pub(crate) time: f64,
-    pub(crate) step: f64,
+use crate::sum::{Pile, Sum};
+use crate::vector::{Point, dot};
+
+/// Members of one kind in a step, with all that their motion depends on: nodes, or bodies that are rigid.
+pub(crate) trait Freedoms<const D: usize>: Sync {
+    /// Position and velocity of a member, which its motion replaces.
+    type Moving<'m>;
+    /// Force on a member: D components on a node; force and moment on a body that turns.
+    type Force;
+
+    /// Whether this rank moves a member.
+    fn is_own(&self, member: usize) -> bool;
+
+    /// Gathers the force on a member.
+    fn force(&self, member: usize) -> Self::Force;
+
+    /// Moves a member under a force, and adds its energies and works to the sums. Returns the square of the
+    /// speed of its fastest point after the step.
+    fn advance(
+        &self,
+        member: usize,
+        moving: Self::Moving<'_>,
+        force: Self::Force,
+        sum: &mut MotionSums<Pile, D>,
+    ) -> f64;
+
+    /// The first element of a member, for messages.
+    fn element(&self, member: usize) -> u32;
+}
+
+/// Members that a rank moves now.
+pub(crate) struct MovedNow<M> {
+    /// Selects members by their numbers.
+    pub(crate) moves: M,
+    /// Speed of the fastest point at which the run continues, m/s.
     pub(crate) speed_limit: f64,
-    /// Grains of the works that are added up.
-    pub(crate) grains: Grains,
-    /// Whether to compute the kinetic energy.
-    pub(crate) energy: bool,
-    /// Damping of dynamic relaxation: force on a node over its mass and its velocity, 1/s.
-    pub(crate) relaxation: f64,
-    /// Sums for that damping.
-    pub(crate) taken: RelaxationSums,
+}
+
+impl<M: Fn(usize) -> bool> MovedNow<M> {
+    /// Moves a chunk of members. `first`: number of its first member.
+    #[inline]
+    pub(crate) fn advance_chunk<'m, const D: usize, F: Freedoms<D> + 'm>(
+        &self,
+        freedoms: &F,
+        first: usize,
+        chunk: impl Iterator<Item = F::Moving<'m>>,
+    ) -> MotionSums<Pile, D> {
+        let limit = self.speed_limit * self.speed_limit;
+        let mut sum = MotionSums::<Pile, D>::default();
+        for (k, moving) in chunk.enumerate() {
+            let member = first + k;
+            if !freedoms.is_own(member) || !(self.moves)(member) {
+                continue;
+            }
+            let squared = freedoms.advance(member, moving, freedoms.force(member), &mut sum);
+            sum.fastest = sum.fastest.max(squared);
+            if squared > limit || squared.is_nan() {
+                sum.note_runaway((freedoms.element(member), squared.sqrt()));
+            }
+        }
+        sum
+    }
 }
 
 /// Sums over the free axes of nodes, for the damping of dynamic relaxation, that are taken in a step.
@@ -45,7 +83,7 @@ pub(crate) enum RelaxationSums {
     Before,
 }
 
-/// Sums over the motion of all nodes, or piles over that of a chunk.
+/// Sums over the motion of all members, or piles over that of a chunk.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MotionSums<S, const D: usize> {
     /// Kinetic energy, J, if requested.
@@ -59,12 +97,12 @@ pub(crate) struct MotionSums<S, const D: usize> {
     pub(crate) taken: [S; 2],
     /// Force on each node that a boundary moves, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
-    /// Speed of the fastest node, m/s.
+    /// Speed of the fastest point, m/s; its square in the sums of a chunk.
     pub(crate) fastest: f64,
     /// Squares of the largest force on a node that is free, and of the largest that an element exerts on one
     /// of its nodes, N², if the kinetic energy is requested.
     pub(crate) largest: [f64; 2],
-    /// The first element with a node that is too fast, and the speed of that node, m/s.
+    /// The first element with a point that is too fast, and the speed of that point, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
@@ -77,7 +115,7 @@ impl<S, const D: usize> MotionSums<S, D> {
         }
     }
 
-    /// Notes an element with a node that is too fast.
+    /// Notes an element with a point that is too fast.
     fn note_runaway(&mut self, found: (u32, f64)) {
         if self.runaway.is_none_or(|(element, _)| found.0 < element) {
             self.runaway = Some(found);
@@ -92,232 +130,22 @@ pub(crate) enum Selected<'a> {
     Except(&'a [bool]),
 }
 
-/// Gathers the forces on each node that is selected, moves it, and adds to the sums over all nodes.
-pub(crate) fn advance<const D: usize, const N: usize>(
-    solid: &mut Solid<D, N>,
-    joints: &Joints<D>,
-    motion: &Motion<'_, D, N>,
-    team: &Team,
-    selected: Selected<'_>,
-    all: &mut MotionSums<Sum, D>,
-) where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    match selected {
-        Selected::Only([]) => {}
-        Selected::Except([]) => advance_where(solid, joints, motion, team, |_| true, all),
-        Selected::Only(list) => advance_where(solid, joints, motion, team, |node| list[node], all),
-        Selected::Except(list) => advance_where(solid, joints, motion, team, |node| !list[node], all),
-    }
-}
-
-/// [`advance`] for the nodes that `moves` selects by their numbers.
-fn advance_where<const D: usize, const N: usize>(
-    solid: &mut Solid<D, N>,
-    joints: &Joints<D>,
-    motion: &Motion<'_, D, N>,
-    team: &Team,
-    moves: impl Fn(usize) -> bool + Sync,
-    all: &mut MotionSums<Sum, D>,
-) where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let limit = motion.speed_limit * motion.speed_limit;
-    let found = solid.with_motion(|solid, positions, velocities| {
-        team.change_both(positions, velocities, |first, positions, velocities| {
-            let mut sum = MotionSums::<Pile, D>::default();
-            for (k, (position, velocity)) in positions.iter_mut().zip(velocities).enumerate() {
-                let number = first + k;
-                if !solid.share().node(number) || !moves(number) {
-                    continue;
-                }
-                let constants = solid.constants(number);
-                let true_mass = solid.true_mass(number);
-                let weight = motion.gravity.map(|acceleration| true_mass * acceleration);
-                let force = force_on(number, solid, joints);
-                if motion.energy {
-                    let free = if constants.hold == NONE { plus(force, weight) } else { [0.0; D] };
-                    let corners = solid.corners(number).iter();
-                    sum.note_forces(free, corners.map(|&corner| solid.force(corner)));
-                }
-                let node = Node { position: *position, velocity: *velocity };
-                let (node, reaction, squared) =
-                    move_node(node, constants, [force, weight], solid.origin, motion, &mut sum);
-                (*position, *velocity) = (node.position, node.velocity);
-                if constants.hold != NONE {
-                    sum.held.push((number as u32, reaction));
-                }
-                sum.fastest = sum.fastest.max(squared);
-                if squared > limit || squared.is_nan() {
-                    sum.note_runaway((solid.corners(number)[0] / N as u32, squared.sqrt()));
-                }
+impl<const D: usize> MotionSums<Sum, D> {
+    /// Adds the sums of chunks, in their order.
+    pub(crate) fn add_chunks(&mut self, found: Vec<MotionSums<Pile, D>>) {
+        for chunk in found {
+            self.kinetic.add_pile(chunk.kinetic);
+            self.fastest = self.fastest.max(chunk.fastest.sqrt());
+            self.largest = std::array::from_fn(|k| self.largest[k].max(chunk.largest[k]));
+            for half in 0..2 {
+                self.taken[half].add_pile(chunk.taken[half]);
+                self.external[half].add_pile(chunk.external[half]);
+                self.damping[half].add_pile(chunk.damping[half]);
             }
-            sum
-        })
-    });
-    for chunk in found {
-        all.kinetic.add_pile(chunk.kinetic);
-        all.fastest = all.fastest.max(chunk.fastest.sqrt());
-        all.largest = std::array::from_fn(|k| all.largest[k].max(chunk.largest[k]));
-        for half in 0..2 {
-            all.taken[half].add_pile(chunk.taken[half]);
-            all.external[half].add_pile(chunk.external[half]);
-            all.damping[half].add_pile(chunk.damping[half]);
-        }
-        all.held.extend(chunk.held);
-        if let Some(runaway) = chunk.runaway {
-            all.note_runaway(runaway);
+            self.held.extend(chunk.held);
+            if let Some(runaway) = chunk.runaway {
+                self.note_runaway(runaway);
+            }
         }
     }
-}
-
-/// Force on a node, without its weight, N: the sum over its corners in their order, for each that of its
-/// element with its contacts, and its joints.
-#[inline]
-pub(crate) fn force_on<const D: usize, const N: usize>(
-    node: usize,
-    solid: &Solid<D, N>,
-    joints: &Joints<D>,
-) -> Point<D>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut force = [0.0; D];
-    let joined = joints.at_vertex[solid.vertex(node) as usize];
-    for &corner in solid.corners(node) {
-        add(&mut force, solid.force(corner), 1.0);
-        if joined {
-            joints.add_force(corner, &mut force);
-        }
-    }
-    force
-}
-
-/// Moves a node under the force on it without its weight, and its weight, N. Returns the node at the end of
-/// the step, the reaction of its supports, and the square of its speed.
-#[inline]
-fn move_node<const D: usize, const N: usize>(
-    node: Node<D>,
-    constants: &Constants,
-    [force, weight]: [Point<D>; 2],
-    origin: Point<D>,
-    motion: &Motion<'_, D, N>,
-    sum: &mut MotionSums<Pile, D>,
-) -> (Node<D>, Point<D>, f64) {
-    let (mass, step) = (constants.mass, motion.step);
-    let Node { position, velocity: before } = node;
-    let force = plus(force, weight);
-    let over = step / mass;
-    let (damped, after, reactions) = if constants.hold == NONE {
-        let damped = damping(motion, mass, force, before);
-        (damped, accelerated(before, over, minus(force, damped)), [0.0; D])
-    } else {
-        hold_node(&node, constants, force, origin, motion)
-    };
-    let position = std::array::from_fn(|axis| position[axis] + step * after[axis]);
-    if motion.energy {
-        sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
-    }
-    // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
-    let external = plus(weight, reactions);
-    for (half, velocity) in [before, after].into_iter().enumerate() {
-        if external != [0.0; D] {
-            sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
-        }
-        if damped != [0.0; D] {
-            sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
-        }
-    }
-    if motion.taken != RelaxationSums::Nothing {
-        take(motion, constants, force, [before, after], sum);
-    }
-    (Node { position, velocity: after }, reactions, dot(after, after))
-}
-
-/// Adds the terms of a node along its free axes to the sums for the damping of dynamic relaxation.
-#[cold]
-#[inline(never)]
-fn take<const D: usize, const N: usize>(
-    motion: &Motion<'_, D, N>,
-    constants: &Constants,
-    force: Point<D>,
-    [before, after]: [Point<D>; 2],
-    sum: &mut MotionSums<Pile, D>,
-) {
-    for axis in 0..D {
-        if constants.hold != NONE && motion.holds[constants.hold as usize][axis].is_some() {
-            continue;
-        }
-        if motion.taken == RelaxationSums::After {
-            sum.taken[0].add(force[axis] * after[axis], motion.grains);
-        } else {
-            sum.taken[0].add(force[axis] * before[axis], motion.grains);
-            sum.taken[1].add(constants.mass * before[axis] * before[axis], motion.grains);
-        }
-    }
-}
-
-/// The force of local damping, and of dynamic relaxation, against a motion.
-#[inline]
-fn damping<const D: usize, const N: usize>(
-    motion: &Motion<'_, D, N>,
-    mass: f64,
-    force: Point<D>,
-    before: Point<D>,
-) -> Point<D> {
-    let local = local_damping(motion.model.time.local_damping, force, before);
-    if motion.relaxation == 0.0 {
-        return local;
-    }
-    // It acts with the mean of the velocities before and after the step, so that any damping is stable.
-    let half = 0.5 * motion.relaxation * motion.step;
-    std::array::from_fn(|axis| {
-        let speed = before[axis] + 0.5 * motion.step / mass * (force[axis] - local[axis]);
-        local[axis] + motion.relaxation * mass * speed / (1.0 + half)
-    })
-}
-
-/// Velocity after a step. `over`: step over mass, s/kg.
-#[inline]
-fn accelerated<const D: usize>(before: Point<D>, over: f64, force: Point<D>) -> Point<D> {
-    std::array::from_fn(|axis| before[axis] + over * force[axis])
-}
-
-/// The force of local damping against a motion.
-#[inline]
-fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
-    if damping == 0.0 {
-        return [0.0; D];
-    }
-    let against = |force: f64, v: f64| if v == 0.0 { 0.0 } else { damping * force.abs() * v.signum() };
-    std::array::from_fn(|axis| against(force[axis], velocity[axis]))
-}
-
-/// The force of local damping on a node that is held, its velocity after the step, and the reaction of its
-/// supports. Apart from the others, which are most: where axes are counted one by one, vectors stay in
-/// memory.
-#[cold]
-#[inline(never)]
-fn hold_node<const D: usize, const N: usize>(
-    node: &Node<D>,
-    constants: &Constants,
-    force: Point<D>,
-    origin: Point<D>,
-    motion: &Motion<'_, D, N>,
-) -> (Point<D>, Point<D>, Point<D>) {
-    let (mass, step) = (constants.mass, motion.step);
-    let before = node.velocity;
-    let mut damped = damping(motion, mass, force, before);
-    let mut after = accelerated(before, step / mass, minus(force, damped));
-    let mut reactions = [0.0; D];
-    let held = motion.holds[constants.hold as usize];
-    for axis in 0..D {
-        let Some(hold) = held[axis] else { continue };
-        let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
-        let moved = node.position[axis] - start;
-        after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
-        damped[axis] = 0.0;
-        reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
-    }
-    (damped, after, reactions)
 }

@@ -19,7 +19,8 @@ mod other_machine;
 
 use crate::action::{Event, Scene};
 use crate::error::Stop;
-use crate::motion::{Motion, MotionSums, Selected};
+use crate::motion::nodes::Motion;
+use crate::motion::{MotionSums, Selected};
 use crate::peers::{Peers, StepReport};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;

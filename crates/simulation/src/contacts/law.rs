@@ -1,5 +1,6 @@
 //! Parameters of contacts between two materials.
 
+use crate::joint_sets::common_set;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::vector::Point;
@@ -17,7 +18,7 @@ pub(super) struct ContactLaw {
 }
 
 /// Parameters of contacts between two materials.
-pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> ContactLaw {
+fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> ContactLaw {
     let interface = model.interface(a, b);
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
     let penalty = interface
@@ -33,16 +34,43 @@ pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b
     }
 }
 
-/// Parameters of contacts between all pairs of materials; after them the same for each joint set, with its
-/// residual friction.
-pub(super) fn laws<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<ContactLaw> {
-    let count = model.materials.len();
-    let pairs = || (0..count * count).map(|k| law(model, (k / count) as u32, (k % count) as u32));
-    let of_sets = model
-        .joint_sets
-        .iter()
-        .flat_map(|set| pairs().map(|law| ContactLaw { friction: set.residual_friction, ..law }));
-    pairs().chain(of_sets).collect()
+/// Parameters of the contacts of a model.
+#[derive(Clone, Debug)]
+pub(super) struct ContactLaws<const N: usize> {
+    /// Of all pairs of materials; after them the same for each joint set, with its residual friction.
+    pub(super) all: Vec<ContactLaw>,
+    materials: usize,
+    /// Joint sets of the facets of each element; empty without joint sets.
+    joint_facets: Vec<[u32; N]>,
+}
+
+impl<const N: usize> ContactLaws<N> {
+    pub(super) fn new<const D: usize>(model: &Model<D, N>) -> Self {
+        let count = model.materials.len();
+        let pairs = || (0..count * count).map(|k| law(model, (k / count) as u32, (k % count) as u32));
+        let of_sets = model
+            .joint_sets
+            .iter()
+            .flat_map(|set| pairs().map(|law| ContactLaw { friction: set.residual_friction, ..law }));
+        Self {
+            all: pairs().chain(of_sets).collect(),
+            materials: count,
+            joint_facets: model.joint_facets.clone(),
+        }
+    }
+
+    /// Memory of the properties of elements, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.joint_facets)
+    }
+
+    /// The law of two elements of these materials: its place in all laws.
+    #[inline]
+    pub(super) fn number(&self, elements: [u32; 2], materials: [u32; 2]) -> usize {
+        let [one, other] = materials.map(|material| material as usize);
+        let set = common_set(&self.joint_facets, elements).map_or(0, |set| set as usize + 1);
+        (set * self.materials + one) * self.materials + other
+    }
 }
 
 /// Penalty of contacts between two materials, Pa, and their coefficient of friction.

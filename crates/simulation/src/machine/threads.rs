@@ -4,7 +4,8 @@ use crate::contacts::Touching;
 use crate::error::Stop;
 use crate::machine::{Columns, Machine};
 use crate::model::Model;
-use crate::motion::{self, Motion, MotionSums, Selected};
+use crate::motion::nodes::{self, Motion};
+use crate::motion::{MotionSums, Selected};
 use crate::simplex::Simplex;
 use crate::solid::Node;
 use crate::sum::Sum;
@@ -43,9 +44,9 @@ where
         contacts.detect(solid, joints, topology, &self.team)
     }
 
-    fn touch(&mut self, _: &Topology<D, N>, step: f64, energies: bool) -> Touching {
+    fn touch(&mut self, topology: &Topology<D, N>, step: f64, energies: bool) -> Touching {
         let Columns { solid, joints, contacts } = &mut self.columns;
-        contacts.press(solid, joints, step, energies, &self.team)
+        contacts.press(solid, joints, topology, step, energies, &self.team)
     }
 
     fn add_forces(&mut self, forces: &[(u32, Point<D>)]) {
@@ -66,7 +67,7 @@ where
         sums: &mut MotionSums<Sum, D>,
     ) {
         let Columns { solid, joints, .. } = &mut self.columns;
-        motion::advance(solid, joints, motion, &self.team, selected, sums);
+        nodes::advance(solid, joints, motion, &self.team, selected, sums);
     }
 
     fn read_nodes(&self, nodes: &[u32], each: &mut dyn FnMut(Node<D>)) {

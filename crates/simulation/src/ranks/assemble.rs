@@ -8,7 +8,7 @@ use crate::action::Wide;
 use crate::actions::Actions;
 use crate::actions::ground::is_ground;
 use crate::actions::seams::Seams;
-use crate::contacts::{Contacts, SavedContacts};
+use crate::contacts::Contacts;
 use crate::error::ModelError;
 use crate::joints::{Joints, MovingJoint, SavedJoints};
 use crate::machine::Columns;
@@ -97,13 +97,13 @@ where
             })
         };
         let loose_joints = loose.into_iter().filter(|moving| counted(moving.joint.facet)).collect();
-        contacts.set_known(
+        contacts.surface.set_known(
             corners(all).map(|corner| corner.group).collect(),
             known.at().map(|corner| corner.free).collect(),
             &topology,
         );
-        contacts.restore_couples(couples_of(&pieces, &topology));
-        contacts.detections = carried.detections;
+        contacts.restore_couples(pieces.contacts.renumbered(|number| topology.element(number)));
+        contacts.set_detections(carried.detections);
         let part = RankPart {
             owners,
             first: known.at().map(|corner| corner.first).collect(),
@@ -243,25 +243,5 @@ impl<'a, const D: usize, const N: usize> NodesOf<'a, D, N> {
         let node = |corner: &CornerState<D>| codes.binary_search(&corner.node).unwrap_or_default() as u32;
         let of_corner = all.iter().map(|piece| piece.corners.each_ref().map(node)).collect();
         Self { codes, first, of_corner }
-    }
-}
-
-/// The couples that touch, and the elements that have separated, as far as their elements are here.
-fn couples_of<const D: usize, const N: usize>(
-    pieces: &RunPieces<D, N>,
-    topology: &Topology<D, N>,
-) -> SavedContacts<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let here = |numbers: [u32; 2]| match numbers.map(|number| topology.element(number)) {
-        [Some(a), Some(b)] => Some([a, b]),
-        _ => None,
-    };
-    let touching = pieces.touching.iter();
-    SavedContacts {
-        grips: touching.filter_map(|touch| Some((here(touch.elements)?, touch.grip))).collect(),
-        parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
-        bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
     }
 }

@@ -458,7 +458,7 @@ where
             joints,
             broken: broken + loose,
             contacts: self.touching.count,
-            detections: self.contacts().detections,
+            detections: self.contacts().detections(),
             nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),
         }
     }

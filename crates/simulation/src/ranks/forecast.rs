@@ -8,6 +8,7 @@ use fdem_contact::{Couple, Detector, Elements as Boxes, Search};
 use fdem_distributed::curve::{owner, splitters_of_all};
 use serde::Serialize;
 
+use crate::bodies::Bodies;
 use crate::compiled::compiled;
 use crate::error::ModelError;
 use crate::joints::MovingJoint;
@@ -285,16 +286,9 @@ where
 {
     let reach = reach(&CommonData::of(run), !run.model.stresses.is_empty());
     let all = 0..run.solid().element_count() as u32;
-    let watched: Vec<u32> = all.filter(|&element| run.contacts().watched[element as usize]).collect();
-    let bounds = |&element: &u32| -> [Point<D>; 2] {
-        let shape = run.solid().shape(element);
-        let along = |axis: usize| (0..N).map(move |k| shape[k][axis]);
-        [
-            std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min)),
-            std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
-        ]
-    };
-    let (min, max): (Vec<_>, Vec<_>) = watched.iter().map(bounds).map(|[min, max]| (min, max)).unzip();
+    let watched: Vec<u32> = all.filter(|&element| run.contacts().surface.watched[element as usize]).collect();
+    let bounds = watched.iter().map(|&element| run.solid().bounds(element));
+    let (min, max): (Vec<_>, Vec<_>) = bounds.map(|[min, max]| (min, max)).unzip();
     let owners_of = |element: u32| &owners[N * element as usize..N * (element as usize + 1)];
     let (mut near, mut couples) = (Vec::new(), 0);
     let visit = |Couple { i, j, .. }: Couple| {
@@ -351,7 +345,7 @@ where
     // whether it is this rank; three numbers for each vertex.
     let number = size_of::<u32>();
     let of_part = (number + N + N * (number + 1) + 1) as f64 + each(3 * number * mesh.nodes.len());
-    let watched = run.contacts().watched.iter().filter(|watched| **watched).count();
+    let watched = run.contacts().surface.watched.iter().filter(|watched| **watched).count();
     let boxes = watched * 2 * size_of::<Point<D>>() + couples as usize * size_of::<Couple>();
     Sizes {
         model: each(model),
@@ -432,7 +426,7 @@ mod tests {
             let couples = {
                 let mut run = Simulation::new(model, 1).unwrap();
                 run.watch();
-                let watched = run.contacts().watched.iter().filter(|watched| **watched).count();
+                let watched = run.contacts().surface.watched.iter().filter(|watched| **watched).count();
                 let near = near(&run, &vec![0; 3 * forecast.elements]).unwrap();
                 assert!(near.0.is_empty(), "one rank has all");
                 (32 * watched + 8 * near.1 as usize) as f64 / forecast.elements as f64

@@ -8,9 +8,8 @@ use crate::action::Record;
 use crate::contacts::SavedContacts;
 use crate::forces::{Forces, OwnForces};
 use crate::joints::{MovingJoint, SavedJoints};
-use crate::lists::once_each;
 use crate::model::Model;
-use crate::ranks::piece::{CarriedState, CommonData, Touch};
+use crate::ranks::piece::{CarriedState, CommonData};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
@@ -56,15 +55,13 @@ pub(super) struct OwnResults<const D: usize, const N: usize> {
     /// Memories of the laws in the elements, one after the other.
     memories: Vec<f64>,
     joints: Vec<MovingJoint<D>>,
-    touching: Vec<Touch<D, N>>,
-    parted: Vec<[u32; 2]>,
-    bared: Vec<u32>,
+    contacts: SavedContacts<D, N>,
     records: Vec<Record>,
     forces: OwnForces<D>,
 }
 
 wire!([const D: usize, const N: usize] OwnResults<D, N> {
-    nodes, elements, viscous, dissipated, memories, joints, touching, parted, bared, records, forces,
+    nodes, elements, viscous, dissipated, memories, joints, contacts, records, forces,
 });
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -98,7 +95,6 @@ where
         let counted = || (0..solid.element_count()).filter(|&element| share.element(element as u32));
         let dissipated = solid.dissipated();
         let viscous = if dissipated.is_empty() { Vec::new() } else { solid.viscous() };
-        let (parted, bared) = self.apart();
         OwnResults {
             nodes: (0..solid.node_count()).filter(|&number| share.node(number)).map(node).collect(),
             elements: counted().map(element).collect(),
@@ -106,9 +102,7 @@ where
             dissipated: counted().filter_map(|element| dissipated.get(element).copied()).collect(),
             memories: counted().flat_map(|element| solid.memory_of(element)).collect(),
             joints: self.own_joints(),
-            touching: self.own_touching(),
-            parted,
-            bared,
+            contacts: self.own_contacts(),
             records: self.own_records(),
             forces: self.own_forces(),
         }
@@ -167,7 +161,7 @@ where
             dissipated: Vec::new(),
             memories: Vec::new(),
             joints: Vec::new(),
-            contacts: SavedContacts { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() },
+            contacts: SavedContacts::default(),
             records: Vec::new(),
             fragments,
             forces: OwnForces::default(),
@@ -202,9 +196,7 @@ where
         }
         self.nodes.extend(own.nodes);
         self.joints.extend(own.joints);
-        self.contacts.grips.extend(own.touching.into_iter().map(|touch| (touch.elements, touch.grip)));
-        self.contacts.parted.extend(own.parted);
-        self.contacts.bared.extend(own.bared);
+        self.contacts.add(own.contacts);
         self.records.extend(own.records);
         self.forces.add(own.forces);
     }
@@ -226,9 +218,7 @@ where
         }
         records.extend(carried.records.iter().cloned());
         records.sort_unstable();
-        contacts.grips.sort_unstable_by_key(|(elements, _)| *elements);
-        once_each(&mut contacts.parted);
-        once_each(&mut contacts.bared);
+        contacts.sort();
     }
 
     /// Positions, motion, stress and cracks now.

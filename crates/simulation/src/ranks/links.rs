@@ -272,7 +272,7 @@ where
                         code: topology.code_of_corner(corner),
                         node: solid.code_of_node(node, topology),
                         masses: solid.masses(node as usize),
-                        group: contacts.groups[corner as usize],
+                        group: contacts.surface.groups[corner as usize],
                     }
                 });
                 let corners: Vec<CornerChange> = corners.collect();
@@ -290,7 +290,7 @@ where
         for change in self.tell(changes).into_iter().flatten() {
             follow(&change, columns, topology);
         }
-        columns.contacts.list_parted();
+        columns.contacts.surface.list_parted();
         self.plan(&columns.solid);
     }
 
@@ -356,6 +356,6 @@ fn follow<const D: usize, const N: usize>(
     if change.broken {
         let groups: Vec<_> =
             corners.iter().zip(&change.corners).map(|(&corner, at)| (corner, at.group)).collect();
-        contacts.divide(vertex, &groups, topology);
+        contacts.surface.divide(vertex, &groups, topology);
     }
 }

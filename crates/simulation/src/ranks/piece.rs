@@ -11,7 +11,7 @@ use fdem_mesh::Mesh;
 
 use crate::action::Record;
 use crate::actions::ground::{is_ground, radii};
-use crate::contacts::{Contacts, Grip, edges, mean_edge};
+use crate::contacts::{SavedContacts, edges, mean_edge};
 use crate::energy::Energies;
 use crate::joints::MovingJoint;
 use crate::model::{Load, Model, Target};
@@ -38,7 +38,7 @@ pub(super) struct CornerState<const D: usize> {
     pub(super) velocity: Point<D>,
     /// See [`Solid::masses`](crate::solid::Solid::masses).
     pub(super) masses: [f64; 2],
-    /// See [`Contacts`].
+    /// See [`Surface`](crate::contacts::Surface).
     pub(super) group: u32,
     pub(super) free: bool,
     /// Number of corners at the vertex, and code of the first.
@@ -123,39 +123,25 @@ impl<const D: usize, const N: usize> ElementPiece<D, N> {
     }
 }
 
-/// The history of a couple that touches.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Touch<const D: usize, const N: usize> {
-    pub(super) elements: [u32; 2],
-    pub(super) grip: Grip<D, N>,
-}
-
-wire!([const D: usize, const N: usize] Touch<D, N> { elements, grip });
-
 /// All that a rank makes its part of.
 #[derive(Clone, Debug)]
 pub(super) struct RunPieces<const D: usize, const N: usize> {
     pub(super) elements: Vec<ElementPiece<D, N>>,
     pub(super) joints: Vec<MovingJoint<D>>,
-    pub(super) touching: Vec<Touch<D, N>>,
+    pub(super) contacts: SavedContacts<D, N>,
     /// The memory of the actions at these elements.
     pub(super) records: Vec<Record>,
-    /// Elements that have separated or become bare in the last step: see [`Contacts`].
-    pub(super) parted: Vec<[u32; 2]>,
-    pub(super) bared: Vec<u32>,
 }
 
-wire!([const D: usize, const N: usize] RunPieces<D, N> { elements, joints, touching, records, parted, bared });
+wire!([const D: usize, const N: usize] RunPieces<D, N> { elements, joints, contacts, records });
 
 impl<const D: usize, const N: usize> Default for RunPieces<D, N> {
     fn default() -> Self {
         Self {
             elements: Vec::new(),
             joints: Vec::new(),
-            touching: Vec::new(),
+            contacts: SavedContacts::default(),
             records: Vec::new(),
-            parted: Vec::new(),
-            bared: Vec::new(),
         }
     }
 }
@@ -164,10 +150,8 @@ impl<const D: usize, const N: usize> RunPieces<D, N> {
     pub(super) fn add(&mut self, more: Self) {
         self.elements.extend(more.elements);
         self.joints.extend(more.joints);
-        self.touching.extend(more.touching);
+        self.contacts.add(more.contacts);
         self.records.extend(more.records);
-        self.parted.extend(more.parted);
-        self.bared.extend(more.bared);
     }
 }
 
@@ -358,8 +342,8 @@ where
                 position,
                 velocity,
                 masses: solid.masses(node as usize),
-                group: run.contacts().groups[number as usize],
-                free: run.contacts().free[vertex as usize],
+                group: run.contacts().surface.groups[number as usize],
+                free: run.contacts().surface.free[vertex as usize],
                 corners: run.part.as_ref().map_or(count, |part| part.wide.corners[vertex as usize]),
                 first: run.part.as_ref().map_or(first, |part| part.first[vertex as usize]),
                 boundaries: self.boundaries.get(&vertex).cloned().unwrap_or_default(),
@@ -372,7 +356,7 @@ where
             number: topology.number(element),
             body: run.model.mesh.bodies[k],
             material: run.model.mesh.materials[k],
-            watched: run.contacts().watched[k],
+            watched: run.contacts().surface.watched[k],
             outer: std::array::from_fn(outer),
             initial: run.model.stresses.get(k).copied(),
             mass_factor: run.model.mass_factors.get(k).copied(),
@@ -419,24 +403,15 @@ where
         joints.chain(self.part.iter().flat_map(|part| part.loose_joints.iter().copied())).collect()
     }
 
-    /// The couples that touch and that this rank counts.
-    pub(super) fn own_touching(&self) -> Vec<Touch<D, N>> {
-        let counted =
-            self.contacts().touching().filter(|(elements, _)| self.solid().share().element(elements[0]));
-        let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
-        counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
+    /// The contacts that this rank counts, with the numbers of elements in the whole mesh.
+    pub(super) fn own_contacts(&self) -> SavedContacts<D, N> {
+        let own = self.contacts().save_counted(|element| self.solid().share().element(element));
+        own.renumbered(|element| Some(self.topology.number(element)))
     }
 
     /// The memory of the actions at elements, as far as this rank counts it.
     pub(super) fn own_records(&self) -> Vec<Record> {
         self.records().into_iter().filter(|record| !record.is_common()).collect()
-    }
-
-    /// The elements that have separated or become bare in the last step, as far as this rank knows.
-    pub(super) fn apart(&self) -> (Vec<[u32; 2]>, Vec<u32>) {
-        let number = |element: u32| self.topology.number(element);
-        let Contacts { parted, bared, .. } = self.contacts();
-        (parted.iter().map(|pair| pair.map(number)).collect(), bared.iter().copied().map(number).collect())
     }
 
     /// The step, sums and times that the run keeps when its elements change.
@@ -450,7 +425,7 @@ where
             factors: self.actions.factors.iter().map(|(&boundary, &factor)| (boundary, factor)).collect(),
             records: self.records().into_iter().filter(Record::is_common).collect(),
             timings: self.timings,
-            detections: self.contacts().detections,
+            detections: self.contacts().detections(),
         }
     }
 }

@@ -29,8 +29,9 @@ const ROUND: usize = 1 << 15;
 /// Share by which the busiest rank may have more than the mean before nodes are divided again.
 const IMBALANCE: f64 = 0.1;
 
-/// Weights of an element, of a joint and of a couple that touches: about the time that each takes.
-const WEIGHTS: [u64; 3] = [12, 6, 60];
+/// Weights of an element and of a joint: about the time that each takes. A couple that touches has a weight
+/// in the same unit, `COST`.
+const WEIGHTS: [u64; 2] = [12, 6];
 
 /// The division of space among the ranks.
 #[derive(Clone, Debug)]
@@ -68,9 +69,9 @@ where
             weights[element as usize] += WEIGHTS[1] / 2;
         }
     }
-    for (elements, _) in run.contacts().touching() {
+    for (elements, cost) in run.contacts().costs() {
         for element in elements {
-            weights[element as usize] += WEIGHTS[2] / 2;
+            weights[element as usize] += cost / 2;
         }
     }
     let mut units = Vec::new();
@@ -334,26 +335,13 @@ where
                 to.entry(owners[corner as usize] as usize).or_default().joints.push(moving);
             }
         }
-        for touch in run.own_touching() {
-            for rank in of_both(touch.elements) {
-                to.entry(rank as usize).or_default().touching.push(touch);
-            }
-        }
         for record in run.own_records() {
             for rank in of_both(record.codes.map(|code| code / N as u32)) {
                 to.entry(rank as usize).or_default().records.push(record.clone());
             }
         }
-        let (parted, bared) = run.apart();
-        for pair in parted {
-            for rank in of_both(pair) {
-                to.entry(rank as usize).or_default().parted.push(pair);
-            }
-        }
-        for element in bared {
-            for rank in ranks_of(element) {
-                to.entry(rank as usize).or_default().bared.push(element);
-            }
+        for (rank, contacts) in run.own_contacts().distributed(ranks_of) {
+            to.entry(rank).or_default().contacts = contacts;
         }
     }
     let mut own = to.remove(&communicator.rank()).unwrap_or_default();
@@ -437,8 +425,7 @@ where
         let is_wanted = |number: &u32| numbers.binary_search(number).is_ok();
         let answer = RunPieces {
             elements: numbers.iter().filter_map(|&number| place(number)).map(|k| all[k].clone()).collect(),
-            parted: pieces.parted.iter().filter(|pair| pair.iter().any(is_wanted)).copied().collect(),
-            bared: pieces.bared.iter().filter(|number| is_wanted(number)).copied().collect(),
+            contacts: pieces.contacts.parted_at(is_wanted),
             ..RunPieces::default()
         };
         (other, answer)
@@ -446,8 +433,7 @@ where
     for (_, more) in exchange(communicator, answers.collect()) {
         pieces.add(more);
     }
-    once_each(&mut pieces.parted);
-    once_each(&mut pieces.bared);
+    pieces.contacts.sort_parted();
     hidden
 }
 

@@ -21,9 +21,9 @@ where
         let Columns { solid, joints, contacts } = columns;
         peers.add_failing(&mut failing, topology);
         let split = joints.insert(&failing, solid, model, topology);
-        let vertices = contacts.part(broken, joints, topology, solid.share());
+        let vertices = contacts.surface.part(broken, joints, topology, solid.share());
         peers.exchange_splits(&split, &vertices, columns, topology);
-        peers.note_bared(&columns.contacts.bared);
+        peers.note_bared(&columns.contacts.surface.bared);
         clock.read(&mut self.timings.joints);
         let sides = self.sides_of(broken);
         let all = if self.actions.follow_events() { peers.all_broken(sides) } else { Vec::new() };

@@ -10,14 +10,13 @@
 use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
-use crate::contacts::SavedContacts;
 use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::joints::{MovingJoint, SavedJoints};
 use crate::machine::Columns;
 use crate::machine::list::Machines;
 use crate::model::{Boundary, Load, Model, Schedule, Target};
-use crate::motion::force_on;
+use crate::motion::nodes::force_on;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
@@ -321,8 +320,6 @@ impl Numbers {
         let appears = |element: u32| self.before[element as usize].is_none().then_some(element);
         let stay = of(old).into_iter().filter_map(|joint| joint.renumbered::<N>(|element| self.now(element)));
         let appear = of(fresh).into_iter().filter_map(|joint| joint.renumbered::<N>(appears));
-        let both = |elements: [u32; 2]| Some([self.now(elements[0])?, self.now(elements[1])?]);
-        let SavedContacts { grips, parted, bared } = state.contacts;
         let reaction = |boundary: &Boundary<D>| {
             let same = old.model.boundaries.iter().position(|other| other.name == boundary.name);
             same.map_or([0.0; D], |same| state.reactions[same])
@@ -341,11 +338,7 @@ impl Numbers {
             reactions: fresh.model.boundaries.iter().map(reaction).collect(),
             nodes,
             joints: SavedJoints::of(stay.chain(appear).collect()),
-            contacts: SavedContacts {
-                grips: grips.into_iter().filter_map(|(pair, grip)| Some((both(pair)?, grip))).collect(),
-                parted: parted.into_iter().filter_map(both).collect(),
-                bared: bared.into_iter().filter_map(|element| self.now(element)).collect(),
-            },
+            contacts: state.contacts.renumbered(|element| self.now(element)),
             ..new
         }
     }

@@ -337,7 +337,7 @@ where
             joints: self.joints().all.len() - self.joints().broken(),
             broken: self.joints().broken(),
             contacts: self.touching.count,
-            detections: self.contacts().detections,
+            detections: self.contacts().detections(),
             nodes: self.solid().node_count(),
         }
     }

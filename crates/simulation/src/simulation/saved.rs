@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::action::Record;
 use crate::compiled::compiled;
-use crate::contacts::{Contacts, SavedContacts};
+use crate::contacts::SavedContacts;
 use crate::energy::Energies;
 use crate::error::ModelError;
 use crate::joints::{Joint, SavedJoints};
@@ -126,8 +126,7 @@ where
         solid.set_nodes(&state.nodes, state.of_corner, &run.model);
         solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
         joints.restore(state.joints, &run.model, &run.topology, solid)?;
-        let couples = Contacts::without_forces(state.contacts);
-        contacts.restore(couples, joints, &run.topology);
+        contacts.restore(state.contacts.without_forces(), joints, &run.topology);
         for (boundary, factor) in state.factors {
             run.set_factor(boundary as usize, Some(factor))?;
         }

@@ -95,7 +95,8 @@ where
             ..force
         };
         let counted = |force: &ContactForce<D>| self.solid().share().element(force.elements[0]);
-        let contacts = self.contacts().forces(self.solid()).into_iter().filter(counted).map(numbered);
+        let contacts = self.contacts().forces(self.solid(), self.joints(), &self.topology);
+        let contacts = contacts.into_iter().filter(counted).map(numbered);
         let joints = self.joints().pressing(self.solid(), &self.topology).into_iter().map(numbered);
         let applied = self.actions.applied(self.solid());
         let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));

@@ -1,35 +1,15 @@
-//! Friction and damping of contacts, and their histories.
-//!
-//! A couple has a lane of a batch as long as it touches. Its history stays there, and each step replaces it.
+//! Friction and damping of contacts between elements, and their histories.
 
 use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::Bodies;
+use crate::bodies::elements::{completed, velocity_at};
 use crate::contacts::law::ContactLaw;
+use crate::contacts::places::HistoryBatch;
 use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::vector::{Point, add, dot, minus, plus};
-
-/// Marks a place of [`Histories`] without a couple.
-const FREE: u16 = u16::MAX;
-
-/// Energy of a contact, and works since the last pass, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Works {
-    pub(super) energy: f64,
-    pub(super) friction: f64,
-    pub(super) damping: f64,
-    pub(super) handed_over: f64,
-}
-
-impl Works {
-    /// Returns the energy and the works of one couple of a batch.
-    #[inline]
-    pub(super) fn of(batch: &[Lanes; 4], lane: usize) -> Self {
-        let [energy, friction, damping, handed_over] = row(batch, lane);
-        Self { energy, friction, damping, handed_over }
-    }
-}
 
 /// History of friction and damping of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,38 +28,39 @@ pub(crate) struct Grip<const D: usize, const N: usize> {
     /// Initial potential energy, J, which is not counted: see [`count_from`].
     credited_energy: f64,
     /// Force on the first element, N, for results.
-    pub(super) push: Point<D>,
+    pub(crate) push: Point<D>,
 }
 
 wire!([const D: usize, const N: usize] Grip<D, N> { friction, damping, shares, credited_energy, push });
 
 impl<const D: usize, const N: usize> Grip<D, N> {
-    pub(super) const NONE: Self = Self {
-        friction: [0.0; D],
-        damping: [0.0; D],
-        shares: [[0.0; D]; 2],
-        credited_energy: 0.0,
-        push: [0.0; D],
-    };
-
     /// This history without a force: a resumed run has none before its first step.
-    pub(super) fn without_push(self) -> Self {
+    pub(crate) fn without_push(self) -> Self {
         Self { push: [0.0; D], ..self }
     }
 
-    /// Work against friction and damping, J, in the second half of the step in which they acted.
+    /// Work against friction and damping, J, in the second half of the step in which they acted. `rate`: of
+    /// the first element against the second, where the force acted, m/s.
     #[inline(always)]
-    pub(super) fn second_half(&self, velocities: &[[Point<D>; N]; 2], step: f64) -> [f64; 2] {
-        let one = velocity_at(&velocities[0], &completed(&self.shares[0]));
-        let other = velocity_at(&velocities[1], &completed(&self.shares[1]));
-        let rate = minus(one, other);
+    fn second_half(&self, rate: Point<D>, step: f64) -> [f64; 2] {
         [-0.5 * step * dot(self.friction, rate), -0.5 * step * dot(self.damping, rate)]
+    }
+
+    /// The same for two elements of some bodies.
+    pub(super) fn last_works(
+        &self,
+        bodies: &impl Bodies<D, Place = [f64; D]>,
+        [one, other]: [u32; 2],
+        step: f64,
+    ) -> [f64; 2] {
+        let [at_one, at_other] = &self.shares;
+        self.second_half(minus(bodies.velocity_on(one, at_one), bodies.velocity_on(other, at_other)), step)
     }
 }
 
 /// Histories of a batch of couples.
 #[derive(Clone, Debug)]
-pub(super) struct Grips<const D: usize, const N: usize> {
+pub(crate) struct Grips<const D: usize, const N: usize> {
     friction: [Lanes; D],
     damping: [Lanes; D],
     shares: [[Lanes; D]; 2],
@@ -87,13 +68,22 @@ pub(super) struct Grips<const D: usize, const N: usize> {
     push: [Lanes; D],
 }
 
-impl<const D: usize, const N: usize> Grips<D, N> {
+impl<const D: usize, const N: usize> HistoryBatch for Grips<D, N> {
+    type History = Grip<D, N>;
+
     const NONE: Self = Self {
         friction: [Lanes::ZERO; D],
         damping: [Lanes::ZERO; D],
         shares: [[Lanes::ZERO; D]; 2],
         credited_energy: Lanes::ZERO,
         push: [Lanes::ZERO; D],
+    };
+    const NEW: Grip<D, N> = Grip {
+        friction: [0.0; D],
+        damping: [0.0; D],
+        shares: [[0.0; D]; 2],
+        credited_energy: 0.0,
+        push: [0.0; D],
     };
 
     #[inline(always)]
@@ -116,68 +106,6 @@ impl<const D: usize, const N: usize> Grips<D, N> {
         }
         self.credited_energy.set(lane, grip.credited_energy);
         set_row(&mut self.push, lane, &grip.push);
-    }
-}
-
-/// Histories of the couples of a chunk that touch. Each has a place: place `k` is lane `k % LANES` of batch
-/// `k / LANES`.
-#[derive(Clone, Debug)]
-pub(super) struct Histories<const D: usize, const N: usize> {
-    pub(super) batches: Vec<Grips<D, N>>,
-    /// The couple in each place, by its number in the chunk, or [`FREE`].
-    couples: Vec<u16>,
-    /// No place before this one is free.
-    full: usize,
-}
-
-impl<const D: usize, const N: usize> Histories<D, N> {
-    /// Reserves memory for the given number of couples.
-    pub(super) fn with_capacity(couples: usize) -> Self {
-        let batches = couples.div_ceil(LANES);
-        Self { batches: Vec::with_capacity(batches), couples: Vec::with_capacity(batches * LANES), full: 0 }
-    }
-
-    /// Gives a place to a couple, and returns it.
-    pub(super) fn give(&mut self, couple: usize, grip: &Grip<D, N>) -> u16 {
-        while self.couple(self.full).is_some() {
-            self.full += 1;
-        }
-        let place = self.full;
-        if place == self.couples.len() {
-            // Not twice the number: in most chunks, few couples touch.
-            self.batches.reserve_exact(1);
-            self.couples.reserve_exact(LANES);
-            self.batches.push(Grips::NONE);
-            self.couples.resize(place + LANES, FREE);
-        }
-        self.couples[place] = couple as u16;
-        self.batches[place / LANES].set(place % LANES, grip);
-        place as u16
-    }
-
-    /// Takes the place of a couple back.
-    pub(super) fn free(&mut self, place: u16) {
-        self.couples[place as usize] = FREE;
-        self.full = self.full.min(place as usize);
-    }
-
-    /// Drops batches at the end in which no place is taken.
-    pub(super) fn trim(&mut self) {
-        let places = self.couples.iter().rposition(|&couple| couple != FREE).map_or(0, |last| last + 1);
-        self.batches.truncate(places.div_ceil(LANES));
-        self.couples.truncate(places.next_multiple_of(LANES));
-        self.full = self.full.min(self.couples.len());
-    }
-
-    /// The history in a place.
-    pub(super) fn get(&self, place: u16) -> Grip<D, N> {
-        self.batches[place as usize / LANES].get(place as usize % LANES)
-    }
-
-    /// The couple in a place, by its number in the chunk; `None` if the place is free, or does not exist.
-    #[inline]
-    pub(super) fn couple(&self, place: usize) -> Option<usize> {
-        self.couples.get(place).filter(|&&couple| couple != FREE).map(|&couple| couple as usize)
     }
 }
 
@@ -306,7 +234,9 @@ fn grip_one<const D: usize, const N: usize>(
     let velocities = [rows(&given.velocities[0], lane), rows(&given.velocities[1], lane)];
     let before: Grip<D, N> = grips.get(lane);
     let step = given.step;
-    let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
+    let one = velocity_at(&velocities[0], &completed(&before.shares[0]));
+    let other = velocity_at(&velocities[1], &completed(&before.shares[1]));
+    let [mut friction_work, mut damping_work] = before.second_half(minus(one, other), step);
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
     let potential = penalty * found.energy.get(lane);
     let credited_energy =
@@ -383,71 +313,4 @@ fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
 #[inline(always)]
 fn rest_of<const D: usize, const N: usize>(all: &[f64; N]) -> [f64; D] {
     std::array::from_fn(|k| all[k + 1])
-}
-
-/// Barycentric coordinates, from all but the first.
-#[inline(always)]
-fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
-    let mut first = 1.0;
-    for k in 0..D {
-        first -= rest[k];
-    }
-    std::array::from_fn(|k| if k == 0 { first } else { rest[k - 1] })
-}
-
-/// Velocity, m/s, of an element at the point with these barycentric coordinates.
-#[inline(always)]
-fn velocity_at<const D: usize, const N: usize>(velocities: &[Point<D>; N], shares: &[f64; N]) -> Point<D> {
-    let mut velocity = [0.0; D];
-    for corner in 0..N {
-        for axis in 0..D {
-            velocity[axis] += shares[corner] * velocities[corner][axis];
-        }
-    }
-    velocity
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn grip(energy: f64) -> Grip<2, 3> {
-        Grip { credited_energy: energy, ..Grip::NONE }
-    }
-
-    /// A place is free as soon as its couple separates, and the first free one is given next. The others keep
-    /// their histories.
-    #[test]
-    fn a_couple_keeps_its_place_and_a_free_one_is_given_again() {
-        let mut histories = Histories::with_capacity(0);
-        let places: Vec<u16> = (0..40).map(|couple| histories.give(couple, &grip(couple as f64))).collect();
-        assert!(places.into_iter().eq(0..40));
-        assert_eq!(histories.batches.len(), 3);
-        histories.free(20);
-        histories.free(5);
-        assert_eq!([5, 20, 40].map(|place| histories.couple(place)), [None; 3]);
-        let given = [100, 101, 102].map(|couple| histories.give(couple, &grip(couple as f64)));
-        assert_eq!(given, [5, 20, 40]);
-        for (place, couple) in [(4, 4), (5, 100), (20, 101), (39, 39), (40, 102)] {
-            assert_eq!(histories.couple(place), Some(couple));
-            assert_eq!(histories.get(place as u16), grip(couple as f64), "place {place}");
-        }
-    }
-
-    /// Batches without couples at the end cost nothing in the next step; those in the middle stay.
-    #[test]
-    fn batches_at_the_end_are_dropped_without_couples() {
-        let mut histories = Histories::with_capacity(40);
-        for couple in 0..40 {
-            histories.give(couple, &grip(couple as f64));
-        }
-        (0..16).chain(17..40).for_each(|place| histories.free(place));
-        histories.trim();
-        assert_eq!((histories.batches.len(), histories.couple(16)), (2, Some(16)));
-        assert_eq!(histories.get(16), grip(16.0));
-        histories.free(16);
-        histories.trim();
-        assert_eq!(histories.batches.len(), 0);
-        assert_eq!(histories.give(7, &grip(7.0)), 0);
-    }
 }
