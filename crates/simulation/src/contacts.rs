@@ -82,7 +82,7 @@ where
         elements.detect(&pass, team)?;
         elements.add(pass.parted());
         if !surface.bared.is_empty() {
-            elements.note_overlaps(|pair| surface.has_bared(pair));
+            elements.note_overlaps(|pair| surface.has_bared(*pair));
         }
         surface.parted.clear();
         surface.bared.clear();

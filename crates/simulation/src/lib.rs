@@ -24,8 +24,8 @@
 //! element or corner, which other files read and write by the functions in `src/solid/columns.rs`. Elements
 //! and joints write their forces on corners; couples are computed in rounds, and the forces of each round are
 //! added to those of their elements, couple by couple. Each node then adds the forces of its corners in a
-//! fixed order (`force_on` in `src/motion/nodes.rs`), so that threads share no sum and change no bit. `Team` cuts
-//! work into chunks of fixed size and adds their results in order.
+//! fixed order (`force_on` in `src/motion/nodes.rs`), so that threads share no sum and change no bit. `Team`
+//! cuts work into chunks of fixed size and adds their results in order.
 //!
 //! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one
 //! function computes one of them, without a branch, and the compiler makes vectors of the loop over a batch,

@@ -39,7 +39,7 @@ pub(crate) struct Couples<const D: usize, P: Pair> {
     looked: f64,
     chosen: f64,
     /// Couples that may touch now, ascending.
-    couples: Vec<CoupleOf<P>>,
+    all: Vec<CoupleOf<P>>,
     /// For each chunk of couples, the histories of the couples that touch.
     histories: Vec<Histories<P::Histories>>,
     /// Forces of the couples of two rounds. They are not kept.
@@ -125,7 +125,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
             travel: 0.0,
             looked: f64::NEG_INFINITY,
             chosen: f64::NEG_INFINITY,
-            couples: Vec::new(),
+            all: Vec::new(),
             histories: Vec::new(),
             pressed: [round(), round()],
             detections: 0,
@@ -194,7 +194,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
 
     /// The couples that touch, with their histories.
     pub(crate) fn touching(&self) -> impl Iterator<Item = ([u32; 2], HistoryOf<P>)> {
-        let chunks = self.couples.chunks(CHUNK).zip(&self.histories);
+        let chunks = self.all.chunks(CHUNK).zip(&self.histories);
         chunks.flat_map(|(couples, histories)| {
             let touching = couples.iter().filter(|couple| couple.touches);
             touching.map(|couple| (couple.parts, histories.get(couple.slot)))
@@ -203,7 +203,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
 
     /// The couples that touch, with the time that each takes in a step.
     pub(crate) fn costs(&self) -> impl Iterator<Item = ([u32; 2], u64)> {
-        self.couples.iter().filter(|couple| couple.touches).map(|couple| (couple.parts, P::COST))
+        self.all.iter().filter(|couple| couple.touches).map(|couple| (couple.parts, P::COST))
     }
 
     /// Restores couples that touch. All others are found again in the next step. `between`: anything between
@@ -212,7 +212,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         self.search_again();
         touching.sort_unstable_by_key(|(parts, _)| *parts);
         let couple = |parts| Couple { touches: true, ..Couple::new(parts, between, false) };
-        self.couples = touching.iter().map(|&(parts, _)| couple(parts)).collect();
+        self.all = touching.iter().map(|&(parts, _)| couple(parts)).collect();
         self.group_histories(touching.into_iter().map(|(_, history)| history));
     }
 
@@ -228,7 +228,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
             }
             histories
         };
-        self.histories = self.couples.chunks_mut(CHUNK).map(group).collect();
+        self.histories = self.all.chunks_mut(CHUNK).map(group).collect();
     }
 
     /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
@@ -236,7 +236,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         couples.sort_unstable_by_key(|couple| couple.parts);
         let histories: Vec<_> = self.touching().map(|(_, history)| history).collect();
         let mut histories = histories.into_iter();
-        let before = std::mem::take(&mut self.couples);
+        let before = std::mem::take(&mut self.all);
         let mut before = before.into_iter().map(|known| {
             let history = if known.touches { histories.next() } else { None };
             (known, history)
@@ -260,20 +260,20 @@ impl<const D: usize, P: Pair> Couples<D, P> {
                 kept.extend(*history);
             }
         }
-        self.couples = couples;
+        self.all = couples;
         self.group_histories(kept);
     }
 
     /// Adds couples, ascending, as far as they are not known.
     pub(crate) fn add(&mut self, new: impl Iterator<Item = CoupleOf<P>>) {
         let is_known =
-            |new: &CoupleOf<P>| self.couples.binary_search_by_key(&new.parts, |couple| couple.parts).is_ok();
+            |new: &CoupleOf<P>| self.all.binary_search_by_key(&new.parts, |couple| couple.parts).is_ok();
         let new: Vec<_> = new.filter(|new| !is_known(new)).collect();
         if !new.is_empty() {
             let histories: Vec<_> = self.touching().map(|(_, history)| history).collect();
-            self.couples.extend(new);
+            self.all.extend(new);
             // A stable sort of two ascending runs is one merge.
-            self.couples.sort_by_key(|couple| couple.parts);
+            self.all.sort_by_key(|couple| couple.parts);
             self.group_histories(histories);
         }
     }
@@ -283,7 +283,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         // Couples that are known to be apart do not overlap.
         let travel = self.travel;
         let near = |couple: &&mut CoupleOf<P>| !couple.touches && couple.apart_until <= travel;
-        for couple in self.couples.iter_mut().filter(near) {
+        for couple in self.all.iter_mut().filter(near) {
             couple.initial_overlap |= overlap(&couple.parts);
         }
     }
@@ -300,7 +300,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         team: &Team,
     ) -> Touching {
         let mut all = Touching { energy: energy.then(Sum::default), ..Touching::default() };
-        let Self { travel, couples, histories, pressed, .. } = self;
+        let Self { travel, all: couples, histories, pressed, .. } = self;
         let of_chunk = ChunkPass { pass, step, travel: *travel };
         let [last, next] = pressed;
         let (round, mut done) = (next.len(), &[][..]);

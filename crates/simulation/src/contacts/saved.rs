@@ -77,9 +77,9 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
             of_both(elements).for_each(|rank| to.entry(rank).or_default().parted.push(elements));
         }
         for element in self.bared {
-            ranks(element)
-                .into_iter()
-                .for_each(|rank| to.entry(rank as usize).or_default().bared.push(element));
+            for rank in ranks(element) {
+                to.entry(rank as usize).or_default().bared.push(element);
+            }
         }
         to
     }

@@ -172,7 +172,7 @@ impl Surface {
     }
 
     /// Whether one of these elements has become bare in the last step.
-    pub(super) fn has_bared(&self, elements: &[u32; 2]) -> bool {
+    pub(super) fn has_bared(&self, elements: [u32; 2]) -> bool {
         elements.iter().any(|element| self.bared.binary_search(element).is_ok())
     }
 

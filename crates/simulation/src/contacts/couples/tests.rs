@@ -344,7 +344,9 @@ impl Heap {
                 let pairs = (0..count).flat_map(|a| (0..fixed_count).map(move |b| [a, b]));
                 assert_eq!(found[1].count, pairs.filter(|pair| fixed.gap(*pair).1 < 0.0).count());
             }
-            found.iter().for_each(|found| self.friction.add_sum(&found.friction));
+            for found in &found {
+                self.friction.add_sum(&found.friction);
+            }
             let stored = found.iter().flat_map(|found| &found.energy).map(Sum::value).sum();
             let Spheres { radius, mass, ref mut all } = *spheres;
             let freedoms = SphereFreedoms { radius, mass, forces: &forces };
@@ -354,7 +356,9 @@ impl Heap {
                 team.change(all, |first, chunk| now.advance_chunk(&freedoms, first, chunk.iter_mut())),
             );
             assert_eq!(moved.runaway, None);
-            [among, on_floor].into_iter().for_each(|couples| couples.note_motion(STEP * moved.fastest));
+            for couples in [among, on_floor] {
+                couples.note_motion(STEP * moved.fastest);
+            }
             self.energies = [moved.kinetic.value(), stored];
         }
     }
@@ -371,7 +375,7 @@ fn couples_are_found_and_energy_is_accounted_for() {
     assert!(friction > 0.05 * first && stored > 1e-4 * first, "{friction} {stored} of {first}");
     assert!((kinetic + stored + friction - first).abs() < 1e-3 * first, "{kinetic} {stored} {friction}");
     assert!(heap.among.detections > 3, "{} detections", heap.among.detections);
-    assert!(heap.among.couples.len() > 3 * CHUNK, "{} couples", heap.among.couples.len());
+    assert!(heap.among.all.len() > 3 * CHUNK, "{} couples", heap.among.all.len());
     let fixed = SpherePass::<false>::new(&heap.spheres, &heap.floor);
     assert_eq!(heap.on_floor.forces(&fixed).len(), heap.on_floor.touching().count());
 }
