@@ -23,10 +23,10 @@ pub(crate) struct Elements {
 
 /// An id on two rows.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Duplicate {
-    pub(crate) id: i64,
-    pub(crate) first: u64,
-    pub(crate) second: u64,
+struct Duplicate {
+    id: i64,
+    first: u64,
+    second: u64,
 }
 
 impl Elements {
@@ -73,7 +73,7 @@ impl Elements {
     }
 
     /// Skips a row and records why.
-    pub(crate) fn skip(&mut self, bad: BadLine) {
+    fn skip(&mut self, bad: BadLine) {
         self.row_numbers.get_or_insert_with(|| (0..self.centres.len() as u64).collect());
         self.skipped.push(bad);
     }
@@ -92,13 +92,43 @@ impl Elements {
         }
     }
 
-    /// The first bad row, if there is no good one.
-    pub(crate) fn all_bad(&self) -> Option<&BadLine> {
-        self.skipped.first.first().filter(|_| self.centres.is_empty())
+    /// Skips a bad line of text if bad lines are skipped; otherwise returns its error.
+    pub(crate) fn bad_line(&mut self, bad: BadLine, skips: bool) -> Result<(), ReadError> {
+        if !skips {
+            return Err(ReadError::Malformed { line: bad.line, text: bad.text, problem: bad.problem });
+        }
+        self.skip(bad);
+        Ok(())
+    }
+
+    /// Like [`Elements::bad_line`], for a row of an array.
+    pub(crate) fn bad_row(&mut self, bad: BadLine, skips: bool) -> Result<(), ReadError> {
+        if !skips {
+            return Err(ReadError::BadRow { row: bad.line, text: bad.text, problem: bad.problem });
+        }
+        self.skip(bad);
+        Ok(())
+    }
+
+    /// Checks that not all rows are bad, and that no id is twice. `are_lines`: whether rows are lines of
+    /// text.
+    pub(crate) fn check(&self, are_lines: bool) -> Result<(), ReadError> {
+        if let Some(bad) = self.skipped.first.first().filter(|_| self.centres.is_empty()) {
+            let (text, problem) = (bad.text.clone(), bad.problem.clone());
+            let line = are_lines.then_some(bad.line);
+            return Err(ReadError::AllBad { count: self.skipped.count, line, text, problem });
+        }
+        match self.duplicate() {
+            None => Ok(()),
+            Some(Duplicate { id, first, second }) if are_lines => {
+                Err(ReadError::DuplicateId { id, first, second })
+            }
+            Some(Duplicate { id, first, second }) => Err(ReadError::DuplicateIdRow { id, first, second }),
+        }
     }
 
     /// The first row, in the order of the file, that repeats the id of an earlier row.
-    pub(crate) fn duplicate(&self) -> Option<Duplicate> {
+    fn duplicate(&self) -> Option<Duplicate> {
         let ids = self.ids.as_ref()?;
         if ids.is_sorted_by(|a, b| a < b) {
             return None;

@@ -50,20 +50,11 @@ fn read_rows(
             Err(problem) => {
                 let (row, text) = (first + at as u64, array.shown(at, &chosen));
                 let problem = format!("row {row} (counted from 0): {problem}");
-                if !options.skip_bad_lines {
-                    return Err(ReadError::BadRow { row, text, problem });
-                }
-                elements.skip(BadLine { line: row, text, problem });
+                elements.bad_row(BadLine { line: row, text, problem }, options.skip_bad_lines)?;
             }
         }
     }
-    if let Some(bad) = elements.all_bad() {
-        let (text, problem) = (bad.text.clone(), bad.problem.clone());
-        return Err(ReadError::AllBad { count: elements.skipped.count, line: None, text, problem });
-    }
-    if let Some(twice) = elements.duplicate() {
-        return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
-    }
+    elements.check(false)?;
     let names: Vec<Name> = array.columns.iter().map(|column| column.name.clone()).collect();
     Ok(elements.into_packing(Frame::default(), |skipped| Source {
         columns: Column::all(&names, &roles, array.named),

@@ -51,25 +51,12 @@ pub(crate) fn read_text(
             Ok(Some(row)) => elements.push(&row, number),
             Ok(None) => {}
             Err(problem) => {
-                let text = excerpt::line(line);
-                if !options.skip_bad_lines {
-                    return Err(ReadError::Malformed { line: number, text, problem });
-                }
-                elements.skip(BadLine { line: number, text, problem });
+                let bad = BadLine { line: number, text: excerpt::line(line), problem };
+                elements.bad_line(bad, options.skip_bad_lines)?;
             }
         }
     }
-    if let Some(bad) = elements.all_bad() {
-        return Err(ReadError::AllBad {
-            count: elements.skipped.count,
-            line: Some(bad.line),
-            text: bad.text.clone(),
-            problem: bad.problem.clone(),
-        });
-    }
-    if let Some(twice) = elements.duplicate() {
-        return Err(ReadError::DuplicateId { id: twice.id, first: twice.first, second: twice.second });
-    }
+    elements.check(true)?;
     Ok(elements.into_packing(Frame::default(), |skipped| Source {
         format: Format::Text { delimiter: opening.delimiter },
         columns: opening.columns,

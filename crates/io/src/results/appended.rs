@@ -25,16 +25,7 @@ pub(super) struct Appended {
 impl Appended {
     /// Adds a column of `rows` rows; returns the XML element that describes it.
     pub(super) fn column(&mut self, column: &TableColumn<'_>, rows: usize) -> io::Result<String> {
-        let of_type = match column.values {
-            Values::I32(_) => "Int32",
-            Values::I64(_) => "Int64",
-            Values::U64(_) => "UInt64",
-            Values::F64(_) => "Float64",
-            Values::Text { .. } => {
-                let problem = format!("the array {} is of text, which a VTK file cannot have", column.name);
-                return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
-            }
-        };
+        let of_type = column.vtk_type()?;
         let head = announcement(of_type, column.name, column.components, column.unit, self.bytes.len());
         let size = column.values.size();
         self.array(rows * column.width() * size, |bytes, block| {

@@ -73,29 +73,13 @@ impl RowTable {
             match row.and_then(|row| row.ok_or_else(empty)) {
                 Ok(row) => elements.push(&row, number),
                 Err(problem) => {
-                    let text = excerpt::line(line);
-                    if !options.skip_bad_lines {
-                        return Err(ReadError::Malformed { line: number, text, problem });
-                    }
-                    elements.skip(BadLine { line: number, text, problem });
+                    let bad = BadLine { line: number, text: excerpt::line(line), problem };
+                    elements.bad_line(bad, options.skip_bad_lines)?;
                 }
             }
         }
-        if let Some(bad) = elements.all_bad() {
-            let (text, problem) = (bad.text.clone(), bad.problem.clone());
-            return Err(ReadError::AllBad {
-                count: elements.skipped.count,
-                line: Some(bad.line),
-                text,
-                problem,
-            });
-        }
-        match elements.duplicate() {
-            Some(twice) => {
-                Err(ReadError::DuplicateId { id: twice.id, first: twice.first, second: twice.second })
-            }
-            None => Ok(elements),
-        }
+        elements.check(true)?;
+        Ok(elements)
     }
 
     pub(super) fn packing(

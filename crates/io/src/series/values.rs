@@ -38,20 +38,11 @@ pub(super) fn packing(
                 let values = chosen.iter().map(|(role, _, values)| format!("{role} {}", values.real(at)));
                 let text = excerpt::line(values.collect::<Vec<_>>().join(", ").as_bytes());
                 let problem = format!("row {at} (counted from 0): {problem}");
-                if !options.skip_bad_lines {
-                    return Err(ReadError::BadRow { row: at as u64, text, problem });
-                }
-                elements.skip(BadLine { line: at as u64, text, problem });
+                elements.bad_row(BadLine { line: at as u64, text, problem }, options.skip_bad_lines)?;
             }
         }
     }
-    if let Some(bad) = elements.all_bad() {
-        let (text, problem) = (bad.text.clone(), bad.problem.clone());
-        return Err(ReadError::AllBad { count: elements.skipped.count, line: None, text, problem });
-    }
-    if let Some(twice) = elements.duplicate() {
-        return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
-    }
+    elements.check(false)?;
     Ok(elements.into_packing(frame, |skipped| Source {
         format,
         columns: Column::all(names, &roles, true),

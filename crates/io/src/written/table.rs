@@ -102,6 +102,23 @@ pub(crate) struct TableColumn<'a> {
 }
 
 impl TableColumn<'_> {
+    /// The name of its type in VTK files.
+    ///
+    /// # Errors
+    /// If it is of text, which these files cannot have.
+    pub(crate) fn vtk_type(&self) -> std::io::Result<&'static str> {
+        match self.values {
+            Values::I32(_) => Ok("Int32"),
+            Values::I64(_) => Ok("Int64"),
+            Values::U64(_) => Ok("UInt64"),
+            Values::F64(_) => Ok("Float64"),
+            Values::Text { .. } => {
+                let problem = format!("the array {} is of text, which a VTK file cannot have", self.name);
+                Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, problem))
+            }
+        }
+    }
+
     /// Number of values per row.
     pub(crate) fn width(&self) -> usize {
         self.components.len().max(1)

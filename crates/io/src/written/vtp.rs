@@ -122,16 +122,7 @@ struct VtpArray<'t> {
 impl<'t> Body<'t> {
     /// Adds an array of `rows` rows; returns the XML element that describes it.
     fn announce(&mut self, column: &'t TableColumn<'_>, name: &str, rows: usize) -> io::Result<String> {
-        let of_type = match column.values {
-            Values::I32(_) => "Int32",
-            Values::I64(_) => "Int64",
-            Values::U64(_) => "UInt64",
-            Values::F64(_) => "Float64",
-            Values::Text { .. } => {
-                let problem = format!("the array {name} is of text, which a VTP file cannot have");
-                return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
-            }
-        };
+        let of_type = column.vtk_type()?;
         let mut array = VtpArray { values: &column.values, length: rows * column.width(), sizes: Vec::new() };
         for start in (0..array.length).step_by(array.per_block()) {
             array.sizes.push(self.compress(&array, start)?.len() as u64);

@@ -3,6 +3,8 @@
 //! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book),
 //! tetrahedra against pure bending (the case "locking" of the ladder).
 
+use std::ops::Range;
+
 use fdem_io::numbers::brief;
 use fdem_mesh::{Simplex, bounds, edges};
 use fdem_simulation::{Load, Model, Plane, Target};
@@ -218,16 +220,8 @@ fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
     if !(root > 0.0 && length > SLENDER * thickness) {
         return None;
     }
-    let own = first[0]..first[0] + piece.nodes.len() as u32;
-    for boundary in &model.boundaries {
-        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
-            (boundary.load, &boundary.target)
-        else {
-            continue;
-        };
-        let held =
-            nodes.iter().filter(|node| own.contains(node)).map(|&node| model.mesh.nodes[node as usize]);
-        let [low, high] = bounds(held);
+    for held in held_nodes(model, first[0]..first[0] + piece.nodes.len() as u32) {
+        let [low, high] = bounds(held.into_iter());
         if (high[0] - low[0]).max(high[1] - low[1]) > HELD * length {
             return None;
         }
@@ -264,18 +258,10 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
         return None;
     }
     let width = middle_width(piece.nodes.iter().copied());
-    let own = first[0]..first[0] + piece.nodes.len() as u32;
     // Nodes held along the length, by all boundaries that hold at least this share of it.
     let mut long: Vec<[f64; 3]> = Vec::new();
-    for boundary in &model.boundaries {
-        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
-            (boundary.load, &boundary.target)
-        else {
-            continue;
-        };
-        let held =
-            nodes.iter().filter(|node| own.contains(node)).map(|&node| model.mesh.nodes[node as usize]);
-        let [low, high] = bounds(held.clone());
+    for held in held_nodes(model, first[0]..first[0] + piece.nodes.len() as u32) {
+        let [low, high] = bounds(held.iter().copied());
         if span(low, high) > HELD * length {
             long.extend(held);
         }
@@ -288,6 +274,22 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
     let mean = edges.sum::<f64>() / (6 * piece.elements.len()) as f64;
     let material = *piece.materials.first()? as usize;
     Some(Member { body, thickness, elements: thickness / mean, material })
+}
+
+/// The nodes among `own` that each boundary holds or drives, m.
+fn held_nodes<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    own: Range<u32>,
+) -> impl Iterator<Item = Vec<[f64; D]>> {
+    model.boundaries.iter().filter_map(move |boundary| {
+        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
+            (boundary.load, &boundary.target)
+        else {
+            return None;
+        };
+        let held = nodes.iter().filter(|node| own.contains(node));
+        Some(held.map(|&node| model.mesh.nodes[node as usize]).collect())
+    })
 }
 
 /// The middle one of the widths, m, of the box around points.

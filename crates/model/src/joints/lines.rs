@@ -86,19 +86,9 @@ impl<'f> JointLines<'f> {
             if !has_joints(set, body) {
                 continue;
             }
-            let found = match (set.dip, set.spacing) {
-                (Some(dip), Some(spacing)) => {
-                    statistical(set, dip, spacing, placed.bounds).ok_or_else(|| {
-                        let message = format!(
-                            "the joints of the [[joint_set]] \"{}\" are more than {MOST} in the body \"{}\"",
-                            set.name, body.name
-                        );
-                        let help = "take a larger spacing or trace_length";
-                        Problem { help: Some(help.to_owned()), ..Problem::new("mesh_size", message) }
-                    })?
-                }
-                _ => lines.clone(),
-            };
+            let found = joints_of((set, body), lines, MOST, |dip, spacing| {
+                statistical(set, dip, spacing, placed.bounds)
+            })?;
             let beyond = |ends: &Line| {
                 (0..2).any(|axis| {
                     ends.iter().all(|end| end[axis] < low[axis])
@@ -158,6 +148,25 @@ impl<'f> JointLines<'f> {
         let joints = joints.collect();
         Ok((mesh, joints))
     }
+}
+
+/// The joints of a set in a body: the given ones, or those that `make` makes with a dip and a spacing. It
+/// returns `None` for more than `most`.
+pub(crate) fn joints_of<T: Clone>(
+    (set, body): (&JointSet, &Body),
+    given: &[T],
+    most: f64,
+    make: impl FnOnce(f64, f64) -> Option<Vec<T>>,
+) -> Result<Vec<T>, Problem> {
+    let (Some(dip), Some(spacing)) = (set.dip, set.spacing) else { return Ok(given.to_vec()) };
+    make(dip, spacing).ok_or_else(|| {
+        let message = format!(
+            "the joints of the [[joint_set]] \"{}\" are more than {most} in the body \"{}\"",
+            set.name, body.name
+        );
+        let help = "take a larger spacing or trace_length";
+        Problem { help: Some(help.to_owned()), ..Problem::new("mesh_size", message) }
+    })
 }
 
 /// Whether a body has the joints of a set.

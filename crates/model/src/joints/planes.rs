@@ -4,7 +4,7 @@ use fdem_mesh::Grading;
 use fdem_mesh::tetrahedra::{PolygonError, Surface, Tetrahedra, add_polygons};
 use fdem_scenes::random::Random;
 
-use crate::joints::lines::{JointLines, has_joints};
+use crate::joints::lines::{JointLines, has_joints, joints_of};
 use crate::joints::polygons::SpacePolygon;
 use crate::shapes::piece::JointFacet;
 use crate::text::fault::Problem;
@@ -57,19 +57,9 @@ impl JointLines<'_> {
             if !has_joints(set, body) {
                 continue;
             }
-            let found = match (set.dip, set.spacing) {
-                (Some(dip), Some(spacing)) => {
-                    statistical(set, dip, spacing, placing.bounds).ok_or_else(|| {
-                        let message = format!(
-                            "the joints of the [[joint_set]] \"{}\" are more than {MOST} in the body \"{}\"",
-                            set.name, body.name
-                        );
-                        let help = "take a larger spacing or trace_length";
-                        Problem { help: Some(help.to_owned()), ..Problem::new("mesh_size", message) }
-                    })?
-                }
-                _ => given.clone(),
-            };
+            let found = joints_of((set, body), given, MOST, |dip, spacing| {
+                statistical(set, dip, spacing, placing.bounds)
+            })?;
             let [low, high] = placing.bounds;
             for polygon in found {
                 let [least, most] = fdem_mesh::bounds(polygon.iter().copied());
