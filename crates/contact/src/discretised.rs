@@ -39,13 +39,13 @@
 mod bodies;
 mod error;
 mod search;
-mod simplex;
+mod element;
 mod spheres;
 mod view;
 
 pub use bodies::{BodyContact, body_contacts, gather};
+pub use element::MeshElement;
 pub use error::DiscretisedError;
 pub use search::{MeshSearch, contacts};
-pub use simplex::Simplex;
 pub use spheres::SphereContact;
 pub use view::{ElementContact, MeshView};

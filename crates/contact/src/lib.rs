@@ -149,7 +149,7 @@
 //! | the contact of two shapes | `src/narrow.rs`, then the shape: `src/narrow/sphere.rs`, `src/narrow/triangle.rs` and so on |
 //! | contacts of a sphere on a mesh of triangles | `src/narrow/mesh.rs` |
 //! | contacts of meshed bodies: overlap, shared boundary, point, normal | `src/discretised/bodies.rs` |
-//! | elements of meshes, and their narrow phase | `src/discretised/simplex.rs` |
+//! | elements of meshes, and their narrow phase | `src/discretised/element.rs` |
 //! | contacts in a labelled image | `src/image.rs`, `src/image/contact.rs` |
 //!
 //! # Decisions, and departures from the book

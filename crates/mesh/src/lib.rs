@@ -11,18 +11,18 @@
 //! | polygons inside of bodies in space: joints | `src/tetrahedra/polygons.rs`, then its parts in `src/tetrahedra/polygons` |
 //! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
 //! | the order of elements in memory | `src/curve.rs` |
-//! | angles, measures and facets of triangles and tetrahedra | `src/simplex.rs` |
+//! | angles, measures and facets of triangles and tetrahedra | `src/corners.rs` |
 
 pub mod curve;
 mod grading;
 mod mesh;
 mod quality;
-mod simplex;
+mod corners;
 pub mod shapes;
 pub mod tetrahedra;
 pub mod triangles;
 
+pub use corners::{Corners, facets_of, sorted, sorted_facets};
 pub use grading::{Grading, Place, Refinement};
 pub use mesh::{MOST_ELEMENTS, Mesh, bounds};
 pub use quality::{Quality, edges};
-pub use simplex::{Simplex, facets_of, sorted, sorted_facets};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Mesh, Simplex};
+use crate::{Corners, Mesh};
 
 /// Sizes and shapes of the elements of a mesh.
 #[derive(Debug, Clone, Serialize)]
@@ -33,7 +33,7 @@ impl Quality {
     /// Measures a mesh with at least one element.
     pub fn of<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> Self
     where
-        [[f64; D]; N]: Simplex<D, N>,
+        [[f64; D]; N]: Corners<D, N>,
     {
         let mut quality = Self {
             elements: mesh.elements.len(),

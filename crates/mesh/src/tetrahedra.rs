@@ -42,8 +42,8 @@ pub(crate) use vector::bounds;
 
 use std::collections::BTreeMap;
 
+use crate::Corners;
 pub(crate) use crate::MOST_ELEMENTS as MOST;
-use crate::Simplex;
 use crate::grading::Grading;
 use improve::body::Body;
 use sizes::Sizes;

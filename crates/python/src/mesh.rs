@@ -1,7 +1,7 @@
 //! Contacts of meshed bodies.
 
 use fdem_contact::discretised::{
-    BodyContact, ElementContact, MeshSearch, MeshView, Simplex, SphereContact, body_contacts,
+    BodyContact, ElementContact, MeshElement, MeshSearch, MeshView, SphereContact, body_contacts,
 };
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -46,7 +46,7 @@ fn find<'py, const D: usize, const N: usize>(
     threads: usize,
 ) -> PyResult<ContactColumns<'py>>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let (nodes, cells, bodies) = (rows_of::<f64, D>(nodes)?, rows_of::<u32, N>(cells)?, entries_of(bodies)?);
     let (elements, of_bodies) = interrupt::run(py, false, &Stop::default(), || {

@@ -1,7 +1,7 @@
 //! Gathers contacts of elements to contacts of bodies.
 
-use crate::discretised::simplex::sealed::Sealed as _;
-use crate::discretised::{DiscretisedError, ElementContact, MeshView, Simplex};
+use crate::discretised::element::sealed::Sealed as _;
+use crate::discretised::{DiscretisedError, ElementContact, MeshElement, MeshView};
 use crate::error::Error;
 use crate::image::unit;
 use crate::memory::{reserve, resize};
@@ -160,7 +160,7 @@ pub fn body_contacts<const D: usize, const N: usize>(
     contacts: &[ElementContact<D>],
 ) -> Result<Vec<BodyContact<D>>, DiscretisedError>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     for (index, &ElementContact { i, j, .. }) in contacts.iter().enumerate() {
         if i >= j || j as usize >= mesh.len() {
@@ -225,7 +225,7 @@ fn add_shared_facets<const D: usize, const N: usize>(
     gathered: &mut [Gathered<D>],
 ) -> Result<(), Error>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let kinds = <[[f64; D]; N]>::FACETS;
     if kinds.is_empty() || gathered.is_empty() {
@@ -271,7 +271,7 @@ fn outwards<const D: usize, const N: usize>(
     facet: &Facet<D>,
 ) -> (f64, [f64; D], [f64; D])
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let (locals, opposite) = <[[f64; D]; N]>::FACETS[facet.local as usize];
     let vertices = mesh.vertices(facet.element as usize);

@@ -2,8 +2,8 @@
 
 use crate::couple::Couple;
 use crate::detector::Detector;
-use crate::discretised::simplex::sealed::Sealed as _;
-use crate::discretised::{DiscretisedError, ElementContact, MeshView, Simplex};
+use crate::discretised::element::sealed::Sealed as _;
+use crate::discretised::{DiscretisedError, ElementContact, MeshElement, MeshView};
 use crate::elements::Elements;
 use crate::engine::Engine;
 use crate::error::Error;
@@ -38,7 +38,7 @@ pub fn contacts<const D: usize, const N: usize>(
     mesh: &MeshView<'_, D, N>,
 ) -> Result<Vec<ElementContact<D>>, DiscretisedError>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let mut contacts = Vec::new();
     MeshSearch::new().contacts(mesh, &mut contacts)?;
@@ -140,7 +140,7 @@ impl<const D: usize> MeshSearch<D> {
         contacts: &mut Vec<ElementContact<D>>,
     ) -> Result<(), DiscretisedError>
     where
-        [[f64; D]; N]: Simplex<D>,
+        [[f64; D]; N]: MeshElement<D>,
     {
         contacts.clear();
         self.clear_boxes(mesh.len())?;
@@ -202,7 +202,7 @@ impl<const D: usize> MeshSearch<D> {
         seed: u64,
     ) -> Result<usize, Mismatch>
     where
-        [[f64; D]; N]: Simplex<D>,
+        [[f64; D]; N]: MeshElement<D>,
     {
         let couples: Vec<Couple> =
             contacts.iter().map(|&ElementContact { i, j, .. }| Couple { i, j }).collect();

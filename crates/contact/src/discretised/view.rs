@@ -1,6 +1,6 @@
 //! A mesh as a search reads it, and the contacts of its elements.
 
-use crate::discretised::{DiscretisedError, Simplex};
+use crate::discretised::{DiscretisedError, MeshElement};
 use crate::narrow::{Contact, MAX_MAGNITUDE, MIN_MAGNITUDE};
 
 /// A view of a mesh: nodes, the elements between them, and the body of each element. It borrows its arrays
@@ -30,7 +30,7 @@ pub struct MeshView<'a, const D: usize, const N: usize> {
 
 impl<'a, const D: usize, const N: usize> MeshView<'a, D, N>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     /// Checks and borrows the arrays.
     ///

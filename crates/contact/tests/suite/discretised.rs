@@ -13,7 +13,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use fdem_contact::discretised::{
-    BodyContact, DiscretisedError, ElementContact, MeshSearch, MeshView, Simplex, body_contacts, contacts,
+    BodyContact, DiscretisedError, ElementContact, MeshElement, MeshSearch, MeshView, body_contacts, contacts,
 };
 use fdem_contact::image::{self, Neighbourhood, Spacing};
 use fdem_contact::narrow::{
@@ -38,7 +38,7 @@ struct Parts<const D: usize, const N: usize> {
 
 impl<const D: usize, const N: usize> Parts<D, N>
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     fn mesh(&self) -> MeshView<'_, D, N> {
         MeshView::new(&self.points, &self.elements, &self.bodies).unwrap()
@@ -121,7 +121,7 @@ fn equal_to_all_pairs<const D: usize, const N: usize>(
     seed: u64,
     narrow: fn([[f64; D]; N], [[f64; D]; N]) -> Contact<D>,
 ) where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let mut rng = SplitMix64(seed);
     let mut contacts_of_one_body = 0;
@@ -173,7 +173,7 @@ fn tetrahedra_equal_all_pairs() {
 /// whole numbers.
 fn unchanged_by_names_and_places<const D: usize, const N: usize>(seed: u64)
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let mut rng = SplitMix64(seed);
     let parts = Parts::<D, N>::random(&mut rng, 400, 25);
@@ -273,7 +273,7 @@ fn cubes(labels: &[u16], [planes, rows, columns]: [usize; 3]) -> Parts<3, 4> {
 /// faces, centroids, normals.
 fn equals_image<const D: usize, const N: usize>(labels: &[u16], shape: [usize; D], parts: &Parts<D, N>)
 where
-    [[f64; D]; N]: Simplex<D>,
+    [[f64; D]; N]: MeshElement<D>,
 {
     let (_, bodies) = parts.found();
     let at_vertices = image::contacts(labels, shape, Neighbourhood::Vertex).unwrap();

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use fdem_contact::discretised::{
-    BodyContact, DiscretisedError, MeshSearch, MeshView, Simplex, body_contacts, gather,
+    BodyContact, DiscretisedError, MeshElement, MeshSearch, MeshView, body_contacts, gather,
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
@@ -308,7 +308,7 @@ impl MeshTask<'_> {
         mut seconds: Seconds,
     ) -> Result<(MeshResult<D>, Seconds), Failure>
     where
-        [[f64; D]; N]: Simplex<D>,
+        [[f64; D]; N]: MeshElement<D>,
     {
         let start = Instant::now();
         let (found, _) = self.progress.step("detecting", None, |_| self.contacts_of(model, more));
@@ -324,7 +324,7 @@ impl MeshTask<'_> {
         more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut MeshResult<D>) -> Result<(), MeshStop>,
     ) -> Result<MeshResult<D>, MeshStop>
     where
-        [[f64; D]; N]: Simplex<D>,
+        [[f64; D]; N]: MeshElement<D>,
     {
         let mesh = MeshView::new(&model.points, &model.elements, &model.mesh_bodies)?;
         let mut search = MeshSearch::new()

@@ -5,7 +5,7 @@ use super::error::MeshError;
 use super::predicates::side;
 use super::surface::{INNER, Surface};
 use super::vector::{Point, cross, dot, minus};
-use crate::simplex::sorted;
+use crate::corners::sorted;
 
 /// Largest coordinate: the fifth power of a length still is a number.
 const FARTHEST: f64 = 1e60;

@@ -9,7 +9,7 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 use super::error::OutlineError;
 use super::mesh::Triangles;
 use super::outline::{Domain, Inside, Point, distance, twice_area};
-use crate::{Simplex, facets_of, sorted};
+use crate::{Corners, facets_of, sorted};
 
 /// Length over mesh size below which lines are removed, because they would give elements as small.
 const SHORTEST: f64 = 0.6;
@@ -199,7 +199,7 @@ pub fn colours<const D: usize, const N: usize>(
     colours: usize,
 ) -> Vec<u32>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let count = grains.iter().max().map_or(0, |&last| last as usize + 1);
     let mut facets: Vec<([u32; D], u32)> = Vec::with_capacity(N * elements.len());

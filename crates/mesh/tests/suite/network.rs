@@ -4,7 +4,7 @@
 
 use fdem_mesh::triangles::outline::{Domain, Point, distance};
 use fdem_mesh::triangles::{Triangles, add_lines, triangles};
-use fdem_mesh::{Grading, Mesh, Quality, Simplex};
+use fdem_mesh::{Corners, Grading, Mesh, Quality};
 use fdem_scenes::random::Random;
 
 fn square() -> Domain {

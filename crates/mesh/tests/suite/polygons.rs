@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use fdem_mesh::shapes::{cuboid, cylinder, extrusion, hull, sphere, tube};
 use fdem_mesh::tetrahedra::{PolygonError, Surface, Tetrahedra, add_polygons, graded};
-use fdem_mesh::{Grading, Simplex, facets_of, sorted};
+use fdem_mesh::{Corners, Grading, facets_of, sorted};
 use fdem_scenes::random::Random;
 
 type Point = [f64; 3];

@@ -4,7 +4,7 @@
 
 use fdem_mesh::triangles::outline::{Domain, area, circle};
 use fdem_mesh::triangles::{INSIDE, OutlineError, Triangles, triangles};
-use fdem_mesh::{Grading, Place, Refinement, Simplex};
+use fdem_mesh::{Corners, Grading, Place, Refinement};
 
 type Point = [f64; 2];
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::{Simplex, bounds};
+use fdem_mesh::{Corners, bounds};
 
 use crate::advice::parts::{join, parts};
 use crate::shapes::outline::{Point, distance};
@@ -122,7 +122,7 @@ fn pieces<const D: usize, const N: usize>(piece: &Piece<D, N>) -> usize {
 /// The number of parts that have no facet in common, and the first node that two of them share.
 fn hinged<const D: usize, const N: usize>(piece: &Piece<D, N>) -> (usize, Option<u32>)
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let parts = parts(&piece.elements);
     let count = (0..).zip(&parts).filter(|(element, part)| element == *part).count();

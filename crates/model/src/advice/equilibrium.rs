@@ -1,7 +1,7 @@
 //! Warnings of initial states that are not in equilibrium.
 
 use fdem_io::numbers::brief;
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
 use crate::bodies::dimensions::Dimensions;

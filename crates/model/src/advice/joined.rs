@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::grouped;
-use fdem_mesh::{Simplex, sorted_facets};
+use fdem_mesh::{Corners, sorted_facets};
 use fdem_simulation::Model;
 
 /// Strengths that hold nothing together, and those of a material with itself.
 pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>)
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     if model.interfaces.iter().all(|interface| interface.strength.is_none()) {
         return;
@@ -38,7 +38,7 @@ where
 /// Facets inside bodies by the two materials at them.
 fn facets<const D: usize, const N: usize>(model: &Model<D, N>) -> BTreeMap<[u32; 2], u64>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let mesh = &model.mesh;
     let mut facets = BTreeMap::new();

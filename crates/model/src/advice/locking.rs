@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use fdem_io::numbers::brief;
-use fdem_mesh::{Simplex, bounds, edges};
+use fdem_mesh::{Corners, bounds, edges};
 use fdem_simulation::{Load, Model, Plane, Target};
 
 use crate::shapes::outline::{distance, twice_area};

@@ -1,12 +1,12 @@
 //! Parts of a mesh: elements that hang together by facets. Nothing holds elements to each other that share
 //! only nodes, or an edge in three dimensions.
 
-use fdem_mesh::{Simplex, sorted_facets};
+use fdem_mesh::{Corners, sorted_facets};
 
 /// The part of each element: the least element of its part.
 pub(crate) fn parts<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<u32>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let facets = sorted_facets::<D, N>(elements);
     let mut parent: Vec<u32> = (0..elements.len() as u32).collect();

@@ -2,7 +2,7 @@
 //! some.
 
 use fdem_io::numbers::brief;
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::{CriticalStep, Element, Load, MassScaling, Model, ModelError};
 
 use crate::advice::quasi_static::is_quasi_static;
@@ -35,7 +35,7 @@ struct Scaling {
 impl Scaling {
     fn of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<Self, ModelError>
     where
-        [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+        [[f64; D]; N]: Element<D, N> + Corners<D, N>,
     {
         let model = &prepared.model;
         let mut all = Self { stages: Vec::new(), masses: model.true_masses(), critical: f64::INFINITY };
@@ -124,7 +124,7 @@ pub(crate) fn scale<const D: usize, const N: usize>(
     prepared: &mut Prepared<D, N>,
 ) -> Result<(), Fault>
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let Some(asked) = &file.model.mass_scaling else { return Ok(()) };
     // The preflight of such a model reports the problem.
@@ -208,7 +208,7 @@ fn warn<const D: usize, const N: usize>(prepared: &mut Prepared<D, N>) {
 /// step of the run, s.
 pub(crate) fn advice<const D: usize, const N: usize>(prepared: &Prepared<D, N>, step: f64) -> Option<String>
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let safety = prepared.model.time.safety;
     if prepared.mass_scaling.is_some() || !is_quasi_static(&prepared.model) {

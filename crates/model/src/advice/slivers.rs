@@ -1,7 +1,7 @@
 //! Elements that make the time step much shorter than all others would.
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::{Element, Model};
 
 /// Share of the elements that may be slivers, and how many may be in any case.
@@ -31,7 +31,7 @@ impl Slivers {
     /// The few elements that a wave crosses in much less time than all others.
     pub(crate) fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<Self>
     where
-        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+        [[f64; D]; N]: Corners<D, N> + Element<D, N>,
     {
         let mut times: Vec<(f64, f64, u32)> = (0..)
             .zip(model.mesh.elements.iter().zip(&model.mesh.materials))

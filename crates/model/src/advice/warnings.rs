@@ -8,7 +8,7 @@ use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
-use fdem_mesh::{Simplex, bounds, edges};
+use fdem_mesh::{Corners, bounds, edges};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Plane, Strength, Target};
 
 use crate::advice::ready::Ready;
@@ -61,7 +61,7 @@ pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
 /// Adds warnings about the initial state; areas or volumes have this unit.
 fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
 where
-    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
+    [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
 {
     overlaps(ready, unit, warnings);
     // Ground at rest carries its weight from the beginning.
@@ -310,7 +310,7 @@ fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
 /// Warns of bodies, and of parts of the mesh of a body, that overlap at the start.
 fn overlaps<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
 where
-    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
+    [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
 {
     let mesh = &ready.model.mesh;
     let parts = parts_of(ready);

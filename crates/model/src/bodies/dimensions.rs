@@ -2,7 +2,7 @@
 
 mod differences;
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::Element;
 
 use crate::bodies::{gmsh, mesh_file};
@@ -15,7 +15,7 @@ use crate::text::included::Load;
 
 /// The differences between two- and three-dimensional models before they are simulated.
 pub(crate) trait Dimensions<const D: usize, const N: usize>:
-    Element<D, N> + Simplex<D, N> + AsRef<[[f64; D]]> + Copy
+    Element<D, N> + Corners<D, N> + AsRef<[[f64; D]]> + Copy
 {
     /// A facet of one element only, in messages.
     const OUTER_FACET: &'static str;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::{exact, grouped};
 use fdem_io::{Cells, MeshBody, MeshFile};
-use fdem_mesh::{Simplex, sorted, sorted_facets};
+use fdem_mesh::{Corners, sorted, sorted_facets};
 
 use crate::bodies::{gmsh, materials};
 use crate::shapes::outline::Point;
@@ -158,7 +158,7 @@ fn piece<const D: usize, const N: usize>(
     (name, only, groups, default): (&str, Option<&[String]>, &BTreeMap<String, u32>, u32),
 ) -> Result<Piece<D, N>, Problem>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let labels: Vec<String> = mesh.bodies.iter().map(label).collect();
     let known = names(&labels, &elements.bodies);
@@ -250,7 +250,7 @@ fn loose<const D: usize, const N: usize>(
     words: &Words,
 ) -> Option<String>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     if facets.is_empty() {
         return None;

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use fdem_mesh::{Simplex, bounds, sorted};
+use fdem_mesh::{Corners, bounds, sorted};
 use fdem_simulation::{Element, Subset, Target};
 
 use crate::prepared::{Joints, Prepared, Quantity};
@@ -42,7 +42,7 @@ impl<const D: usize> Bonds<D> {
         faults: &mut Vec<Fault>,
     ) -> Self
     where
-        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+        [[f64; D]; N]: Corners<D, N> + Element<D, N>,
     {
         let mut bonds = Self { sets: Vec::new(), merged: BTreeMap::new() };
         let mut outsides: BTreeMap<usize, Outside<D>> = BTreeMap::new();
@@ -136,7 +136,7 @@ impl<const D: usize> Bonds<D> {
     /// Says which boundary is on nothing else, or which velocities differ.
     pub(crate) fn join<const N: usize>(&self, prepared: &mut Prepared<D, N>) -> Result<(), String>
     where
-        [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+        [[f64; D]; N]: Corners<D, N> + Element<D, N>,
     {
         if self.sets.is_empty() {
             return Ok(());
@@ -285,7 +285,7 @@ struct Outer<const D: usize> {
 impl<const D: usize> Outside<D> {
     fn of<const N: usize>(placed: &Placed<D, N>) -> Self
     where
-        [[f64; D]; N]: Simplex<D, N>,
+        [[f64; D]; N]: Corners<D, N>,
     {
         let piece = &placed.piece;
         let mut facets = Vec::new();

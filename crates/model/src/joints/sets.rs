@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::{Element, JointSet, Model, Strength};
 
 use crate::joints::lines::has_joints;
@@ -330,7 +330,7 @@ pub(crate) fn put<const D: usize, const N: usize>(
     warnings: &mut Vec<String>,
 ) -> Vec<Joints>
 where
-    [[f64; D]; N]: Simplex<D, N> + Element<D, N>,
+    [[f64; D]; N]: Corners<D, N> + Element<D, N>,
 {
     let mut all = Vec::new();
     for number in 0..model.joint_sets.len() as u32 {

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use fdem_io::numbers::brief;
-use fdem_mesh::{Mesh, Simplex};
+use fdem_mesh::{Corners, Mesh};
 use fdem_simulation::{Element, MaterialPoint, Probe};
 
 use crate::shapes::placed::{self, Placed, is_body};
@@ -121,7 +121,7 @@ pub(crate) fn probes<const D: usize, const N: usize>(
     faults: &mut Vec<Fault>,
 ) -> Vec<Probe<D, N>>
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let mut probes = Vec::new();
     for (index, history) in file.history.iter().enumerate().filter(|(_, history)| is_probe(history)) {
@@ -156,7 +156,7 @@ struct Places<'a, const D: usize, const N: usize> {
 
 impl<const D: usize, const N: usize> Places<'_, D, N>
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     fn probe(&self) -> Result<Probe<D, N>, ProbeFault> {
         let history = self.history;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::brief;
 use fdem_mesh::triangles::{INSIDE, Triangles};
-use fdem_mesh::{Simplex, facets_of, sorted, sorted_facets};
+use fdem_mesh::{Corners, facets_of, sorted, sorted_facets};
 
 /// A body of triangles or of tetrahedra.
 #[derive(Debug, Clone)]
@@ -91,7 +91,7 @@ impl Piece {
 
 impl<const D: usize, const N: usize> Piece<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     /// Finds the facets of one element only, in the order of their least nodes.
     ///

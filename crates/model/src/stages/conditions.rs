@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use fdem_io::numbers::brief;
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_results::history_columns;
 use fdem_simulation::{Load, Model};
 
@@ -79,7 +79,7 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
     own: &[String],
     warnings: &mut Vec<String>,
 ) where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     for servo in servos.iter().filter(|servo| own[servo.place].ends_with("[N]")) {
         let boundary = &model.boundaries[servo.boundary];

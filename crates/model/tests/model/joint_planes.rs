@@ -39,7 +39,7 @@ fn right(text: &str) -> Prepared<3, 4> {
 
 /// The faces that are of a set, with their corners.
 fn faces(prepared: &Prepared<3, 4>, set: u32) -> Vec<[[f64; 3]; 3]> {
-    const FACETS: [[usize; 3]; 4] = <[[f64; 3]; 4] as fdem_mesh::Simplex<3, 4>>::FACETS;
+    const FACETS: [[usize; 3]; 4] = <[[f64; 3]; 4] as fdem_mesh::Corners<3, 4>>::FACETS;
     let model = &prepared.model;
     let mut found = Vec::new();
     for (nodes, sets) in model.mesh.elements.iter().zip(&model.joint_facets) {

@@ -1,6 +1,6 @@
 //! Packings in three dimensions, and copies of a shape in both.
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_model::{AnyPrepared, Prepared, prepare_any};
 
 const STONE: &str =
@@ -48,7 +48,7 @@ fn nodes<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<&[[f6
 /// Area or volume of each body.
 fn measures<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<f64>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let mesh = &prepared.model.mesh;
     let mut measures = vec![0.0; prepared.bodies.len()];

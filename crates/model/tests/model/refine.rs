@@ -1,6 +1,6 @@
 //! Places near which elements are smaller: meshes in two and three dimensions, and errors in such places.
 
-use fdem_mesh::{Mesh, Simplex};
+use fdem_mesh::{Corners, Mesh};
 use fdem_model::{AnyPrepared, prepare_any};
 
 const STONE: &str =
@@ -42,7 +42,7 @@ fn edges<const D: usize, const N: usize>(
 
 fn smallest_angle<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> f64
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let corners = |element: &[u32; N]| element.map(|node| mesh.nodes[node as usize]);
     mesh.elements.iter().flat_map(|element| corners(element).angles()).fold(180.0, f64::min)

@@ -1,6 +1,6 @@
 //! Models in three dimensions: their shapes, groups, boundaries and mistakes.
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_model::{AnyPrepared, Prepared, prepare_any};
 use fdem_simulation::{Load, Simulation, Target};
 

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_simulation::{Model, Snapshot};
 
 use crate::run::csv::{push_number, quoted};
@@ -60,7 +60,7 @@ impl ElementMasses {
     /// exist.
     pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, SnapshotError>
     where
-        [[f64; D]; N]: Simplex<D, N>,
+        [[f64; D]; N]: Corners<D, N>,
     {
         let mesh = &model.mesh;
         let (elements, materials) = (mesh.elements.len(), model.materials.len());

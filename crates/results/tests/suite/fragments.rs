@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use fdem_mesh::Simplex;
+use fdem_mesh::Corners;
 use fdem_results::{
     ElementMasses, Field, Fragments, Names, Report, SnapshotError, SpaceReport, fragment_sizes,
 };
@@ -48,7 +48,7 @@ fn add_row<const D: usize, const N: usize>(
     cells: usize,
     middle: f64,
 ) where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let body = mesh.bodies.last().map_or(0, |last| last + 1);
     let first = mesh.nodes.len();
@@ -96,7 +96,7 @@ fn power<const D: usize>(side: f64) -> f64 {
 /// A strip of two materials, whose halves fly apart and break where they meet.
 fn breaking_strip<const D: usize, const N: usize>()
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     const SIDE: f64 = 0.25;
     let mut mesh = Mesh::default();
@@ -174,7 +174,7 @@ fn a_beam_that_breaks_in_two_gives_two_equal_fragments() {
 /// Squares or cubes with sides of 1, 2 and 3 m, from left to right.
 fn three<const D: usize, const N: usize>(materials: Vec<Material>, middle: f64) -> Model<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let mut mesh = Mesh::default();
     for (origin, side) in [(0.0, 1.0), (2.0, 2.0), (5.0, 3.0)] {
@@ -185,7 +185,7 @@ where
 
 fn fragments_of<const D: usize, const N: usize>(model: Model<D, N>) -> Fragments<D>
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let masses = ElementMasses::of(&model).unwrap();
     Fragments::of(&Simulation::new(model, 1).unwrap().snapshot(), &masses).unwrap()
@@ -193,7 +193,7 @@ where
 
 fn known_sizes<const D: usize, const N: usize>(measure_to_diameter: fn(f64) -> f64)
 where
-    [[f64; D]; N]: Element<D, N> + Simplex<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let model = three::<D, N>(vec![material("rock", Some(weak()))], f64::INFINITY);
     let fragments = fragments_of(model);

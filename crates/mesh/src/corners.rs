@@ -4,7 +4,7 @@ use std::any::Any;
 
 /// The corners of a triangle, `[[f64; 2]; 3]`, or of a tetrahedron, `[[f64; 3]; 4]`, in the order of
 /// [`Mesh::elements`](crate::Mesh).
-pub trait Simplex<const D: usize, const N: usize> {
+pub trait Corners<const D: usize, const N: usize> {
     /// Corners of each facet: an edge in the direction in which the triangle has it, a face counter-clockwise
     /// seen from outside.
     const FACETS: [[usize; D]; N];
@@ -29,7 +29,7 @@ pub trait Simplex<const D: usize, const N: usize> {
     }
 }
 
-impl Simplex<2, 3> for [[f64; 2]; 3] {
+impl Corners<2, 3> for [[f64; 2]; 3] {
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 
     fn measure(&self) -> f64 {
@@ -50,7 +50,7 @@ impl Simplex<2, 3> for [[f64; 2]; 3] {
     }
 }
 
-impl Simplex<3, 4> for [[f64; 3]; 4] {
+impl Corners<3, 4> for [[f64; 3]; 4] {
     const FACETS: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 
     fn measure(&self) -> f64 {
@@ -79,7 +79,7 @@ impl Simplex<3, 4> for [[f64; 3]; 4] {
 /// The facets of an element by their nodes.
 pub fn facets_of<const D: usize, const N: usize>(element: &[u32; N]) -> [[u32; D]; N]
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     <[[f64; D]; N]>::FACETS.map(|facet| facet.map(|corner| element[corner]))
 }
@@ -94,7 +94,7 @@ pub fn sorted<const D: usize>(mut facet: [u32; D]) -> [u32; D] {
 /// ascending order, so that the facets of neighbours follow each other.
 pub fn sorted_facets<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<([u32; D], u32)>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     // Compiled in this crate, which is optimised, and not in those that call it.
     fn plane(elements: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
@@ -121,7 +121,7 @@ where
 /// [`sorted_facets`], compiled where it is called.
 fn all_sorted<const D: usize, const N: usize>(elements: &[[u32; N]]) -> Vec<([u32; D], u32)>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Corners<D, N>,
 {
     let mut facets = Vec::with_capacity(N * elements.len());
     for (number, element) in (0..).zip(elements) {
@@ -178,7 +178,7 @@ mod tests {
     fn facets_look_outwards() {
         let corners = [[0.1, 0.2, -0.3], [1.0, 0.0, 0.3], [0.0, 1.2, 0.1], [0.2, 0.1, 0.9]];
         assert!(corners.measure() > 0.0);
-        for facet in <[[f64; 3]; 4] as Simplex<3, 4>>::FACETS {
+        for facet in <[[f64; 3]; 4] as Corners<3, 4>>::FACETS {
             let opposite =
                 (0..4).find(|corner| !facet.contains(corner)).map(|corner| corners[corner]).unwrap();
             let facet = facet.map(|corner| corners[corner]);

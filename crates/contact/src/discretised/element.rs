@@ -9,11 +9,11 @@ use crate::narrow::{
 ///
 /// An element without area or volume is the piece that its vertices span; a tetrahedron that names its last
 /// node twice is a triangle.
-pub trait Simplex<const D: usize>: sealed::Sealed<D> {}
+pub trait MeshElement<const D: usize>: sealed::Sealed<D> {}
 
-impl Simplex<2> for [[f64; 2]; 3] {}
-impl Simplex<3> for [[f64; 3]; 3] {}
-impl Simplex<3> for [[f64; 3]; 4] {}
+impl MeshElement<2> for [[f64; 2]; 3] {}
+impl MeshElement<3> for [[f64; 3]; 3] {}
+impl MeshElement<3> for [[f64; 3]; 4] {}
 
 pub(super) mod sealed {
     use super::Contact;
