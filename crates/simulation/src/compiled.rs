@@ -7,8 +7,8 @@
 use std::any::Any;
 
 /// Calls a function of the crate that is compiled here for both kinds of elements: `(arguments and their
-/// types) -> result = function`. Each type is given for triangles and for tetrahedra. `D` is the dimension of
-/// the caller.
+/// types) -> result = function`. Each type is given for triangles and for tetrahedra. `D` and `N` are
+/// those of the caller.
 macro_rules! compiled {
     (($($name:ident: $pass:ident [$plane:ty, $space:ty]),*) -> [$of_plane:ty, $of_space:ty] = $function:path) => {{
         #[inline(never)]
@@ -21,7 +21,7 @@ macro_rules! compiled {
             $function($($name),*)
         }
 
-        if const { D == 2 } {
+        if const { <[[f64; D]; N] as $crate::simplex::Simplex<D, N>>::IS_TRIANGLE } {
             $crate::compiled::value(plane($($crate::compiled::$pass($name)),*))
         } else {
             $crate::compiled::value(space($($crate::compiled::$pass($name)),*))

@@ -21,6 +21,9 @@ const NEAR: f64 = 0.1;
 /// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three
 /// counter-clockwise seen from the last.
 pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
+    /// Whether the element is a triangle.
+    const IS_TRIANGLE: bool = D == 2;
+
     /// Memory for [`Simplex::interactions`].
     type Scratch: Default;
 
