@@ -138,7 +138,7 @@ pub fn check<const D: usize>(
 
 /// The same space, whose dimension the caller knows to be `E`.
 fn of_dimension<'a, const D: usize, const E: usize>(space: &Space<'a, D>) -> Space<'a, E> {
-    Space { centres: space.centres.as_flattened().as_chunks().0, cell: same(space.cell) }
+    space.of_dimension().expect("the dimensions are equal")
 }
 
 /// The same value, whose type the caller knows to be `B`.

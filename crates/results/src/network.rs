@@ -6,6 +6,8 @@
 //! Couples ──────────────┘
 //! ```
 
+use std::any::Any;
+
 use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
 
 use crate::arrays::each;
@@ -60,7 +62,13 @@ pub struct Space<'a, const D: usize> {
     pub cell: Option<PeriodicBox<f64, D>>,
 }
 
-impl<const D: usize> Space<'_, D> {
+impl<'a, const D: usize> Space<'a, D> {
+    /// The same space, if its dimension is `E`.
+    pub(crate) fn of_dimension<const E: usize>(&self) -> Option<Space<'a, E>> {
+        let cell = *(&self.cell as &dyn Any).downcast_ref()?;
+        Some(Space { centres: self.centres.as_flattened().as_chunks().0, cell })
+    }
+
     /// Distance of the first element of a couple to the image of the second, between the points that the
     /// library compares, so that couples that touch by its comparison overlap by at least zero.
     ///
@@ -188,7 +196,13 @@ pub struct Network<'a, const D: usize> {
     pub couples: &'a Couples<D>,
 }
 
-impl<const D: usize> Network<'_, D> {
+impl<'a, const D: usize> Network<'a, D> {
+    /// The same network, if its dimension is `E`.
+    fn of_dimension<const E: usize>(&self) -> Option<Network<'a, E>> {
+        let couples = (self.couples as &'a dyn Any).downcast_ref()?;
+        Some(Network { space: self.space.of_dimension()?, sizes: self.sizes, couples })
+    }
+
     /// Overlap of a couple, as [`Space::overlap`] defines it.
     ///
     /// # Panics
@@ -196,6 +210,48 @@ impl<const D: usize> Network<'_, D> {
     #[inline]
     pub fn overlap(&self, couple: PeriodicCouple<D>) -> f64 {
         self.space.overlap(self.sizes, couple)
+    }
+}
+
+/// Distances and overlaps of the couples of a network, by functions that are compiled in this crate.
+#[derive(Clone, Copy, Debug)]
+pub enum Measures<'a> {
+    /// In two dimensions.
+    Plane(Network<'a, 2>),
+    /// In three dimensions.
+    Space(Network<'a, 3>),
+}
+
+impl<'a> Measures<'a> {
+    /// The measures of a network; `None` in other numbers of dimensions.
+    pub fn of<const D: usize>(network: &Network<'a, D>) -> Option<Self> {
+        match D {
+            2 => network.of_dimension().map(Self::Plane),
+            3 => network.of_dimension().map(Self::Space),
+            _ => None,
+        }
+    }
+
+    /// Distance of a couple, by its place in the list: see [`Space::distance`].
+    ///
+    /// # Panics
+    /// If the list is shorter.
+    pub fn distance(&self, k: usize) -> f64 {
+        match self {
+            Self::Plane(network) => network.space.distance(network.couples.get(k)),
+            Self::Space(network) => network.space.distance(network.couples.get(k)),
+        }
+    }
+
+    /// Overlap of a couple, by its place in the list: see [`Space::overlap`].
+    ///
+    /// # Panics
+    /// If the list is shorter.
+    pub fn overlap(&self, k: usize) -> f64 {
+        match self {
+            Self::Plane(network) => network.overlap(network.couples.get(k)),
+            Self::Space(network) => network.overlap(network.couples.get(k)),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_io::{Packing, Table, Values};
-use fdem_results::network::{Network, Sizes};
+use fdem_results::network::{Measures, Network, Sizes};
 
 use crate::command::failure::Failure;
 use crate::command::input::id;
@@ -183,9 +183,14 @@ impl<'a, const D: usize> DrawnPacking<'a, D> {
     fn measures(&self, table: Table<'a>) -> Table<'a> {
         let network = self.network;
         let couples = network.couples;
+        let Some(measures) = Measures::of(network) else {
+            return table
+                .with("distance", Values::f64(move |k| network.space.distance(couples.get(k))))
+                .with("overlap", Values::f64(move |k| network.overlap(couples.get(k))));
+        };
         table
-            .with("distance", Values::f64(move |k| network.space.distance(couples.get(k))))
-            .with("overlap", Values::f64(move |k| network.overlap(couples.get(k))))
+            .with("distance", Values::f64(move |k| measures.distance(k)))
+            .with("overlap", Values::f64(move |k| measures.overlap(k)))
     }
 
     fn shifts(&self, table: Table<'a>) -> Table<'a> {
