@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::joints::dxf::{Entity, entities};
 use crate::joints::geojson::geometries;
 
-/// How shapes are made of the contents of files.
+/// Functions that turn the contents of a file into shapes of one form.
 pub(crate) struct ShapeForm<T> {
     /// The shape of the numbers of a row; `None` if they are none.
     pub(crate) row: fn(&[f64]) -> Option<T>,

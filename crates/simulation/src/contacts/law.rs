@@ -37,7 +37,7 @@ fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> C
 /// Parameters of the contacts of a model.
 #[derive(Clone, Debug)]
 pub(super) struct ContactLaws<const N: usize> {
-    /// Of all pairs of materials; after them the same for each joint set, with its residual friction.
+    /// Laws of all pairs of materials, then for each joint set the same laws with its residual friction.
     pub(super) all: Vec<ContactLaw>,
     materials: usize,
     /// Joint sets of the facets of each element; empty without joint sets.
