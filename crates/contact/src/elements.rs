@@ -113,6 +113,13 @@ impl<const D: usize> Bounds<D> {
         }
         self
     }
+
+    /// The same bounds, whose number of dimensions the caller knows to be `E`.
+    fn of_dimensions<const E: usize>(&self) -> Bounds<E> {
+        debug_assert_eq!(D, E);
+        let Self { min, max } = self;
+        Bounds { min: std::array::from_fn(|axis| min[axis]), max: std::array::from_fn(|axis| max[axis]) }
+    }
 }
 
 impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
@@ -135,14 +142,10 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
                 tolerance: boxes.tolerance.to_f64(),
             }),
         };
-        let Bounds { min, max } = &self.bounds;
         Elements {
             shape,
             tolerance: self.tolerance.to_f64(),
-            bounds: Bounds {
-                min: std::array::from_fn(|axis| min[axis]),
-                max: std::array::from_fn(|axis| max[axis]),
-            },
+            bounds: self.bounds.of_dimensions(),
             largest: self.largest,
             filter: self.filter,
         }
@@ -196,16 +199,10 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     pub fn spheres_with_radii(centres: &'a [[T; D]], radii: &'a [T]) -> Result<Self, Error> {
         check_count(centres.len())?;
         check_lengths("radii", centres.len(), radii.len())?;
-        let mut largest = T::ZERO;
-        for (index, &radius) in radii.iter().enumerate() {
-            check_radius(radius, Some(index))?;
-            if radius > largest {
-                largest = radius;
-            }
-        }
+        let largest = check_radii(radii)?;
         let bounds = check_points(centres)?;
         let shape = Shape::Spheres(Spheres { centres, radii, tolerance: T::ZERO });
-        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * largest.to_f64(), filter: None })
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * largest, filter: None })
     }
 
     /// Axis-aligned boxes from their minimum and maximum corners; an edge may be zero.
@@ -218,16 +215,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         check_lengths("maximum corners", min.len(), max.len())?;
         let bounds = check_points(min)?;
         check_points(max)?;
-        let mut largest = 0.0_f64;
-        for (index, (low, high)) in min.iter().zip(max).enumerate() {
-            for axis in 0..D {
-                let (low, high) = (low[axis].to_f64(), high[axis].to_f64());
-                if low > high {
-                    return Err(Error::InvertedBox { index, axis, min: low, max: high });
-                }
-                largest = largest.max(high - low);
-            }
-        }
+        let largest = check_edges(min, max)?;
         let shape = Shape::Boxes(Boxes { min, max, tolerance: T::ZERO });
         Ok(Self { shape, tolerance: T::ZERO, bounds, largest, filter: None })
     }
@@ -542,8 +530,31 @@ fn check_radius<T: Real>(radius: T, index: Option<usize>) -> Result<(), Error> {
     Err(Error::InvalidRadius { index, value: radius.to_f64(), limit: T::MAX_MAGNITUDE.to_f64() })
 }
 
+// The checks pass over all elements. As in `compiled.rs`, their code for `f64` in the plane and in space is that
+// of this crate, because a caller may not be optimised.
+
 /// Checks every coordinate and returns the extremes, which are zero for no points.
 fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {
+    #[inline(never)]
+    fn plane(points: &[[f64; 2]]) -> Result<Bounds<2>, Error> {
+        extremes_of(points)
+    }
+
+    #[inline(never)]
+    fn space(points: &[[f64; 3]]) -> Result<Bounds<3>, Error> {
+        extremes_of(points)
+    }
+
+    if const { D == 2 && T::IS_F64 } {
+        plane(points_in_f64(points)).map(|bounds| bounds.of_dimensions())
+    } else if const { D == 3 && T::IS_F64 } {
+        space(points_in_f64(points)).map(|bounds| bounds.of_dimensions())
+    } else {
+        extremes_of(points)
+    }
+}
+
+fn extremes_of<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {
     const { assert!(D > 0, "elements need at least one dimension") };
     let limit = T::MAX_MAGNITUDE;
     let (min, max) = match extremes::of_points(points) {
@@ -554,6 +565,62 @@ fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>,
         _ => return Err(first_invalid(points)),
     };
     Ok(Bounds { min: min.map(T::to_f64), max: max.map(T::to_f64) })
+}
+
+/// Checks every radius and returns the largest, which is zero for no radii.
+fn check_radii<T: Real>(radii: &[T]) -> Result<f64, Error> {
+    #[inline(never)]
+    fn doubles(radii: &[f64]) -> Result<f64, Error> {
+        largest_of(radii)
+    }
+
+    if const { T::IS_F64 } { doubles(in_f64(radii)) } else { largest_of(radii) }
+}
+
+fn largest_of<T: Real>(radii: &[T]) -> Result<f64, Error> {
+    let mut largest = T::ZERO;
+    for (index, &radius) in radii.iter().enumerate() {
+        check_radius(radius, Some(index))?;
+        if radius > largest {
+            largest = radius;
+        }
+    }
+    Ok(largest.to_f64())
+}
+
+/// Checks that no box is inverted and returns the longest edge, which is zero for no boxes.
+fn check_edges<T: Real, const D: usize>(min: &[[T; D]], max: &[[T; D]]) -> Result<f64, Error> {
+    #[inline(never)]
+    fn plane(min: &[[f64; 2]], max: &[[f64; 2]]) -> Result<f64, Error> {
+        longest_of(min, max)
+    }
+
+    #[inline(never)]
+    fn space(min: &[[f64; 3]], max: &[[f64; 3]]) -> Result<f64, Error> {
+        longest_of(min, max)
+    }
+
+    if const { D == 2 && T::IS_F64 } {
+        plane(points_in_f64(min), points_in_f64(max))
+    } else if const { D == 3 && T::IS_F64 } {
+        space(points_in_f64(min), points_in_f64(max))
+    } else {
+        longest_of(min, max)
+    }
+}
+
+fn longest_of<T: Real, const D: usize>(min: &[[T; D]], max: &[[T; D]]) -> Result<f64, Error> {
+    let mut longest = 0.0_f64;
+    for (index, (low, high)) in min.iter().zip(max).enumerate() {
+        for axis in 0..D {
+            let (low, high) = (low[axis].to_f64(), high[axis].to_f64());
+            if low > high {
+                return Err(Error::InvertedBox { index, axis, min: low, max: high });
+            }
+            longest = longest.max(high - low);
+        }
+    }
+    Ok(longest)
 }
 
 /// The error of the first coordinate that is refused; there is one.
