@@ -41,6 +41,11 @@ fn strip(length: usize) -> Model {
     }
 }
 
+/// A profiler that counts bytes. Where they are allocated is no matter, and long traces take most of the time.
+fn profiler_without_places() -> dhat::Profiler {
+    dhat::Profiler::builder().testing().trim_backtraces(Some(4)).build()
+}
+
 /// Memory of all ranks together, in bytes per element: after they have advanced the run and divided it again,
 /// and the peak meanwhile.
 fn held(size: usize, length: usize) -> [f64; 2] {
@@ -53,7 +58,7 @@ fn held(size: usize, length: usize) -> [f64; 2] {
         let mut run = Distributed::new(communicator, whole, 1).unwrap();
         communicator.barrier();
         if first {
-            *profiler.lock().unwrap() = Some(dhat::Profiler::builder().testing().build());
+            *profiler.lock().unwrap() = Some(profiler_without_places());
         }
         communicator.barrier();
         for _ in 0..3 {
