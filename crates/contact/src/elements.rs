@@ -530,8 +530,8 @@ fn check_radius<T: Real>(radius: T, index: Option<usize>) -> Result<(), Error> {
     Err(Error::InvalidRadius { index, value: radius.to_f64(), limit: T::MAX_MAGNITUDE.to_f64() })
 }
 
-// The checks pass over all elements. As in `compiled.rs`, their code for `f64` in the plane and in space is that
-// of this crate, because a caller may not be optimised.
+// The checks pass over all elements. As in `compiled.rs`, their code for `f64` in the plane and in space is
+// that of this crate, because a caller may not be optimised.
 
 /// Checks every coordinate and returns the extremes, which are zero for no points.
 fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {

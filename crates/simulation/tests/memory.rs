@@ -41,7 +41,7 @@ fn strip(length: usize) -> Model {
     }
 }
 
-/// A profiler that counts bytes. Where they are allocated is no matter, and long traces take most of the time.
+/// A profiler that counts bytes. It needs no places of allocations, and long traces take most of the time.
 fn profiler_without_places() -> dhat::Profiler {
     dhat::Profiler::builder().testing().trim_backtraces(Some(4)).build()
 }
