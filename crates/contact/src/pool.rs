@@ -121,6 +121,8 @@ impl Pool {
     /// The caller may itself be a thread of another pool. It must not do other work of that pool while it
     /// waits, as threads of rayon do, because it may hold a lock that this work needs.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
+        // Behind a pointer it is compiled once, not twice.
+        let work: &(dyn Fn(I) + Sync) = &work;
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
             // Inside work of this pool all its other threads may be waiting.
@@ -132,7 +134,7 @@ impl Pool {
             let next = || tasks.lock().ok().and_then(|mut tasks| tasks.next());
             others.run(count, &|| {
                 let _inside = Inside::new(others);
-                std::iter::from_fn(next).for_each(&work);
+                std::iter::from_fn(next).for_each(work);
             });
             return;
         }

@@ -31,18 +31,26 @@ pub(crate) fn run<R: Send>(
     stop: &Stop,
     work: impl FnOnce() -> Result<R, Problem> + Send,
 ) -> PyResult<R> {
+    let (mut work, mut done) = (Some(work), None);
+    attend(py, is_long, stop, &mut || done = work.take().map(|work| work()))?;
+    Ok(done.unwrap_or_else(|| unreachable!("the work has ended"))?)
+}
+
+/// The part of [`run`] that is the same for all work, so that it is compiled once.
+fn attend(py: Python<'_>, is_long: bool, stop: &Stop, work: &mut (dyn FnMut() + Send)) -> PyResult<()> {
     stop.store(false, Ordering::Relaxed);
     if !is_long {
-        return Ok(py.detach(work)?);
+        py.detach(work);
+        return Ok(());
     }
     let mut raised = None;
-    let done = py.detach(|| {
+    py.detach(|| {
         thread::scope(|scope| {
             let (ends, ended) = channel::<()>();
             let work = move || {
                 // Dropped at the end, also by a panic.
                 let _ends = ends;
-                work()
+                work();
             };
             let thread = thread::Builder::new().spawn_scoped(scope, work);
             let thread = thread.map_err(|error| Problem::System(format!("no thread can be had: {error}")))?;
@@ -57,11 +65,9 @@ pub(crate) fn run<R: Send>(
                     raised.get_or_insert(error);
                 }
             }
-            thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+            thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+            Ok::<_, Problem>(())
         })
-    });
-    match raised {
-        Some(error) => Err(error),
-        None => Ok(done?),
-    }
+    })?;
+    raised.map_or(Ok(()), Err)
 }

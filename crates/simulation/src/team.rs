@@ -2,8 +2,8 @@
 //!
 //! Items are divided into chunks of a fixed size. The sums of the chunks are added in their order.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -118,12 +118,8 @@ impl Team {
         items: &mut [T],
         work: impl Fn(usize, &mut [T]) -> R + Sync,
     ) -> Vec<R> {
-        match &self.pool {
-            Some(pool) if items.len() >= WORTH_IT => pool.install(|| {
-                items.par_chunks_mut(CHUNK).enumerate().map(|(k, chunk)| work(k * CHUNK, chunk)).collect()
-            }),
-            _ => items.chunks_mut(CHUNK).enumerate().map(|(k, chunk)| work(k * CHUNK, chunk)).collect(),
-        }
+        let count = items.len();
+        self.each(count, items.chunks_mut(CHUNK), &|k, chunk| work(k * CHUNK, chunk))
     }
 
     /// Calls `work` on chunks of two lists of the same length, in the same way.
@@ -133,16 +129,9 @@ impl Team {
         second: &mut [B],
         work: impl Fn(usize, &mut [A], &mut [B]) -> R + Sync,
     ) -> Vec<R> {
-        match &self.pool {
-            Some(pool) if first.len() >= WORTH_IT => pool.install(|| {
-                let pairs = first.par_chunks_mut(CHUNK).zip(second.par_chunks_mut(CHUNK));
-                pairs.enumerate().map(|(k, (a, b))| work(k * CHUNK, a, b)).collect()
-            }),
-            _ => {
-                let pairs = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK));
-                pairs.enumerate().map(|(k, (a, b))| work(k * CHUNK, a, b)).collect()
-            }
-        }
+        let count = first.len();
+        let pairs = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK));
+        self.each(count, pairs, &|k, (a, b)| work(k * CHUNK, a, b))
     }
 
     /// Calls `work` on chunks of `items`, each with its own of two other lists.
@@ -153,16 +142,9 @@ impl Team {
         second: &mut [B],
         work: impl Fn(&mut [T], &mut A, &mut B) + Sync,
     ) {
-        match &self.pool {
-            Some(pool) if items.len() >= WORTH_IT => pool.install(|| {
-                let chunks = items.par_chunks_mut(CHUNK).zip(first).zip(second);
-                chunks.for_each(|((items, a), b)| work(items, a, b));
-            }),
-            _ => {
-                let chunks = items.chunks_mut(CHUNK).zip(first).zip(second);
-                chunks.for_each(|((items, a), b)| work(items, a, b));
-            }
-        }
+        let count = items.len();
+        let chunks = items.chunks_mut(CHUNK).zip(first).zip(second);
+        self.each(count, chunks, &|_, ((items, a), b)| work(items, a, b));
     }
 
     /// Calls `work` on chunks of a list of batches of `LANES` items, of the items themselves, and of another
@@ -175,18 +157,10 @@ impl Team {
         work: impl Fn(usize, &mut [A], &mut [B], &mut [C]) -> R + Sync,
     ) -> Vec<R> {
         let size = const { CHUNK / LANES };
-        let parallel = items.len() >= WORTH_IT;
+        let count = items.len();
         let more = more.chunks_mut(size).chain(std::iter::repeat_with(|| &mut [][..]));
-        let chunks = batches.chunks_mut(size).zip(items.chunks_mut(CHUNK)).zip(more).enumerate();
-        match &self.pool {
-            Some(pool) if parallel => {
-                let chunks: Vec<_> = chunks.collect();
-                pool.install(|| {
-                    chunks.into_par_iter().map(|(k, ((a, b), c))| work(k * size, a, b, c)).collect()
-                })
-            }
-            _ => chunks.map(|(k, ((a, b), c))| work(k * size, a, b, c)).collect(),
-        }
+        let chunks = batches.chunks_mut(size).zip(items.chunks_mut(CHUNK)).zip(more);
+        self.each(count, chunks, &|k, ((a, b), c)| work(k * size, a, b, c))
     }
 
     /// Calls `work` on chunks of the numbers below `count`, in the same way.
@@ -195,15 +169,53 @@ impl Team {
         count: usize,
         work: impl Fn(std::ops::Range<usize>) -> R + Sync,
     ) -> Vec<R> {
-        let chunks = count.div_ceil(CHUNK);
-        let range = |k: usize| k * CHUNK..((k + 1) * CHUNK).min(count);
-        match &self.pool {
-            Some(pool) if count >= WORTH_IT => {
-                pool.install(|| (0..chunks).into_par_iter().map(|k| work(range(k))).collect())
-            }
-            _ => (0..chunks).map(|k| work(range(k))).collect(),
-        }
+        let chunks = 0..count.div_ceil(CHUNK);
+        self.each(count, chunks, &|k, _| work(k * CHUNK..((k + 1) * CHUNK).min(count)))
     }
+
+    /// Calls `work` on chunks, which have `count` items together, with their numbers. Returns the results in
+    /// the order of the chunks.
+    ///
+    /// `work` is behind a pointer, so that it is compiled once for one thread and many, and the code that
+    /// shares it among threads once for all work.
+    fn each<C: Send, R: Send>(
+        &self,
+        count: usize,
+        chunks: impl Iterator<Item = C>,
+        work: &(dyn Fn(usize, C) -> R + Sync),
+    ) -> Vec<R> {
+        let Some(pool) = self.pool.as_deref().filter(|_| count >= WORTH_IT) else {
+            return chunks.enumerate().map(|(k, chunk)| work(k, chunk)).collect();
+        };
+        let slots: Vec<_> = chunks.map(|chunk| Mutex::new(Slot::Waits(chunk))).collect();
+        share(pool, slots.len(), &|k| {
+            let take = || std::mem::replace(&mut *slots[k].lock().expect(ALONE), Slot::Taken);
+            if let Slot::Waits(chunk) = take() {
+                let result = work(k, chunk);
+                *slots[k].lock().expect(ALONE) = Slot::Done(result);
+            }
+        });
+        let results = slots.into_iter().filter_map(|slot| match slot.into_inner().expect(ALONE) {
+            Slot::Done(result) => Some(result),
+            Slot::Waits(_) | Slot::Taken => None,
+        });
+        results.collect()
+    }
+}
+
+/// A chunk, then the result of its work.
+enum Slot<C, R> {
+    Waits(C),
+    Taken,
+    Done(R),
+}
+
+/// No work is done while a slot is locked.
+const ALONE: &str = "nothing panics while a slot is locked";
+
+/// Calls `work` for each number below `count` on the threads of the pool.
+fn share(pool: &rayon::ThreadPool, count: usize, work: &(dyn Fn(usize) + Sync)) {
+    pool.install(|| (0..count).into_par_iter().for_each(work));
 }
 
 #[cfg(test)]
