@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use rayon::prelude::*;
 use serde_json::Value;
 
 /// Elements times steps of a reduced run: about a second.
@@ -62,7 +63,8 @@ fn every_example_runs_and_leaves_all_results() {
     let models = examples();
     assert!(models.len() >= 13, "{models:?}");
     let folder = tempfile::tempdir().unwrap();
-    for (name, path) in models {
+    // Each run on one thread, as many at once as there are processors.
+    models.into_par_iter().for_each(|(name, path)| {
         let (file, results) = (format!("{name}.toml"), folder.path().join(format!("{name}_results")));
         let model = fs::read_to_string(&path).unwrap();
         fs::write(folder.path().join(&file), &model).unwrap();
@@ -74,7 +76,7 @@ fn every_example_runs_and_leaves_all_results() {
         let end = preflight["step"].as_f64().unwrap() * steps.round();
         let shorter = with(&with(&model, "end_time", &format!("{end:e}")), "frames", "3");
         fs::write(folder.path().join(&file), shorter).unwrap();
-        let said = fdem(folder.path(), &["run", &file, "--quiet"]);
+        let said = fdem(folder.path(), &["run", &file, "--quiet", "--threads", "1"]);
         assert!(said.contains(&format!("results are in {name}_results")), "{name}: {said}");
 
         let run: Value =
@@ -112,5 +114,5 @@ fn every_example_runs_and_leaves_all_results() {
         }
         let rows = fs::read_to_string(results.join("history.csv")).unwrap().lines().count();
         assert!(rows >= 2, "{name}: a history of {rows} lines");
-    }
+    });
 }

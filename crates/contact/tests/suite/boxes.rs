@@ -33,20 +33,28 @@ fn found_by_all<T: Real, const D: usize>(elements: &Elements<'_, T, D>, what: &s
         couples.sort_unstable();
         assert!(couples == expected, "{by}: {what}, D = {D}, {} boxes", elements.len());
     };
+    // The first list is compared with all-against-all, and each other one with the first, in its order.
+    let is_as_first = |first: &mut Option<Vec<Couple>>, couples: Vec<Couple>, by: &str| {
+        if let Some(first) = first {
+            assert!(*first == couples, "the order: {by}: {what}, D = {D}, {} boxes", elements.len());
+        } else {
+            is_expected(couples.clone(), by);
+            *first = Some(couples);
+        }
+    };
     let levels = Simd::available().into_iter().map(|simd| (simd, 1)).chain([(Simd::best(), 3)]);
-    let mut order: Option<Vec<Couple>> = None;
+    let (mut of_rows, mut of_levels) = (None, [None, None]);
     for (simd, threads) in levels {
         let mut rows = Rows::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
         let mut couples = Vec::new();
         rows.couples(elements, &mut couples).unwrap();
         assert_eq!(rows.count(elements).unwrap(), couples.len() as u64, "{simd}: {what}");
-        assert!(*order.get_or_insert_with(|| couples.clone()) == couples, "{simd}, {threads}: {what}");
-        is_expected(couples, "rows");
-        for limits in [&[][..], &[0.5, 5.0]] {
+        is_as_first(&mut of_rows, couples, &format!("rows, {simd}, {threads}"));
+        for (limits, first) in [&[][..], &[0.5, 5.0]].into_iter().zip(&mut of_levels) {
             let levels = Multilevel::new().with_simd(simd).unwrap().with_limits(limits);
             let mut couples = Vec::new();
             levels.with_threads(threads).unwrap().couples(elements, &mut couples).unwrap();
-            is_expected(couples, "levels");
+            is_as_first(first, couples, &format!("levels {limits:?}, {simd}, {threads}"));
         }
     }
     expected.len()

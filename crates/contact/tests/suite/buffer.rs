@@ -184,7 +184,7 @@ fn at_the_limit<T: FromF64>(
 
 /// Cases of rounding at the limit: many under `.ci/run`, which sets `FDEM_THOROUGH`.
 fn rounding_cases() -> ProptestConfig {
-    let cases = if std::env::var_os("FDEM_THOROUGH").is_some() { 20_000 } else { 2000 };
+    let cases = if crate::thorough() { 20_000 } else { 2000 };
     ProptestConfig { cases, ..ProptestConfig::default() }
 }
 

@@ -31,9 +31,8 @@
 //! - `discretised`: bodies of triangles and tetrahedra.
 //! - `image`: bodies in a labelled image.
 //! - `stop`: searches that another thread stops.
-//! - `../kernels.rs`, a separate program for valgrind: the vector kernels on short rows, with every set of
-//!   instructions.
-//! - `../miri.rs`, a separate program for Miri: the unsafe code on few elements.
+//! - `kernels`: the vector kernels on short rows, with every set of instructions; also under valgrind.
+//! - `miri`: the unsafe code on few elements; also under Miri, as a program of its own.
 //! - `../memory.rs`, a separate program because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -69,6 +68,8 @@ mod explain;
 mod filter;
 mod golden;
 mod image;
+mod kernels;
+mod miri;
 mod multilevel;
 mod narrow;
 mod numbers;
@@ -93,6 +94,17 @@ const ENGINES: [Option<Engine>; 6] = [
     Some(Engine::Multilevel),
     Some(Engine::CGrid),
 ];
+
+/// Whether tests that sample take all of their samples: `.ci/run` sets `FDEM_THOROUGH`.
+fn thorough() -> bool {
+    std::env::var_os("FDEM_THOROUGH").is_some()
+}
+
+/// A test of a property with that many cases if it is thorough, otherwise with a quarter.
+fn cases(all: u32) -> proptest::test_runner::Config {
+    let cases = if thorough() { all } else { all / 4 };
+    proptest::test_runner::Config { cases, ..Default::default() }
+}
 
 /// The couples of a search in ascending order; a couple that was found twice appears twice.
 fn ascending<T: Real, const D: usize>(

@@ -1,4 +1,5 @@
-//! The narrow phase against independent answers, at least 100,000 pairs for each kind of pair.
+//! The narrow phase against independent answers, at least 25,000 pairs for each kind of pair,
+//! 100,000 under `.ci/run`.
 //!
 //! | section | compared with |
 //! |---|---|
@@ -31,7 +32,9 @@ use parry3d_f64::shape;
 
 use crate::random::SplitMix64;
 
-const PAIRS: usize = 100_000;
+fn number_of_pairs() -> usize {
+    if crate::thorough() { 100_000 } else { 25_000 }
+}
 
 // ---------------------------------------------------------------- points
 
@@ -326,7 +329,7 @@ fn array(p: Vector) -> [f64; 3] {
 #[test]
 fn spheres_and_planes_agree_with_parry() {
     let mut rng = SplitMix64(1);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let (c, d): ([f64; 3], [f64; 3]) = if grid {
             let [c, d] = floats(&rng.grid::<3, 2>(4, true));
@@ -365,7 +368,7 @@ fn spheres_and_planes_agree_with_parry() {
 #[test]
 fn spheres_against_triangles_agree_with_parry() {
     let mut rng = SplitMix64(2);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let [a, b, c, p]: [[f64; 3]; 4] =
             if grid { floats(&rng.grid(4, case % 4 == 0)) } else { std::array::from_fn(|_| rng.point(4.0)) };
@@ -418,7 +421,7 @@ fn a_sphere_outside_of_a_convex_mesh_has_one_contact_and_parry_its_distance() {
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let mut contacts = Vec::new();
     let (mut rng, mut pairs) = (SplitMix64(3), 0);
-    while pairs < PAIRS {
+    while pairs < number_of_pairs() {
         // A point on a grid of quarters, one step off it, or anywhere.
         let p: [f64; 3] = std::array::from_fn(|_| match rng.below(4) {
             0 => -1.0 + 4.0 * rng.unit(),
@@ -476,7 +479,7 @@ fn exact_distance_squared(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> BigRational {
 #[test]
 fn segments_and_capsules_agree_with_exact_numbers_and_parry() {
     let (mut rng, mut decided) = (SplitMix64(4), 0);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let exact: [[Near; 3]; 4] = rng.grid(4, case % 4 == 0);
         let [a, b, c, d]: [[f64; 3]; 4] =
@@ -515,7 +518,7 @@ fn segments_and_capsules_agree_with_exact_numbers_and_parry() {
             assert!(close(deep(&one, r), deep(&two, s), 1e-9), "{a:?} {b:?} {c:?} {d:?}");
         }
     }
-    println!("segments: exact numbers decided {decided} of {} pairs", 2 * PAIRS);
+    println!("segments: exact numbers decided {decided} of {} pairs", 2 * number_of_pairs());
 }
 
 // ---------------------------------------------------------------- plane figures
@@ -544,7 +547,7 @@ fn check_plane(contact: &Contact<2>, overlap: &[[f64; 2]], a: &[[f64; 2]], b: &[
 #[test]
 fn triangles_in_the_plane_agree_with_exact_numbers_and_geo() {
     let (mut rng, mut overlap, mut geo_differs) = (SplitMix64(5), Vec::new(), 0);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let (one, two): ([[Near; 2]; 3], [[Near; 2]; 3]) =
             (rng.grid(4, case % 4 == 0), rng.grid(4, case % 4 == 0));
@@ -571,13 +574,13 @@ fn triangles_in_the_plane_agree_with_exact_numbers_and_geo() {
             assert!(close(area, there.intersection(&other).unsigned_area(), 1e-6), "{p:?} {q:?}: {area}");
         }
     }
-    println!("triangles in 2D: geo was wrong about {geo_differs} of {} pairs", 2 * PAIRS);
+    println!("triangles in 2D: geo was wrong about {geo_differs} of {} pairs", 2 * number_of_pairs());
 }
 
 #[test]
 fn convex_polygons_agree_with_exact_numbers_and_geo() {
     let (mut rng, mut overlap, mut geo_differs) = (SplitMix64(6), Vec::new(), 0);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         // The hull of seven points, some of which coincide or lie on its sides.
         let mut polygon = |shift: f64| -> Vec<[f64; 2]> {
@@ -603,7 +606,7 @@ fn convex_polygons_agree_with_exact_numbers_and_geo() {
             assert_eq!(contact.touches(), exact_touch_2d(&rational(&p), &rational(&q)), "{p:?} {q:?}");
         }
     }
-    println!("convex polygons: geo was wrong about {geo_differs} of {} pairs", 2 * PAIRS);
+    println!("convex polygons: geo was wrong about {geo_differs} of {} pairs", 2 * number_of_pairs());
 }
 
 // ---------------------------------------------------------------- triangles and tetrahedra in 3D
@@ -611,7 +614,7 @@ fn convex_polygons_agree_with_exact_numbers_and_geo() {
 #[test]
 fn triangles_in_space_agree_with_exact_numbers_and_parry() {
     let (mut rng, mut decided) = (SplitMix64(7), 0);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let (one, two): ([[Near; 3]; 3], [[Near; 3]; 3]) =
             (rng.grid(3, case % 4 == 0), rng.grid(3, case % 4 == 0));
@@ -642,7 +645,7 @@ fn triangles_in_space_agree_with_exact_numbers_and_parry() {
             }
         }
     }
-    println!("triangles in 3D: exact numbers decided {decided} of {PAIRS} random pairs");
+    println!("triangles in 3D: exact numbers decided {decided} of {} random pairs", number_of_pairs());
 }
 
 #[test]
@@ -659,7 +662,7 @@ fn any_tetrahedra_agree_with_exact_numbers_and_slices() {
 fn compare_tetrahedra(grid: bool, seed: u64) {
     let mut rng = SplitMix64(seed);
     let mut touching = 0;
-    for case in 0..PAIRS {
+    for case in 0..number_of_pairs() {
         let (one, two): ([[Near; 3]; 4], [[Near; 3]; 4]) =
             (rng.grid(3, case % 2 == 0), rng.grid(3, case % 2 == 0));
         let (p, q): ([[f64; 3]; 4], [[f64; 3]; 4]) = if grid {
@@ -689,7 +692,11 @@ fn compare_tetrahedra(grid: bool, seed: u64) {
             }
         }
     }
-    assert!(2 * touching >= PAIRS, "{touching} of {PAIRS} pairs have a volume to compare");
+    assert!(
+        2 * touching >= number_of_pairs(),
+        "{touching} of {} pairs have a volume to compare",
+        number_of_pairs()
+    );
 }
 
 #[test]
@@ -725,7 +732,7 @@ fn parts_of_a_tetrahedron_add_up_to_it() {
 fn boxes_agree_with_parry() {
     let mut rng = SplitMix64(10);
     let (mut touching, mut parry_differs) = (0, 0);
-    for case in 0..2 * PAIRS {
+    for case in 0..2 * number_of_pairs() {
         let grid = case % 2 == 0;
         let mut oriented = || {
             let quarter = std::f64::consts::FRAC_PI_2;
@@ -804,5 +811,8 @@ fn boxes_agree_with_parry() {
             }
         }
     }
-    println!("boxes: {touching} of {} pairs touch; parry has {parry_differs} distances wrong", 2 * PAIRS);
+    println!(
+        "boxes: {touching} of {} pairs touch; parry has {parry_differs} distances wrong",
+        2 * number_of_pairs()
+    );
 }

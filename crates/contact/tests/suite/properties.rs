@@ -36,7 +36,7 @@ fn nbs(centres: &[[f64; 3]], radii: &[f64], tolerance: f64) -> Vec<Couple> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases(512))]
 
     #[test]
     fn equals_direct_and_repeats_nothing((centres, radii) in spheres(), tolerance in 0.0..0.5) {

@@ -187,7 +187,7 @@ fn cloud() -> impl Strategy<Value = Vec<[f64; 2]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases(512))]
 
     #[test]
     fn any_points(centres in cloud(), points in cloud(), size in 0.0..4.0, r in coordinate(), k in 1..12_usize) {

@@ -194,7 +194,7 @@ fn spheres() -> impl Strategy<Value = Vec<([f64; 3], f64)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases(512))]
 
     #[test]
     fn any_two_sets(moving in spheres(), fixed in spheres()) {

@@ -39,7 +39,7 @@ fn canonical(mut couples: Vec<PeriodicCouple<3>>) -> Vec<PeriodicCouple<3>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+    #![proptest_config(crate::cases(128))]
 
     #[test]
     fn equals_brute_force(edges in edges(), (centres, radii) in spheres(), periodic in prop::array::uniform3(any::<bool>())) {

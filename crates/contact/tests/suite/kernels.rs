@@ -1,11 +1,8 @@
-//! The vector kernels on short rows, with every set of instructions that the processor has. A separate
-//! program, fast enough for valgrind, an emulator that watches each access to memory, or for a sanitizer. See
-//! `.ci/run`.
+//! The vector kernels on short rows, with every set of instructions that the processor has. Fast enough for
+//! valgrind, an emulator that watches each access to memory, or for a sanitizer. See `.ci/run`.
 //!
 //! A new engine holds arrays without spare capacity, and so does the input: an access behind them is outside
 //! of the allocation.
-
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 use fdem_contact::{
     Couple, CrossCouple, Csr, Direct, Elements, Filter, GroupMatrix, Index, Real, Rows, Search, Simd,

@@ -1,4 +1,4 @@
-//! The unsafe code on a few hundred elements: a separate program for Miri, an interpreter that detects
+//! The unsafe code on a few hundred elements: also a program of its own for Miri, an interpreter that detects
 //! undefined behaviour and data races. See `.ci/run` and `just miri`.
 //!
 //! Miri reports a processor without vector instructions beyond SSE2, so the portable kernel runs. Under Miri
