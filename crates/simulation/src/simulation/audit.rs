@@ -49,7 +49,8 @@ where
         peers.add_up(&mut sums);
         let now = ledger.energies();
         let first = *self.totals.first.get_or_insert(now);
-        let exchanged = now.changed(&first).max(ledger.done()).max(self.totals.exchanged);
+        let changed = now.changed(&first).max(ledger.done());
+        let exchanged = changed.max(self.totals.exchanged).max(self.scales.negligible);
         self.energies = Energies { initial: first.balance(), exchanged, ..now };
         self.reactions =
             reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();

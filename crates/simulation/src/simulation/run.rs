@@ -32,12 +32,12 @@ use crate::vector::Point;
 /// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
 const RUNAWAY: f64 = 10.0;
 
-/// Energy errors are ignored while the exchanged energy is below that of a uniform strain of this size, plus
-/// [`NEGLIGIBLE_SHARE`] of the initial strain energy.
+/// Energy that is negligible: that of a uniform strain of this size, and the work of the initial stress at
+/// [`ROUNDED_STRAIN`].
 const NEGLIGIBLE_STRAIN: f64 = 1e-8;
 
-/// Share of the initial strain energy that is added to this limit, because coordinates are rounded.
-const NEGLIGIBLE_SHARE: f64 = 1e-9;
+/// Strain that rounded coordinates may make. Stress does work at it in a body at rest.
+const ROUNDED_STRAIN: f64 = 1e-7;
 
 /// A run of a model.
 ///
@@ -201,8 +201,9 @@ where
             time_step,
             speed_limit,
             size,
+            // The strain energy is V σ²/(2E), so the work is ε V σ.
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
-                + NEGLIGIBLE_SHARE * strain,
+                + ROUNDED_STRAIN * (2.0 * stiffness.value() * strain).sqrt(),
         };
         let parts = Components { topology, machine, actions };
         let mut run = Self::with_parts(model, parts, team, scales);
