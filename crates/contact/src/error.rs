@@ -184,11 +184,6 @@ pub enum Error {
         /// Smallest fraction that is accepted.
         limit: f64,
     },
-    /// The edges of a periodic box are left-handed: its volume is negative.
-    NegativeBoxVolume {
-        /// The volume, which may be beyond the range of floats.
-        volume: f64,
-    },
     /// An element lies outside the periodic box, and the search refuses such elements.
     OutsideBox {
         /// Zero-based number of the element.
@@ -391,10 +386,6 @@ impl fmt::Display for Error {
                 "the periodic box has no volume: edge {edge} is linearly dependent on those before it (it rises above them \
                  by {height:.1e} of its length, at least {limit:.1e} is needed)"
             ),
-            Self::NegativeBoxVolume { volume } => write!(
-                out,
-                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or reverse one"
-            ),
             Self::OutsideBox { index, edge, fraction } => write!(
                 out,
                 "element {index} is outside the periodic box: at {fraction} along edge {edge}, where 0 to 1 is inside"
@@ -410,8 +401,9 @@ impl fmt::Display for Error {
             ),
             Self::TooManyImages { images, limit } => write!(
                 out,
-                "the periodic box is too small for the reach of its elements: they take {images:.3e} images; the limit is \
-                 {limit}"
+                "the periodic box is too small or too skewed for the reach of its elements: they take {images:.3e} images; \
+                 the limit is {limit}. If its edges are skewed, describe the same lattice by short edges (minkowski_reduce of \
+                 ASE finds them)"
             ),
             Self::NoEdgesIn2D => {
                 write!(

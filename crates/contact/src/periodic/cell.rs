@@ -70,11 +70,10 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         Self::triclinic(min, edges, periodic)
     }
 
-    /// A box spanned by `edges` from `origin`.
+    /// A box spanned by `edges` from `origin`; they may be left-handed.
     ///
     /// # Errors
-    /// [`Error::InvalidBoxOrigin`], [`Error::InvalidBoxEdge`], [`Error::DependentBoxEdges`],
-    /// [`Error::NegativeBoxVolume`].
+    /// [`Error::InvalidBoxOrigin`], [`Error::InvalidBoxEdge`], [`Error::DependentBoxEdges`].
     pub fn triclinic(origin: [T; D], edges: [[T; D]; D], periodic: [bool; D]) -> Result<Self, Error> {
         let limit = T::MAX_MAGNITUDE.to_f64();
         for (axis, x) in origin.into_iter().enumerate() {
@@ -97,10 +96,7 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
             directions[edge] = vector.map(|x| x / largest);
         }
         check_independent(&directions)?;
-        let (inverse, determinant) = invert(directions);
-        if determinant.is_nan() || determinant <= 0.0 {
-            return Err(Error::NegativeBoxVolume { volume: lengths.iter().product::<f64>() * determinant });
-        }
+        let inverse = invert(directions);
         let dual =
             std::array::from_fn(|edge| std::array::from_fn(|axis| inverse[axis][edge] / lengths[edge]));
         Ok(Self { origin, edges, periodic, dual })
@@ -250,12 +246,11 @@ fn check_independent<const D: usize>(directions: &[[f64; D]; D]) -> Result<(), E
     Ok(())
 }
 
-/// The inverse and the determinant, by Gauss-Jordan elimination with row pivots. The inverse of a diagonal
+/// The inverse, by Gauss-Jordan elimination with row pivots. The inverse of a diagonal
 /// matrix is exact except for its divisions.
-fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
+fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> [[f64; D]; D] {
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|row| std::array::from_fn(|column| if row == column { 1.0 } else { 0.0 }));
-    let mut determinant = 1.0;
     for column in 0..D {
         let pivot = (column..D).fold(column, |best, row| {
             if matrix[row][column].abs() > matrix[best][column].abs() { row } else { best }
@@ -263,10 +258,8 @@ fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
         if pivot != column {
             matrix.swap(pivot, column);
             inverse.swap(pivot, column);
-            determinant = -determinant;
         }
         let divisor = matrix[column][column];
-        determinant *= divisor;
         matrix[column] = matrix[column].map(|x| x / divisor);
         inverse[column] = inverse[column].map(|x| x / divisor);
         for row in (0..D).filter(|&row| row != column) {
@@ -279,7 +272,7 @@ fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
             }
         }
     }
-    (inverse, determinant)
+    inverse
 }
 
 #[cfg(test)]
@@ -312,8 +305,6 @@ mod tests {
             let error = fault(with(edge, vector));
             assert!(matches!(error, Error::DependentBoxEdges { edge: e, .. } if e == edge), "{error}");
         }
-        let error = fault([unit[1], unit[0], unit[2]]);
-        assert_eq!(error, Error::NegativeBoxVolume { volume: -1.0 });
         let error = PeriodicBox::triclinic([0.0, f64::NAN, 0.0], unit, ALL).unwrap_err();
         assert!(matches!(error, Error::InvalidBoxOrigin { axis: 1, .. }), "{error}");
         for max in [0.0, -1.0, f64::NAN] {

@@ -234,11 +234,18 @@ fn shapes<const D: usize>() -> Vec<(&'static str, [[f64; D]; D])> {
     if D == 1 {
         return vec![("a line", diagonal(|_| 1.0))];
     }
+    let swapped = |mut edges: [[f64; D]; D]| {
+        edges.swap(0, D - 1);
+        edges
+    };
     let last = [0, D - 1];
     vec![
         ("cubic", diagonal(|_| 1.0)),
         ("unlike", diagonal(|a| [1.0, 0.6, 1.7][a])),
         ("sheared", sheared(0.4)),
+        ("left-handed", swapped(diagonal(|a| [1.0, 0.6, 1.7][a]))),
+        ("left-handed and sheared", swapped(sheared(0.4))),
+        ("reversed", sheared(0.5).map(|edge| edge.map(|x| -x))),
         ("half a tilt", sheared(0.5)),
         ("tilt of 1.5", sheared(1.5)),
         ("tilt of -3.2", sheared(-3.2)),

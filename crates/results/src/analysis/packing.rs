@@ -84,7 +84,7 @@ impl<const D: usize> DomainFrame<D> {
                 frame.domain[axis] = [start, start + length];
             }
             if !frame.along_axes {
-                frame.stretch = determinant(&edges) / heights.iter().product::<f64>();
+                frame.stretch = determinant(&edges).abs() / heights.iter().product::<f64>();
             }
         }
         for element in 0..n {
