@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
-use crate::advice::{plausible, scaling};
+use crate::advice::{joined, plausible, scaling};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
 use crate::joints::lines::JointLines;
@@ -192,6 +192,7 @@ fn prepare_or_faults(
     let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
     let document = &document;
     let checked = Checked {
+        sources,
         file: &file,
         document,
         elements,
@@ -212,6 +213,7 @@ fn prepare_or_faults(
 
 /// A file whose tables have been checked one by one.
 struct Checked<'a> {
+    sources: &'a Sources<'a>,
     file: &'a ModelFile,
     document: &'a Document<'a>,
     /// Number of elements of the bodies that are meshed here, about.
@@ -236,8 +238,10 @@ impl Checked<'_> {
         [[f64; D]; N]: Advised<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self { file, document, elements, materials, interfaces, joint_sets, from_library, mut warnings } =
-            self;
+        let Self {
+            sources, file, document, elements, materials, interfaces, joint_sets, from_library, ..
+        } = self;
+        let mut warnings = self.warnings;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that
         // takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
@@ -309,7 +313,11 @@ impl Checked<'_> {
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
         conditions::warnings(&model, &servos, &own, &mut warnings);
-        plausible::without_effect(file, document, &model, &mut warnings);
+        let mut idle = Vec::new();
+        let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
+        plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
+        joined::check((file, document), &model, &mut warnings, &mut idle);
+        none_or(idle)?;
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
         let mut prepared = Prepared {

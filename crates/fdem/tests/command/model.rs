@@ -120,6 +120,7 @@ fn a_geometry_is_meshed_by_gmsh() {
     assert_eq!(json["quality"]["elements"], 1);
     let arguments = bench.read("bin/arguments");
     assert!(arguments.starts_with("-3 ") && arguments.contains("-clmax 0.25 "), "{arguments}");
+    assert!(arguments.contains("-setstring Geometry.OCCTargetUnit M "), "{arguments}");
     assert_eq!(bench.read("bin/geometry"), "the geometry");
 
     gmsh("echo Info : reading; echo 'Error : no such shape' >&2; exit 3");

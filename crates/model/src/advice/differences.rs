@@ -1,7 +1,7 @@
 //! The advice that differs between models in two and in three dimensions.
 
 use crate::advice::ready::Ready;
-use crate::advice::{connected, joined, locking, warnings};
+use crate::advice::{connected, locking, warnings};
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::Placed;
 
@@ -22,7 +22,6 @@ impl Advised<2, 3> for [[f64; 2]; 3] {
         for body in ready.placed.iter().filter(|body| ready.file.body[body.table].mesh.is_some()) {
             connected::warnings(&body.name, &body.piece, &mut warnings);
         }
-        joined::warnings(ready.model, &mut warnings);
         locking::warnings(ready.model, ready.placed, &mut warnings);
         warnings.extend(warnings::of_plane(ready));
         warnings
@@ -39,7 +38,6 @@ impl Advised<3, 4> for [[f64; 3]; 4] {
         for body in ready.placed.iter().filter(has_file) {
             connected::warnings_in_space(&body.name, &body.piece, &mut warnings);
         }
-        joined::warnings(ready.model, &mut warnings);
         locking::warnings_in_space(ready.model, ready.placed, &mut warnings);
         warnings.extend(warnings::of_space(ready));
         warnings

@@ -6,9 +6,18 @@ use fdem_io::numbers::grouped;
 use fdem_mesh::{Corners, sorted_facets};
 use fdem_simulation::Model;
 
-/// Strengths that hold nothing together, and those of a material with itself.
-pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>)
-where
+use crate::text::document::{Document, Table};
+use crate::text::fault::Fault;
+use crate::text::file::ModelFile;
+
+/// Warns of the strength of a material with itself. A strength that holds nothing together is a fault, unless
+/// it is `optional`. The interfaces of the model are those of the file, in its order.
+pub(crate) fn check<const D: usize, const N: usize>(
+    (file, document): (&ModelFile, &Document<'_>),
+    model: &Model<D, N>,
+    warnings: &mut Vec<String>,
+    faults: &mut Vec<Fault>,
+) where
     [[f64; D]; N]: Corners<D, N>,
 {
     if model.interfaces.iter().all(|interface| interface.strength.is_none()) {
@@ -16,7 +25,10 @@ where
     }
     let facets = facets(model);
     let (facet, all) = if D == 2 { ("edge", "edges") } else { ("face", "faces") };
-    for interface in model.interfaces.iter().filter(|interface| interface.strength.is_some()) {
+    for (index, interface) in model.interfaces.iter().enumerate() {
+        if interface.strength.is_none() {
+            continue;
+        }
         let [a, b] = interface.materials;
         let [first, second] = [a, b].map(|material| &model.materials[material as usize].name);
         let count = facets.get(&[a.min(b), a.max(b)]).copied().unwrap_or(0);
@@ -26,11 +38,14 @@ where
                  it bonds no bodies to each other",
                 grouped(count)
             ));
-        } else if count == 0 {
-            warnings.push(format!(
-                "[[interface]] of \"{first}\" and \"{second}\" has a strength, but no {facet} of the mesh lies between the two: it holds nothing together; \
-                 joints are inside bodies, as between the grains of one voronoi or the groups of one mesh file"
-            ));
+        } else if count == 0 && !file.interface[index].optional {
+            let message = format!(
+                "[[interface]] of \"{first}\" and \"{second}\" has a strength, but no {facet} of the mesh lies between the two: it holds nothing together"
+            );
+            let help = "joints are inside bodies, as between the grains of one voronoi or the groups of one mesh file; \
+                        with optional = true such a strength is allowed";
+            let span = document.value(Table::of("interface", index), "materials");
+            faults.push(Fault::at(span, message).label("apart").help(help));
         }
     }
 }

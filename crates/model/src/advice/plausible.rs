@@ -5,7 +5,11 @@ use fdem_mesh::bounds;
 use fdem_simulation::{LoadEffect, LoadSummary, Material, Model};
 
 use crate::text::document::{Document, Table};
+use crate::text::fault::Fault;
 use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
+
+/// A place in the text of a model, in bytes.
+type Span = std::ops::Range<usize>;
 
 /// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name,
 /// and its size in that unit.
@@ -185,12 +189,15 @@ fn question(material: &Material, range: &Range, value: f64) -> Option<String> {
     ))
 }
 
-/// Keys that change nothing.
+/// Keys that change nothing, with a warning; parts of the model that have no effect, which are faults unless
+/// they are `optional`. `is_in_model`: whether a place is in the model file itself. Included files may have
+/// materials for other models.
 pub(crate) fn without_effect<const D: usize, const N: usize>(
     file: &ModelFile,
-    document: &Document<'_>,
+    (document, is_in_model): (&Document<'_>, &dyn Fn(&Span) -> bool),
     model: &Model<D, N>,
     warnings: &mut Vec<String>,
+    faults: &mut Vec<Fault>,
 ) {
     for (index, body) in file.body.iter().enumerate() {
         for key in idle_keys(body, D) {
@@ -199,14 +206,33 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
             }
         }
     }
-    for boundary in &file.boundary {
+    for (index, boundary) in file.boundary.iter().enumerate() {
         warnings.extend(idle(boundary).map(|what| format!("[[boundary]] \"{}\": {what}", boundary.name)));
-    }
-    for (number, material) in (0..).zip(&file.material) {
-        let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);
-        if !model.mesh.materials.contains(&number) && !file.stage.iter().any(in_a_stage) {
-            warnings.push(format!("[[material]] \"{}\" is that of no element", material.name));
+        let free = |components: &Option<Vec<Component>>| {
+            components
+                .as_ref()
+                .is_some_and(|components| components.iter().all(|component| component.prescribed().is_none()))
+        };
+        let prescribed = [("velocity", &boundary.velocity), ("displacement", &boundary.displacement)];
+        if let Some((key, _)) = prescribed.into_iter().find(|(_, components)| free(components)) {
+            let span = document.value(Table::of("boundary", index), key);
+            let message = format!("[[boundary]] \"{}\" does nothing: all components are free", boundary.name);
+            faults.push(Fault::at(span, message).label("prescribe at least one"));
         }
+    }
+    let spare = "remove it, or set optional = true";
+    for (index, material) in file.material.iter().enumerate() {
+        let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);
+        let span = document.value(Table::of("material", index), "name");
+        if material.optional
+            || model.mesh.materials.contains(&(index as u32))
+            || file.stage.iter().any(in_a_stage)
+            || !is_in_model(&span)
+        {
+            continue;
+        }
+        let message = format!("[[material]] \"{}\" is that of no element", material.name);
+        faults.push(Fault::at(span, message).label("not used").help(spare));
     }
 }
 
@@ -244,19 +270,11 @@ fn idle(boundary: &Boundary) -> Option<String> {
         (None, Some(_)) => Some("table"),
         (None, None) => None,
     };
-    let free = |components: &Option<Vec<Component>>| {
-        components
-            .as_ref()
-            .is_some_and(|components| components.iter().all(|component| component.prescribed().is_none()))
-    };
     if let (Some(key), true) = (scheduled, boundary.fixed.is_some()) {
         return Some(format!("{key} changes nothing where the body is fixed"));
     }
     if let (Some(key), true) = (scheduled, boundary.absorbing) {
         return Some(format!("{key} changes nothing where waves are absorbed"));
-    }
-    if free(&boundary.velocity) || free(&boundary.displacement) {
-        return Some("all components are free, so that it does nothing".to_owned());
     }
     None
 }

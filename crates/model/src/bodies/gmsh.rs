@@ -57,7 +57,8 @@ pub(crate) fn is_geometry(name: &str) -> bool {
     GEOMETRIES.iter().any(|end| name.ends_with(end))
 }
 
-/// The mesh that Gmsh makes of a geometry with edges of `size` m at most, as a file.
+/// The mesh that Gmsh makes of a geometry with edges of `size` m at most, as a file. Lengths of STEP and IGES
+/// files become metres, whatever their unit.
 ///
 /// Gmsh sees the file alone, in a separate folder: a file that includes others is not found there.
 ///
@@ -78,7 +79,9 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
     let mut command = Command::new("gmsh");
     command
         .arg(format!("-{dimensions}"))
-        .args(["-nt", "1", "-order", "1", "-format", "msh22", "-clmax", &size.to_string(), "-o"])
+        .args(["-nt", "1", "-order", "1", "-format", "msh22", "-clmax", &size.to_string()])
+        // Without this option they become millimetres.
+        .args(["-setstring", "Geometry.OCCTargetUnit", "M", "-o"])
         .arg(&meshed)
         .arg(&geometry)
         .stdin(Stdio::null())
@@ -98,7 +101,7 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
     })?;
     let Some(status) = ended else {
         return Err(Problem {
-            help: Some("take a larger mesh_size (a STEP file in millimetres is a body 1000 times as large as meant), or mesh the file by hand and give the .msh file".to_owned()),
+            help: Some("take a larger mesh_size, or mesh the file by hand and give the .msh file".to_owned()),
             ..problem(format!(
                 "Gmsh was stopped: it meshed {name} for more than {} s",
                 brief(PATIENCE.as_secs_f64())

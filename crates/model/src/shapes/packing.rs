@@ -348,9 +348,10 @@ pub(crate) fn read_space(bytes: &[u8], name: &str) -> Result<Vec<Ball<3>>, Strin
 }
 
 fn read(bytes: &[u8], name: &str) -> Result<(Centres, Vec<f64>), String> {
-    let packing = fdem_io::read_packing(bytes, name, &ReadOptions::default(), &AtomicU64::new(0))
+    let mut packing = fdem_io::read_packing(bytes, name, &ReadOptions::default(), &AtomicU64::new(0))
         .map_err(|error| format!("{name}: {error}"))?;
-    let radii = packing.radii.ok_or_else(|| format!("{name} has no radii"))?;
+    let radii = packing.radii.take().ok_or_else(|| format!("{name} has no radii"))?;
+    packing.flatten(2.0 * radii.iter().copied().fold(0.0, f64::max));
     if let Some(row) = radii.iter().position(|&radius| radius <= 0.0) {
         return Err(format!("{name}: the radius of row {row} is 0"));
     }

@@ -171,7 +171,7 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
         3 2 2 5 1 1 2 3\n4 2 2 5 1 1 4 3\n5 2 2 9 2 2 5 6\n6 2 2 9 2 2 6 3\n$EndElements\n";
     let keys = "mesh = \"two.msh\"\ngroups = { right = \"soft\" }\n[[boundary]]\nname = \"foot\"\ngroup = \"foot\"\npressure = 1\n\
         [[boundary]]\nname = \"half\"\ngroup = \"left\"\nfixed = \"x\"\n\
-        [[material]]\nname = \"soft\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
+        [[material]]\nname = \"soft\"\noptional = true\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
     let read =
         |text: &str| fdem_model::prepare(text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec())).unwrap();
     let prepared = read(&with_shape(keys));

@@ -107,6 +107,7 @@ fn materials_angles_and_interfaces_are_converted() {
         r#"
 [[material]]
 name = "weak"
+optional = true
 density = 2000
 youngs_modulus = 1e9
 poissons_ratio = 0.2

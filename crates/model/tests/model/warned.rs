@@ -23,6 +23,12 @@ fn warned(text: &str, part: &str) {
     assert!(warnings.iter().any(|warning| warning.contains(part)), "{part:?} is not in {warnings:?}");
 }
 
+#[track_caller]
+fn refused(text: &str, part: &str) {
+    let errors = prepare(text, "m", &mut |_| Err("no files".into())).unwrap_err().to_string();
+    assert!(errors.contains(part), "{part:?} is not in\n{errors}");
+}
+
 const STRENGTH: &str = "tensile_strength = 10e6\ncohesion = 30e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
 
 #[test]
@@ -54,17 +60,11 @@ fn keys_without_effect_are_told() {
         ),
         (boundary("fixed = \"x\"\ntable = [[0, 1]]"), "\"b\": table changes nothing where the body is fixed"),
         (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing where waves are absorbed"),
-        (boundary("velocity = [\"free\", \"free\"]"), "\"b\": all components are free"),
-        (boundary("displacement = [\"free\", \"free\"]"), "\"b\": all components are free"),
         (
             with(
                 "[[body]]\nname = \"p\"\nmaterial = \"rock\"\nmesh_size = 0.1\npacking = { count = 2, radius = [0.1, 0.2], corners = [3, 4], within = { min = [2, 0], max = [4, 2] } }",
             ),
             "[[body]] \"p\": packing.corners changes nothing here",
-        ),
-        (
-            with("[[material]]\nname = \"spare\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0"),
-            "[[material]] \"spare\" is that of no element",
         ),
     ] {
         warned(&text, part);
@@ -78,14 +78,33 @@ fn keys_without_effect_are_told() {
 }
 
 #[test]
-fn a_strength_between_materials_that_no_edge_separates_is_warned_of() {
+fn parts_without_effect_are_refused_unless_they_are_optional() {
+    let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
+    for key in ["velocity", "displacement"] {
+        refused(
+            &boundary(&format!("{key} = [\"free\", \"free\"]")),
+            "[[boundary]] \"b\" does nothing: all components are free",
+        );
+    }
+    let spare = "[[material]]\nname = \"spare\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0\n";
+    refused(&with(spare), "[[material]] \"spare\" is that of no element");
+    right(&with(&format!("{spare}optional = true\n")));
+    // A file of materials is included by several models.
+    let including = format!("include = [\"rocks.toml\"]\n{SMALL}");
+    prepare(&including, "m", &mut |_| Ok(spare.as_bytes().to_vec())).unwrap();
+}
+
+#[test]
+fn a_strength_between_materials_that_no_edge_separates_is_refused() {
     let mortar = "[[body]]\nname = \"other\"\nmaterial = \"mortar\"\nrectangle = { min = [1, 0], max = [2, 0.5] }\nmesh_size = 0.1\n\
         [[material]]\nname = \"mortar\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
     let between = |a: &str, b: &str| format!("[[interface]]\nmaterials = [\"{a}\", \"{b}\"]\n{STRENGTH}");
-    warned(
-        &with(&format!("{mortar}{}", between("rock", "mortar"))),
+    let apart = with(&format!("{mortar}{}", between("rock", "mortar")));
+    refused(
+        &apart,
         "[[interface]] of \"rock\" and \"mortar\" has a strength, but no edge of the mesh lies between the two",
     );
+    right(&format!("{apart}\noptional = true"));
     warned(
         &with(&between("rock", "rock")),
         "[[interface]] of \"rock\" with itself: its strength is that of all ",
@@ -99,9 +118,10 @@ fn a_strength_between_materials_that_no_edge_separates_is_warned_of() {
 
 #[test]
 fn joints_without_strength_need_no_fracture_energy() {
-    let other = "[[material]]\nname = \"b\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
-    let with_keys =
-        |keys: &str| with(&format!("{other}[[interface]]\nmaterials = [\"rock\", \"b\"]\n{keys}\n"));
+    let other = "[[material]]\nname = \"b\"\noptional = true\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
+    let with_keys = |keys: &str| {
+        with(&format!("{other}[[interface]]\nmaterials = [\"rock\", \"b\"]\noptional = true\n{keys}\n"))
+    };
     let open = right(&with_keys("tensile_strength = 0\ncohesion = 0\nfriction_angle = 45"));
     let strength = open.model.interfaces[0].strength.unwrap();
     assert_eq!(

@@ -17,6 +17,10 @@ pub struct Material {
     #[serde(default)]
     #[schemars(schema_with = "crate::text::library::names")]
     pub library: Option<String>,
+    /// Whether the model may have no element of the material. Default: false, and that is an error, except
+    /// for materials of included files.
+    #[serde(default)]
+    pub optional: bool,
     /// Density, kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "kg/m³"))]
     pub density: f64,
@@ -123,6 +127,9 @@ pub struct Interface {
     /// Names of the two. For a material with itself: its contacts with other bodies of it, and all joints
     /// inside of it, in place of the strength of the material.
     pub materials: [String; 2],
+    /// Whether its strength may hold nothing together. Default: false, and that is an error.
+    #[serde(default)]
+    pub optional: bool,
     /// Coefficient of friction of contacts. Default: that of the material with less friction.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
