@@ -90,12 +90,16 @@ impl PyReady {
 /// The text of a model file with these tables.
 #[pyfunction]
 pub(crate) fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {
-    let tables = table_of(tables, "")?;
+    let tables = table_of(tables, "", 0)?;
     toml::to_string(&tables).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
+/// Most tables and lists in each other. Models have less than ten; one that contains itself has no end.
+const DEEPEST: usize = 64;
+
 /// A table of TOML. `place`: its keys, for messages. Keys whose value is `None` are left out.
-fn table_of(dict: &Bound<'_, PyDict>, place: &str) -> PyResult<toml::Table> {
+fn table_of(dict: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<toml::Table> {
+    check_depth(depth, place)?;
     let mut table = toml::Table::new();
     for (key, value) in dict {
         let Ok(key) = key.extract::<String>() else {
@@ -107,10 +111,20 @@ fn table_of(dict: &Bound<'_, PyDict>, place: &str) -> PyResult<toml::Table> {
         };
         let place = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };
         if !value.is_none() {
-            table.insert(key, value_of(&value, &place)?);
+            table.insert(key, value_of(&value, &place, depth + 1)?);
         }
     }
     Ok(table)
+}
+
+fn check_depth(depth: usize, place: &str) -> PyResult<()> {
+    if depth <= DEEPEST {
+        return Ok(());
+    }
+    let top = place.split(['.', '[']).next().unwrap_or_default();
+    Err(PyValueError::new_err(format!(
+        "{top}: more than {DEEPEST} tables and lists in each other: does one contain itself?"
+    )))
 }
 
 fn shown(place: &str) -> &str {
@@ -118,7 +132,7 @@ fn shown(place: &str) -> &str {
 }
 
 /// A value of TOML. Arrays and numbers of NumPy are those of Python.
-fn value_of(value: &Bound<'_, PyAny>, place: &str) -> PyResult<toml::Value> {
+fn value_of(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<toml::Value> {
     use toml::Value;
     if value.is_instance_of::<PyBool>() {
         return Ok(Value::Boolean(value.extract()?));
@@ -134,17 +148,20 @@ fn value_of(value: &Bound<'_, PyAny>, place: &str) -> PyResult<toml::Value> {
         return Ok(Value::String(value.extract()?));
     }
     if let Ok(dict) = value.cast::<PyDict>() {
-        return table_of(dict, place).map(Value::Table);
+        return table_of(dict, place, depth).map(Value::Table);
     }
     // Arrays and scalars of NumPy.
     if let Ok(plain) = value.call_method0("tolist") {
-        return value_of(&plain, place);
+        return value_of(&plain, place, depth + 1);
     }
     if let Ok(path) = value.call_method0("__fspath__") {
-        return value_of(&path, place);
+        return value_of(&path, place, depth + 1);
     }
     if let Ok(items) = value.try_iter() {
-        let each = items.enumerate().map(|(number, item)| value_of(&item?, &format!("{place}[{number}]")));
+        check_depth(depth, place)?;
+        let each = items
+            .enumerate()
+            .map(|(number, item)| value_of(&item?, &format!("{place}[{number}]"), depth + 1));
         return each.collect::<PyResult<Vec<Value>>>().map(Value::Array);
     }
     let kind = value.get_type();

@@ -161,9 +161,8 @@ struct Atoms<'a> {
     limits: Limits<'a>,
     /// Spheres of which every two touch that may be neighbours.
     set: Set<'a, f64, 3>,
-    /// The box of the spheres. Its edges are those of the cell times `signs`.
+    /// The box of the spheres.
     periodic: Option<PeriodicBox<f64, 3>>,
-    signs: [i32; 3],
     /// Whether each atom is its own neighbour, unless the limit for two of its kind is 0.
     with_self: bool,
 }
@@ -427,8 +426,7 @@ fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<De
     };
     let plain = couples.len() - shifts.len();
     let mut shifted = zeros(shifts.len())?;
-    for ((to, couple), shift) in shifted.iter_mut().zip(&couples[plain..]).zip(&shifts) {
-        let shift = std::array::from_fn(|edge| shift[edge] * atoms.signs[edge]);
+    for ((to, couple), &shift) in shifted.iter_mut().zip(&couples[plain..]).zip(&shifts) {
         *to = ShiftedCouple { i: couple.i, j: couple.j, shift };
     }
     couples.truncate(plain);
@@ -451,10 +449,10 @@ type Listed<'py> = (
 /// All pairs of atoms that are closer than their limit, from both sides, sorted.
 ///
 /// `elements` are spheres in 3D and `f64` of which every such pair touches. The limit is the sum of the radii
-/// or the `cutoff`, or the value of `table` for the `kinds` of both. `edges` are those of the cell; along
-/// edge `a` the box of the elements has `signs[a]` times this edge. `quantities` are letters as ASE has them.
+/// or the `cutoff`, or the value of `table` for the `kinds` of both. `edges` are those of the cell.
+/// `quantities` are letters as ASE has them.
 #[pyfunction]
-#[pyo3(signature = (elements, quantities, cutoff, kinds, table, edges, signs, self_interaction, threads))]
+#[pyo3(signature = (elements, quantities, cutoff, kinds, table, edges, self_interaction, threads))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that a list depends on")]
 pub(crate) fn neighbor_list<'py>(
     py: Python<'py>,
@@ -464,7 +462,6 @@ pub(crate) fn neighbor_list<'py>(
     kinds: Option<PyReadonlyArray1<'py, u32>>,
     table: Option<PyReadonlyArray2<'py, f64>>,
     edges: [[f64; 3]; 3],
-    signs: [i32; 3],
     self_interaction: bool,
     threads: usize,
 ) -> PyResult<Listed<'py>> {
@@ -489,14 +486,8 @@ pub(crate) fn neighbor_list<'py>(
         (_, _, SetSizes::Each(radii)) if radii.len() == set.points.len() => Limits::Radii(radii),
         _ => Limits::One(cutoff),
     };
-    let atoms = Atoms {
-        edges,
-        limits,
-        set,
-        periodic: elements.cell::<f64, 3>()?,
-        signs,
-        with_self: self_interaction,
-    };
+    let atoms =
+        Atoms { edges, limits, set, periodic: elements.cell::<f64, 3>()?, with_self: self_interaction };
     let threads = threads_for(threads, set.points.len());
     if quantities.contains('D') {
         listed::<[f64; 3]>(py, quantities, &atoms, threads)

@@ -54,9 +54,14 @@ pub(crate) fn read<'py>(
             place.ok_or_else(|| refused(format!("there is no frame {frame} among {frames}")))?
         }
     };
-    let packing = py.detach(|| series.read(frame, &options, &AtomicU64::new(0))).map_err(unreadable)?;
+    let mut packing = py.detach(|| series.read(frame, &options, &AtomicU64::new(0))).map_err(unreadable)?;
+    let unused = packing.source.unused_axis().filter(|_| options.columns.is_none());
+    let diameter = packing.radii.iter().flatten().copied().reduce(f64::max).map(|radius| 2.0 * radius);
+    let flat = diameter.and_then(|diameter| packing.flatten(diameter));
+    let remarks: Vec<_> = unused.into_iter().chain(flat).map(|remark| format!("{name}: {remark}")).collect();
     let found = packing_columns(py, name, packing)?;
     found.set_item("frames", frames)?;
+    found.set_item("remarks", remarks)?;
     Ok(("packing", found))
 }
 

@@ -103,12 +103,12 @@ def neighbor_list(
     if repeats.shape not in ((), (1,), (3,)):
         raise ValueError(f"pbc must be one truth value or three, not of the shape {repeats.shape}")
     repeats = np.broadcast_to(repeats, 3)
-    edges, signs = _edges_of(cell, repeats)
+    edges = _edges_of(cell, repeats)
     limits = _Limits(cutoff, numbers, len(centres))
 
     # The search finds a little more than is listed.
     margin = limits.largest * _MARGIN
-    box = Box(edges * signs[:, None], cell_origin) if repeats.any() else None
+    box = Box(edges, cell_origin) if repeats.any() else None
     _, repeating = cell_of(box, repeats.tolist(), 3)
     if limits.radii is not None:
         elements = _fdem.Elements(centres, "radii", 0.0, limits.radii, margin, None, repeating)
@@ -121,7 +121,6 @@ def neighbor_list(
         limits.kinds,
         limits.table,
         edges.tolist(),
-        signs.astype(int).tolist(),
         bool(self_interaction),
         threads_of(threads),
     )
@@ -130,8 +129,8 @@ def neighbor_list(
     return listed[0] if len(listed) == 1 else listed
 
 
-def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """The edges of a cell, with unit edges in place of those of zero length, and the signs that make it right-handed."""
+def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
+    """The edges of a cell, with unit edges in place of those of zero length."""
     edges = np.zeros((3, 3)) if cell is None else array_of(cell, "cell").astype(np.float64)
     if edges.shape == (3,):
         edges = np.diag(edges)
@@ -145,10 +144,7 @@ def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> 
         # Orthogonal to all edges so far: the last right singular vector belongs to the space that they do not span.
         present = made_up[made_up.any(axis=1)]
         made_up[edge] = np.linalg.svd(present)[2][-1] if len(present) else np.eye(3)[edge]
-    signs = np.ones(3)
-    if np.linalg.det(made_up) < 0:
-        signs[0] = -1.0
-    return made_up, signs
+    return made_up
 
 
 class _Limits:

@@ -21,7 +21,7 @@ class Box:
     Parameters
     ----------
     edges : array [D, D]
-        The edges, one a row, right-handed.
+        The edges, one a row.
     origin : array [D], optional
         The corner from which they start; zeros otherwise.
 

@@ -197,6 +197,11 @@ class Contacts:
         counts: npt.NDArray[np.int64] = self._kept["coordination"]
         return counts
 
+    def _own_images(self) -> int:
+        """The number of couples of an element with its own image; they are among those through faces, at the end."""
+        through = self._pairs[len(self._pairs) - len(self._shifts) :]
+        return int(np.count_nonzero(through[:, 0] == through[:, 1]))
+
     def sorted(self) -> Contacts:
         """The same couples in ascending order: by `i`, then `j`, then `shift`.
 
@@ -273,7 +278,8 @@ class Contacts:
         Parameters
         ----------
         values : {"distance", "overlap", None}
-            The values of the entries; with None they are 1. Couples that touch through several faces of a box that repeats have several entries.
+            The values of the entries; with None they are 1. A pair that touches through several faces of a box that repeats has one entry: the smallest distance,
+            or the largest overlap.
         full : bool, default True
             Whether the matrix is symmetric, or its upper half only.
 
@@ -285,8 +291,18 @@ class Contacts:
         sparse = optional("scipy.sparse", "scipy")
         rows = self.csr(full)
         data = np.ones(len(rows.indices), np.int64) if values is None else self._column(values)[rows.couples]
-        index = np.int32 if max(self.n, len(rows.indices)) < 2**31 else np.int64
-        parts = (data, rows.indices.astype(index), rows.indptr.astype(index))
+        indices, indptr = rows.indices, rows.indptr
+        if len(self._shifts):
+            # Images of one pair stand side by side; SciPy would add their entries.
+            row = np.repeat(np.arange(self.n), np.diff(indptr))
+            first = np.ones(len(indices), bool)
+            first[1:] = (indices[1:] != indices[:-1]) | (row[1:] != row[:-1])
+            start = np.flatnonzero(first)
+            best = np.minimum if values == "distance" else np.maximum
+            data = best.reduceat(data, start) if len(start) else data
+            indices, indptr = indices[start], np.searchsorted(start, indptr)
+        index = np.int32 if max(self.n, len(indices)) < 2**31 else np.int64
+        parts = (data, indices.astype(index), indptr.astype(index))
         return sparse.csr_array(parts, shape=(self.n, self.n))
 
     def to_networkx(self) -> Any:

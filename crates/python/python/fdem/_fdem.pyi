@@ -178,7 +178,6 @@ def neighbor_list(
     kinds: Optional[npt.NDArray[np.uint32]],
     table: Optional[npt.NDArray[np.float64]],
     edges: list[list[float]],
-    signs: list[int],
     self_interaction: bool,
     threads: int,
 ) -> tuple[

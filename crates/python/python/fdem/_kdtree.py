@@ -17,6 +17,9 @@ _Reals = npt.NDArray[np.float64]
 _FEW = 8
 """With fewer queries than the number of points divided by this, a tree answers: sorting the points for one search would cost more than the search."""
 
+_ALL = 1e150
+"""Distances beyond this one are those of all couples: the search of contacts refuses them, and coordinates do not reach it."""
+
 
 class KDTree:
     """Points, asked for their neighbours as ``scipy.spatial.KDTree`` and ``cKDTree``.
@@ -287,10 +290,13 @@ class KDTree:
         if not is_number(r):
             raise TypeError("r is one number")
         _checked_norm(p)
-        if self.boxsize is None and p == 2 and self.m in (2, 3):
-            pairs: npt.NDArray[Any] = contacts(self.data, cutoff=r).pairs
+        pairs: npt.NDArray[Any]
+        if number(r, "r") > _ALL:
+            pairs = np.stack(np.triu_indices(self.n, 1), axis=1)
+        elif self.boxsize is None and p == 2 and self.m in (2, 3):
+            pairs = contacts(self.data, cutoff=r).pairs
         else:
-            if not number(r, "r") >= 0:
+            if not r >= 0:
                 raise ValueError(f"r must not be negative, not {r}")
             offsets, numbers, _ = self._within(self.data, np.full(self.n, float(r)), p, 0)
             pairs = np.stack([np.repeat(np.arange(self.n), np.diff(offsets)), numbers], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union, overload
 
@@ -194,6 +195,8 @@ def read(
         raise ValueError(f"{name}: this is a {holds}, not a {kind}")
     if holds == "mesh":
         return Mesh(**found)
+    for remark in found.pop("remarks"):
+        warnings.warn(remark, stacklevel=2)
     box = _box_of(name, found.pop("cell"), found["positions"].shape[1])
     return Packing(**found, **box)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
@@ -11,10 +13,11 @@ from . import _fdem
 from ._box import cell_of
 from ._contacts import Contacts
 from ._input import Engine, Floats, alike, floats, is_number, number, numbers, points
+from ._read import Packing
 
 
 def contacts(
-    positions: npt.ArrayLike,
+    positions: Union[npt.ArrayLike, Packing],
     radii: Optional[npt.ArrayLike] = None,
     cutoff: Optional[float] = None,
     *,
@@ -29,8 +32,8 @@ def contacts(
 
     Parameters
     ----------
-    positions : array [n, 2] or [n, 3], float32 or float64
-        Centres. Arrays in C order are read where they are; other orders, strides, byte orders and whole numbers are converted, and float64 is never converted to
+    positions : array [n, 2] or [n, 3], float32 or float64; or Packing
+        Centres. A :class:`Packing` of :func:`read` brings its radii and its box, unless others are given. Arrays in C order are read where they are; other orders, strides, byte orders and whole numbers are converted, and float64 is never converted to
         float32. The centres must not change before `distance`, `overlap` or `vector` of the result has been asked for.
     radii : array [n] or number, optional
         The radius of each element, or of all. If positions and radii have different types, both become float64.
@@ -93,12 +96,25 @@ def contacts(
     Traceback (most recent call last):
     ValueError: element 1: coordinate y is NaN, not a finite number
     """
+    if isinstance(positions, Packing):
+        packing, positions = positions, positions.positions
+        if radii is None and cutoff is None:
+            if packing.radii is None:
+                raise TypeError("the packing has no radii: give radii or cutoff")
+            radii = packing.radii
+        if box is None:
+            box, periodic = packing.box, packing.periodic if packing.box is not None else periodic
+    if isinstance(positions, (str, os.PathLike)):
+        raise TypeError(f"positions must be an array or a Packing; read the file first: fdem.read({os.fspath(positions)!r})")
     centres = points(positions, "positions")
     kind, size, others, centres = sizes_of(centres, radii, cutoff)
     cell_box, cell = cell_of(box, periodic, centres.shape[1])
     bodies = None if groups is None else numbers(groups, "groups", len(centres))
     elements = _fdem.Elements(centres, kind, size, others, number(tolerance, "tolerance"), bodies, cell)
-    return Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads)
+    found = Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads)
+    if kind != "cutoff" and (own := found._own_images()):
+        warnings.warn(f"{own} couples are of an element with its own image: it touches itself across the whole box", stacklevel=2)
+    return found
 
 
 def boxes(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any, Optional, Union
 
@@ -64,8 +65,21 @@ class Simulation:
             raise ValueError(f"threads must be at least 0, not {threads}")
         if earlier is not None and not os.path.isdir(earlier):
             raise ValueError(f"earlier must be a folder of `fdem run`, not {os.fspath(earlier)!r}")
-        self._run = _fdem.Run(model._ready, threads, None if earlier is None else os.fspath(earlier))
+        self._open(_fdem.Run(model._ready, threads, None if earlier is None else os.fspath(earlier)))
+
+    def _open(self, run: _fdem.Run) -> None:
+        self._opened, self._process = run, os.getpid()
+        # Held while steps are taken: by this thread, another one, or the callback.
+        self._advancing = threading.Lock()
         self._begin()
+
+    @property
+    def _run(self) -> _fdem.Run:
+        if os.getpid() != self._process and self._opened.threads > 1:
+            raise RuntimeError(
+                f"this run has {self._opened.threads} threads, and a forked process has none of them: make the run in the child, or with threads=1"
+            )
+        return self._opened
 
     def _begin(self) -> None:
         self._about: dict[str, Any] = self._run.about()
@@ -161,7 +175,8 @@ class Simulation:
         ValueError
             More than one of `steps`, `time` and `until`, or one that is no number of steps.
         RuntimeError
-            The reason why the run cannot continue, such as an inverted element or an error of the energy balance; steps of a run that is over.
+            The reason why the run cannot continue, such as an inverted element or an error of the energy balance; steps of a run that is over; a call from the
+            `callback`, or while another thread takes steps; several threads in a forked process.
         """
         if sum(given is not None for given in (steps, time, until)) > 1:
             raise ValueError("give one of steps, time and until")
@@ -180,16 +195,21 @@ class Simulation:
             end = self._run.total
         if self.is_over and end > self.steps and (steps is not None or time is not None or until is not None):
             raise RuntimeError(f"the run is over at step {self.steps}: its until is met, or its last stage has ended")
-        while self.steps < end and not self.is_over:
-            stop = end
-            if callback is not None:
-                if self.steps % every == 0:
-                    callback(self)
-                stop = min(end, self.steps + every - self.steps % every)
-            self._clear()
-            self._run.advance(stop - self.steps)
-            if self.stage != self._stage:
-                self._begin()
+        if not self._advancing.acquire(blocking=False):
+            raise RuntimeError("the run is taking steps already: in another thread, or because the callback of advance calls it")
+        try:
+            while self.steps < end and not self.is_over:
+                stop = end
+                if callback is not None:
+                    if self.steps % every == 0:
+                        callback(self)
+                    stop = min(end, self.steps + every - self.steps % every)
+                self._clear()
+                self._run.advance(stop - self.steps)
+                if self.stage != self._stage:
+                    self._begin()
+        finally:
+            self._advancing.release()
 
     def _state(self, name: str) -> Any:
         if self._seen is None:
@@ -430,8 +450,7 @@ def resume(path: _Path, threads: int = 0) -> Simulation:
     True
     """
     run = Simulation.__new__(Simulation)
-    run._run = _fdem.Run.resume(os.fspath(path), threads)
-    run._begin()
+    run._open(_fdem.Run.resume(os.fspath(path), threads))
     return run
 
 
