@@ -4,8 +4,67 @@ use crate::error::ReadError;
 
 /// The error for a file that starts like one of another format.
 pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
-    let (_, format, advice) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
+    let by_magic = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic));
+    if let Some((_, format, advice)) = by_magic {
+        return Some(ReadError::Foreign { format, advice });
+    }
+    let head = std::str::from_utf8(&bytes[..bytes.len().min(HEAD)]);
+    let head =
+        head.unwrap_or_else(|error| std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or_default());
+    let (_, format, advice) = TEXTS.iter().find(|(is, ..)| is(head))?;
     Some(ReadError::Foreign { format, advice })
+}
+
+/// Number of bytes at the start of a text that show its format.
+const HEAD: usize = 4096;
+
+/// Texts of other programs: how they are recognised, name, advice.
+const TEXTS: [(fn(&str) -> bool, &str, &str); 5] = [
+    (is_poscar, "a POSCAR file of VASP", AS_XYZ),
+    (|text| has_line(text, |line| line.starts_with("_cell_length_a")), "a CIF file", AS_XYZ),
+    (is_pdb, "a PDB file", AS_XYZ),
+    (
+        |text| has_line(text, |line| line == "FoamFile"),
+        "a field of OpenFOAM",
+        "write its positions as a table with columns x, y, z and radius",
+    ),
+    (
+        |text| text.starts_with("---") && text.contains("creator: LAMMPS"),
+        "a dump of LAMMPS in YAML",
+        "write it with 'dump custom', or convert it to extended XYZ",
+    ),
+];
+
+fn has_line(text: &str, is: impl Fn(&str) -> bool) -> bool {
+    text.lines().any(|line| is(line.trim()))
+}
+
+/// A title, a scale, and three edges of three numbers.
+///
+/// # Source
+/// VASP wiki, "POSCAR".
+fn is_poscar(text: &str) -> bool {
+    let numbers = |line: &str| -> Option<usize> {
+        line.split_whitespace()
+            .map(|word| word.parse::<f64>().ok())
+            .collect::<Option<Vec<_>>>()
+            .map(|all| all.len())
+    };
+    let mut lines = text.lines().skip(1);
+    let scale = lines.next().and_then(numbers);
+    let edges = [lines.next(), lines.next(), lines.next()].map(|line| line.and_then(numbers));
+    let kinds = lines.next().map(|line| line.split_whitespace().next().is_some() && numbers(line) != Some(3));
+    matches!(scale, Some(1 | 3)) && edges == [Some(3); 3] && kinds == Some(true)
+}
+
+/// Records of six letters in fixed columns.
+///
+/// # Source
+/// wwPDB, "Atomic Coordinate Entry Format Version 3.3".
+fn is_pdb(text: &str) -> bool {
+    const FIRST: [&str; 7] = ["CRYST1", "HEADER", "TITLE ", "COMPND", "REMARK", "ATOM  ", "HETATM"];
+    FIRST.iter().any(|record| text.starts_with(record))
+        && text.lines().any(|line| line.starts_with("ATOM  ") || line.starts_with("HETATM"))
 }
 
 /// The byte order mark that some programs write before text in UTF-8.
@@ -15,8 +74,10 @@ const UNPACK: &str = "unpack it first";
 const AS_UTF_8: &str = "save it as UTF-8";
 const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
 
+const AS_XYZ: &str = "convert it to extended XYZ, for example with 'ase convert'";
+
 /// Other formats that users pass by mistake: first bytes, name, advice. The first match counts.
-pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
+pub(crate) const FOREIGN: [(&[u8], &str, &str); 16] = [
     (b"\x1f\x8b", "gzip-compressed data", UNPACK),
     (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
     (b"\xfd7zXZ\x00", "xz-compressed data", UNPACK),
@@ -27,7 +88,8 @@ pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
         "save one array with numpy.save, or a CSV table",
     ),
     (b"%PDF", "a PDF document", AS_TABLE),
-    (b"\x89HDF", "an HDF5 file", AS_TABLE),
+    (b"\x89HDF", "an HDF5 file (perhaps H5MD)", AS_TABLE),
+    (b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65", "a GSD file", "convert it to extended XYZ, for example with OVITO"),
     (b"# vtk DataFile", "a VTK file", AS_TABLE),
     (b"<VTKFile", "a VTK file", AS_TABLE),
     (b"<?xml", "an XML file", AS_TABLE),

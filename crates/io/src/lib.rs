@@ -47,6 +47,7 @@
 //! | the column that holds the body of an element | `src/table.rs`, `crates/fdem/src/command/input.rs` |
 
 mod packing;
+mod flat;
 mod options;
 mod read;
 mod series;

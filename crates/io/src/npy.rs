@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use half::f16;
+
 use crate::columns::{MOST_COLUMNS, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
@@ -247,7 +249,7 @@ impl<'a> NpyArray<'a> {
             self.columns.iter().zip(roles).filter_map(|(column, role)| role.map(|role| (column, role)));
         let checked = chosen.map(|(column, role)| {
             let Scalar { kind, size, .. } = &column.scalar;
-            let number = matches!((kind, size), ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8));
+            let number = matches!((kind, size), ('f', 2 | 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8));
             if column.readable && number {
                 return Ok((column, role));
             }
@@ -259,7 +261,7 @@ impl<'a> NpyArray<'a> {
                 },
                 dtype: column.scalar.descr.clone(),
                 shape: header.shown_shape(),
-                wanted: "float32, float64 or an integer of at most 64 bits",
+                wanted: "float16, float32, float64 or an integer of at most 64 bits",
             })
         });
         checked.collect()
@@ -378,12 +380,10 @@ fn little_endian(bytes: &[u8], big_endian: bool) -> [u8; 8] {
 
 #[inline]
 fn float(bytes: &[u8], big_endian: bool) -> f64 {
-    match (<[u8; 8]>::try_from(bytes), <[u8; 4]>::try_from(bytes)) {
-        (Ok(bytes), _) if big_endian => f64::from_be_bytes(bytes),
-        (Ok(bytes), _) => f64::from_le_bytes(bytes),
-        (_, Ok(bytes)) if big_endian => f64::from(f32::from_be_bytes(bytes)),
-        (_, Ok(bytes)) => f64::from(f32::from_le_bytes(bytes)),
-        _ => f64::NAN,
+    match *bytes {
+        [a, b] => f64::from(f16::from_le_bytes(if big_endian { [b, a] } else { [a, b] })),
+        [a, b, c, d] => f64::from(f32::from_le_bytes(if big_endian { [d, c, b, a] } else { [a, b, c, d] })),
+        _ => f64::from_le_bytes(little_endian(bytes, big_endian)),
     }
 }
 
@@ -497,6 +497,8 @@ mod tests {
     fn floats_are_widened_exactly() {
         assert_eq!(float(&0.1_f32.to_be_bytes(), true), f64::from(0.1_f32));
         assert_eq!(float(&0.1_f64.to_le_bytes(), false), 0.1);
+        assert_eq!(float(&[0x00, 0xb4], false), -0.25);
+        assert_eq!(float(&[0x3c, 0x01], true), 1.000_976_562_5);
         assert!(whole_number(&0.5_f64.to_le_bytes(), &scalar("<f8")).unwrap_err().contains("0.5"));
         assert_eq!(whole_number(&7_f32.to_le_bytes(), &scalar("<f4")), Ok(7));
     }

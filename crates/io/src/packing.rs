@@ -134,6 +134,28 @@ pub struct Source {
     pub skipped: Skipped,
 }
 
+impl Source {
+    /// A remark for a person if the elements are in the plane, but a column without a role may be the third
+    /// axis by its name, such as `zz` or `z1`.
+    ///
+    /// Columns such as `vz` beside `vx` belong to another vector.
+    pub fn unused_axis(&self) -> Option<String> {
+        let has_z = self.columns.iter().any(|column| column.role == Some(Role::Z));
+        let plain = |column: &Column| Name::unsuffixed(&column.name).plain;
+        let unused = || self.columns.iter().filter(|column| column.role.is_none());
+        let is_axis = |column: &&Column| {
+            let name = plain(column);
+            let rest = name.replace("pos", "").replace("coord", "").replace("cent", "");
+            let other = name.replace('z', "x");
+            (name.starts_with('z') || name.ends_with('z'))
+                && rest.chars().filter(|c| *c != 'z').count() <= 2
+                && !unused().any(|column| plain(column) == other)
+        };
+        let column = unused().find(is_axis).filter(|_| !has_z)?;
+        Some(format!("column {} is not used: is it z? If so, say --columns x=NAME,y=NAME,z={0}", column.name))
+    }
+}
+
 /// Format of a file, with details found in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Format {

@@ -8,8 +8,9 @@ use crate::error::ReadError;
 use crate::excerpt;
 use crate::foreign::BYTE_ORDER_MARK;
 use crate::lines::Lines;
+use crate::mesh::cursor::words;
 use crate::options::ReadOptions;
-use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, Source};
+use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, SimulationBox, Source};
 use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
 use crate::table::UnassignedColumns;
 
@@ -39,6 +40,7 @@ pub(crate) fn read_text(
     let rows = memchr::memchr_iter(b'\n', lines.rest()).count() + 1;
     let rows = rows.min(lines.rest().len() / (2 * opening.roles.len().max(1)) + 1);
     let mut elements = Elements::new(&opening.roles, rows)?;
+    let mut cell = opening.cell;
     while let Some((number, line)) = lines.next() {
         if number % LINES_PER_REPORT == 0 {
             progress.store(lines.at as u64, Ordering::Relaxed);
@@ -49,7 +51,7 @@ pub(crate) fn read_text(
         };
         match row {
             Ok(Some(row)) => elements.push(&row, number),
-            Ok(None) => {}
+            Ok(None) => cell = periodic(number, line)?.or(cell),
             Err(problem) => {
                 let bad = BadLine { line: number, text: excerpt::line(line), problem };
                 elements.bad_line(bad, options.skip_bad_lines)?;
@@ -57,13 +59,33 @@ pub(crate) fn read_text(
         }
     }
     elements.check(true)?;
-    Ok(elements.into_packing(Frame::default(), |skipped| Source {
+    let packing = elements.into_packing(Frame::default(), |skipped| Source {
         format: Format::Text { delimiter: opening.delimiter },
         columns: opening.columns,
         unit: opening.unit,
         lines: lines.number,
         skipped,
-    }))
+    });
+    Ok(Packing { cell, ..packing })
+}
+
+/// The periodic box in a comment `##PERIODIC:: X Y Z` with its edges, which YADE and Woo write and read back;
+/// its corner is the origin. `None` for other lines.
+fn periodic(number: u64, line: &[u8]) -> Result<Option<SimulationBox>, ReadError> {
+    let mut words = words(line);
+    if words.next() != Some(b"##PERIODIC::") {
+        return Ok(None);
+    }
+    let edge = |word| fast_float2::parse(word).ok().filter(|edge: &f64| edge.is_finite() && *edge > 0.0);
+    let edges: Option<Vec<f64>> = words.take(4).map(edge).collect();
+    match edges.as_deref() {
+        Some(&[x, y, z]) => Ok(Some(SimulationBox::orthogonal([0.0; 3], [x, y, z], [true; 3]))),
+        _ => {
+            let problem =
+                "expected three edges of a periodic box, all above 0, after ##PERIODIC::".to_owned();
+            Err(ReadError::Malformed { line: number, text: excerpt::line(line), problem })
+        }
+    }
 }
 
 /// Refuses bytes that do not occur in text files.
@@ -115,6 +137,7 @@ struct Opening {
     roles: Vec<Option<Role>>,
     columns: Vec<Column>,
     unit: Option<String>,
+    cell: Option<SimulationBox>,
     rows: RowReader,
 }
 
@@ -122,7 +145,7 @@ impl Opening {
     /// Reads up to the first row, and returns the lines from there on.
     fn read<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Self, Lines<'a>), ReadError> {
         let mut lines = Lines::new(bytes);
-        let (mut comment, mut format) = (None, None);
+        let (mut comment, mut format, mut cell) = (None, None, None);
         let mut separated = None;
         let (mut rows, number, first) = loop {
             let before = lines.clone();
@@ -152,7 +175,9 @@ impl Opening {
             if comments.len() > LONGEST {
                 continue;
             }
-            if comments.starts_with(b"#") || comments.starts_with(b"%") {
+            if let Some(found) = periodic(number, comments)? {
+                cell = Some(found);
+            } else if comments.starts_with(b"#") || comments.starts_with(b"%") {
                 let text = without_marks(comments);
                 comment = Some((number, text));
                 format = format.or_else(|| Some((number, text.trim_ascii().strip_prefix(b"format ")?)));
@@ -211,7 +236,7 @@ impl Opening {
         let columns = Column::all(&names, &roles, header);
         let rows_from = rows;
         let rows = RowReader::new(delimiter, &roles, labels);
-        Ok((Self { delimiter, roles, columns, unit, rows }, rows_from))
+        Ok((Self { delimiter, roles, columns, unit, cell, rows }, rows_from))
     }
 }
 

@@ -30,6 +30,8 @@ pub struct Detection<const D: usize> {
 pub struct Statistics<const D: usize> {
     /// Number of couples.
     pub couples: u64,
+    /// Number of couples of an element with its own image in a periodic box.
+    pub own_images: u64,
     /// Whether each element has a contact.
     touched: Vec<bool>,
     /// Largest overlap and its couple, the first one if several couples have it.
@@ -38,11 +40,12 @@ pub struct Statistics<const D: usize> {
 
 impl<const D: usize> Statistics<D> {
     fn new(elements: usize) -> Self {
-        Self { couples: 0, touched: vec![false; elements], max_overlap: None }
+        Self { couples: 0, own_images: 0, touched: vec![false; elements], max_overlap: None }
     }
 
     fn add(&mut self, couple: PeriodicCouple<D>, overlap: f64) {
         self.couples += 1;
+        self.own_images += u64::from(couple.i == couple.j);
         self.touched[couple.i as usize] = true;
         self.touched[couple.j as usize] = true;
         let larger = |&(largest, first): &(f64, PeriodicCouple<D>)| {

@@ -1,6 +1,7 @@
 //! Input of the commands that search a packing: opens and reads files, and words the library's errors for the
 //! command line.
 
+use std::cell::RefCell;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -59,6 +60,8 @@ pub(crate) struct Opened {
     pub(crate) kind: FileKind,
     /// Time to open it, s.
     pub(crate) seconds: f64,
+    /// Remarks on the frames that were printed, each once.
+    remarks: RefCell<Vec<String>>,
 }
 
 impl Opened {
@@ -83,7 +86,8 @@ impl Opened {
             .map_err(|problem| Failure::Unusable(format!("{}: {problem}", self.name)))
     }
 
-    /// Reads a frame, and the column `bodies` if one is given. Warns of skipped lines.
+    /// Reads a frame, and the column `bodies` if one is given. A flat packing becomes one in the plane. Warns
+    /// of skipped lines and of columns that may be an axis.
     pub(crate) fn frame(
         &self,
         series: &Series<'_>,
@@ -103,9 +107,35 @@ impl Opened {
         });
         let mut packing = packing?;
         report_skipped(&self.name, &packing, series.frames() > 1);
+        if let Some(remark) = packing.source.unused_axis().filter(|_| options.columns.is_none()) {
+            self.remark(remark);
+        }
+        if let Some(remark) = largest_diameter(arguments, &packing).and_then(|reach| packing.flatten(reach)) {
+            self.remark(remark);
+        }
         let bodies = packing.bodies.take().map(|names| Bodies::new(&names));
         Ok(Input { name: self.name.clone(), packing, bodies, seconds })
     }
+
+    /// Prints a remark on a frame, even with `--quiet`, unless an earlier frame had the same.
+    fn remark(&self, remark: String) {
+        let mut earlier = self.remarks.borrow_mut();
+        if !earlier.contains(&remark) {
+            // Nothing can be done if it cannot be printed.
+            let _ = writeln!(io::stderr(), "note: {}: {remark}", self.name);
+            earlier.push(remark);
+        }
+    }
+}
+
+/// The largest diameter, with the tolerance; `None` for points with a cut-off, or if there are no radii.
+fn largest_diameter(arguments: &InputArguments, packing: &Packing) -> Option<f64> {
+    if arguments.cutoff.is_some() {
+        return None;
+    }
+    let radii = packing.radii.as_deref().unwrap_or(&[]);
+    let radius = arguments.radius.or_else(|| radii.iter().copied().reduce(f64::max))?;
+    Some(2.0 * radius + arguments.tolerance)
 }
 
 /// Opens and decompresses the file, or standard input for `-`. A `format` overrides the content and the name.
@@ -130,7 +160,7 @@ pub(crate) fn open(
         Ok::<_, Failure>((bytes, kind))
     });
     let (bytes, kind) = opened?;
-    Ok(Opened { name, bytes, kind, seconds })
+    Ok(Opened { name, bytes, kind, seconds, remarks: RefCell::default() })
 }
 
 /// File name without the extension of its compression.

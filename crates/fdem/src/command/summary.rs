@@ -58,6 +58,9 @@ pub(crate) struct Summary {
     /// Number of threads as given; 0 is one per processor.
     threads: usize,
     pub(crate) couples: u64,
+    /// Those of an element with its own image; absent if there is none.
+    #[serde(skip_serializing_if = "is_zero")]
+    own_images: u64,
     pub(crate) mean_coordination: f64,
     /// Elements without contact.
     pub(crate) rattlers: u64,
@@ -73,6 +76,11 @@ pub(crate) struct Summary {
     analysis: Option<Analysis>,
     pub(crate) seconds: Seconds,
     peak_bytes: Option<u64>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 #[derive(Debug, Serialize)]
@@ -167,6 +175,7 @@ impl Summary {
             cells: found.plan.cells.map(|cells| cells.to_vec()),
             threads: request.threads,
             couples: found.statistics.couples,
+            own_images: found.statistics.own_images,
             mean_coordination: found.statistics.mean_coordination(),
             rattlers: found.statistics.rattlers(),
             max_overlap: max_overlap.map(|(overlap, _)| overlap),
@@ -259,6 +268,13 @@ impl fmt::Display for Summary {
             line("cell edge", format!("{}{unit}, {} cells", brief(size), cells.join(" x ")))?;
         }
         line("couples", grouped(self.couples))?;
+        if self.own_images > 0 {
+            let own = grouped(self.own_images);
+            line(
+                "own images",
+                format!("{own} of them: an element touches its own image, across the whole box"),
+            )?;
+        }
         line("coordination", format!("{:.4} contacts per element", self.mean_coordination))?;
         line("without contact", grouped(self.rattlers))?;
         if let (Some(overlap), Some([i, j])) = (self.max_overlap, self.max_overlap_couple) {

@@ -32,6 +32,7 @@ mod conditions;
 mod contacts;
 mod drawings;
 mod earlier;
+mod flat;
 mod formats;
 mod generate;
 mod labels;

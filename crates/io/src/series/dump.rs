@@ -12,7 +12,7 @@ use crate::packing::{Centres, Format, Frame, Packing, SimulationBox};
 use crate::series::rows::{RowTable, at_end, broken, expect, number, numbers, whole};
 
 const ITEM: &[u8] = b"ITEM:";
-/// Prefixes of coordinates; the first with which both x and y exist is used.
+/// Endings of coordinates: as they are, scaled, unwrapped, and both.
 const KINDS: [&str; 4] = ["", "s", "u", "su"];
 
 /// Whether the content is that of a dump.
@@ -209,19 +209,23 @@ pub(super) fn ascend(line: u64, low: f64, high: f64) -> Result<(), ReadError> {
     }
 }
 
-/// The names of the columns; one of the four kinds of coordinates is chosen.
+/// The names of the columns; one of the four kinds of coordinates is chosen for each axis.
 fn names(fields: &[&[u8]]) -> Vec<Name> {
+    const AXES: [&str; 3] = ["x", "y", "z"];
     let has = |axis: &str, kind: &str| fields.contains(&[axis, kind].concat().as_bytes());
-    // Prefers a kind with all three axes, then one with two: a dump in two dimensions.
-    let complete = |axes: &'static [&'static str]| {
-        KINDS.into_iter().find(|kind| axes.iter().all(|axis| has(axis, kind)))
-    };
-    let chosen = complete(&["x", "y", "z"]).or_else(|| complete(&["x", "y"]));
+    // One kind for all axes that the dump has in any kind, or else the first kind of each axis.
+    let given = |axis: &&str| KINDS.iter().any(|kind| has(axis, kind));
+    let complete =
+        KINDS.into_iter().find(|kind| AXES.iter().filter(|axis| given(axis)).all(|axis| has(axis, kind)));
+    let chosen = AXES.map(|axis| {
+        let kind = complete.or_else(|| KINDS.into_iter().find(|kind| has(axis, kind)));
+        kind.map(|kind| [axis, kind].concat())
+    });
     let name = |field: &&[u8]| {
         let text = String::from_utf8_lossy(field);
         let mut name = Name::unsuffixed(&text);
-        let axis =
-            chosen.and_then(|kind| ["x", "y", "z"].into_iter().find(|axis| [axis, kind].concat() == text));
+        let axis = AXES.into_iter().zip(&chosen).find(|(_, chosen)| chosen.as_deref() == Some(&text));
+        let axis = axis.map(|(axis, _)| axis);
         match (axis, name.role()) {
             (Some(axis), _) => axis.clone_into(&mut name.plain),
             // `c_x` is a compute named `x`.

@@ -191,10 +191,33 @@ fn style(line: &[u8]) -> Option<String> {
     (!style.is_empty()).then_some(style)
 }
 
+/// The columns of an atom style; `None` if it is not known.
+///
+/// `hybrid A B` has the columns of all atoms, then those that `A` and `B` add, each once.
+///
+/// # Source
+/// LAMMPS documentation, `read_data`, "Atoms section".
+fn columns_of(style: &str) -> Option<Vec<&'static str>> {
+    let of = |style: &str| {
+        let (_, names) = STYLES.iter().find(|(name, _)| *name == style)?;
+        Some(names.split(' '))
+    };
+    let Some(parts) = style.strip_prefix("hybrid ") else { return of(style).map(Iterator::collect) };
+    let mut names: Vec<_> = of("atomic")?.collect();
+    for part in parts.split_whitespace() {
+        for name in of(part)? {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    Some(names)
+}
+
 /// The columns, by the user's choice or by the style.
 fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Result<Vec<Name>, ReadError> {
     let plain = |names: &mut dyn Iterator<Item = &str>| names.map(Name::unsuffixed).collect::<Vec<_>>();
-    let known = head.style.as_deref().and_then(|style| STYLES.iter().find(|(name, _)| *name == style));
+    let known = head.style.as_deref().and_then(|style| Some((style, columns_of(style)?)));
     let Some((style, names)) = known else {
         if options.columns.is_some() {
             let numbers: Vec<String> = (1..=columns.unwrap_or(0)).map(|place| place.to_string()).collect();
@@ -210,13 +233,14 @@ fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Re
             format!("{said}. Say what they are with --columns, for example --columns id,_,diameter,_,x,y,z"),
         );
     };
-    let bare = names.split(' ').count();
+    let bare = names.len();
     match columns {
-        Some(found) if found == bare + IMAGES.len() => Ok(plain(&mut names.split(' ').chain(IMAGES))),
+        Some(found) if found == bare + IMAGES.len() => Ok(plain(&mut names.into_iter().chain(IMAGES))),
         Some(found) if found != bare && options.columns.is_none() => broken(
             head.line,
             format!(
-                "the atom style {style} has {bare} columns ({names}), with image flags {}; the first row has {found}",
+                "the atom style {style} has {bare} columns ({}), with image flags {}; the first row has {found}",
+                names.join(" "),
                 bare + IMAGES.len()
             ),
         ),
@@ -224,6 +248,6 @@ fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Re
             let numbers: Vec<String> = (1..=found).map(|place| place.to_string()).collect();
             Ok(plain(&mut numbers.iter().map(String::as_str)))
         }
-        _ => Ok(plain(&mut names.split(' '))),
+        _ => Ok(plain(&mut names.into_iter())),
     }
 }

@@ -151,7 +151,7 @@ impl Comment {
             let (value, after) = match close {
                 Some(close) => {
                     let inside = &value[1..];
-                    let end = inside.find(close).unwrap_or(inside.len());
+                    let end = end_of_value(inside, close);
                     (&inside[..end], inside.get(end + 1..).unwrap_or(""))
                 }
                 None => value.split_at(value.find(char::is_whitespace).unwrap_or(value.len())),
@@ -211,6 +211,28 @@ impl Comment {
     }
 }
 
+/// The place of the character that closes a value; brackets may be nested, as in `[[1, 0], [0, 1]]`.
+fn end_of_value(inside: &str, close: char) -> usize {
+    let opens = match close {
+        ']' => Some('['),
+        '}' => Some('{'),
+        _ => None,
+    };
+    let mut depth = 0_usize;
+    let end = inside.char_indices().find(|&(_, c)| {
+        if Some(c) == opens {
+            depth += 1;
+        } else if c == close {
+            if depth == 0 {
+                return true;
+            }
+            depth -= 1;
+        }
+        false
+    });
+    end.map_or(inside.len(), |(at, _)| at)
+}
+
 /// Values separated by blanks or commas, with or without brackets.
 fn fields(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c.is_whitespace() || matches!(c, ',' | '[' | ']')).filter(|field| !field.is_empty())
@@ -230,6 +252,10 @@ mod tests {
         assert_eq!(comment.value("time"), Some("0.5"));
         assert_eq!(comment.value("e"), Some(""));
         assert_eq!(comment.value("a"), None);
+        let nested = Comment::parse(2, b"Lattice=[[6, 0, 0], [0, 7, 0], [0, 0, 8]] pbc=[T, T, F]");
+        let cell = nested.cell().unwrap().unwrap();
+        assert_eq!(cell.edges, [[6.0, 0.0, 0.0], [0.0, 7.0, 0.0], [0.0, 0.0, 8.0]]);
+        assert_eq!(cell.repeats, [true, true, false]);
         let cell = comment.cell().unwrap().unwrap();
         assert_eq!(cell.edges, [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]);
         assert_eq!(cell.repeats, [true, false, true]);

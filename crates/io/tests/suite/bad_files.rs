@@ -308,9 +308,9 @@ fn arrays_that_do_not_serve() {
         (npy("'<f8'", "None", "(1, 2)", &floats(&[0.0; 2])), "NumPy header"),
         (
             npy("'<c8'", "False", "(1, 2)", &floats(&[0.0; 2])),
-            "the array of shape (1, 2) is <c8: expected float32, float64 or an integer",
+            "the array of shape (1, 2) is <c8: expected float16, float32, float64 or an integer",
         ),
-        (npy("'<f2'", "False", "(1, 2)", &[0; 4]), "is <f2"),
+        (npy("'<f16'", "False", "(1, 2)", &[0; 32]), "is <f16"),
         (npy("'<f8'", "False", "(2,)", &floats(&[0.0; 2])), "shape (2,), dtype <f8: expected (n, 2)"),
         (npy("'<f8'", "False", "(1, 1, 2)", &floats(&[0.0; 2])), "shape (1, 1, 2)"),
         (npy("'<f8'", "False", "()", &floats(&[0.0])), "shape ()"),

@@ -231,8 +231,8 @@ fn atom_styles_say_what_the_columns_of_data_files_are() {
     let full = only(data("Atoms # full", "1 1 1 0.5 1 2 3\n2 1 1 0.5 4 5 6\n"));
     assert_eq!(full.centres, Centres::Three(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]));
     assert_eq!(full.radii, None);
-    let odd = data("Atoms # hybrid sphere", "1 1 1 2 3 1.0\n2 1 4 5 6 3.0\n");
-    says(&odd, 14, &["atom style 'hybrid sphere'", "--columns"]);
+    let odd = data("Atoms # hybrid sphere ours", "1 1 1 2 3 1.0\n2 1 4 5 6 3.0\n");
+    says(&odd, 14, &["atom style 'hybrid sphere ours'", "--columns"]);
     let options = ReadOptions { columns: "id,_,x,y,z,d".parse().ok(), ..ReadOptions::default() };
     assert_eq!(frame(odd.as_bytes(), "a", 0, &options).unwrap().radii, Some(vec![0.5, 1.5]));
     says(
