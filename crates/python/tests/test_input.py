@@ -130,7 +130,7 @@ TWO = [[0.0, 0.0], [1.0, 0.0]]
         (TypeError, "periodic must be True or False", lambda: fdem.contacts(TWO, cutoff=1, box=[4, 4], periodic="xy")),
         (ValueError, "along x 0.0 is not below -4.0", lambda: fdem.contacts(TWO, cutoff=1, box=[-4, 4], periodic=True)),
         (ValueError, "2 lengths, 2 pairs", lambda: fdem.contacts(TWO, cutoff=1, box=[4, 4, 4], periodic=True)),
-        (ValueError, "box", lambda: fdem.contacts(TWO, cutoff=1, box=fdem.Box([[0, 1], [1, 0]]), periodic=True)),
+        (ValueError, "box", lambda: fdem.contacts(TWO, cutoff=1, box=fdem.Box([[0, 1], [0, 2]]), periodic=True)),
         (ValueError, "lower has the shape", lambda: fdem.boxes(np.zeros((2, 2)), np.zeros((2, 3)))),
         (ValueError, "element 1", lambda: fdem.boxes(np.zeros((2, 2)), [[1, 1], [1, -1]])),
         (TypeError, "r, the largest distance, or k", lambda: fdem.query(TWO)),

@@ -97,7 +97,7 @@ def test_contacts_takes_a_packing_and_names_a_path(tmp_path: pathlib.Path) -> No
     packing = fdem.read(path, kind="packing")
     assert fdem.contacts(packing).shift.tolist() == [[-1, 0, 0]]
     assert len(fdem.contacts(packing, radii=0.2)) == 0
-    assert len(fdem.contacts(packing, cutoff=0.5, box=[9, 9, 9])) == 0
+    assert len(fdem.contacts(packing, cutoff=0.5, box=[9, 9, 9], periodic=True)) == 0
     for name in (path, str(path)):
         with pytest.raises(TypeError, match="read the file first: fdem.read"):
             fdem.contacts(name)

@@ -102,8 +102,8 @@ def contacts(
             if packing.radii is None:
                 raise TypeError("the packing has no radii: give radii or cutoff")
             radii = packing.radii
-        if box is None:
-            box, periodic = packing.box, packing.periodic if packing.box is not None else periodic
+        if box is None and packing.box is not None and any(packing.periodic):
+            box, periodic = packing.box, packing.periodic
     if isinstance(positions, (str, os.PathLike)):
         raise TypeError(f"positions must be an array or a Packing; read the file first: fdem.read({os.fspath(positions)!r})")
     centres = points(positions, "positions")

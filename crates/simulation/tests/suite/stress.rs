@@ -74,6 +74,8 @@ fn rests(name: &str, model: Model) -> Simulation {
         let energies = run.energies();
         assert!(energies.strain > 0.0);
         assert!(energies.kinetic < REST * energies.strain, "{name}: {energies:?}");
+        // Not rounding over rounding.
+        assert!(energies.error().abs() < 1e-6, "{name}: {} {energies:?}", energies.error());
     }
     for (now, before) in run.snapshot().stresses.iter().zip(&run.model().stresses) {
         let [[xx, xy], [_, yy]] = *before;
