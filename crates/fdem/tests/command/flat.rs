@@ -166,6 +166,14 @@ fn files_of_other_programs_are_named() {
 }
 
 #[test]
+fn a_dump_of_pairs_is_named() {
+    let bench = Bench::new();
+    bench
+        .write("a.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES index c_id[1]\n1 1\n");
+    bench.run(&["contacts", "a.dump"]).refused_with(&["a.dump:3: this is a 'dump local' of pairs"]);
+}
+
+#[test]
 fn columns_of_hybrid_styles_are_known() {
     let bench = Bench::new();
     let file = |style: &str, rows: &str| {

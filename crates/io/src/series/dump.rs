@@ -100,6 +100,10 @@ impl<'a> DumpHead<'a> {
                     return broken(line, format!("ITEM: ATOMS comes before ITEM: {missing}"));
                 };
                 return Ok(Self { step, time, count, cell, columns: columns.trim_ascii(), line });
+            } else if item == b"NUMBER OF ENTRIES" {
+                let problem = "this is a 'dump local' of pairs or bonds, which is not read: give a dump of the atoms, whose \
+                               pairs fdem finds";
+                return broken(line, problem);
             } else {
                 let item = excerpt::field(item);
                 return broken(
