@@ -13,6 +13,7 @@ mod contacts;
 mod drawings;
 mod explain;
 mod failure;
+mod folder_lock;
 mod frames;
 mod generate;
 mod input;

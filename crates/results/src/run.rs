@@ -38,7 +38,7 @@ pub use emission::{BValue, Break, Clustering, Event, breaks, events, events_csv,
 pub use fdem_io::pvd;
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};
 pub use frame::{Frame, FrameError};
-pub use history::{History, HistoryError, HistoryWriter, Row, history_columns, kept};
+pub use history::{History, HistoryError, HistoryWriter, Row, history_columns};
 pub use names::Names;
 pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};

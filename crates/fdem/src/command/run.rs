@@ -8,7 +8,9 @@ mod earlier;
 mod emission;
 mod engine;
 pub(crate) mod folder;
+pub(crate) mod intact;
 mod log;
+mod manifest;
 mod observer;
 mod quasi_static;
 mod ranks;
@@ -35,13 +37,14 @@ use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
 use account::{Account, Spent};
-use checkpoint::{Checkpoint, Unsaved};
+use checkpoint::Checkpoint;
 use course::{Course, Start, next};
 use emission::Emission;
 use engine::Engine;
 use fdem_model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, Reached};
 use fdem_model::{prepare_any, steps, with_end_time};
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
+use intact::Intact;
 use log::RunLog;
 use quasi_static::QuasiStatic;
 use ranks::RunRanks;
@@ -111,12 +114,13 @@ where
     });
     let (preflight, simulation, taken) = ready.map_err(unusable)?;
     let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
-    let recorder = Recorder::new(&folder, &start.prepared)?;
+    let recorder = Recorder::new(&folder, &start.prepared, inputs)?;
     let simulation = lead.distribute(simulation).map_err(unusable)?;
     let before = Before {
         account: Account::default(),
         intervals: [start.prepared.output.interval, start.prepared.output.history_interval],
         reached: Reached::default(),
+        damaged: Vec::new(),
     };
     let mut running = Running::new(folder, start, simulation, recorder, before, &arguments.options, watch)?;
     let preflight = preflight.to_string();
@@ -134,6 +138,10 @@ pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicato
     let watch = Watch::new()?;
     let Some(lead) = RunRanks::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let (folder, saved) = Folder::open(&arguments.folder)?;
+    let progress = Progress::new(arguments.options.quiet);
+    let (intact, _) =
+        progress.step("checking the results", None, |_| Intact::check(&folder, &saved.manifest));
+    let intact = intact?;
     let path = folder.path(MODEL);
     let mut text = read_text(&path)?;
     if let Some(end) = arguments.end_time {
@@ -141,19 +149,25 @@ pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicato
             Failure::Unusable(format!("{} has no end_time that could be changed", display_name(&path)))
         })?;
     }
-    let progress = Progress::new(arguments.options.quiet);
     let (prepared, _) = progress.step("meshing the model", None, |_| folder.prepared(&text));
+    let earlier = Earlier { folder, saved, intact };
     match prepared.map_err(|errors| refused(&errors))?.0 {
-        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
-        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
+        AnyPrepared::Plane(prepared) => go_on(arguments, earlier, &text, *prepared, watch, lead),
+        AnyPrepared::Space(prepared) => go_on(arguments, earlier, &text, *prepared, watch, lead),
     }
+}
+
+/// A run that continues.
+struct Earlier {
+    folder: Folder,
+    saved: SavedState,
+    intact: Intact,
 }
 
 /// Continues the run of a model.
 fn go_on<const D: usize, const N: usize>(
     arguments: &ResumeArguments,
-    mut folder: Folder,
-    saved: &SavedState,
+    Earlier { folder, saved, intact }: Earlier,
     text: &str,
     prepared: Prepared<D, N>,
     watch: Watch,
@@ -172,8 +186,7 @@ where
             display_name(&path)
         )));
     }
-    let Checkpoint::<D, N> { frames, history, intervals, entered, reached, begun, account, state, .. } =
-        checkpoint;
+    let Checkpoint::<D, N> { intervals, entered, reached, begun, account, state, .. } = checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
     let start = Start::again(prepared, begun, entered).map_err(unusable)?;
@@ -189,7 +202,8 @@ where
             brief(prepared.end_time)
         )));
     }
-    if (steps == step || reached.over) && arguments.options.animate.is_none() && folder.is_finished() {
+    let is_over = steps == step || reached.over;
+    if is_over && intact.is_whole() && arguments.options.animate.is_none() && folder.is_finished() {
         return print(&format!(
             "nothing to do: the run in {place} is finished, {} s in {} steps{}\n",
             brief(simulation.time()),
@@ -201,15 +215,17 @@ where
             }
         ));
     }
-    let (recorder, _) = progress
-        .step("checking the frames", None, |_| Recorder::going_on(&folder, prepared, step, frames, history));
-    let recorder = recorder?;
+    let recorder = Recorder::going_on(&folder, prepared, &saved.manifest, &intact)?;
     if arguments.end_time.is_some() {
-        folder.replace_model(text.as_bytes())?;
+        folder.write(MODEL, text.as_bytes())?;
     }
     let simulation = lead.distribute(simulation).map_err(unusable)?;
-    let before = Before { account, intervals, reached };
+    let before = Before { account, intervals, reached, damaged: intact.damaged };
     let mut running = Running::new(folder, start, simulation, recorder, before, &arguments.options, watch)?;
+    for name in &running.before.damaged {
+        let place = display_name(&running.folder.path(name));
+        running.told.say(&format!("warning: {place} is not as the checkpoint has it, and is made again"));
+    }
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
 }
@@ -227,6 +243,8 @@ struct Before {
     /// Time between frames and time between rows of the history, s.
     intervals: [f64; 2],
     reached: Reached,
+    /// Names of damaged files that are made again.
+    damaged: Vec<String>,
 }
 
 /// A simulation with its folder, its records and its progress.
@@ -275,7 +293,7 @@ where
         folder: Folder,
         mut start: Start<D, N>,
         run: Box<dyn Engine<D, N> + 'c>,
-        recorder: Recorder<D, N>,
+        mut recorder: Recorder<D, N>,
         before: Before,
         options: &RunOptions,
         watch: Watch,
@@ -287,6 +305,10 @@ where
         }
         let course = Course::new(start, run, before.intervals[1], before.reached, true)?;
         let total = course.total();
+        if !before.damaged.is_empty() {
+            let (snapshot, forces) = course.run.frame();
+            recorder.repair(&before.damaged, &course.counted(snapshot), &forces)?;
+        }
         Ok(Self {
             told: RunLog::new(&folder, &*course.run, total, options.quiet)?,
             folder,
@@ -340,7 +362,7 @@ where
         }
         self.emission = Emission::of(&*self.course.run, &self.course.prepared);
         if let Some(emission) = &self.emission {
-            self.folder.write(EVENTS, emission.csv.as_bytes())?;
+            recorder.table(EVENTS, emission.csv.as_bytes())?;
         }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing
         // fails.
@@ -350,7 +372,7 @@ where
         let drawn = self.draw(&mut recorder, &facts, &fragments);
         if !matches!(end, End::Stopped(_)) {
             // The checkpoint is written again, so that its account has the time for drawing.
-            recorder.save(self.state())?;
+            recorder.save(&self.state())?;
         }
         self.summarise(&status)?;
         for (name, text) in &facts {
@@ -547,8 +569,8 @@ where
     }
 
     /// The state of the run, for a checkpoint.
-    fn state(&self) -> Unsaved<D, N> {
-        Unsaved {
+    fn state(&self) -> Checkpoint<D, N> {
+        Checkpoint {
             model: self.course.prepared.hash.clone(),
             intervals: self.before.intervals,
             reached: self.course.reached,

@@ -21,6 +21,7 @@ use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::course::{Course, Start};
 use crate::command::run::folder::{Folder, MODEL};
+use crate::command::run::intact::check_inputs;
 use crate::command::run::results::Results;
 use crate::state_hash::state_hash;
 use fdem_model::{AnyPrepared, Drawing, Entered, Load, Prepared, Reached, prepare_any};
@@ -148,7 +149,8 @@ impl AnySession {
     pub fn resume(path: &Path, threads: usize) -> Result<Self, String> {
         let text = |failure: Failure| failure.to_string();
         if path.is_dir() {
-            let (folder, saved) = Folder::open(path).map_err(text)?;
+            let (folder, saved) = Folder::open_to_read(path).map_err(text)?;
+            check_inputs(&folder, &saved.manifest).map_err(text)?;
             let model = folder.path(MODEL);
             let ready = Ready::of_folder(&folder, &model)?;
             return match &ready.prepared {

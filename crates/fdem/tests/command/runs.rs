@@ -288,26 +288,105 @@ fn one_folder_has_one_run_at_a_time() {
     second.wait().unwrap();
 }
 
+/// Two runs that are started at the same moment in one folder: one has it, and the other changes nothing.
 #[test]
-fn what_is_missing_of_a_run_is_found_before_it_goes_on() {
+fn of_two_runs_started_at_once_one_has_the_folder() {
+    let model = CRASH.replace("0.8e-3", "0.01e-3");
+    let bench = Bench::of(&model);
+    bench.write("faster.toml", model.replace("-20", "-21"));
+    let models = ["crash.toml", "faster.toml"];
+    let alone = models.map(|model| {
+        bench.run(&["run", model, "-q", "-o", "alone", "--force"]).succeeds();
+        bench.summary("alone")["state_hash"].clone()
+    });
+    assert_ne!(alone[0], alone[1]);
+    for _ in 0..if thorough() { 24 } else { 6 } {
+        let both = models.map(|model| {
+            let mut command = bench.command(&["run", model, "-q", "-o", "both"]);
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        });
+        let ended = both.map(|child| child.wait_with_output().unwrap());
+        let codes = ended.each_ref().map(|output| output.status.code());
+        let first = codes.iter().position(|code| *code == Some(0));
+        let first = first.unwrap_or_else(|| panic!("both have failed: {ended:?}"));
+        let other = String::from_utf8_lossy(&ended[1 - first].stderr);
+        assert_eq!(codes[1 - first], Some(2), "{other}");
+        let holds = other.contains("another fdem process is using both") && other.contains("process ");
+        assert!(holds || other.contains("both is not empty"), "{other}");
+        assert_eq!(bench.summary("both")["state_hash"], alone[first]);
+        assert_eq!(bench.read("both/model.toml"), bench.read(models[first]));
+        fs::remove_dir_all(bench.path("both")).unwrap();
+    }
+}
+
+/// A damaged result is named before the run goes on, and nothing is changed.
+#[test]
+fn damaged_results_of_a_run_are_found_before_it_goes_on() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
-    for (name, says) in [
-        ("history.csv", ["history.csv", "rows before step"]),
-        ("frames/00001.frame", ["frames", "00001.frame"]),
-        ("frames/00002.vtu", ["cannot read", "00002.vtu"]),
-    ] {
+    let cut = |whole: &[u8]| Some(whole[..whole.len() / 2].to_vec());
+    let flipped = |whole: &[u8]| {
+        let mut bytes = whole.to_vec();
+        *bytes.last_mut().unwrap() ^= 1;
+        Some(bytes)
+    };
+    // Another digit in the second row.
+    let miswritten = |whole: &[u8]| {
+        let mut bytes = whole.to_vec();
+        let line = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0;
+        let digit = line + 1 + bytes[line + 1..].iter().position(|byte| *byte == b',').unwrap() + 1;
+        bytes[digit] = if bytes[digit] == b'9' { b'8' } else { b'9' };
+        Some(bytes)
+    };
+    type Damage<'a> = &'a dyn Fn(&[u8]) -> Option<Vec<u8>>;
+    let cases: [(&str, Damage<'_>, &str); 6] = [
+        ("history.csv", &miswritten, "rows until the checkpoint have changed"),
+        ("history.csv", &cut, "bytes are left"),
+        ("history.csv", &|_| None, "it is missing"),
+        ("frames/00001.frame", &flipped, "its contents have changed"),
+        ("frames/00002.vtu", &cut, "and the run wrote"),
+        ("frames/00003_cracks.vtp", &|_| None, "it is missing"),
+    ];
+    for (name, damage, says) in cases {
         let file = bench.path("run").join(name);
         let whole = fs::read(&file).unwrap();
-        if name.ends_with("vtu") {
-            fs::remove_file(&file).unwrap();
-        } else {
-            fs::write(&file, &whole[..whole.len() / 2]).unwrap();
+        match damage(&whole) {
+            Some(damaged) => fs::write(&file, damaged).unwrap(),
+            None => fs::remove_file(&file).unwrap(),
         }
-        bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).refused_with(&says);
+        let before = bench.read("run/model.toml");
+        for arguments in [&["resume", "-q", "run"][..], &["resume", "-q", "run", "--end-time", "0.06e-3"]] {
+            bench.run(arguments).refused_with(&[name, says, "`fdem run run/model.toml --from run"]);
+        }
+        assert_eq!(bench.read("run/model.toml"), before);
         fs::write(&file, whole).unwrap();
     }
     bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
+}
+
+/// The frame of the checkpoint and the tables at the end are made again, to the last bit.
+#[test]
+fn damaged_results_of_the_checkpoint_are_made_again() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let last = (0..).take_while(|number| bench.path(&format!("run/frames/{number:05}.vtu")).exists()).last();
+    let frame = format!("run/frames/{:05}", last.unwrap());
+    let files = [format!("{frame}.frame"), format!("{frame}_contacts.vtp"), "run/fragments.csv".to_owned()];
+    let whole = files.each_ref().map(|name| fs::read(bench.path(name)).unwrap());
+    for (name, bytes) in files.iter().zip(&whole) {
+        bench.write(name, &bytes[..bytes.len() / 2]);
+    }
+    let told = bench.run(&["resume", "run"]).succeeds();
+    for (name, bytes) in files.iter().zip(&whole) {
+        assert!(
+            told.stderr.contains(&format!("warning: {name} is not as the checkpoint")),
+            "{}",
+            told.stderr
+        );
+        assert!(fs::read(bench.path(name)).unwrap() == *bytes, "{name} differs");
+    }
+    let again = bench.run(&["resume", "run"]).succeeds();
+    assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
 }
 
 /// After a power cut the disk may have a later frame without those before it.
@@ -633,6 +712,10 @@ fn the_model_of_a_run_can_be_run_again() {
     bench.run(&["check", "run/model.toml"]).succeeds();
     bench.run(&["run", "run/model.toml", "-q", "-o", "again"]).succeeds();
     assert_eq!(bench.summary("run")["state_hash"], bench.summary("again")["state_hash"]);
+    // A mesh that has changed is named, and not the model.
+    bench.write("run/inputs/0", bench.read("run/inputs/0").replace("0.05 0.1 0", "0.06 0.1 0"));
+    bench.run(&["resume", "-q", "run"]).refused_with(&["inputs/0", "its contents have changed"]);
+    bench.run(&["run", "run/model.toml", "-q", "-o", "next", "--from", "run"]).refused_with(&["inputs/0"]);
 }
 
 #[test]
@@ -723,7 +806,7 @@ fn results_that_cannot_be_written_stop_the_run() {
     assert!(status.contains("stopped: cannot write run/frames"), "{status}");
     let names = fs::read_dir(bench.path("run")).unwrap();
     let names: Vec<_> = names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    assert!(!names.iter().any(|name| name.starts_with('.')), "partial files are left: {names:?}");
+    assert!(!names.iter().any(|name| name.starts_with(".fdem-")), "partial files are left: {names:?}");
     // Once the folder is back, the run continues from its checkpoint.
     fs::rename(bench.path("run/elsewhere"), bench.path("run/frames")).unwrap();
     let mut second = bench.start(&["resume", "-q", "run"]);

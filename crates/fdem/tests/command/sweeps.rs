@@ -160,6 +160,56 @@ fn another_sweep_in_the_folder_is_refused() {
     assert_eq!(bench.read("mine/thesis.txt"), "text");
 }
 
+/// Two sweeps that are started at the same moment in one folder: one has it, and the other changes nothing.
+#[test]
+fn of_two_sweeps_started_at_once_one_has_the_folder() {
+    let bench = bench("model = \"plate.toml\"\n[[run]]\nspeed = 0.1\n");
+    bench.write("other.toml", "model = \"plate.toml\"\n[[run]]\nspeed = 0.3\n");
+    let sweeps = [("sweep.toml", "0.1"), ("other.toml", "0.3")];
+    for _ in 0..4 {
+        let both = sweeps.map(|(sweep, _)| {
+            let mut command = bench.command(&["sweep", sweep, "-q", "-o", "both"]);
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        });
+        let ended = both.map(|child| child.wait_with_output().unwrap());
+        let codes = ended.each_ref().map(|output| output.status.code());
+        let first = codes.iter().position(|code| *code == Some(0));
+        let first = first.unwrap_or_else(|| panic!("both have failed: {ended:?}"));
+        let other = String::from_utf8_lossy(&ended[1 - first].stderr);
+        assert_eq!(codes[1 - first], Some(2), "{other}");
+        let holds = other.contains("another fdem process is using both") && other.contains("process ");
+        assert!(holds || other.contains("both has another sweep"), "{other}");
+        assert_eq!(column(&table(&bench, "both"), "speed"), [sweeps[first].1]);
+        fs::remove_dir_all(bench.path("both")).unwrap();
+    }
+}
+
+/// A sweep does not replace runs that still work after their own sweep was killed.
+#[test]
+fn runs_that_still_work_are_not_replaced() {
+    let bench = bench("model = \"plate.toml\"\n[[run]]\nspeed = 0.1\n");
+    bench.run(&["sweep", "sweep.toml", "-q"]).succeeds();
+    let run = "sweep_results/runs/001";
+    let mut orphan = bench
+        .command(&["run", "plate.toml", "-q", "--force", "--set", "model.end_time=2e-1", "-o", run])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let summary = || fs::read_to_string(bench.path(run).join("run.json")).unwrap_or_default();
+    let start = Instant::now();
+    while !summary().contains("begun") || !bench.path(run).join("checkpoint").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "the run has not begun");
+        thread::sleep(Duration::from_millis(5));
+    }
+    bench
+        .run(&["sweep", "sweep.toml", "-q", "--force"])
+        .refused_with(&["another fdem process is using", "001"]);
+    assert!(bench.path(run).join("checkpoint").exists());
+    orphan.kill().unwrap();
+    orphan.wait().unwrap();
+    bench.run(&["sweep", "sweep.toml", "-q", "--force"]).succeeds();
+}
+
 /// Paths of keys, rows of a table, and values that the table does not have in the model.
 #[test]
 fn a_table_sets_keys_by_their_paths() {
@@ -349,5 +399,6 @@ fn an_interrupted_sweep_goes_on() {
     assert!(bench.read("sweep_results/runs/001/run.log").contains("continues after step"));
     let left: Vec<_> =
         fs::read_dir(bench.path("sweep_results")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 4, "{left:?}");
+    assert_eq!(left.len(), 5, "{left:?}");
+    assert!(left.iter().any(|name| name == ".fdem.lock"), "{left:?}");
 }

@@ -229,28 +229,6 @@ impl HistoryError {
     }
 }
 
-/// Returns the number of bytes of a history to keep for a run that resumes at `step`: all but later rows and
-/// an incomplete last line.
-///
-/// # Errors
-/// [`HistoryError`] for the first line whose step cannot be read.
-pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
-    let mut end = 0;
-    for (k, line) in whole_lines(text).enumerate() {
-        if k > 0 {
-            let first = utf8(line, k + 1)?.split(',').next().unwrap_or_default().to_owned();
-            let found: u64 = first
-                .parse()
-                .map_err(|_| HistoryError::at(k + 1, format!("step: {first:?} is not a step number")))?;
-            if found > step {
-                break;
-            }
-        }
-        end += line.len() + 1;
-    }
-    Ok(end)
-}
-
 /// Returns the complete lines, without their line breaks.
 fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let end = text.iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
@@ -325,15 +303,7 @@ mod tests {
     #[test]
     fn a_run_that_goes_on_keeps_what_it_had_done() {
         let text = history(&[0, 10, 20, 30]);
-        assert_eq!(kept(&text, 30), Ok(text.len()));
-        assert_eq!(&text[..kept(&text, 25).unwrap()], &history(&[0, 10, 20])[..]);
-        assert_eq!(
-            &text[..kept(&text[..text.len() - 3], 99).unwrap()],
-            &history(&[0, 10, 20])[..],
-            "an incomplete line"
-        );
-        assert_eq!(History::read(&text[..text.len() - 3]).unwrap().rows(), 3);
-        assert_eq!(kept(b"", 1), Ok(0));
+        assert_eq!(History::read(&text[..text.len() - 3]).unwrap().rows(), 3, "an incomplete line");
         let mut going_on = history(&[0, 10]);
         let mut writer = HistoryWriter::going_on(&mut going_on, 2);
         assert!(writer.row(&Row::default()).is_err(), "two values are expected");
@@ -357,6 +327,5 @@ mod tests {
         let mut text = history(&[0]);
         text.extend(b"1.5,\xff\n");
         assert_eq!(error(&text), "line 3 of the history: this is not UTF-8 text");
-        assert_eq!(kept(&history(&[0]).repeat(2), 9).unwrap_err().line, 3);
     }
 }

@@ -7,7 +7,7 @@ use crate::command::run::account::Account;
 use crate::command::run::beginning::Beginning;
 use fdem_model::{Entered, Reached};
 
-/// The state of a run, with the state of its files.
+/// The state of a run. The state of its files is in the [`Manifest`](super::manifest::Manifest).
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "State<D, N>: Serialize, Boundary<D>: Serialize, [f64; D]: Serialize",
@@ -16,10 +16,6 @@ use fdem_model::{Entered, Reached};
 pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// Hash of the model, [`Prepared::hash`](fdem_model::Prepared).
     pub(crate) model: String,
-    /// Step and time, s, of each frame that has been written.
-    pub(crate) frames: Vec<(u64, f64)>,
-    /// Length of the history, bytes.
-    pub(crate) history: u64,
     /// Time between frames and time between rows of the history, s: they stay as they are if the end time
     /// changes.
     pub(crate) intervals: [f64; 2],
@@ -30,17 +26,6 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// When it has begun from another run.
     pub(crate) begun: Option<Beginning>,
     /// Times and numbers since the beginning of the run.
-    pub(crate) account: Account,
-    pub(crate) state: State<D, N>,
-}
-
-/// The part of a [`Checkpoint`] that is known before frames and rows on their way to the disk are written.
-pub(crate) struct Unsaved<const D: usize, const N: usize> {
-    pub(crate) model: String,
-    pub(crate) intervals: [f64; 2],
-    pub(crate) entered: Entered<D>,
-    pub(crate) reached: Reached,
-    pub(crate) begun: Option<Beginning>,
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
 }

@@ -15,6 +15,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};
+use crate::command::run::intact::check_inputs;
 use crate::command::run::results::Results;
 use crate::command::run::stages::Stages;
 use fdem_model::{Prepared, PreparedBody};
@@ -40,7 +41,8 @@ where
     /// Opens the last checkpoint in a folder of results. The folder is only read.
     pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
         let place = display_name(path);
-        let (folder, saved) = Folder::open(path)?;
+        let (folder, saved) = Folder::open_to_read(path)?;
+        check_inputs(&folder, &saved.manifest)?;
         let text = read_text(&folder.path(MODEL))?;
         let (prepared, _) = folder.prepared(&text).map_err(|errors| refused(&errors))?;
         let unusable = |why: &str| Failure::Unusable(format!("{place} cannot be begun from: {why}"));

@@ -11,33 +11,36 @@
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
 //! Lines are appended to the history and the log. Every other file is written to a temporary file and
-//! renamed, so that the folder holds complete files at any time. A checkpoint records the number of frames
-//! and the length of the history; later frames and rows are removed when the run continues.
+//! renamed, so that the folder holds complete files at any time. A checkpoint has the checksums of the frames
+//! and of the history until then; later frames and rows are removed when the run continues.
+//!
+//! A process locks the folder before it changes anything in it, and keeps the lock until it ends.
 //!
 //! Files are synced before they are renamed, except those of frames: they are synced later, but before the
 //! collections and the checkpoint that name them. Frames that the collections and the checkpoint name are
 //! complete also after a power cut. A frame that they do not name may then be cut off; it is removed when the
 //! run continues.
 
-use std::fs::{self, File, TryLockError};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use sha2::{Digest, Sha256};
 
 use crate::command::aside::{self, Hold};
 use crate::command::failure::{Failure, display_name};
+use crate::command::folder_lock::{FolderLock, is_lock};
 use crate::command::memory;
 use crate::command::run::checkpoint::Checkpoint;
+use crate::command::run::manifest::Manifest;
 use crate::command::run::results::Results;
 use fdem_model::{AnyPrepared, ModelErrors, prepare_any};
 
 /// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return
 /// before it has ended the other ranks.
-const PATIENCE: Duration = Duration::from_secs(3);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(3);
 
 pub(crate) const MODEL: &str = "model.toml";
 pub(crate) const HISTORY: &str = "history.csv";
@@ -75,14 +78,14 @@ const FILES: [&str; 14] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 11\n";
+const MAGIC: &[u8] = b"fdem checkpoint 12\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]
 pub(crate) struct Folder {
     path: PathBuf,
-    /// The model's file. It is locked while a run uses the folder.
-    lock: Option<Arc<File>>,
+    /// `None` for a folder that is only read, and into which no process has written.
+    _lock: Option<Arc<FolderLock>>,
 }
 
 impl Folder {
@@ -91,15 +94,7 @@ impl Folder {
     /// # Errors
     /// A folder that must not be replaced, or cannot be read.
     pub(crate) fn check(path: &Path, force: bool) -> Result<bool, Failure> {
-        let there = match fs::read_dir(path) {
-            // A run that was killed while writing its first file leaves partial files, which the next one
-            // removes.
-            Ok(mut entries) => entries.any(|entry| {
-                entry.is_ok_and(|entry| !entry.file_name().to_str().is_some_and(aside::is_aside))
-            }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
-            Err(error) => return Err(Failure::writing(path, error)),
-        };
+        let there = has_results(path)?;
         if there && !force {
             return Err(Failure::Unusable(format!(
                 "{} is not empty: choose another folder with --output, go on with `fdem resume`, or replace its results with --force",
@@ -116,13 +111,18 @@ impl Folder {
     }
 
     /// Makes the folder of a new run, with the text of the model and the files that it names.
+    ///
+    /// # Errors
+    /// A folder that [`Self::check`] refuses, or that another process uses. Nothing in it is changed then.
     pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
+        // A run that has just been interrupted may still be ending. A folder that had nothing has another
+        // run that begins now.
+        let patience = if Self::check(path, force)? { PATIENCE } else { Duration::ZERO };
+        fs::create_dir_all(path).map_err(|error| Failure::writing(path, error))?;
+        let lock = FolderLock::exclusive(path, patience)?;
+        // Another run may have begun, and ended, before the lock.
         let there = Self::check(path, force)?;
-        let mut folder = Self { path: path.to_owned(), lock: None };
-        if there {
-            folder.lock()?;
-        }
-        folder.make("")?;
+        let folder = Self { path: path.to_owned(), _lock: Some(Arc::new(lock)) };
         folder.write(SUMMARY, b"{ \"status\": \"begun\" }\n")?;
         if there {
             folder.clear()?;
@@ -132,37 +132,30 @@ impl Folder {
             folder.make(INPUTS)?;
         }
         folder.write(MODEL, text)?;
-        folder.lock()?;
         for (number, bytes) in inputs.iter().enumerate() {
-            folder.write(&format!("{INPUTS}/{number}"), bytes)?;
+            folder.write(&input_file(number), bytes)?;
         }
         Ok(folder)
     }
 
-    /// Opens the folder of an earlier run.
+    /// Opens the folder of an earlier run, to continue it.
     pub(crate) fn open(path: &Path) -> Result<(Self, SavedState), Failure> {
-        let mut folder = Self { path: path.to_owned(), lock: None };
-        folder.lock()?;
+        // A folder that has no run is left as it is.
+        if !path.join(CHECKPOINT).exists() {
+            return Err(without_checkpoint(path));
+        }
+        let lock = FolderLock::exclusive(path, PATIENCE)?;
+        let folder = Self { path: path.to_owned(), _lock: Some(Arc::new(lock)) };
         let checkpoint = folder.checkpoint()?;
         Ok((folder, checkpoint))
     }
 
-    /// Locks the folder for this process. A folder without a model has no run; a file system without locks is
-    /// used unlocked.
-    fn lock(&mut self) -> Result<(), Failure> {
-        let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
-        let start = Instant::now();
-        while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-            if start.elapsed() > PATIENCE {
-                return Err(Failure::Unusable(format!(
-                    "another fdem process is using {}",
-                    display_name(&self.path)
-                )));
-            }
-            sleep(Duration::from_millis(20));
-        }
-        self.lock = Some(Arc::new(file));
-        Ok(())
+    /// Opens the folder of an earlier run, only to read it.
+    pub(crate) fn open_to_read(path: &Path) -> Result<(Self, SavedState), Failure> {
+        let lock = FolderLock::shared(path, PATIENCE)?;
+        let folder = Self { path: path.to_owned(), _lock: lock.map(Arc::new) };
+        let checkpoint = folder.checkpoint()?;
+        Ok((folder, checkpoint))
     }
 
     /// Whether the run has reached its end and everything is drawn.
@@ -170,12 +163,6 @@ impl Folder {
         let summary = fs::read(self.path(SUMMARY)).ok();
         let summary = summary.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
         summary.is_some_and(|json| json["status"] == "finished") && self.path(REPORT).exists()
-    }
-
-    /// Replaces the text of the model, and keeps the folder locked.
-    pub(crate) fn replace_model(&mut self, text: &[u8]) -> Result<(), Failure> {
-        self.write(MODEL, text)?;
-        self.lock()
     }
 
     /// Removes the files that a run makes, and nothing else.
@@ -273,7 +260,7 @@ impl Folder {
     pub(crate) fn prepared(&self, text: &str) -> Result<(AnyPrepared, Vec<Vec<u8>>), ModelErrors> {
         let mut inputs = Vec::new();
         let mut load = |_: &str| {
-            let path = self.path(&format!("{INPUTS}/{}", inputs.len()));
+            let path = self.path(&input_file(inputs.len()));
             let bytes = fs::read(path).map_err(|error| error.to_string())?;
             inputs.push(bytes.clone());
             Ok(bytes)
@@ -282,17 +269,19 @@ impl Folder {
         Ok((prepared, inputs))
     }
 
-    /// Writes the checkpoint.
+    /// Writes the checkpoint. `manifest`: the finished results that belong to it.
     pub(crate) fn save<const D: usize, const N: usize>(
         &self,
+        manifest: &Manifest,
         checkpoint: &Checkpoint<D, N>,
     ) -> Result<(), Failure>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         let path = self.path(CHECKPOINT);
-        let payload =
-            <[[f64; D]; N]>::checkpoint_bytes(checkpoint).map_err(|error| Failure::writing(&path, error))?;
+        let failed = |error| Failure::writing(&path, error);
+        let mut payload = postcard::to_allocvec(manifest).map_err(failed)?;
+        payload.extend(<[[f64; D]; N]>::checkpoint_bytes(checkpoint).map_err(failed)?);
         let bytes = [MAGIC, Sha256::digest(&payload).as_slice(), &payload].concat();
         self.write(CHECKPOINT, &bytes)
     }
@@ -300,21 +289,18 @@ impl Folder {
     fn checkpoint(&self) -> Result<SavedState, Failure> {
         let path = self.path(CHECKPOINT);
         let name = display_name(&path);
-        let mut bytes = Vec::new();
-        match File::open(&path).and_then(|mut file| file.read_to_end(&mut bytes)) {
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let folder = display_name(&self.path);
-                if self.path(SUMMARY).exists() && self.path(MODEL).exists() {
-                    return Err(Failure::Unusable(format!(
-                        "the run in {folder} ended before its first checkpoint, and cannot go on: start it again with `fdem run --force`"
-                    )));
-                }
-                return Err(Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it")));
+                return Err(without_checkpoint(&self.path));
             }
             Err(error) => return Err(Failure::reading(&name, &error)),
-            Ok(_) => {}
-        }
-        let damaged = |why: &str| Failure::Unusable(format!("{name} is damaged: {why}"));
+        };
+        let damaged = |why: &str| {
+            Failure::Unusable(format!(
+                "{name} is damaged: {why}. Restore it from a copy, or start the run again with `fdem run --force`"
+            ))
+        };
         let Some(rest) = bytes.strip_prefix(MAGIC) else {
             return Err(damaged("it is not a checkpoint of this version of fdem"));
         };
@@ -322,15 +308,31 @@ impl Folder {
         if Sha256::digest(payload).as_slice() != digest {
             return Err(damaged("its checksum is wrong"));
         }
-        Ok(SavedState { name, payload: payload.to_vec() })
+        match postcard::take_from_bytes(payload) {
+            Ok((manifest, state)) => Ok(SavedState { name, manifest, state: state.to_vec() }),
+            Err(error) => Err(damaged(&error.to_string())),
+        }
     }
+}
+
+/// The failure for a folder that has no checkpoint.
+fn without_checkpoint(path: &Path) -> Failure {
+    let folder = display_name(path);
+    if path.join(SUMMARY).exists() && path.join(MODEL).exists() {
+        return Failure::Unusable(format!(
+            "the run in {folder} ended before its first checkpoint, and cannot go on: start it again with `fdem run --force`"
+        ));
+    }
+    Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it"))
 }
 
 /// A checkpoint that is complete, and not opened yet.
 pub(crate) struct SavedState {
     /// Name of its file.
     name: String,
-    payload: Vec<u8>,
+    /// The finished results that belong to it.
+    pub(crate) manifest: Manifest,
+    state: Vec<u8>,
 }
 
 impl SavedState {
@@ -339,9 +341,32 @@ impl SavedState {
     where
         [[f64; D]; N]: Results<D, N>,
     {
-        <[[f64; D]; N]>::checkpoint(&self.payload)
+        <[[f64; D]; N]>::checkpoint(&self.state)
             .map_err(|error| Failure::Unusable(format!("{} is damaged: {error}", self.name)))
     }
+}
+
+/// Whether there is anything in a folder but lock files and partial files, which a run leaves that is killed
+/// while it writes its first file.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub(crate) fn has_results(path: &Path) -> Result<bool, Failure> {
+    let is_result = |entry: io::Result<fs::DirEntry>| {
+        entry.is_ok_and(|entry| {
+            !entry.file_name().to_str().is_some_and(|name| aside::is_aside(name) || is_lock(name))
+        })
+    };
+    match fs::read_dir(path) {
+        Ok(mut entries) => Ok(entries.any(is_result)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(Failure::writing(path, error)),
+    }
+}
+
+/// Name of the copy of a file that the model names.
+pub(crate) fn input_file(number: usize) -> String {
+    format!("{INPUTS}/{number}")
 }
 
 /// Name of the mesh file of a frame.
@@ -383,36 +408,4 @@ pub(crate) fn packed_file(number: usize) -> String {
 /// Returns the names of the files of a frame.
 pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
     COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number)).chain([packed_file(number)])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A folder that another process has locked is waited for, but not for long.
-    #[test]
-    fn a_locked_folder_is_waited_for() {
-        let place = tempfile::tempdir().expect("a folder");
-        fs::write(place.path().join(MODEL), "").expect("a model");
-        let lock = || {
-            let file = File::open(place.path().join(MODEL)).expect("a model");
-            file.lock().expect("a lock");
-            file
-        };
-        let mut folder = Folder { path: place.path().to_owned(), lock: None };
-
-        let held = lock();
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                sleep(Duration::from_millis(200));
-                drop(held);
-            });
-            folder.lock().expect("the other process has ended");
-        });
-        folder.lock = None;
-
-        let _held = lock();
-        let Err(Failure::Unusable(why)) = folder.lock() else { panic!("the folder is in use") };
-        assert!(why.starts_with("another fdem process is using "), "{why}");
-    }
 }

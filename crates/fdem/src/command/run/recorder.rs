@@ -3,12 +3,12 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_results::{
-    Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, kept, plots, pvd,
+    Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, plots, pvd,
     write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 use fdem_simulation::{Forces, Snapshot};
@@ -16,11 +16,13 @@ use fdem_simulation::{Forces, Snapshot};
 use crate::command::aside::Hold;
 use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
-use crate::command::run::checkpoint::{Checkpoint, Unsaved};
+use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{
     COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
-    files_of, mesh_file, packed_file,
+    mesh_file, packed_file,
 };
+use crate::command::run::intact::{Intact, Problems};
+use crate::command::run::manifest::{Checksum, FrameRecord, Hashed, Hashing, Manifest};
 use crate::command::run::results::{DrawnRun, Results};
 use fdem_model::{Prepared, columns};
 
@@ -30,11 +32,15 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     folder: Folder,
-    history: HistoryWriter<BufWriter<File>>,
+    history: HistoryWriter<BufWriter<Hashing<File>>>,
     names: Names,
     outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
-    /// Step and time, s, of each frame that has been written.
-    frames: Vec<(u64, f64)>,
+    /// Frames that have been written.
+    frames: Vec<FrameRecord>,
+    /// Tables that have been written since the run ended.
+    tables: Vec<(String, Checksum)>,
+    /// Copies of the files that the model names.
+    inputs: Vec<Checksum>,
     /// Files of frames that are in place, and that the disk may not have yet.
     unsynced: VecDeque<String>,
     /// Number of frames that the collections name.
@@ -52,21 +58,30 @@ impl<const D: usize, const N: usize> Recorder<D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    /// Starts the records of a new run.
-    pub(crate) fn new(folder: &Folder, prepared: &Prepared<D, N>) -> Result<Self, Failure> {
+    /// Starts the records of a new run. `inputs`: the files that its model names.
+    pub(crate) fn new(
+        folder: &Folder,
+        prepared: &Prepared<D, N>,
+        inputs: &[Vec<u8>],
+    ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let names = columns(&prepared.histories, &prepared.probes);
         let history = File::create(&path)
-            .and_then(|file| HistoryWriter::new(BufWriter::new(file), D, &names))
+            .and_then(|file| HistoryWriter::new(BufWriter::new(Hashing::new(file)), D, &names))
             .map_err(|error| Failure::writing(&path, error))?;
-        Self::with(folder, prepared, history, Vec::new())
+        Self::with(
+            folder,
+            prepared,
+            history,
+            (Vec::new(), inputs.iter().map(|bytes| Checksum::of(bytes)).collect()),
+        )
     }
 
     fn with(
         folder: &Folder,
         prepared: &Prepared<D, N>,
-        history: HistoryWriter<BufWriter<File>>,
-        frames: Vec<(u64, f64)>,
+        history: HistoryWriter<BufWriter<Hashing<File>>>,
+        (frames, inputs): (Vec<FrameRecord>, Vec<Checksum>),
     ) -> Result<Self, Failure> {
         Ok(Self {
             folder: folder.clone(),
@@ -77,6 +92,8 @@ where
             },
             outlines: <[[f64; D]; N]>::outlines(prepared),
             frames,
+            tables: Vec::new(),
+            inputs,
             unsynced: VecDeque::new(),
             collected: 0,
             holds: Some(folder.hold()?),
@@ -85,65 +102,69 @@ where
         })
     }
 
-    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must
-    /// exist.
+    /// Continues the records of a run from a checkpoint, whose results are intact. Later frames and rows are
+    /// removed.
     pub(crate) fn going_on(
         folder: &Folder,
         prepared: &Prepared<D, N>,
-        step: u64,
-        frames: Vec<(u64, f64)>,
-        length: u64,
+        manifest: &Manifest,
+        intact: &Intact,
     ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
-        let text = folder.read(HISTORY)?;
-        // The row of t = 0 is written after the first step. A run that continues from step 0 writes it again,
-        // so an existing one is removed.
-        let end = if step == 0 {
-            usize::try_from(length).map_or(text.len(), |length| length.min(text.len()))
-        } else {
-            kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?
-        };
+        let failed = |error| Failure::writing(&path, error);
+        let names = columns(&prepared.histories, &prepared.probes);
         let mut head = Vec::new();
-        HistoryWriter::new(&mut head, D, &columns(&prepared.histories, &prepared.probes))
-            .map_err(|error| Failure::writing(&path, error))?;
-        if !text.starts_with(&head) {
+        HistoryWriter::new(&mut head, D, &names).map_err(failed)?;
+        let is_same = Hashed::read(&path, head.len() as u64)
+            .map_err(|error| Failure::reading(&display_name(&path), &error))?
+            .checksum()
+            == Checksum::of(&head);
+        if !is_same {
             return Err(Failure::Unusable(format!(
                 "{}: its columns are not those of the [[history]] tables in {}: restore these tables",
                 display_name(&path),
                 display_name(&folder.path(MODEL))
             )));
         }
-        if (end as u64) < length {
-            return Err(Failure::Unusable(format!(
-                "{}: rows before step {step} are missing: {} of {length} bytes are left",
-                display_name(&path),
-                text.len()
-            )));
-        }
-        for number in 0..frames.len() {
-            for (_, file_of) in COLLECTIONS {
-                let name = file_of(number);
-                let path = folder.path(&name);
-                fs::metadata(&path).map_err(|error| Failure::reading(&display_name(&path), &error))?;
-            }
-            let name = packed_file(number);
-            <[[f64; D]; N]>::opened(&folder.read(&name)?).map_err(|error| {
-                Failure::Unusable(format!("{}: {error}", display_name(&folder.path(&name))))
-            })?;
-        }
         let history = OpenOptions::new()
             .append(true)
             .open(&path)
-            .and_then(|file| file.set_len(end as u64).map(|()| file))
-            .map_err(|error| Failure::writing(&path, error))?;
-        folder.remove_frames(frames.len())?;
-        let history = HistoryWriter::going_on(
-            BufWriter::new(history),
-            columns(&prepared.histories, &prepared.probes).len(),
-        );
-        let mut recorder = Self::with(folder, prepared, history, frames)?;
+            .and_then(|file| file.set_len(manifest.history.length).map(|()| file))
+            .map_err(failed)?;
+        folder.remove_frames(manifest.frames.len())?;
+        let history =
+            HistoryWriter::going_on(BufWriter::new(intact.history.clone().then(history)), names.len());
+        let files = (manifest.frames.clone(), manifest.inputs.clone());
+        let mut recorder = Self::with(folder, prepared, history, files)?;
         recorder.collect()?;
         Ok(recorder)
+    }
+
+    /// Writes damaged files of the last frame again. `snapshot` and `forces`: those of the checkpoint.
+    ///
+    /// # Errors
+    /// A file whose contents would be others than before: it shows a change between stages, or reactions of
+    /// the last step, which a checkpoint does not have.
+    pub(crate) fn repair(
+        &mut self,
+        damaged: &[String],
+        snapshot: &Snapshot<D, N>,
+        forces: &Forces<D>,
+    ) -> Result<(), Failure> {
+        let Some(record) = self.frames.last() else { return Ok(()) };
+        let number = self.frames.len() - 1;
+        let files = self.frame_files(number, snapshot, forces)?;
+        for ((name, bytes), checksum) in files.iter().zip(&record.files) {
+            if damaged.contains(name) {
+                if Checksum::of(bytes) != *checksum {
+                    let mut problems = Problems::default();
+                    problems.add(&self.folder.path(name), "its contents have changed");
+                    return Err(problems.failure(&self.folder));
+                }
+                self.folder.write(name, bytes)?;
+            }
+        }
+        Ok(())
     }
 
     /// Draws the frames from now on with the outlines of another mesh.
@@ -161,24 +182,41 @@ where
     /// put into the collections by [`Self::tidy`].
     pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
+        let files = self.frame_files(number, snapshot, forces)?;
+        let mut record = FrameRecord { step: snapshot.step, time: snapshot.time, files: Vec::new() };
+        for (name, bytes) in files {
+            self.folder.write_unsynced(&name, &bytes)?;
+            record.files.push(Checksum::of(&bytes));
+            self.unsynced.push_back(name);
+        }
+        self.frames.push(record);
+        Ok(())
+    }
+
+    /// The files of a frame with their names, in the order of [`files_of`].
+    fn frame_files(
+        &self,
+        number: usize,
+        snapshot: &Snapshot<D, N>,
+        forces: &Forces<D>,
+    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         // Writing to memory does not fail. An inconsistent snapshot would be a bug.
         let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
-        let write = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+        let written = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
             let mut bytes = Vec::new();
-            write(&mut bytes).map_err(|error| fault(&name, error))?;
-            self.folder.write_unsynced(&name, &bytes)
+            write(&mut bytes).map_err(|error| fault(&name, error)).map(|()| (name, bytes))
         };
-        write(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?;
-        write(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?;
-        write(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?;
-        write(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?;
-        let name = packed_file(number);
-        let frame = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)
-            .map_err(|error| fault(&name, error.into()))?;
-        self.folder.write_unsynced(&name, &frame)?;
-        self.frames.push((snapshot.step, snapshot.time));
-        self.unsynced.extend(files_of(number));
-        Ok(())
+        let packed = |out: &mut Vec<u8>| {
+            *out = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)?;
+            Ok(())
+        };
+        Ok(vec![
+            written(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?,
+            written(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?,
+            written(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?,
+            written(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?,
+            written(packed_file(number), &packed)?,
+        ])
     }
 
     /// Does a part of the remaining work for the frames that have been written: syncs a file, or puts all
@@ -204,7 +242,7 @@ where
         self.collected = self.frames.len();
         for (name, file_of) in COLLECTIONS {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
-            let entries = self.frames.iter().zip(&files).map(|(&(_, time), file)| (time, file.as_str()));
+            let entries = self.frames.iter().zip(&files).map(|(frame, file)| (frame.time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;
         }
         Ok(())
@@ -221,37 +259,32 @@ where
         self.holds = None;
     }
 
-    /// Writes a checkpoint. It has the frames and the history until now, which are on the disk before it.
-    pub(crate) fn save(&mut self, state: Unsaved<D, N>) -> Result<(), Failure> {
+    /// Writes a checkpoint with the checksums of all results until now, which are on the disk before it.
+    pub(crate) fn save(&mut self, state: &Checkpoint<D, N>) -> Result<(), Failure> {
         self.flush()?;
         self.tidy_up()?;
-        let Unsaved { model, intervals, entered, account, reached, begun, state } = state;
-        let history = self.length()?;
-        self.folder.save(&Checkpoint {
-            model,
+        let manifest = Manifest {
+            step: state.state.step(),
+            history: self.history.get_mut().get_ref().checksum(),
             frames: self.frames.clone(),
-            history,
-            intervals,
-            entered,
-            reached,
-            begun,
-            account,
-            state,
-        })
+            tables: self.tables.clone(),
+            inputs: self.inputs.clone(),
+        };
+        self.folder.save(&manifest, state)
     }
 
-    /// Length of the history on the disk, bytes.
-    fn length(&self) -> Result<u64, Failure> {
-        let path = self.folder.path(HISTORY);
-        fs::metadata(&path)
-            .map(|metadata| metadata.len())
-            .map_err(|error| Failure::reading(&display_name(&path), &error))
+    /// Writes a table of the run, which has ended.
+    pub(crate) fn table(&mut self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        self.folder.write(name, bytes)?;
+        self.tables.retain(|(other, _)| other != name);
+        self.tables.push((name.to_owned(), Checksum::of(bytes)));
+        Ok(())
     }
 
     /// Writes all rows so far to the disk.
     fn flush(&mut self) -> Result<(), Failure> {
         let out = self.history.get_mut();
-        let done = out.flush().and_then(|()| out.get_ref().sync_all());
+        let done = out.flush().and_then(|()| out.get_ref().get_ref().sync_all());
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
@@ -280,7 +313,7 @@ where
         fragments: &Fragments<D>,
         done: &Position,
     ) -> Result<(), Failure> {
-        self.folder.write(FRAGMENTS, fragments.csv(&self.names).as_bytes())?;
+        self.table(FRAGMENTS, fragments.csv(&self.names).as_bytes())?;
         let history = self.history()?;
         let mut drawn = plots(&history);
         // Beside the number of fragments, or before the user's columns.

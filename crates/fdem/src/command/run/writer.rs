@@ -14,7 +14,7 @@ use fdem_results::Row;
 use fdem_simulation::{Forces, Snapshot};
 
 use crate::command::failure::Failure;
-use crate::command::run::checkpoint::Unsaved;
+use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::recorder::Recorder;
 use crate::command::run::results::Results;
 use crate::command::threads;
@@ -42,7 +42,7 @@ where
     /// The frames that follow have another mesh, with these outlines.
     Outlines(<[[f64; D]; N] as Results<D, N>>::Outlines),
     Frame(Box<(Snapshot<D, N>, Forces<D>)>),
-    Checkpoint(Box<Unsaved<D, N>>),
+    Checkpoint(Box<Checkpoint<D, N>>),
 }
 
 /// The thread, and the queue to it.
@@ -170,7 +170,7 @@ where
             Then::Nothing => {}
             Then::Outlines(outlines) => recorder.outline(outlines),
             Then::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
-            Then::Checkpoint(state) => recorder.save(*state)?,
+            Then::Checkpoint(state) => recorder.save(&state)?,
         }
         undone.fetch_sub(1, Ordering::Relaxed);
     }

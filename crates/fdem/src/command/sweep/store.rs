@@ -7,15 +7,17 @@
 //! report.html    the page that compares the runs
 //! ```
 
-use std::fs::{self, File, TryLockError};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde_json::Value;
 
 use crate::command::aside;
 use crate::command::failure::{Failure, display_name};
-use crate::command::run::folder::{CHECKPOINT, HISTORY, REPORT, SUMMARY};
+use crate::command::folder_lock::FolderLock;
+use crate::command::run::folder::{CHECKPOINT, HISTORY, PATIENCE, REPORT, SUMMARY, has_results};
 
 /// Marks a folder as that of a sweep.
 const SWEEP: &str = "sweep.json";
@@ -45,8 +47,12 @@ pub(crate) struct Store {
     path: PathBuf,
     /// Digits of the names of runs.
     digits: usize,
-    lock: Option<File>,
+    /// `None` for a folder that is looked at only.
+    lock: Option<FolderLock>,
 }
+
+/// Whether the sweep in a folder is continued, and not replaced.
+struct Continues(bool);
 
 impl Store {
     /// The folder of a sweep with the given number of runs, to be looked at only.
@@ -61,51 +67,58 @@ impl Store {
     /// A folder that has something else, or another sweep.
     pub(crate) fn open(path: &Path, identity: &Value, runs: usize, force: bool) -> Result<Self, Failure> {
         let mut store = Self::unopened(path, runs);
-        let place = display_name(path);
-        let is_there = match fs::read_dir(path) {
-            Ok(mut entries) => entries.any(|entry| {
-                entry.is_ok_and(|entry| !entry.file_name().to_str().is_some_and(aside::is_aside))
-            }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => false,
-            Err(error) => return Err(Failure::writing(path, error)),
-        };
-        if is_there {
-            let earlier = fs::read(path.join(SWEEP)).ok();
-            let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
-                return Err(Failure::Unusable(format!(
-                    "{place} is not empty and has no sweep: choose another folder with --output"
-                )));
-            };
-            store.lock()?;
-            if earlier == *identity && !force {
-                return Ok(store);
-            }
-            if !force {
-                return Err(Failure::Unusable(format!(
-                    "{place} has another sweep: {}. Choose another folder with --output, or replace its runs with --force",
-                    difference(&earlier, identity)
-                )));
-            }
-            store.clear()?;
+        store.earlier(identity, force)?;
+        fs::create_dir_all(path).map_err(|error| Failure::writing(path, error))?;
+        store.lock = Some(FolderLock::exclusive(path, Duration::ZERO)?);
+        // Another sweep may have begun, and ended, before the lock.
+        match store.earlier(identity, force)? {
+            Some(Continues(true)) => return Ok(store),
+            Some(Continues(false)) => store.clear()?,
+            None => {}
         }
-        fs::create_dir_all(store.path.join(RUNS)).map_err(|error| Failure::writing(path, error))?;
         store.write(SWEEP, format!("{identity:#}\n").as_bytes())?;
-        store.lock()?;
+        let runs = store.path.join(RUNS);
+        fs::create_dir_all(&runs).map_err(|error| Failure::writing(&runs, error))?;
         Ok(store)
     }
 
-    fn lock(&mut self) -> Result<(), Failure> {
-        let Ok(file) = File::open(self.path.join(SWEEP)) else { return Ok(()) };
-        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-            let place = display_name(&self.path);
-            return Err(Failure::Unusable(format!("another fdem process is using {place}")));
+    /// Looks for an earlier sweep in the folder. Changes nothing.
+    ///
+    /// # Errors
+    /// A folder that has something else, or another sweep that is not to be replaced.
+    fn earlier(&self, identity: &Value, force: bool) -> Result<Option<Continues>, Failure> {
+        if !has_results(&self.path)? {
+            return Ok(None);
         }
-        self.lock = Some(file);
-        Ok(())
+        let place = display_name(&self.path);
+        let earlier = fs::read(self.path.join(SWEEP)).ok();
+        let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
+            return Err(Failure::Unusable(format!(
+                "{place} is not empty and has no sweep: choose another folder with --output"
+            )));
+        };
+        if earlier != *identity && !force {
+            return Err(Failure::Unusable(format!(
+                "{place} has another sweep: {}. Choose another folder with --output, or replace its runs with --force",
+                difference(&earlier, identity)
+            )));
+        }
+        Ok(Some(Continues(!force)))
     }
 
     /// Removes the results of an earlier sweep, and nothing else.
+    ///
+    /// # Errors
+    /// A run that still works: a sweep that is killed leaves its runs to themselves.
     fn clear(&self) -> Result<(), Failure> {
+        let runs = self.path.join(RUNS);
+        for entry in fs::read_dir(&runs).into_iter().flatten() {
+            let run = entry.map_err(|error| Failure::writing(&runs, error))?.path();
+            if run.is_dir() {
+                let _lock = FolderLock::exclusive(&run, PATIENCE)?;
+                fs::remove_dir_all(&run).map_err(|error| Failure::writing(&run, error))?;
+            }
+        }
         let remove = |name: &str, how: fn(PathBuf) -> io::Result<()>| {
             let path = self.path.join(name);
             match how(path.clone()) {
