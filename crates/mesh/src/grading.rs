@@ -7,6 +7,10 @@ pub(crate) const GROWTH: f64 = 0.3;
 /// [`Grading::elements`].
 const NEAR: f64 = 3.0;
 
+/// Width of a body over the smallest size of its elements: of the 16 digits of a coordinate, 4 are left for
+/// the shape of an element then.
+const FINEST: f64 = 1e12;
+
 /// The length of edges at each place: everywhere one size, and smaller near some places.
 ///
 /// Within its reach of a place the size is that of the place. Beyond, it grows by 0.3 times the distance
@@ -74,7 +78,11 @@ impl<const D: usize> Grading<D> {
 
 impl<const D: usize> Refinement<D> {
     /// About how many cubes, or squares, of the size fit where it holds, within bounds `[low, high]`.
+    /// Infinity for a size below 1e-12 of the width of the bounds: coordinates have too few digits for it.
     pub fn cubes(&self, [low, high]: [[f64; D]; 2]) -> f64 {
+        if (0..D).any(|axis| high[axis] - low[axis] > FINEST * self.size) {
+            return f64::INFINITY;
+        }
         let wide = 2.0 * (self.reach + NEAR * self.size);
         let within = |a: [f64; D], b: [f64; D]| -> f64 {
             let along = |axis: usize| {
@@ -151,7 +159,8 @@ pub(crate) fn stations(length: f64, size: &dyn Fn(f64) -> f64, round: &dyn Fn(f6
     let mut sums = vec![(0.0, 0.0)];
     let (mut at, mut sum) = (0.0, 0.0);
     while at < 1.0 {
-        let step = (STEP * size(at) / length).min(1.0 - at);
+        // However small the size is, the sum comes to its end.
+        let step = (STEP * size(at) / length).max(f64::EPSILON).min(1.0 - at);
         // Near the end no step may be lost in rounding.
         let next = if 1.0 - at - step < 0.01 * step { 1.0 } else { at + step };
         sum += (next - at) * length / size(0.5 * (at + next));
@@ -206,5 +215,16 @@ mod tests {
             assert!((ratio - 1.0).abs() < 0.1, "{ratio} at {}", pair[0]);
         }
         assert_eq!(stations(1.0, &|_| 5.0, &|_| 3).len(), 2);
+        // A size that rounding would lose near the end.
+        let lost = |t: f64| 1e-20 + 0.3 * (1.0 - t);
+        assert_eq!(stations(1.0, &lost, &|_| 2).len(), 1);
+    }
+
+    #[test]
+    fn a_size_without_digits_has_no_number_of_elements() {
+        let of = |size: f64| Refinement { place: Place::Point([0.0; 2]), size, reach: 0.0 };
+        let bounds = [[0.0; 2], [2.0, 1.0]];
+        assert_eq!(of(1e-13).cubes(bounds), f64::INFINITY);
+        assert!((of(1e-11).cubes(bounds) - 9.0).abs() < 1e-9);
     }
 }

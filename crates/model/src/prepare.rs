@@ -134,8 +134,9 @@ pub fn prepare_any(
         .map_err(|faults| ModelErrors::new(name, &sources.text, faults).with_included(sources.included()))
 }
 
-/// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
-const SOON_MESHED: f64 = 1e5;
+/// Triangles, and tetrahedra, up to which bodies are meshed although there are faults, to find those of the
+/// meshes too.
+const SOON_MESHED: [f64; 2] = [1e5, 3e3];
 
 fn prepare_or_faults(
     sources: &Sources<'_>,
@@ -246,7 +247,7 @@ impl Checked<'_> {
         // takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
         for (wrong, body) in wrong.iter_mut().zip(&file.body) {
-            *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+            *wrong |= !faults.is_empty() && elements > SOON_MESHED[D - 2] && body.mesh.is_none();
         }
         let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
         let mut found = Vec::new();

@@ -319,7 +319,7 @@ fn of_two_runs_started_at_once_one_has_the_folder() {
     }
 }
 
-/// A damaged result is named before the run goes on, and nothing is changed.
+/// A damaged result is named before the run continues, and nothing is changed.
 #[test]
 fn damaged_results_of_a_run_are_found_before_it_goes_on() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
@@ -371,7 +371,7 @@ fn damaged_results_of_the_checkpoint_are_made_again() {
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
     let last = (0..).take_while(|number| bench.path(&format!("run/frames/{number:05}.vtu")).exists()).last();
     let frame = format!("run/frames/{:05}", last.unwrap());
-    let files = [format!("{frame}.frame"), format!("{frame}_contacts.vtp"), "run/fragments.csv".to_owned()];
+    let files = [format!("{frame}.frame"), format!("{frame}_cracks.vtp"), "run/fragments.csv".to_owned()];
     let whole = files.each_ref().map(|name| fs::read(bench.path(name)).unwrap());
     for (name, bytes) in files.iter().zip(&whole) {
         bench.write(name, &bytes[..bytes.len() / 2]);

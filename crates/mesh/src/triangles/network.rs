@@ -17,6 +17,10 @@ use crate::grading::Grading;
 /// Distance over mesh size up to which points and lines are snapped to each other.
 pub const SNAP: f64 = 0.35;
 
+/// Distance of an end of a line from the domain, over the width of the domain, from which only the part of
+/// the line that is near counts: with its end the line would have too few digits.
+const FAR: f64 = 1e6;
+
 /// Rounds of cutting and snapping.
 const ROUNDS: usize = 50;
 
@@ -78,8 +82,11 @@ pub fn add_lines(
     for &ends in &std::mem::take(&mut domain.lines) {
         network.add(ends, GIVEN);
     }
+    let around = domain.bounds();
     for (number, &ends) in (0..).zip(lines) {
-        network.add(ends, number);
+        if let Some(ends) = near(ends, around) {
+            network.add(ends, number);
+        }
     }
     network.leave_outside();
     for round in 0.. {
@@ -372,6 +379,34 @@ impl<'a> Network<'a> {
         domain.lines = self.parts.iter().map(|part| self.at(part.ends)).collect();
         self.parts.iter().map(|part| (part.line != GIVEN).then_some(part.line as usize)).collect()
     }
+}
+
+/// A line, or its part near bounds if an end is far from them; `None` if no part of that is near.
+fn near([a, b]: [Point; 2], [low, high]: [Point; 2]) -> Option<[Point; 2]> {
+    let width = distance(low, high);
+    let is_far =
+        |end: Point| (0..2).any(|axis| (end[axis] - low[axis]).max(high[axis] - end[axis]) > FAR * width);
+    if !is_far(a) && !is_far(b) {
+        return Some([a, b]);
+    }
+    let mut ends = [a, b];
+    for (axis, other) in [(0, 1), (1, 0)] {
+        for (bound, side) in [(low[axis] - width, 1.0), (high[axis] + width, -1.0)] {
+            let out = ends.map(|end| side * (end[axis] - bound) < 0.0);
+            let (outer, inner) = match out {
+                [true, true] => return None,
+                [true, false] => (0, 1),
+                [false, true] => (1, 0),
+                [false, false] => continue,
+            };
+            // By the slope, because a place from 0 to 1 along a long line has too few digits.
+            let [from, to] = [ends[inner], ends[outer]];
+            let slope = (to[other] - from[other]) / (to[axis] - from[axis]);
+            ends[outer][axis] = bound;
+            ends[outer][other] = from[other] + slope * (bound - from[axis]);
+        }
+    }
+    Some(ends)
 }
 
 /// The place along a line that is nearest to a point, 0 to 1, and the point there.

@@ -56,6 +56,10 @@ const SHORT: f64 = 0.5;
 /// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
 const MOST: f64 = 9e15;
 
+/// Time step over the critical one from which a run is refused. With a shorter one that is not stable either, a
+/// run stops soon and says where.
+const LONGEST: f64 = 1000.0;
+
 /// The largest stable time step, and the part that sets it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Critical {
@@ -239,13 +243,22 @@ where
 /// The time step of a run, s, and the number of steps until its end time.
 ///
 /// # Errors
-/// Says that there are more steps than can be counted.
+/// Says that there are more steps than can be counted, or that the time step is so long that the first steps
+/// would spread the bodies beyond the memory.
 pub fn steps<const D: usize, const N: usize>(
     prepared: &Prepared<D, N>,
     critical: f64,
 ) -> Result<(f64, u64), String> {
     let time = &prepared.model.time;
     let step = time.step.unwrap_or(critical * time.safety);
+    if step > LONGEST * critical {
+        return Err(format!(
+            "its time step of {} s is {} times the critical one, {} s: no run is stable with it. Take time_step out, or make it shorter",
+            brief(step),
+            brief(step / critical),
+            brief(critical)
+        ));
+    }
     let steps = (prepared.end_time / step).ceil();
     if !(1.0..=MOST).contains(&steps) {
         return Err(format!(

@@ -461,16 +461,34 @@ fn volume(body: &Body) -> Option<f64> {
         ball_volume(of.radius)
     } else if let Some(of) = &body.extrusion {
         outline_area(&of.outline)? * (of.to - of.from)
+    } else if let Some(of) = &body.polyhedron {
+        hull_volume(&of.points)?
     } else if let Some(packing) = &body.packing {
         volume_of_packing(body, packing)?
     } else {
         let of = &body.voronoi.as_ref()?.outline;
-        match (&of.block, &of.cylinder) {
-            (Some(of), _) => of_block(of),
-            (_, Some(of)) => of_cylinder(of),
-            _ => ball_volume(of.sphere.as_ref()?.radius),
+        match (&of.block, &of.cylinder, &of.sphere) {
+            (Some(of), ..) => of_block(of),
+            (_, Some(of), _) => of_cylinder(of),
+            (.., Some(of)) => ball_volume(of.radius),
+            _ => hull_volume(&of.polyhedron.as_ref()?.points)?,
         }
     })
+}
+
+/// Volume of the convex polyhedron around points; `None` if there is none.
+fn hull_volume(points: &[[f64; 3]]) -> Option<f64> {
+    let hull = shapes::hull(points).ok()?;
+    let origin = *hull.nodes.first()?;
+    let of = |facet: &[u32; 3]| {
+        let [a, b, c] = facet.map(|node| {
+            let node = hull.nodes[node as usize];
+            [0, 1, 2].map(|axis| node[axis] - origin[axis])
+        });
+        let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+        (a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)) / 6.0
+    };
+    Some(hull.facets.iter().map(of).sum::<f64>().abs())
 }
 
 /// Volume of the bodies of a packing at random places.

@@ -259,7 +259,9 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
     let rows = [((least[1] - across) / spacing).floor(), ((most[1] + across) / spacing).ceil()];
     let period = length.map(|length| length / persistence);
     let places = period.map_or(1.0, |period| (most[0] - least[0] + 2.0 * reach) / period + 2.0);
-    if (rows[1] - rows[0] + 1.0) * places > MOST {
+    let all = (rows[1] - rows[0] + 1.0) * places;
+    // An origin or a length beyond the range of numbers gives a number that is none.
+    if all.is_nan() || all > MOST {
         return None;
     }
     let mut lines = Vec::new();
@@ -286,7 +288,7 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
                     add((place as f64 + phase) * period, half, &mut random);
                 }
             }
-            _ => add(0.0, reach + spacing, &mut random),
+            _ => add(0.0, reach + spacing.min(reach), &mut random),
         }
     }
     Some(lines)

@@ -227,7 +227,9 @@ fn statistical(set: &JointSet, dip: f64, spacing: f64, [low, high]: [Point; 2]) 
             .map(|axis| [((least[axis] - reach) / cell).floor() - 1.0, ((most[axis] + reach) / cell).ceil()])
     });
     let places: f64 = steps.iter().map(|[first, last]| last - first + 1.0).product();
-    if (rows[1] - rows[0] + 1.0) * places > MOST {
+    let all = (rows[1] - rows[0] + 1.0) * places;
+    // An origin or a length beyond the range of numbers gives a number that is none.
+    if all.is_nan() || all > MOST {
         return None;
     }
     let half = 1.5 * (0..3).map(|axis| (high[axis] - low[axis]).powi(2)).sum::<f64>().sqrt();

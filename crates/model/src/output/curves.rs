@@ -66,6 +66,7 @@ impl Columns<'_> {
             let names: Vec<String> =
                 self.own.iter().chain(self.every).map(|name| without_unit(name)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let names = of_first_words(name, &names);
             let help = if names.is_empty() {
                 "the model has no [[history]] with columns of its own".to_owned()
             } else {
@@ -79,6 +80,14 @@ impl Columns<'_> {
         }
         place.map(|place| (all[place].to_owned(), place))
     }
+}
+
+/// The names that begin with the same words as `name`, as many as possible: a column begins with the name of
+/// its history. All names if none does.
+fn of_first_words<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
+    let starts = name.rmatch_indices(' ').map(|(at, _)| &name[..=at]);
+    let of = |start: &str| names.iter().copied().filter(|other| other.starts_with(start)).collect::<Vec<_>>();
+    starts.map(of).find(|some| !some.is_empty()).unwrap_or_else(|| names.to_vec())
 }
 
 /// The curves, with the full names of their columns. `own`: the columns of all histories.

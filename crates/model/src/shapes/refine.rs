@@ -118,11 +118,10 @@ pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Re
                 ..Problem::new(
                     format!("refine.{}.size", number - 1),
                     format!(
-                        "[[body]] \"{}\": place {number} to refine: a size of {} m gives about {} elements; the most are {}",
+                        "[[body]] \"{}\": place {number} to refine: a size of {} m {}",
                         body.name,
                         brief(of.size),
-                        brief(elements),
-                        grouped(MOST as u64)
+                        gives(elements)
                     ),
                 )
             });
@@ -130,6 +129,15 @@ pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Re
         all += elements;
     }
     Ok(all)
+}
+
+/// The reason why a size is refused that gives too many elements, or more than can be counted.
+fn gives(elements: f64) -> String {
+    if elements.is_finite() {
+        format!("gives about {} elements; the most are {}", brief(elements), grouped(MOST as u64))
+    } else {
+        "is too small for this body".to_owned()
+    }
 }
 
 /// The smallest size of the places to refine as a problem, if a body has too many elements because of it and
@@ -141,12 +149,7 @@ pub(crate) fn blamed(body: &Body, even: Option<f64>, elements: Option<f64>) -> O
     if even.is_some_and(|even| even > 0.5 * MOST) {
         return None;
     }
-    let what = match elements {
-        Some(elements) if elements.is_finite() => {
-            format!("gives about {} elements; the most are {}", brief(elements), grouped(MOST as u64))
-        }
-        _ => "is too small for this body".to_owned(),
-    };
+    let what = gives(elements.unwrap_or(f64::INFINITY));
     Some(Problem {
         help: Some("take a larger size there".to_owned()),
         ..Problem::new(

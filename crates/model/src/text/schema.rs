@@ -213,7 +213,7 @@ impl<'s> Checker<'s> {
                 let message = format!("\"{key}\" is {}, not {}", kind(found), self.expected(schema));
                 let fault =
                     Fault::at(value.span(), message).label(format!("expected {}", self.expected(schema)));
-                self.faults.push(fault.maybe_help(hint(found, schema)));
+                self.faults.push(fault.maybe_help(hint(found, schema, key)));
             }
         }
     }
@@ -311,7 +311,7 @@ impl<'s> Checker<'s> {
             return;
         }
         let message = format!("\"{key}\" is {}, not {expected}", kind(value.get_ref()));
-        let hint = branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch)));
+        let hint = branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch), key));
         self.faults
             .push(Fault::at(value.span(), message).label(format!("expected {expected}")).maybe_help(hint));
     }
@@ -459,7 +459,7 @@ fn json_kind(value: &DeValue<'_>) -> &'static str {
 }
 
 /// Advice on the usual mistakes.
-fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
+fn hint(found: &DeValue<'_>, schema: &Value, key: &str) -> Option<String> {
     let wants = |kind: &str| types(schema).contains(&kind);
     match found {
         DeValue::Table(_) if wants("array") && schema.get("maxItems").is_none() => {
@@ -470,6 +470,9 @@ fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
         }
         DeValue::Array(_) if wants("object") => {
             Some("this table comes once: [name], with one bracket".to_owned())
+        }
+        DeValue::String(file) if key == "table" => {
+            Some(format!("a CSV file of times and factors beside the model is table_file = \"{file}\""))
         }
         DeValue::Float(_) if wants("integer") => Some("without a decimal point".to_owned()),
         _ => None,

@@ -137,7 +137,21 @@ fn place(text: &str, span: &Range<usize>, expression: &str, at: &Range<usize>) -
 
 fn fault(text: &str, span: &Range<usize>, expression: &str, wrong: Wrong) -> Fault {
     let message = format!("\"{expression}\" has no value: {}", wrong.message);
-    Fault::at(place(text, span, expression, &wrong.at), message).label("here").maybe_help(wrong.help)
+    let help = wrong.help.or_else(|| has_time(expression).then(|| TONNE.to_owned()));
+    Fault::at(place(text, span, expression, &wrong.at), message).label("here").maybe_help(help)
+}
+
+/// Help for an expression that takes the time for a variable.
+const TONNE: &str = "t is the tonne here, and no value depends on the time; a load over time is its largest value with a table, or with expression = \"exp(-t/1e-3)\", t in seconds";
+
+/// Whether an expression has a unit `t` where a variable would be: after a sign, a parenthesis or nothing.
+fn has_time(expression: &str) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    expression.match_indices('t').any(|(at, _)| {
+        let before = expression[..at].trim_end();
+        let is_alone = !expression[..at].ends_with(is_word) && !expression[at + 1..].starts_with(is_word);
+        is_alone && (before.is_empty() || before.ends_with(['+', '-', '*', '/', '^', '(', ',']))
+    })
 }
 
 /// The text of a parameter.

@@ -105,3 +105,24 @@ fn what_is_wrong_with_a_set_is_told() {
     let prepared = right(&with("lines = [[50, 50, 60, 60]]\n"));
     assert!(prepared.warnings.iter().any(|warning| warning.contains("\"bedding\" has no joint")));
 }
+
+/// Lines with ends far away are cut near the body. They had no end where their places were beyond the whole
+/// numbers.
+#[test]
+fn joints_whose_ends_are_far_away_are_those_in_the_body() {
+    let of = |more: &str| length(&edges(&right(&with(more)), 0));
+    let through = "lines = [[-3, 0.25, 4, 0.25]]\n";
+    assert!((of(through) - 1.0).abs() < 1e-9);
+    for far in ["[-1e20, 0.25, 1e20, 0.25]", "[-1, 0.25, 1e29, 0.25]", "[-1e12, 0.25, 1e12, 0.25]"] {
+        assert!((of(&format!("lines = [{far}]\n")) - 1.0).abs() < 1e-9, "{far}");
+    }
+    let one = of("dip = 0\nspacing = 50\norigin = [0, 0.25]\n");
+    assert!((one - 1.0).abs() < 1e-9, "{one}");
+    for spacing in ["1e9", "1e20", "1e29"] {
+        let found = of(&format!("dip = 0\nspacing = {spacing}\norigin = [0, 0.25]\n"));
+        assert!((found - one).abs() < 1e-9, "{spacing}: {found}");
+    }
+    // Beyond the body, and parallel to one of its sides.
+    let beside = right(&with("lines = [[-1e20, 7, 1e20, 7], [-1, 0.25, 2, 0.25]]\n"));
+    assert!((length(&edges(&beside, 0)) - 1.0).abs() < 1e-9);
+}

@@ -1,6 +1,8 @@
 //! Models that would take more memory or time than there is: refused before anything is cut, in few words.
 
-use fdem_model::{Drawing, prepare_within};
+use std::time::{Duration, Instant};
+
+use fdem_model::{Drawing, Preflight, prepare_within};
 
 use crate::{SMALL, read, right};
 
@@ -118,4 +120,36 @@ fn meshes_that_need_more_memory_than_there_is_are_refused() {
     let errors = prepare_within(&text, "m", &mut load, Some(5e8)).unwrap_err();
     assert!(errors.to_string().contains("of memory, and 500 MB are free"), "{errors}");
     assert!(prepare_within(SMALL, "m", &mut load, Some(5e8)).is_ok());
+}
+
+/// A time step far above the critical one is refused before a step is taken: its first step would spread the
+/// bodies, and the search for contacts, over the whole memory.
+#[test]
+fn a_time_step_without_sense_is_refused() {
+    let of = |step: &str| {
+        let text = SMALL.replacen("[model]\n", &format!("[model]\ntime_step = {step}\n"), 1);
+        Preflight::of(&right(&text)).map(|preflight| preflight.warnings)
+    };
+    let refused = of("1e9").unwrap_err();
+    assert!(refused.contains("its time step of 1e9 s") && refused.contains("the critical one"), "{refused}");
+    // A run with one that is not stable stops, and says where.
+    let warned = of("1e-4").unwrap();
+    assert!(warned.iter().any(|warning| warning.contains("above the critical one")), "{warned:?}");
+}
+
+/// Values are refused before a body is meshed that takes long.
+#[test]
+fn wrong_values_are_told_before_large_bodies_are_meshed() {
+    let corners = "[[0, 0, 0], [0.04, 0, 0], [0, 0.04, 0], [0, 0, 1]]";
+    let shape = format!(
+        "voronoi = {{ outline = {{ polyhedron = {{ points = {corners} }} }}, grains = 20, materials = [\"rock\"] }}\nmesh_size = 0.004"
+    );
+    let text = format!(
+        "[model]\nend_time = 1e-4\n[[body]]\nname = \"ball\"\nmaterial = \"rock\"\n{shape}\n[[material]]\nname = \"rock\"\ndensity = 2600\nyoungs_modulus = 50e9\npoissons_ratio = 0.25\nfriction = -1\n"
+    );
+    let start = Instant::now();
+    refused(&text, "\"friction\" is -1");
+    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    // The estimate of its elements is also that of a polyhedron that is too large.
+    refused(&text.replace("mesh_size = 0.004", "mesh_size = 1e-5"), "a mesh size of 1e-5 m gives about");
 }

@@ -146,6 +146,12 @@ fn curves_are_of_columns_that_there_are() {
             "\"axal strain\"",
             ["no column", "did you mean \"axial strain\"?"],
         ),
+        // The columns of the history that is named first.
+        (
+            "x = \"time\"\ny = \"push displacement\"",
+            "\"push displacement\"",
+            ["no column", "there is push fx, push fy"],
+        ),
         ("x = \"time\"\ny = \"axial strain\"\narea = 2", "area", ["divides a column in [N]", "axial strain"]),
         ("x = \"time\"\ny = \"push fy\"\nlength = 2", "length", ["divides a column in [m]", "time"]),
     ] {

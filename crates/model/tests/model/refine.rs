@@ -146,6 +146,10 @@ fn a_place_that_cannot_be_is_an_error_at_its_key() {
             "[{ point = [0, 0], size = 0.01 }, { point = [0, 0], size = 1e-9 }]",
             "place 2 to refine: a size of 1e-9 m is too small for this body",
         ),
+        // Sizes that rounding loses, which had no end.
+        (rectangle, "[{ point = [0, 0], size = 1e-300 }]", "a size of 1e-300 m is too small for this body"),
+        (rectangle, "[{ point = [1, 0.5], size = 1e-20 }]", "a size of 1e-20 m is too small for this body"),
+        (block, "[{ point = [0, 0, 0], size = 1e-20 }]", "a size of 1e-20 m is too small for this body"),
     ] {
         let error = any(shape, refine).err().unwrap_or_else(|| panic!("{refine} is allowed"));
         assert!(error.starts_with("m.toml:8: ") && error.contains(message), "{refine}: {error}");

@@ -289,3 +289,40 @@ fn no_text_makes_the_reader_panic() {
         }
     }
 }
+
+/// A pressure over time cannot be written as a value: `t` is the tonne there.
+#[test]
+fn a_value_that_depends_on_the_time_is_told_how_to_be_written() {
+    let load =
+        |value: &str| PLAIN.replace("velocity = [\"free\", -0.05]\n", &format!("pressure = {value}\n"));
+    let told = |text: &str| read(text).map(|prepared| prepared.hash).unwrap_err().to_string();
+    let help = "t is the tonne here";
+    let wrong = told(&load("\"10*exp(-t/1ms) MPa\""));
+    assert!(
+        wrong.contains("has no value") && wrong.contains(help) && wrong.contains("expression = "),
+        "{wrong}"
+    );
+    assert!(told(&load("\"exp(- t)\"")).contains(help));
+    for other in ["\"exp(5 t)\"", "\"exp(2 ft)\"", "\"exp(1 s)\""] {
+        let wrong = told(&load(other));
+        assert!(wrong.contains("has no value") && !wrong.contains(help), "{wrong}");
+    }
+}
+
+/// A file in place of a table is written under another key.
+#[test]
+fn a_file_of_a_table_is_told_its_key() {
+    let table = "table = [[0, 0], [0.0005, 1]]";
+    let text = PLAIN.replace(table, "table = \"p.csv\"");
+    let told = read(&text).map(|prepared| prepared.hash).unwrap_err().to_string();
+    assert!(told.contains("\"table\" is text") && told.contains("is table_file = \"p.csv\""), "{told}");
+    let text = PLAIN.replace(table, "table_file = \"p.csv\"");
+    let mut file = |name: &str| {
+        assert_eq!(name, "p.csv");
+        Ok(b"time,value\n0,0\n0.0005,1\n".to_vec())
+    };
+    let prepared =
+        prepare_any(&text, "m.toml", &mut file, None).map_err(|errors| errors.to_string()).unwrap();
+    let AnyPrepared::Plane(prepared) = prepared else { panic!("of triangles") };
+    assert_eq!(prepared.model.boundaries[0].schedule, right(PLAIN).model.boundaries[0].schedule);
+}

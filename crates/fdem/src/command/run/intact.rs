@@ -105,7 +105,7 @@ impl Problems {
             "start again with `fdem run --force`".to_owned()
         } else {
             format!(
-                "go on from the last checkpoint in a new folder with `fdem run {model} --from {place} --output NEW`, or start again with `fdem run --force`"
+                "continue from the last checkpoint in a new folder with `fdem run {model} --from {place} --output NEW`, or start again with `fdem run --force`"
             )
         };
         Failure::Unusable(format!(
