@@ -1,7 +1,10 @@
 """Arguments that are taken as they are, that are converted, and that are refused; and the messages."""
 
 import gc
+import os
+import pathlib
 import re
+import sys
 import tracemalloc
 
 import numpy as np
@@ -9,6 +12,7 @@ import pytest
 from conftest import couples, gas
 
 import fdem
+from fdem._files import write_whole
 
 POSITIONS = gas(2000, 8, 3)[0]
 EXPECTED = couples(fdem.contacts(POSITIONS, cutoff=1.0))
@@ -194,3 +198,21 @@ def test_boxes_of_trees_that_cannot_be(boxsize):
 def test_a_box_is_no_number(box):
     with pytest.raises(TypeError, match="not one number"):
         fdem.contacts(np.zeros((3, 3)), radii=1, box=box, periodic=True)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_files_are_written_whole(tmp_path):
+    """The old file stays until the new one is complete; links and devices stay what they are."""
+    file, link = tmp_path / "file", tmp_path / "link"
+    write_whole(file, b"old")
+    with pytest.raises(TypeError):
+        write_whole(file, None)
+    assert file.read_bytes() == b"old"
+    link.symlink_to("file")
+    write_whole(link, b"new")
+    assert link.is_symlink() and file.read_bytes() == b"new"
+    write_whole(pathlib.Path(os.devnull), b"new")
+    assert not pathlib.Path(os.devnull).is_file()
+    with pytest.raises(FileNotFoundError, match="no such folder"):
+        write_whole(tmp_path / "absent" / "file", b"")
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["file", "link"]

@@ -56,8 +56,8 @@ const SHORT: f64 = 0.5;
 /// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
 const MOST: f64 = 9e15;
 
-/// Time step over the critical one from which a run is refused. With a shorter one that is not stable either, a
-/// run stops soon and says where.
+/// Time step over the critical one from which a run is refused. With a shorter one that is not stable either,
+/// a run stops soon and says where.
 const LONGEST: f64 = 1000.0;
 
 /// The largest stable time step, and the part that sets it.

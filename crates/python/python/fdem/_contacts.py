@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import base64
-import errno
 import os
 import pathlib
-import tempfile
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -15,6 +13,7 @@ import numpy.typing as npt
 from . import _fdem
 from ._analysis import Analysis, analysed
 from ._box import Box
+from ._files import write_whole
 from ._input import AXES, Engine, Floats, threads_of, whole
 from ._neighbors import NeighborList
 from ._verify import verify_periodic
@@ -419,7 +418,7 @@ class Contacts:
         0,1,1.0,0.0
         """
         target = pathlib.Path(path)
-        _write_whole(target, _fdem.file(self._elements, self._pairs, self._shifts, os.fspath(target)))
+        write_whole(target, _fdem.file(self._elements, self._pairs, self._shifts, os.fspath(target)))
 
     def _column(self, name: str) -> Floats:
         if name not in ("distance", "overlap"):
@@ -557,7 +556,7 @@ class Contacts:
         if form not in forms:
             raise ValueError(f"{target}: end the name in {' or '.join('.' + each for each in forms)}")
         wide = None if width is None else whole(width, "width", 1)
-        _write_whole(target, self._drawn(what, form, title, wide))
+        write_whole(target, self._drawn(what, form, title, wide))
 
     def _drawn(self, what: str, form: str, title: str, width: Optional[int]) -> bytes:
         return _fdem.draw(self._elements, self._pairs, self._shifts, what, form, title, width)
@@ -608,25 +607,6 @@ _MOST_SHOWN = 50_000
 
 _SHOWN_WIDTH = 900
 """Pixels that the picture in a notebook is wide."""
-
-
-def _write_whole(target: pathlib.Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    if not target.parent.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(target.parent))
-    # Aside first: a full disk leaves the old file as it was.
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=target.name, delete=False) as aside:
-        try:
-            aside.write(content)
-            aside.close()
-            # With the rights of any file that is created, and not those of its owner alone.
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(aside.name, 0o666 & ~mask)
-            os.replace(aside.name, target)
-        except BaseException:
-            os.unlink(aside.name)
-            raise
 
 
 def optional(module: str, package: str) -> Any:

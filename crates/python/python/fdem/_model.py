@@ -17,6 +17,7 @@ import pathlib
 from typing import Any, Union
 
 from . import _fdem
+from ._files import write_whole
 
 _Path = Union[str, "os.PathLike[str]"]
 
@@ -75,7 +76,7 @@ class Model:
 
     def write(self, path: _Path) -> None:
         """Writes the model file, for ``fdem run``. Files that the model names are not copied."""
-        pathlib.Path(path).write_text(self.to_toml(), encoding="utf-8")
+        write_whole(pathlib.Path(path), self.to_toml().encode())
 
     @property
     def title(self) -> str:

@@ -6,6 +6,8 @@ import os
 import pathlib
 from typing import Union
 
+from ._files import write_whole
+
 
 class Picture:
     """A picture as the bytes of a PNG file. Jupyter shows it."""
@@ -20,7 +22,7 @@ class Picture:
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
         """Writes the PNG file."""
-        pathlib.Path(path).write_bytes(self._png)
+        write_whole(pathlib.Path(path), self._png)
 
     def _repr_png_(self) -> bytes:
         return self._png

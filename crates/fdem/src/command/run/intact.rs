@@ -95,11 +95,12 @@ impl Problems {
 
     /// The failure of the run in a folder.
     pub(crate) fn failure(&self, folder: &Folder) -> Failure {
-        let more = self.files.len().saturating_sub(NAMED);
-        let mut lines = self.files[..self.files.len() - more].join("\n");
-        if more > 0 {
-            lines.push_str(&format!("\nand {} more files", grouped(more as u64)));
+        let (named, more) = self.files.split_at(self.files.len().min(NAMED));
+        let mut lines = named.to_vec();
+        if !more.is_empty() {
+            lines.push(format!("and {} more files", grouped(more.len() as u64)));
         }
+        let lines = lines.join("\n");
         let (place, model) = (display_name(&folder.path("")), display_name(&folder.path(MODEL)));
         let otherwise = if self.has_inputs {
             "start again with `fdem run --force`".to_owned()
