@@ -84,7 +84,7 @@ pub use error::ReadError;
 pub use kind::FileKind;
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem};
-pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshSource};
+pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshGroup, MeshSource};
 pub use mesh::format::MeshFormat;
 pub use mesh::read_mesh;
 pub use npy::NpyRows;

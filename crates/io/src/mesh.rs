@@ -5,11 +5,15 @@
 pub(crate) mod cursor;
 pub(crate) mod error;
 mod build;
+mod cut;
 pub(crate) mod file;
 pub(crate) mod format;
 mod recognise;
+mod shape;
 
 mod abaqus;
+mod abaqus_sets;
+mod abaqus_types;
 mod gmsh;
 mod obj;
 mod ply;

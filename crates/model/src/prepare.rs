@@ -260,6 +260,9 @@ impl Checked<'_> {
         } else {
             Vec::new()
         };
+        if missing.is_empty() {
+            sets::check_groups(file, document, &placed, &mut found);
+        }
         let bonds = if missing.is_empty() {
             Bonds::find(file, document, &placed, &mut found)
         } else {
@@ -325,6 +328,7 @@ impl Checked<'_> {
             title: file.model.title.clone(),
             end_time: file.model.end_time,
             groups: groups_of(&placed),
+            about_files: about_files(&placed),
             grains: grains_of(&placed),
             joint_sets,
             from_library,
@@ -497,6 +501,10 @@ where
         }
     }
     groups
+}
+
+fn about_files<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<String> {
+    placed.iter().flat_map(|body| body.piece.about_file.iter().cloned()).collect()
 }
 
 /// SHA-256 of the model as JSON. JSON numbers are written so that they are read back exactly.

@@ -112,6 +112,24 @@ fn read_mesh<'py>(py: Python<'py>, bytes: &[u8], name: &str) -> PyResult<Bound<'
     let names: Vec<_> = mesh.bodies.iter().map(|body| (body.number, body.name.clone())).collect();
     found.set_item("bodies", names)?;
     found.set_item("format", mesh.source.format.to_string())?;
+    found.set_item("notes", mesh.source.notes())?;
+    let groups = PyDict::new(py);
+    for group in mesh.groups {
+        let of = PyDict::new(py);
+        for (kind, members) in [
+            ("nodes", group.nodes),
+            ("segments", group.segments),
+            ("triangles", group.triangles),
+            ("tetrahedra", group.tetrahedra),
+        ] {
+            of.set_item(kind, members.into_pyarray(py))?;
+        }
+        of.set_item("edges", rows(py, group.edges)?)?;
+        of.set_item("faces", rows(py, group.faces)?)?;
+        let name = group.name.or_else(|| group.number.map(|number| number.to_string()));
+        groups.set_item(name, of)?;
+    }
+    found.set_item("groups", groups)?;
     if mesh.dimensions == 2 {
         let points: Vec<[f64; 2]> = mesh.points.iter().map(|&[x, y, _]| [x, y]).collect();
         found.set_item("nodes", rows(py, points)?)?;

@@ -1,28 +1,46 @@
 //! Abaqus input: nodes, elements, element sets, parts and instances.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::excerpt;
-use crate::mesh::build::{Draft, Lookup, Numbering, Raw, Shape, check_finite};
+use crate::mesh::abaqus_sets::{Member, Placement, SetKind, Sets, member, members};
+use crate::mesh::abaqus_types::{AbaqusType, element_type};
+use crate::mesh::build::{Draft, Lookup, Numbering, Raw, check_finite, corners as corners_of};
 use crate::mesh::cursor::{Cursor, float, integer, name};
-use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
+use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Keywords that create or move nodes and elements in ways that are not supported.
-const REFUSED: [&str; 11] = [
-    "NGEN",
+const REFUSED: [&str; 9] = [
     "NFILL",
     "NCOPY",
     "NMAP",
     "ELGEN",
     "ELCOPY",
-    "INCLUDE",
     "SYSTEM",
     "IMPORT",
     "PARAMETER",
     "SYMMETRIC MODEL GENERATION",
 ];
+
+/// Keywords without data for a mesh that need no mention.
+const SILENT: [&str; 10] = [
+    "HEADING",
+    "PREPRINT",
+    "ASSEMBLY",
+    "END ASSEMBLY",
+    "END STEP",
+    "RESTART",
+    "OUTPUT",
+    "NODE OUTPUT",
+    "ELEMENT OUTPUT",
+    "INCLUDE",
+];
+
+/// Most nodes that `*NGEN` makes, because a short line may ask for any number.
+const GENERATED: usize = 1 << 20;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut reader = AbaqusReader::default();
@@ -85,10 +103,32 @@ impl Keyword {
 /// The meaning of the following data lines.
 enum Block {
     Other,
-    Nodes,
-    Elements { shape: Shape, set: Option<u32>, pending: Option<Pending> },
-    Set { set: u32, generate: bool },
-    Instance { lines: u32 },
+    Nodes {
+        set: Option<u32>,
+    },
+    /// Nodes between others, whose indices are known by their numbers.
+    Between {
+        set: Option<u32>,
+        known: BTreeMap<i64, usize>,
+    },
+    Elements {
+        kind: AbaqusType,
+        set: Option<u32>,
+        pending: Option<Pending>,
+    },
+    Set {
+        set: u32,
+        kind: SetKind,
+        generate: bool,
+        instance: Option<String>,
+    },
+    Surface {
+        set: u32,
+        of_nodes: bool,
+    },
+    Instance {
+        lines: u32,
+    },
 }
 
 impl Block {
@@ -107,7 +147,8 @@ impl Block {
 struct Pending {
     number: u64,
     place: Place,
-    nodes: [i64; 4],
+    /// The corners; further nodes are counted.
+    nodes: [i64; 8],
     found: usize,
 }
 
@@ -122,15 +163,8 @@ struct AbaqusPart {
     elements: Vec<Raw>,
     /// For each element, the set named by `*ELEMENT`.
     named: Vec<Option<u32>>,
-    /// The number of an element or the name of a set, and the set that `*ELSET` adds it to.
-    members: Vec<(Member, u32, Place)>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Member {
-    /// From, to, step.
-    Range(u64, u64, u64),
-    Set(String),
+    /// Numbers of cohesive elements, which are left out.
+    cohesive: Vec<u64>,
 }
 
 struct Instance {
@@ -147,10 +181,14 @@ struct AbaqusReader {
     open: usize,
     instances: Vec<Instance>,
     instance_open: bool,
-    /// Names of sets in capitals, because Abaqus ignores case, with their numbers.
-    sets: BTreeMap<String, u32>,
-    /// Names in their first spelling.
-    set_names: Vec<String>,
+    sets: Sets,
+    /// Number of elements of second order, by their part.
+    second_order: BTreeMap<usize, u64>,
+    /// Number of nodes that were generated.
+    generated: usize,
+    /// Keywords that are not used.
+    ignored: BTreeSet<String>,
+    unused: Vec<String>,
 }
 
 impl AbaqusReader {
@@ -161,23 +199,16 @@ impl AbaqusReader {
         &mut self.parts[self.open]
     }
 
+    /// The set of the open part with this name.
     fn set(&mut self, spelled: &str) -> u32 {
-        let next = self.set_names.len() as u32;
-        let set = *self.sets.entry(spelled.to_uppercase()).or_insert(next);
-        if set == next {
-            self.set_names.push(name(spelled.as_bytes()));
-        }
-        set
+        self.sets.number(self.open, spelled)
     }
 
     fn keyword(&mut self, keyword: &Keyword, place: Place) -> Result<Block, Fault> {
         let fault = |problem| Err((place, problem));
         let shown = excerpt::field(keyword.name.as_bytes());
-        let from_file =
-            keyword.get("INPUT").is_some() && ["NODE", "ELEMENT", "ELSET"].contains(&&*keyword.name);
-        if from_file || REFUSED.contains(&keyword.name.as_str()) {
-            let what = if from_file { format!("*{shown}, INPUT=") } else { format!("*{shown}") };
-            return fault(unsupported(what, "write nodes and elements in full, into one file"));
+        if REFUSED.contains(&keyword.name.as_str()) {
+            return fault(unsupported(format!("*{shown}"), "write nodes and elements in full"));
         }
         if self.instance_open && ["NODE", "ELEMENT"].contains(&&*keyword.name) {
             return fault(unsupported(format!("*{shown} in an instance"), "write it in its part"));
@@ -188,26 +219,50 @@ impl AbaqusReader {
                 if keyword.get("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
                     return fault(unsupported("*NODE, SYSTEM=", "write rectangular coordinates"));
                 }
-                Ok(Block::Nodes)
+                let set = keyword.get("NSET").map(str::to_owned).map(|spelled| self.set(&spelled));
+                Ok(Block::Nodes { set })
+            }
+            "NGEN" => {
+                if keyword.get("LINE").is_some() || keyword.get("SYSTEM").is_some() {
+                    return fault(unsupported("*NGEN, LINE= or SYSTEM=", "write the nodes in full"));
+                }
+                let set = keyword.get("NSET").map(str::to_owned).map(|spelled| self.set(&spelled));
+                let known = self.part().numbers.iter().copied().zip(0..).collect();
+                Ok(Block::Between { set, known })
             }
             "ELEMENT" => {
                 let kind = keyword.need("TYPE", place)?.to_uppercase();
-                let Some(shape) = shape(&kind) else {
+                let Some(kind) = element_type(&kind) else {
                     return fault(unsupported(
                         format!("elements of type {}", excerpt::field(kind.as_bytes())),
-                        "trusses, beams, triangles, quadrilaterals and tetrahedra of corner nodes are read",
+                        "trusses, beams, triangles, quadrilaterals, tetrahedra, pyramids, wedges and hexahedra of first and second order are read",
                     ));
                 };
                 let set = keyword.get("ELSET").map(str::to_owned).map(|spelled| self.set(&spelled));
-                Ok(Block::Elements { shape, set, pending: None })
+                Ok(Block::Elements { kind, set, pending: None })
             }
-            "ELSET" => {
-                let spelled = keyword.need("ELSET", place)?.to_owned();
-                // If there are parts, they are the bodies.
-                if self.open != 0 || keyword.get("INSTANCE").is_some() {
+            "ELSET" | "NSET" => {
+                let of_nodes = keyword.name == "NSET";
+                let set = self.set(keyword.need(if of_nodes { "NSET" } else { "ELSET" }, place)?);
+                let instance = keyword.get("INSTANCE").map(str::to_owned);
+                if let Some(elements) = keyword.get("ELSET").filter(|_| of_nodes) {
+                    let member =
+                        member(elements.as_bytes()).map_err(|problem| (place, malformed(problem)))?;
+                    self.sets.add((set, SetKind::NodesOf), member, instance.as_deref(), place);
+                }
+                let kind = if of_nodes { SetKind::Nodes } else { SetKind::Elements };
+                Ok(Block::Set { set, kind, generate: keyword.get("GENERATE").is_some(), instance })
+            }
+            "SURFACE" => {
+                let spelled = keyword.need("NAME", place)?.to_owned();
+                let kind = keyword.get("TYPE").unwrap_or("ELEMENT").to_uppercase();
+                if !["ELEMENT", "NODE"].contains(&&*kind) || keyword.get("COMBINE").is_some() {
+                    let shown = name(spelled.as_bytes());
+                    self.unused
+                        .push(format!("the surface {shown} is not used: it is not of elements or nodes"));
                     return Ok(Block::Other);
                 }
-                Ok(Block::Set { set: self.set(&spelled), generate: keyword.get("GENERATE").is_some() })
+                Ok(Block::Surface { set: self.set(&spelled), of_nodes: kind == "NODE" })
             }
             "PART" => {
                 let named = keyword.need("NAME", place)?.to_owned();
@@ -243,7 +298,12 @@ impl AbaqusReader {
                 self.instance_open = false;
                 Ok(Block::Other)
             }
-            _ => Ok(Block::Other),
+            other => {
+                if !SILENT.contains(&other) {
+                    self.ignored.insert(shown);
+                }
+                Ok(Block::Other)
+            }
         }
     }
 
@@ -256,7 +316,8 @@ impl AbaqusReader {
         }
         match block {
             Block::Other => Ok(()),
-            Block::Nodes => {
+            Block::Nodes { set } => {
+                let set = *set;
                 let [number, coordinates @ ..] = &fields[..] else {
                     return Err(bad("expected a node".into()));
                 };
@@ -275,49 +336,67 @@ impl AbaqusReader {
                 part.numbers.push(number);
                 part.points.push(point);
                 part.places.push(place);
+                if let (Some(set), Ok(number)) = (set, u64::try_from(number)) {
+                    self.sets.add_next((set, SetKind::Nodes), number, place);
+                }
                 Ok(())
             }
-            Block::Elements { shape, set, pending } => {
-                let (shape, set) = (*shape, *set);
+            Block::Between { set, known } => self.between(*set, known, &fields).map_err(bad),
+            Block::Elements { kind, set, pending } => {
+                let (AbaqusType { shape, nodes: count }, set) = (*kind, *set);
                 let numbers =
                     fields.iter().map(|field| integer(field)).collect::<Result<Vec<_>, _>>().map_err(bad)?;
                 let (mut element, nodes) = match (pending.take(), &numbers[..]) {
                     (Some(element), nodes) => (element, nodes),
                     (None, [number, nodes @ ..]) => {
                         let number = u64::try_from(*number).map_err(|_| bad(format!("element {number}")))?;
-                        (Pending { number, place, nodes: [0; 4], found: 0 }, nodes)
+                        (Pending { number, place, nodes: [0; 8], found: 0 }, nodes)
                     }
                     (None, []) => return Err(bad("expected an element".into())),
                 };
                 for &node in nodes {
-                    if element.found == shape.nodes() {
-                        let problem =
-                            format!("element {} has more than {} nodes", element.number, shape.nodes());
-                        return Err(bad(problem));
+                    if element.found == count {
+                        return Err(bad(format!("element {} has more than {count} nodes", element.number)));
                     }
-                    element.nodes[element.found] = node;
+                    // Nodes on edges and inside follow the corners.
+                    if let Some(corner) = element.nodes.get_mut(element.found) {
+                        *corner = node;
+                    }
                     element.found += 1;
                 }
-                if element.found < shape.nodes() {
+                if element.found < count {
                     if !line.ends_with(b",") {
                         let (number, found) = (element.number, element.found);
-                        return Err(bad(format!("element {number} ({}) has {found} nodes", shape.name())));
+                        let name = shape.map_or("cohesive element", Shape::name);
+                        return Err(bad(format!("element {number} ({name}) has {found} nodes")));
                     }
                     *pending = Some(element);
                     return Ok(());
                 }
                 let Pending { number, place, nodes, .. } = element;
+                if let Some(set) = set {
+                    self.sets.add_next((set, SetKind::Elements), number, place);
+                }
+                let open = self.open;
+                let Some(shape) = shape else {
+                    self.part().cohesive.push(number);
+                    return Ok(());
+                };
+                if count > shape.nodes() {
+                    *self.second_order.entry(open).or_default() += 1;
+                }
                 let part = self.part();
                 part.elements.push(Raw { shape, place, number, body: 0, nodes });
                 part.named.push(set);
                 Ok(())
             }
-            Block::Set { set, generate } => {
-                let set = *set;
-                let members = members(&fields, *generate).map_err(bad)?;
-                self.part().members.extend(members.into_iter().map(|member| (member, set, place)));
+            Block::Set { set, kind, generate, instance } => {
+                for member in members(&fields, *generate).map_err(bad)? {
+                    self.sets.add((*set, *kind), member, instance.as_deref(), place);
+                }
                 Ok(())
             }
+            Block::Surface { set, of_nodes } => self.surface(*set, *of_nodes, &fields, place),
             Block::Instance { lines } => {
                 *lines += 1;
                 if *lines > 1 {
@@ -361,69 +440,127 @@ impl AbaqusReader {
         let mut draft = Draft::new(Numbering::From(0));
         let body =
             |name: &str| MeshBody { number: None, name: Some(crate::mesh::cursor::name(name.as_bytes())) };
-        if !several {
-            let bodies = self.body_of_elements(&parts[0])?;
-            draft.bodies_from =
-                if bodies.iter().all(Option::is_none) { BodiesFrom::File } else { BodiesFrom::ElementSets };
-            draft.bodies = self.set_names.iter().map(|name| body(name)).collect();
-            draft.bodies.push(MeshBody { number: None, name: None });
-            let none = self.set_names.len() as u32;
-            let bodies = bodies.into_iter().map(|set| set.unwrap_or(none));
-            place_part(&parts[0], [0.0; 3], bodies, &mut draft)?;
-            return Ok(draft);
-        }
         // Elements outside of parts form a separate body without name.
-        draft.bodies = vec![MeshBody { number: None, name: None }];
-        place_part(&parts[0], [0.0; 3], std::iter::repeat(0), &mut draft)?;
-        draft.bodies_from = if instanced { BodiesFrom::Instances } else { BodiesFrom::Parts };
         let alone = (1..parts.len()).map(|part| (parts[part].name.as_deref().unwrap_or(""), part, [0.0; 3]));
         let moved =
             self.instances.iter().map(|instance| (instance.name.as_str(), instance.part, instance.shift));
-        let all: Vec<_> = if instanced { moved.collect() } else { alone.collect() };
+        let mut all = vec![("", 0, [0.0; 3])];
+        if instanced && several {
+            all.extend(moved)
+        } else {
+            all.extend(alone)
+        }
+        let mut placements = Vec::with_capacity(all.len());
+        draft.bodies.clear();
         for (name, part, shift) in all {
             let number = draft.bodies.len() as u32;
-            draft.bodies.push(body(name));
-            place_part(&parts[part], shift, std::iter::repeat(number), &mut draft)?;
+            draft.bodies.push(if part == 0 { MeshBody { number: None, name: None } } else { body(name) });
+            let mut placement = place_part(&parts[part], shift, number, &mut draft)?;
+            (placement.name, placement.part) = (name.to_owned(), part);
+            draft.cohesive_elements += placement.left_out.len() as u64;
+            draft.second_order += self.second_order.get(&part).copied().unwrap_or(0);
+            placements.push(placement);
+        }
+        let names: Vec<MeshBody> = (0..self.sets.len() as u32).map(|set| body(self.sets.name(set))).collect();
+        let of_nodes = |raw: &Raw| raw.nodes[..raw.shape.nodes()].iter().map(|&node| node as u32).collect();
+        let resolved = self.sets.resolve(&placements, &draft.elements, of_nodes)?;
+        if several {
+            draft.bodies_from = if instanced { BodiesFrom::Instances } else { BodiesFrom::Parts };
+        } else {
+            let named = &parts[0].named;
+            let is_named = named.iter().any(Option::is_some);
+            let sets = if is_named { Some(named.clone()) } else { resolved.bodies(draft.elements.len()) };
+            if let Some(sets) = sets.filter(|sets| sets.iter().any(Option::is_some)) {
+                draft.bodies_from = BodiesFrom::ElementSets;
+                let none = names.len() as u32;
+                draft.bodies = names;
+                draft.bodies.push(MeshBody { number: None, name: None });
+                for (raw, set) in draft.elements.iter_mut().zip(sets) {
+                    raw.body = set.unwrap_or(none);
+                }
+            }
+        }
+        draft.groups = resolved.groups(&placements);
+        draft.unused = self.unused;
+        if !self.ignored.is_empty() {
+            let keywords: Vec<String> = self.ignored.iter().map(|keyword| format!("*{keyword}")).collect();
+            draft.unused.push(format!("not used: {}", keywords.join(", ")));
         }
         Ok(draft)
     }
 
-    /// The set of each element: the one named by `*ELEMENT` or, if no `*ELEMENT` names one, that of `*ELSET`.
-    fn body_of_elements(&self, part: &AbaqusPart) -> Result<Vec<Option<u32>>, Fault> {
-        if part.named.iter().any(Option::is_some) {
-            return Ok(part.named.clone());
+    /// Adds nodes at equal distances between two, which have numbers in equal steps.
+    fn between(
+        &mut self,
+        set: Option<u32>,
+        known: &mut BTreeMap<i64, usize>,
+        fields: &[&[u8]],
+    ) -> Result<(), String> {
+        let numbers = fields.iter().map(|field| integer(field)).collect::<Result<Vec<i64>, String>>()?;
+        let (from, to, step) = match numbers[..] {
+            [from, to] => (from, to, 1),
+            [from, to, step] => (from, to, step),
+            _ => return Err("expected the first and the last node of *NGEN, and the step".into()),
+        };
+        let steps = match to.checked_sub(from) {
+            Some(span) if step > 0 && span > 0 && span % step == 0 => (span / step) as usize,
+            _ => return Err(format!("*NGEN goes from node {from} to node {to} in steps of {step}")),
+        };
+        let index = |number: i64| {
+            let found = known.get(&number).copied();
+            found.ok_or_else(|| format!("*NGEN names node {number}, which is not defined so far"))
+        };
+        let [first, last] = [index(from)?, index(to)?];
+        self.generated = self.generated.saturating_add(steps);
+        if self.generated > GENERATED {
+            return Err(format!("*NGEN makes more than {GENERATED} nodes"));
         }
-        let mut order: Vec<(u64, usize)> = part.elements.iter().map(|raw| raw.number).zip(0..).collect();
-        order.sort_unstable();
-        let mut sets: Vec<Option<u32>> = vec![None; part.elements.len()];
-        for (member, set, place) in &part.members {
-            let &Member::Range(from, to, step) = member else {
-                let what = format!("a set of sets, in *ELSET {}", self.set_names[*set as usize]);
-                return Err((*place, unsupported(what, "list the elements, or name the set at *ELEMENT")));
-            };
-            let start = order.partition_point(|&(number, _)| number < from);
-            let mut found = 0;
-            for &(number, at) in order[start..].iter().take_while(|&&(number, _)| number <= to) {
-                if (number - from) % step != 0 {
-                    continue;
-                }
-                found += 1;
-                if let Some(other) = sets[at].replace(*set).filter(|other| other != set) {
-                    let [first, second] =
-                        [other, *set].map(|set| format!("set {}", self.set_names[set as usize]));
-                    let what = format!("element {number}");
-                    return Err((*place, MeshProblem::TwoBodies { what, first, second }));
-                }
-            }
-            if found == 0 {
-                let problem = format!(
-                    "*ELSET {} names element {from}, which is not there",
-                    self.set_names[*set as usize]
-                );
-                return Err((*place, malformed(problem)));
-            }
+        let part = self.part();
+        let (place, ends) = (part.places[last], [part.points[first], part.points[last]]);
+        for k in 1..steps {
+            let share = k as f64 / steps as f64;
+            let number = from + k as i64 * step;
+            known.insert(number, part.points.len());
+            part.numbers.push(number);
+            part.points.push([0, 1, 2].map(|axis| ends[0][axis] * (1.0 - share) + ends[1][axis] * share));
+            part.places.push(place);
         }
-        Ok(sets)
+        if let (Some(set), Ok(from), Ok(to)) = (set, u64::try_from(from), u64::try_from(to)) {
+            self.sets.add((set, SetKind::Nodes), Member::Range(from, to, step as u64), None, place);
+        }
+        Ok(())
+    }
+
+    /// A line of a surface: an element or a set, and a face; or a node or a set.
+    fn surface(&mut self, set: u32, of_nodes: bool, fields: &[&[u8]], place: Place) -> Result<(), Fault> {
+        let bad = |problem: String| (place, malformed(problem));
+        let [first, rest @ ..] = fields else {
+            return Err(bad("expected an element or a set of a surface".into()));
+        };
+        let face = rest.first().copied().unwrap_or(b"").to_ascii_uppercase();
+        let number = face.strip_prefix(b"S").or_else(|| face.strip_prefix(b"E"));
+        let number =
+            number.and_then(|digits| integer(digits).ok()).and_then(|number| usize::try_from(number).ok());
+        let kind = match number {
+            _ if of_nodes => SetKind::Nodes,
+            Some(number @ 1..) => SetKind::Facets(number - 1),
+            // The two sides of elements that are facets.
+            _ if face == b"SPOS" || face == b"SNEG" => SetKind::Elements,
+            _ => {
+                let name = self.sets.name(set);
+                let shown = excerpt::field(&face);
+                self.unused.push(if face.is_empty() {
+                    format!("a line of the surface {name} is not used: it names no face, S1, S2, …")
+                } else {
+                    format!(
+                        "a line of the surface {name} is not used: '{shown}' is none of S1, S2, …, SPOS, SNEG"
+                    )
+                });
+                return Ok(());
+            }
+        };
+        self.sets.add((set, kind), member(first).map_err(bad)?, None, place);
+        Ok(())
     }
 }
 
@@ -437,100 +574,32 @@ impl AbaqusPart {
     }
 }
 
-fn members(fields: &[&[u8]], generate: bool) -> Result<Vec<Member>, String> {
-    let element = |field: &[u8]| {
-        let number = integer(field)?;
-        u64::try_from(number).map_err(|_| format!("element {number}"))
-    };
-    if generate {
-        let numbers = fields.iter().map(|field| element(field)).collect::<Result<Vec<u64>, String>>()?;
-        return match numbers[..] {
-            [from, to] if from <= to => Ok(vec![Member::Range(from, to, 1)]),
-            [from, to, step] if from <= to && step > 0 => Ok(vec![Member::Range(from, to, step)]),
-            _ => Err("expected first, last and step of a set".into()),
-        };
-    }
-    let member = |field: &&[u8]| match element(field) {
-        Ok(number) => Ok(Member::Range(number, number, 1)),
-        Err(_) if field.first().is_some_and(|byte| !byte.is_ascii_digit() && *byte != b'-') => {
-            Ok(Member::Set(name(field)))
-        }
-        Err(problem) => Err(problem),
-    };
-    fields.iter().map(member).collect()
-}
-
-/// Adds a translated part, with the body of each of its elements.
-fn place_part(
-    part: &AbaqusPart,
-    shift: [f64; 3],
-    bodies: impl Iterator<Item = u32>,
-    draft: &mut Draft,
-) -> Result<(), Fault> {
+/// Adds a translated part whose elements have the body `body`. Returns its numbers, without name and part.
+fn place_part(part: &AbaqusPart, shift: [f64; 3], body: u32, draft: &mut Draft) -> Result<Placement, Fault> {
     let base = draft.points.len() as i64;
     let lookup = Lookup::new(Numbering::Own(part.numbers.clone()), part.points.len(), &part.places)?;
     for ((point, place), number) in part.points.iter().zip(&part.places).zip(&part.numbers) {
         let moved = [0, 1, 2].map(|axis| point[axis] + shift[axis]);
         draft.push_point(moved, *place, *number)?;
     }
-    let mut known: Vec<u64> = part.elements.iter().map(|raw| raw.number).collect();
-    known.sort_unstable();
-    if let Some(pair) = known.windows(2).find(|pair| pair[0] == pair[1]) {
-        let twice = part.elements.iter().rfind(|raw| raw.number == pair[0]);
+    let first = draft.elements.len() as u32;
+    let mut elements: Vec<(u64, u32)> = part.elements.iter().map(|raw| raw.number).zip(first..).collect();
+    elements.sort_unstable();
+    if let Some(pair) = elements.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let twice = part.elements.iter().rfind(|raw| raw.number == pair[0].0);
         let place = twice.map_or(Place::File, |raw| raw.place);
-        return Err((place, malformed(format!("element {} is defined twice", pair[0]))));
+        return Err((place, malformed(format!("element {} is defined twice", pair[0].0))));
     }
-    for (raw, body) in part.elements.iter().zip(bodies) {
-        let nodes = lookup.nodes(raw).map_err(|problem| (raw.place, problem))?;
-        draft.elements.push(Raw { body, nodes: nodes.map(|node| i64::from(node) + base), ..*raw });
+    for raw in &part.elements {
+        let corners = &raw.nodes[..raw.shape.nodes()];
+        let nodes = lookup.nodes(raw, corners).map_err(|problem| (raw.place, problem))?;
+        let nodes: Vec<i64> = nodes.into_iter().map(|node| i64::from(node) + base).collect();
+        draft.elements.push(Raw { body, nodes: corners_of(&nodes), ..*raw });
     }
-    Ok(())
-}
-
-/// The shape of an element type: its name is a family, the number of nodes, and letters for the formulation.
-fn shape(kind: &str) -> Option<Shape> {
-    const FAMILIES: [(&str, Shape); 38] = [
-        ("T2D2", Shape::Segment),
-        ("T3D2", Shape::Segment),
-        ("B21", Shape::Segment),
-        ("B31", Shape::Segment),
-        ("B23", Shape::Segment),
-        ("B33", Shape::Segment),
-        ("R2D2", Shape::Segment),
-        ("RAX2", Shape::Segment),
-        ("RB2D2", Shape::Segment),
-        ("RB3D2", Shape::Segment),
-        ("CPS3", Shape::Triangle),
-        ("CPE3", Shape::Triangle),
-        ("CPEG3", Shape::Triangle),
-        ("CAX3", Shape::Triangle),
-        ("DC2D3", Shape::Triangle),
-        ("AC2D3", Shape::Triangle),
-        ("S3", Shape::Triangle),
-        ("STRI3", Shape::Triangle),
-        ("R3D3", Shape::Triangle),
-        ("M3D3", Shape::Triangle),
-        ("SFM3D3", Shape::Triangle),
-        ("DS3", Shape::Triangle),
-        ("CPS4", Shape::Quadrilateral),
-        ("CPE4", Shape::Quadrilateral),
-        ("CPEG4", Shape::Quadrilateral),
-        ("CAX4", Shape::Quadrilateral),
-        ("DC2D4", Shape::Quadrilateral),
-        ("AC2D4", Shape::Quadrilateral),
-        ("S4", Shape::Quadrilateral),
-        ("R3D4", Shape::Quadrilateral),
-        ("M3D4", Shape::Quadrilateral),
-        ("SFM3D4", Shape::Quadrilateral),
-        ("DS4", Shape::Quadrilateral),
-        ("C3D4", Shape::Tetrahedron),
-        ("DC3D4", Shape::Tetrahedron),
-        ("AC3D4", Shape::Tetrahedron),
-        ("MASS", Shape::Point),
-        ("ROTARYI", Shape::Point),
-    ];
-    FAMILIES.iter().find_map(|&(family, shape)| {
-        let formulation = kind.strip_prefix(family)?;
-        formulation.bytes().all(|byte| byte.is_ascii_alphabetic()).then_some(shape)
-    })
+    let numbered = |(&number, index): (&i64, u32)| Some((u64::try_from(number).ok()?, index));
+    let mut nodes: Vec<(u64, u32)> = part.numbers.iter().zip(base as u32..).filter_map(numbered).collect();
+    nodes.sort_unstable();
+    let mut left_out = part.cohesive.clone();
+    left_out.sort_unstable();
+    Ok(Placement { name: String::new(), part: 0, elements, nodes, left_out })
 }

@@ -1,58 +1,12 @@
-//! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and
-//! bodies are counted.
+//! Makes a mesh from the data of a reader: node numbers become indices, elements become triangles or
+//! tetrahedra, and bodies are counted.
 
-use crate::mesh::error::{Fault, MeshProblem, unsupported};
-use crate::mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshSource};
+use crate::mesh::cut;
+use crate::mesh::error::{Fault, MeshProblem};
+use crate::mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshGroup, MeshSource};
 use crate::mesh::format::MeshFormat;
+use crate::mesh::shape::Shape;
 use crate::place::Place;
-
-/// Shape of an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shape {
-    Point,
-    Segment,
-    Triangle,
-    Quadrilateral,
-    Tetrahedron,
-}
-
-impl Shape {
-    pub(crate) fn nodes(self) -> usize {
-        match self {
-            Self::Point => 1,
-            Self::Segment => 2,
-            Self::Triangle => 3,
-            Self::Quadrilateral | Self::Tetrahedron => 4,
-        }
-    }
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Segment => "segment",
-            Self::Triangle => "triangle",
-            Self::Quadrilateral => "quadrilateral",
-            Self::Tetrahedron => "tetrahedron",
-        }
-    }
-
-    /// The polygon with this number of corners.
-    pub(crate) fn polygon(corners: usize, element: u64) -> Result<Self, MeshProblem> {
-        match corners {
-            3 => Ok(Self::Triangle),
-            4 => Ok(Self::Quadrilateral),
-            _ => Err(refused(element, &format!("a polygon of {corners} corners"))),
-        }
-    }
-}
-
-/// The fault for an element of an unsupported shape.
-pub(crate) fn refused(element: u64, what: &str) -> MeshProblem {
-    unsupported(
-        format!("element {element} is {what}"),
-        "segments, triangles, quadrilaterals and tetrahedra of corner nodes are read",
-    )
-}
 
 /// An element in the numbering of the file.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +16,25 @@ pub(crate) struct Raw {
     pub(crate) number: u64,
     /// Index into [`Draft::bodies`].
     pub(crate) body: u32,
-    /// The nodes that the shape has, with the numbers of the file.
-    pub(crate) nodes: [i64; 4],
+    /// The corners that the shape has, with the numbers of the file.
+    pub(crate) nodes: [i64; 8],
+}
+
+/// The corners of an element, of which at most eight are kept.
+pub(crate) fn corners(nodes: &[i64]) -> [i64; 8] {
+    std::array::from_fn(|at| nodes.get(at).copied().unwrap_or(0))
+}
+
+/// A named set of a file.
+#[derive(Debug)]
+pub(crate) struct DraftGroup {
+    pub(crate) body: MeshBody,
+    /// Indices into [`Draft::elements`].
+    pub(crate) elements: Vec<u32>,
+    /// Indices into [`Draft::points`].
+    pub(crate) nodes: Vec<u32>,
+    /// Elements, and which of the [faces](Shape::faces) of their shape.
+    pub(crate) facets: Vec<(u32, usize)>,
 }
 
 /// How a file numbers its nodes.
@@ -83,11 +54,20 @@ pub(crate) struct Draft {
     /// The place of each point, to report repeated numbers; empty if numbers cannot repeat.
     pub(crate) places: Vec<Place>,
     pub(crate) elements: Vec<Raw>,
+    /// Corners of the polygons among the elements.
+    pub(crate) polygons: Vec<Vec<i64>>,
+    pub(crate) groups: Vec<DraftGroup>,
     pub(crate) bodies: Vec<MeshBody>,
     pub(crate) bodies_from: BodiesFrom,
     /// Number of elements of one node that the reader did not collect.
     pub(crate) point_elements: u64,
     pub(crate) collapsed_facets: u64,
+    /// Number of elements whose nodes on edges, on faces and inside were not collected.
+    pub(crate) second_order: u64,
+    /// Number of cohesive elements, which were not collected.
+    pub(crate) cohesive_elements: u64,
+    /// Parts of the file that were not collected, in words.
+    pub(crate) unused: Vec<String>,
 }
 
 impl Draft {
@@ -98,11 +78,33 @@ impl Draft {
             numbering,
             places: Vec::new(),
             elements: Vec::new(),
+            polygons: Vec::new(),
+            groups: Vec::new(),
             bodies: vec![MeshBody { number: None, name: None }],
             bodies_from: BodiesFrom::File,
             point_elements: 0,
             collapsed_facets: 0,
+            second_order: 0,
+            cohesive_elements: 0,
+            unused: Vec::new(),
         }
+    }
+
+    /// Adds a polygon of three or more corners.
+    pub(crate) fn push_polygon(
+        &mut self,
+        nodes: Vec<i64>,
+        (number, place, body): (u64, Place, u32),
+    ) -> Result<(), MeshProblem> {
+        let shape = Shape::polygon(nodes.len(), number)?;
+        let first = if shape == Shape::Polygon {
+            self.polygons.push(nodes);
+            corners(&[self.polygons.len() as i64 - 1])
+        } else {
+            corners(&nodes)
+        };
+        self.elements.push(Raw { shape, place, number, body, nodes: first });
+        Ok(())
     }
 
     /// Adds a point, or reports which coordinate is not finite.
@@ -124,17 +126,32 @@ impl Draft {
             triangles: Cells::new(),
             tetrahedra: Cells::new(),
             bodies: Vec::new(),
+            groups: Vec::new(),
             source: MeshSource {
                 format,
                 bodies_from: self.bodies_from,
                 point_elements: self.point_elements,
                 collapsed_facets: self.collapsed_facets,
                 quadrilaterals: 0,
+                polygons: 0,
+                cut_solids: 0,
+                second_order: self.second_order,
+                cohesive_elements: self.cohesive_elements,
+                unused: self.unused,
             },
         };
         let mut renumbered = vec![u32::MAX; self.bodies.len()];
+        // For each element, the first of its cells; only needed by groups.
+        let mut starts: Vec<[u32; 3]> = Vec::new();
         for raw in &self.elements {
-            let nodes = lookup.nodes(raw).map_err(|problem| (raw.place, problem))?;
+            if !self.groups.is_empty() {
+                starts.push(mesh.lengths());
+            }
+            let corners = match raw.shape {
+                Shape::Polygon => &self.polygons[raw.nodes[0] as usize],
+                shape => &raw.nodes[..shape.nodes()],
+            };
+            let nodes = lookup.nodes(raw, corners).map_err(|problem| (raw.place, problem))?;
             if raw.shape == Shape::Point {
                 mesh.source.point_elements += 1;
                 continue;
@@ -144,7 +161,13 @@ impl Draft {
                 *body = mesh.bodies.len() as u32;
                 mesh.bodies.push(self.bodies[raw.body as usize].clone());
             }
-            mesh.push(raw, nodes, *body).map_err(|problem| (raw.place, problem))?;
+            mesh.push(raw, &nodes, *body).map_err(|problem| (raw.place, problem))?;
+        }
+        starts.push(mesh.lengths());
+        for group in self.groups {
+            let group =
+                group.finish(&self.elements, &starts, &lookup).map_err(|problem| (Place::File, problem))?;
+            mesh.groups.push(group);
         }
         if mesh.bodies.is_empty() {
             return Err((Place::File, MeshProblem::NoElements { format, points: mesh.points.len() as u64 }));
@@ -164,52 +187,65 @@ pub(crate) fn check_finite(point: [f64; 3], node: i64) -> Result<(), MeshProblem
 }
 
 impl MeshFile {
-    fn push(&mut self, raw: &Raw, nodes: [u32; 4], body: u32) -> Result<(), MeshProblem> {
-        let [a, b, c, _] = nodes;
-        match raw.shape {
-            Shape::Point => {}
-            Shape::Segment => self.segments.push([a, b], body, raw.number),
-            Shape::Triangle => self.triangles.push([a, b, c], body, raw.number),
-            Shape::Tetrahedron => self.tetrahedra.push(nodes, body, raw.number),
-            Shape::Quadrilateral => {
-                let halves = split(nodes.map(|node| self.points[node as usize]));
-                let halves = halves.ok_or(MeshProblem::FoldedQuadrilateral { element: raw.number })?;
+    /// Numbers of segments, triangles and tetrahedra.
+    fn lengths(&self) -> [u32; 3] {
+        [self.segments.len(), self.triangles.len(), self.tetrahedra.len()].map(|length| length as u32)
+    }
+
+    fn push(&mut self, raw: &Raw, nodes: &[u32], body: u32) -> Result<(), MeshProblem> {
+        let number = raw.number;
+        let folded = || MeshProblem::FoldedElement { element: number, kind: raw.shape.name() };
+        match (raw.shape, nodes) {
+            (Shape::Segment, &[a, b]) => self.segments.push([a, b], body, number),
+            (Shape::Triangle, &[a, b, c]) => self.triangles.push([a, b, c], body, number),
+            (Shape::Tetrahedron, &[a, b, c, d]) => self.tetrahedra.push([a, b, c, d], body, number),
+            (Shape::Quadrilateral, &[a, b, c, d]) => {
+                let halves = cut::quadrilateral([a, b, c, d], &self.points).ok_or_else(folded)?;
                 self.source.quadrilaterals += 1;
-                for half in halves {
-                    self.triangles.push(half.map(|corner| nodes[corner]), body, raw.number);
-                }
+                halves.into_iter().for_each(|half| self.triangles.push(half, body, number));
+            }
+            (Shape::Polygon, _) => {
+                let parts = cut::polygon(nodes, &self.points).ok_or_else(folded)?;
+                self.source.polygons += 1;
+                parts.into_iter().for_each(|part| self.triangles.push(part, body, number));
+            }
+            _ => {
+                let parts = cut::tetrahedra(raw.shape, nodes, &self.points).ok_or_else(folded)?;
+                self.source.cut_solids += 1;
+                parts.into_iter().for_each(|part| self.tetrahedra.push(part, body, number));
             }
         }
         Ok(())
     }
 }
 
-/// The corners of two triangles that form a quadrilateral and have the same orientation; `None` if neither
-/// diagonal gives such triangles.
-///
-/// In a plane, both have the same orientation exactly if the diagonal is inside.
-fn split(corners: [[f64; 3]; 4]) -> Option<[[usize; 3]; 2]> {
-    // Scaled, so that products neither overflow nor underflow: the orientation of a triangle does not depend
-    // on its size.
-    let mut low = corners[0];
-    let mut high = corners[0];
-    for corner in corners {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(corner[axis]);
-            high[axis] = high[axis].max(corner[axis]);
+impl DraftGroup {
+    /// The group in cells and facets. `starts`: for each element, and at the end, the numbers of cells before.
+    fn finish(
+        self,
+        elements: &[Raw],
+        starts: &[[u32; 3]],
+        lookup: &Lookup,
+    ) -> Result<MeshGroup, MeshProblem> {
+        let MeshBody { number, name } = self.body;
+        let mut group = MeshGroup { number, name, nodes: self.nodes, ..MeshGroup::default() };
+        for element in self.elements {
+            let [from, to] = [starts[element as usize], starts[element as usize + 1]];
+            group.segments.extend(from[0]..to[0]);
+            group.triangles.extend(from[1]..to[1]);
+            group.tetrahedra.extend(from[2]..to[2]);
         }
+        for (element, face) in self.facets {
+            let raw = &elements[element as usize];
+            let nodes = lookup.nodes(raw, &raw.nodes[..raw.shape.nodes()])?;
+            let face: Vec<u32> = raw.shape.faces()[face].iter().map(|&at| nodes[at]).collect();
+            match face[..] {
+                [a, b] => group.edges.push([a, b]),
+                _ => group.faces.extend(cut::halves(&face)),
+            }
+        }
+        Ok(group)
     }
-    let size = (0..3).map(|axis| high[axis] / 2.0 - low[axis] / 2.0).fold(0.0, f64::max);
-    let scaled = corners.map(|corner| [0, 1, 2].map(|axis| (corner[axis] / 2.0 - low[axis] / 2.0) / size));
-    let area = |[a, b, c]: [usize; 3]| {
-        let edge = |to: usize| [0, 1, 2].map(|axis| scaled[to][axis] - scaled[a][axis]);
-        let (p, q) = (edge(b), edge(c));
-        [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-    };
-    [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]].into_iter().find(|[first, second]| {
-        let (p, q) = (area(*first), area(*second));
-        (0..3).map(|axis| p[axis] * q[axis]).sum::<f64>() > 0.0
-    })
 }
 
 impl<const N: usize> Cells<N> {
@@ -253,7 +289,7 @@ impl Lookup {
         }
     }
 
-    fn index(&self, number: i64) -> Option<u32> {
+    pub(crate) fn index(&self, number: i64) -> Option<u32> {
         match self {
             Self::From(first, points) => {
                 let index = usize::try_from(number.checked_sub(*first)?).ok()?;
@@ -266,15 +302,16 @@ impl Lookup {
         }
     }
 
-    pub(crate) fn nodes(&self, raw: &Raw) -> Result<[u32; 4], MeshProblem> {
+    /// The indices of the corners of an element.
+    pub(crate) fn nodes(&self, raw: &Raw, corners: &[i64]) -> Result<Vec<u32>, MeshProblem> {
         let (element, kind) = (raw.number, raw.shape.name());
-        let mut nodes = [0; 4];
-        for place in 0..raw.shape.nodes() {
-            let node = raw.nodes[place];
-            nodes[place] = self.index(node).ok_or(MeshProblem::UnknownNode { element, kind, node })?;
-            if nodes[..place].contains(&nodes[place]) {
+        let mut nodes = Vec::with_capacity(corners.len());
+        for &node in corners {
+            let index = self.index(node).ok_or(MeshProblem::UnknownNode { element, kind, node })?;
+            if nodes.contains(&index) {
                 return Err(MeshProblem::RepeatedNode { element, kind, node });
             }
+            nodes.push(index);
         }
         Ok(nodes)
     }
@@ -283,23 +320,6 @@ impl Lookup {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quadrilaterals_are_split_along_a_diagonal_inside() {
-        let flat = |corners: [[f64; 2]; 4]| split(corners.map(|[x, y]| [x, y, 0.0]));
-        let (first, second) = (Some([[0, 1, 2], [0, 2, 3]]), Some([[1, 2, 3], [1, 3, 0]]));
-        assert_eq!(flat([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), first);
-        // A dart with its tip at the first corner, then at the second.
-        assert_eq!(flat([[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]]), first);
-        assert_eq!(flat([[2.0, 1.0], [0.0, 0.0], [2.0, -1.0], [1.0, 0.0]]), second);
-        // A bow tie, and corners on a line.
-        assert_eq!(flat([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]), None);
-        assert_eq!(flat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), None);
-        assert_eq!(flat([[7.0, 7.0]; 4]), None);
-        for size in [1e-300, 1e300] {
-            assert_eq!(flat([[-size, -size], [size, -size], [size, size], [-size, size]]), first, "{size}");
-        }
-    }
 
     #[test]
     fn numbers_with_gaps_and_without() {

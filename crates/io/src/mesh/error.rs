@@ -95,11 +95,13 @@ pub enum MeshProblem {
         /// Number of the node.
         node: i64,
     },
-    /// A quadrilateral cannot be split into two triangles of the same orientation.
-    #[error("element {element} (quadrilateral) crosses itself or has no area")]
-    FoldedQuadrilateral {
+    /// An element cannot be cut into triangles or tetrahedra of the same orientation.
+    #[error("element {element} ({kind}) crosses itself or has no {}", if matches!(*kind, "quadrilateral" | "polygon") { "area" } else { "volume" })]
+    FoldedElement {
         /// Number of the element.
         element: u64,
+        /// Kind of the element, such as `quadrilateral`.
+        kind: &'static str,
     },
     /// Two nodes have the same number.
     #[error("node {node} is defined twice")]

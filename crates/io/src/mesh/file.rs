@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::mesh::format::MeshFormat;
+use crate::numbers::grouped;
 
 /// The content of a mesh file: nodes and the elements between them; each element is part of a body.
 ///
@@ -20,12 +21,17 @@ pub struct MeshFile {
     pub dimensions: usize,
     /// Elements of two nodes.
     pub segments: Cells<2>,
-    /// Elements of three nodes, and the halves of quadrilaterals.
+    /// Elements of three nodes, and the parts of quadrilaterals and polygons.
     pub triangles: Cells<3>,
-    /// Elements of four nodes with a volume, with the orientation of the file.
+    /// Elements of four nodes with a volume, and the parts of pyramids, wedges and hexahedra, with the
+    /// orientation of the file.
     pub tetrahedra: Cells<4>,
     /// The bodies that have elements, in the order of their first elements in the file; at least one.
     pub bodies: Vec<MeshBody>,
+    /// Sets that may overlap each other and the bodies, in the order of the file: the sets and surfaces of
+    /// Abaqus, and the further physical groups of curves and surfaces of Gmsh that are in several. A set may
+    /// have the name of a body.
+    pub groups: Vec<MeshGroup>,
     /// Format of the file, and the meaning of its parts.
     pub source: MeshSource,
 }
@@ -42,7 +48,7 @@ pub struct Cells<const N: usize> {
     pub bodies: Vec<u32>,
     /// The number of each element in the file, for messages. If the file has none, its place among all
     /// elements of the file, counted from
-    /// 0. Both halves of a quadrilateral have the same number.
+    /// 0. All parts of an element that is cut have its number.
     pub numbers: Vec<u64>,
 }
 
@@ -68,6 +74,31 @@ pub struct MeshBody {
     pub name: Option<String>,
 }
 
+/// A set of elements, of nodes or of facets of elements, or of several of them.
+///
+/// # Shapes
+/// Indices into the cells of the mesh and into [`MeshFile::points`], of any length.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct MeshGroup {
+    /// Its number in the file, as in [`MeshBody`].
+    pub number: Option<i64>,
+    /// Its name in the file, as in [`MeshBody`]. A set of one instance or part of several is also there with
+    /// the name of that before it, `plate-1.left`.
+    pub name: Option<String>,
+    /// Indices of segments.
+    pub segments: Vec<u32>,
+    /// Indices of triangles.
+    pub triangles: Vec<u32>,
+    /// Indices of tetrahedra.
+    pub tetrahedra: Vec<u32>,
+    /// Indices of nodes.
+    pub nodes: Vec<u32>,
+    /// Edges of triangles, by their nodes.
+    pub edges: Vec<[u32; 2]>,
+    /// Faces of tetrahedra, by their nodes.
+    pub faces: Vec<[u32; 3]>,
+}
+
 /// Format of a mesh file, and the meaning of its parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshSource {
@@ -82,6 +113,57 @@ pub struct MeshSource {
     pub collapsed_facets: u64,
     /// Number of quadrilaterals; each is in the mesh as two triangles.
     pub quadrilaterals: u64,
+    /// Number of polygons of five or more corners; each is in the mesh as triangles.
+    pub polygons: u64,
+    /// Number of pyramids, wedges and hexahedra; each is in the mesh as tetrahedra.
+    pub cut_solids: u64,
+    /// Number of elements of second order. Their nodes on edges, on faces and inside are among the points, but
+    /// in no element.
+    pub second_order: u64,
+    /// Number of cohesive elements, which are not in the mesh.
+    pub cohesive_elements: u64,
+    /// Parts of the file that are not in the mesh, in words.
+    pub unused: Vec<String>,
+}
+
+impl MeshSource {
+    /// Differences between the elements of the file and those of the mesh, one sentence without a full stop
+    /// each.
+    pub fn notes(&self) -> Vec<String> {
+        let of_count = [
+            (self.quadrilaterals, "quadrilateral", "quadrilaterals", "cut into triangles"),
+            (
+                self.polygons,
+                "polygon of five or more corners",
+                "polygons of five or more corners",
+                "cut into triangles",
+            ),
+            (
+                self.cut_solids,
+                "pyramid, wedge or hexahedron",
+                "pyramids, wedges and hexahedra",
+                "cut into tetrahedra",
+            ),
+            (
+                self.second_order,
+                "element of second order",
+                "elements of second order",
+                "taken by the corners alone",
+            ),
+            (
+                self.cohesive_elements,
+                "cohesive element",
+                "cohesive elements",
+                "left out: joints take their place",
+            ),
+        ];
+        let counted =
+            of_count.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, more, what)| {
+                let (noun, verb) = if count == 1 { (one, "is") } else { (more, "are") };
+                format!("{} {noun} {verb} {what}", grouped(count))
+            });
+        counted.chain(self.unused.iter().cloned()).collect()
+    }
 }
 
 /// The meaning of the bodies of a mesh in its file.
@@ -105,7 +187,8 @@ pub enum BodiesFrom {
     Instances,
     /// Parts, Abaqus, if there are no instances.
     Parts,
-    /// Element sets, Abaqus. Elements in no set form one body without name.
+    /// Element sets, Abaqus: those that `*ELEMENT` names, otherwise those of `*ELSET` if none overlap.
+    /// Elements in no set form one body without name.
     ElementSets,
 }
 

@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 use memchr::memmem;
 
 use crate::excerpt;
-use crate::mesh::build::{Draft, Numbering, Raw, Shape, refused};
+use crate::mesh::build::{Draft, DraftGroup, Numbering, Raw};
 use crate::mesh::cursor::{Cursor, Endian, NumberKind, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
 use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::mesh::shape::{Shape, refused};
+use crate::place::Place;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut reader = GmshReader::new(bytes);
@@ -40,6 +42,24 @@ enum GmshEncoding {
 /// Dimension and tag of an entity or a physical group.
 type Tag = (i64, i64);
 
+/// A type of elements: its corners come first.
+#[derive(Debug, Clone, Copy)]
+struct GmshKind {
+    shape: Shape,
+    dimension: i64,
+    nodes: usize,
+}
+
+/// Elements of an entity that is in several physical groups.
+#[derive(Debug)]
+struct Further {
+    entity: Tag,
+    /// The groups after the first one.
+    groups: Vec<i64>,
+    elements: std::ops::Range<usize>,
+    place: Place,
+}
+
 /// The possible bodies of an element; `physical` is 0 without a group.
 #[derive(Debug, Clone, Copy)]
 struct GmshPart {
@@ -55,6 +75,9 @@ struct GmshReader<'a> {
     names: BTreeMap<Tag, String>,
     /// Physical groups of the entities, version 4.1.
     groups: BTreeMap<Tag, Vec<i64>>,
+    /// The entities of the model that parts of them are of, version 4.1.
+    parents: BTreeMap<Tag, i64>,
+    further: Vec<Further>,
     draft: Draft,
     /// Numbers of the nodes; `None` until they have been read.
     nodes: Option<Vec<i64>>,
@@ -69,6 +92,8 @@ impl<'a> GmshReader<'a> {
             encoding: GmshEncoding::Ascii,
             names: BTreeMap::new(),
             groups: BTreeMap::new(),
+            parents: BTreeMap::new(),
+            further: Vec::new(),
             draft: Draft::new(Numbering::Own(Vec::new())),
             nodes: None,
             parts: Vec::new(),
@@ -84,7 +109,7 @@ impl<'a> GmshReader<'a> {
                 return self.cursor.fault(unsupported("version 1 of the format", "save as 4.1 or 2.2"));
             }
             (b"$PhysicalNames", _) => self.physical_names()?,
-            (b"$Nodes" | b"$Elements" | b"$Entities", None) => {
+            (b"$Nodes" | b"$Elements" | b"$Entities" | b"$PartitionedEntities", None) => {
                 return self.cursor.bad("expected $MeshFormat before this section");
             }
             (b"$ParametricNodes", _) => {
@@ -92,12 +117,7 @@ impl<'a> GmshReader<'a> {
                     .cursor
                     .fault(unsupported("$ParametricNodes", "save the mesh without parametric coordinates"));
             }
-            (b"$PartitionedEntities", _) => {
-                return self
-                    .cursor
-                    .fault(unsupported("$PartitionedEntities", "save the mesh without partitions"));
-            }
-            (b"$Nodes" | b"$Elements" | b"$Entities", Some(version)) => {
+            (b"$Nodes" | b"$Elements" | b"$Entities" | b"$PartitionedEntities", Some(version)) => {
                 self.cursor.line();
                 match (section, version) {
                     (b"$Nodes", _) if self.nodes.is_some() => {
@@ -107,7 +127,7 @@ impl<'a> GmshReader<'a> {
                     (b"$Nodes", Version::Four) => self.nodes_4()?,
                     (b"$Elements", Version::Two) => self.elements_2()?,
                     (b"$Elements", Version::Four) => self.elements_4()?,
-                    _ => self.entities()?,
+                    _ => self.entities(section == b"$PartitionedEntities")?,
                 }
             }
             _ if section.starts_with(b"$") && !section.starts_with(b"$End") => {
@@ -171,9 +191,16 @@ impl<'a> GmshReader<'a> {
             };
             let mut numbers = words(line).map_while(|word| integer(word).ok());
             let (dimension, tag) = (numbers.next().ok_or_else(bad)?, numbers.next().ok_or_else(bad)?);
-            let open = memchr::memchr(b'"', line).ok_or_else(bad)?;
-            let close = memchr::memrchr(b'"', line).filter(|&close| close > open).ok_or_else(bad)?;
-            self.names.insert((dimension, tag), name(&line[open + 1..close]));
+            let named = match (memchr::memchr(b'"', line), memchr::memrchr(b'"', line)) {
+                (Some(open), Some(close)) if close > open => &line[open + 1..close],
+                (None, _) => {
+                    // Some programs write names without quotes.
+                    let third = words(line).nth(2).ok_or_else(bad)?;
+                    &line[line.len() - rest_from(line, third)..]
+                }
+                _ => return Err(bad()),
+            };
+            self.names.insert((dimension, tag), name(named));
         }
         Ok(())
     }
@@ -272,12 +299,20 @@ impl<'a> GmshReader<'a> {
         Ok(())
     }
 
-    fn entities(&mut self) -> Result<(), Fault> {
+    /// Reads the physical groups of entities or, if the mesh is partitioned, of their parts.
+    fn entities(&mut self, partitioned: bool) -> Result<(), Fault> {
         if self.version == Some(Version::Two) {
             return self.cursor.bad("version 2 of the format has no $Entities");
         }
         if !self.parts.is_empty() {
             return self.cursor.bad("$Entities behind $Elements, which need their physical groups");
+        }
+        if partitioned {
+            self.wide("number of partitions")?;
+            for _ in 0..self.count(8, "number of ghost entities")? {
+                self.int("tag of a ghost entity")?;
+                self.int("partition of a ghost entity")?;
+            }
         }
         let mut counts = [0; 4];
         for (count, what) in counts.iter_mut().zip(["points", "curves", "surfaces", "volumes"]) {
@@ -286,6 +321,15 @@ impl<'a> GmshReader<'a> {
         for (dimension, count) in (0..).zip(counts) {
             for _ in 0..count {
                 let tag = self.int("tag of an entity")?;
+                if partitioned {
+                    let parent = (self.int("dimension of an entity")?, self.int("tag of an entity")?);
+                    if parent.0 == dimension {
+                        self.parents.insert((dimension, tag), parent.1);
+                    }
+                    for _ in 0..self.count(4, "number of partitions of an entity")? {
+                        self.int("partition of an entity")?;
+                    }
+                }
                 for _ in 0..if dimension == 0 { 3 } else { 6 } {
                     self.real("bound of an entity")?;
                 }
@@ -330,8 +374,8 @@ impl<'a> GmshReader<'a> {
                 if binary {
                     number = self.int("number of an element")?;
                 }
-                let (shape, dimension) = self.shape(kind, number)?;
-                let mut part = GmshPart { dimension, physical: 0, entity: 0 };
+                let kind = self.kind(kind, number)?;
+                let mut part = GmshPart { dimension: kind.dimension, physical: 0, entity: 0 };
                 for place in 0..tags {
                     let tag = self.int("tag of an element")?;
                     match place {
@@ -340,7 +384,7 @@ impl<'a> GmshReader<'a> {
                         _ => {}
                     }
                 }
-                self.element(number, shape, part, Self::int)?;
+                self.element(number, kind, part, Self::int)?;
             }
             read += block as usize;
         }
@@ -359,19 +403,19 @@ impl<'a> GmshReader<'a> {
             let place = self.cursor.place();
             let kind = self.int("type of elements")?;
             let count = self.count(8, "number of elements of an entity")?;
-            let physical = match self.groups.get(&(dimension, entity)).map_or(&[][..], Vec::as_slice) {
-                [] => 0,
-                [group] => *group,
-                [first, second, ..] => {
-                    let [first, second] = [first, second].map(|&group| self.group_name((dimension, group)));
-                    let what = format!("entity {entity} of dimension {dimension}");
-                    return Err((place, MeshProblem::TwoBodies { what, first, second }));
-                }
-            };
+            let groups = self.groups.get(&(dimension, entity)).cloned().unwrap_or_default();
+            let physical = groups.first().copied().unwrap_or(0);
+            let own = self.parents.get(&(dimension, entity)).copied().unwrap_or(entity);
+            let first = self.draft.elements.len();
             for _ in 0..count {
                 let number = self.wide("number of an element")?;
-                let (shape, _) = self.shape(kind, number)?;
-                self.element(number, shape, GmshPart { dimension, physical, entity }, Self::wide)?;
+                let kind = self.kind(kind, number)?;
+                self.element(number, kind, GmshPart { dimension, physical, entity: own }, Self::wide)?;
+            }
+            if groups.len() > 1 {
+                let elements = first..self.draft.elements.len();
+                let groups = groups[1..].to_vec();
+                self.further.push(Further { entity: (dimension, entity), groups, elements, place });
             }
         }
         let read = self.draft.elements.len() - before;
@@ -384,42 +428,59 @@ impl<'a> GmshReader<'a> {
     fn element(
         &mut self,
         number: i64,
-        shape: Shape,
+        kind: GmshKind,
         part: GmshPart,
         node: impl Fn(&mut Self, &str) -> Result<i64, Fault>,
     ) -> Result<(), Fault> {
         let Ok(number) = u64::try_from(number) else {
             return self.cursor.bad(format!("the element has the number {number}"));
         };
-        let mut nodes = [0; 4];
-        for place in &mut nodes[..shape.nodes()] {
-            *place = node(self, "node of an element")?;
+        let shape = kind.shape;
+        let mut nodes = [0; 8];
+        for at in 0..kind.nodes {
+            let found = node(self, "node of an element")?;
+            // Nodes on edges, on faces and inside follow the corners.
+            if at < shape.nodes() {
+                nodes[at] = found;
+            }
         }
+        self.draft.second_order += u64::from(kind.nodes > shape.nodes());
         self.parts.push(part);
         let place = self.cursor.place();
         self.draft.elements.push(Raw { shape, place, number, body: 0, nodes });
         Ok(())
     }
 
-    /// Shape and dimension of a type of elements.
-    fn shape(&self, kind: i64, element: i64) -> Result<(Shape, i64), Fault> {
-        let other = match kind {
-            15 => return Ok((Shape::Point, 0)),
-            1 => return Ok((Shape::Segment, 1)),
-            2 => return Ok((Shape::Triangle, 2)),
-            3 => return Ok((Shape::Quadrilateral, 2)),
-            4 => return Ok((Shape::Tetrahedron, 3)),
-            5 => "a hexahedron",
-            6 => "a prism",
-            7 => "a pyramid",
-            8 => "a segment of 3 nodes (second order)",
-            9 => "a triangle of 6 nodes (second order)",
-            10 => "a quadrilateral of 9 nodes (second order)",
-            11 => "a tetrahedron of 10 nodes (second order)",
-            16 => "a quadrilateral of 8 nodes (second order)",
+    fn kind(&self, kind: i64, element: i64) -> Result<GmshKind, Fault> {
+        let (shape, nodes) = match kind {
+            15 => (Shape::Point, 1),
+            1 => (Shape::Segment, 2),
+            2 => (Shape::Triangle, 3),
+            3 => (Shape::Quadrilateral, 4),
+            4 => (Shape::Tetrahedron, 4),
+            5 => (Shape::Hexahedron, 8),
+            6 => (Shape::Wedge, 6),
+            7 => (Shape::Pyramid, 5),
+            8 => (Shape::Segment, 3),
+            9 => (Shape::Triangle, 6),
+            10 => (Shape::Quadrilateral, 9),
+            11 => (Shape::Tetrahedron, 10),
+            12 => (Shape::Hexahedron, 27),
+            13 => (Shape::Wedge, 18),
+            14 => (Shape::Pyramid, 14),
+            16 => (Shape::Quadrilateral, 8),
+            17 => (Shape::Hexahedron, 20),
+            18 => (Shape::Wedge, 15),
+            19 => (Shape::Pyramid, 13),
             _ => return self.cursor.fault(refused(element.max(0) as u64, &format!("of Gmsh's type {kind}"))),
         };
-        self.cursor.fault(refused(element.max(0) as u64, other))
+        let dimension = match shape {
+            Shape::Point => 0,
+            Shape::Segment => 1,
+            Shape::Triangle | Shape::Quadrilateral | Shape::Polygon => 2,
+            Shape::Tetrahedron | Shape::Pyramid | Shape::Wedge | Shape::Hexahedron => 3,
+        };
+        Ok(GmshKind { shape, dimension, nodes })
     }
 
     fn group_name(&self, (dimension, tag): Tag) -> String {
@@ -436,6 +497,7 @@ impl<'a> GmshReader<'a> {
         if grouped {
             self.check_groups()?;
         }
+        self.further_groups()?;
         let mut known: BTreeMap<Tag, u32> = BTreeMap::new();
         self.draft.bodies.clear();
         for (raw, part) in self.draft.elements.iter_mut().zip(&self.parts) {
@@ -457,16 +519,49 @@ impl<'a> GmshReader<'a> {
         Ok(self.draft)
     }
 
+    /// The largest dimension of an element: elements of this dimension are those of bodies.
+    fn largest(&self) -> i64 {
+        self.parts.iter().map(|part| part.dimension).max().unwrap_or(0)
+    }
+
+    /// Makes groups of the curves and surfaces that are in several; elements of bodies are in one.
+    fn further_groups(&mut self) -> Result<(), Fault> {
+        let largest = self.largest();
+        let mut groups: BTreeMap<Tag, Vec<u32>> = BTreeMap::new();
+        for further in &self.further {
+            let (dimension, tag) = further.entity;
+            if dimension == largest {
+                let first = self.parts[further.elements.start..].first().map_or(0, |part| part.physical);
+                let [first, second] =
+                    [first, further.groups[0]].map(|group| self.group_name((dimension, group)));
+                let what = format!("entity {tag} of dimension {dimension}");
+                return Err((further.place, MeshProblem::TwoBodies { what, first, second }));
+            }
+            for &group in &further.groups {
+                let elements = further.elements.clone().map(|element| element as u32);
+                groups.entry((dimension, group)).or_default().extend(elements);
+            }
+        }
+        for (tag, elements) in groups {
+            let body = MeshBody { number: Some(tag.1), name: self.names.get(&tag).cloned() };
+            self.draft.groups.push(DraftGroup { body, elements, nodes: Vec::new(), facets: Vec::new() });
+        }
+        Ok(())
+    }
+
     /// Version 2.2 writes an element of two groups twice: with the same nodes and different numbers.
     fn check_groups(&self) -> Result<(), Fault> {
         if self.version != Some(Version::Two) {
             return Ok(());
         }
+        let largest = self.largest();
         let key = |at: usize| {
             let (raw, part) = (&self.draft.elements[at], &self.parts[at]);
             (part.dimension, raw.nodes, part.entity)
         };
         let mut order: Vec<usize> = (0..self.parts.len()).collect();
+        // A curve or a surface in two groups is in the mesh twice.
+        order.retain(|&at| self.parts[at].dimension == largest);
         order.sort_unstable_by_key(|&at| (key(at), at));
         for pair in order.windows(2) {
             let (first, second) = (self.parts[pair[0]], self.parts[pair[1]]);
@@ -480,4 +575,9 @@ impl<'a> GmshReader<'a> {
         }
         Ok(())
     }
+}
+
+/// Number of bytes of a line from one of its words on.
+fn rest_from(line: &[u8], word: &[u8]) -> usize {
+    line.len() - (word.as_ptr() as usize - line.as_ptr() as usize)
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::excerpt;
-use crate::mesh::build::{Draft, Numbering, Raw, Shape};
+use crate::mesh::build::{Draft, Numbering, Raw, corners};
 use crate::mesh::cursor::{Cursor, float, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, malformed, unsupported};
 use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Statements that do not affect elements.
@@ -98,14 +99,10 @@ impl ObjReader {
         match keyword {
             b"v" => self.vertex(fields, place),
             b"f" => {
-                let corners: Vec<&[u8]> = fields.collect();
-                let shape = Shape::polygon(corners.len(), self.next_number())?;
-                let mut nodes = [0; 4];
-                for (node, corner) in nodes.iter_mut().zip(corners) {
-                    *node = self.reference(corner)?;
-                }
-                self.push(shape, nodes, place);
-                Ok(())
+                let nodes = fields.map(|field| self.reference(field)).collect::<Result<Vec<_>, _>>()?;
+                let number = self.next_number();
+                self.parts.push((self.objects.current, self.groups.current));
+                self.draft.push_polygon(nodes, (number, place, 0))
             }
             b"l" => {
                 let nodes = fields.map(|field| self.reference(field)).collect::<Result<Vec<_>, _>>()?;
@@ -113,14 +110,14 @@ impl ObjReader {
                     return Err(malformed(format!("a line needs two vertices, found {}", nodes.len())));
                 }
                 for pair in nodes.windows(2) {
-                    self.push(Shape::Segment, [pair[0], pair[1], 0, 0], place);
+                    self.push(Shape::Segment, pair, place);
                 }
                 Ok(())
             }
             b"p" => {
                 for field in fields {
                     let node = self.reference(field)?;
-                    self.push(Shape::Point, [node, 0, 0, 0], place);
+                    self.push(Shape::Point, &[node], place);
                 }
                 Ok(())
             }
@@ -181,10 +178,10 @@ impl ObjReader {
         self.draft.elements.len() as u64
     }
 
-    fn push(&mut self, shape: Shape, nodes: [i64; 4], place: Place) {
+    fn push(&mut self, shape: Shape, nodes: &[i64], place: Place) {
         let number = self.next_number();
         self.parts.push((self.objects.current, self.groups.current));
-        self.draft.elements.push(Raw { shape, place, number, body: 0, nodes });
+        self.draft.elements.push(Raw { shape, place, number, body: 0, nodes: corners(nodes) });
     }
 
     fn finish(self) -> Draft {

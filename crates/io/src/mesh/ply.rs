@@ -1,9 +1,10 @@
 //! PLY: vertices, faces and edges.
 
 use crate::excerpt;
-use crate::mesh::build::{Draft, Numbering, Raw, Shape};
+use crate::mesh::build::{self, Draft, Numbering, Raw};
 use crate::mesh::cursor::{Cursor, Endian, NumberKind, float, integer, words};
 use crate::mesh::error::{Fault, malformed, unsupported};
+use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// How the values of an element are stored.
@@ -262,18 +263,22 @@ fn elements(
     }
     each_row(cursor, encoding, table, |_, place, values| {
         let number = draft.elements.len() as u64;
-        let mut nodes = [0; 4];
         let corners = columns.iter().flat_map(|&column| &values[column]);
-        for (node, value) in nodes.iter_mut().zip(corners) {
-            if let Value::Whole(value) = value {
-                *node = *value;
-            }
-        }
-        let shape = match columns[..] {
-            [list] => Shape::polygon(values[list].len(), number).map_err(|problem| (place, problem))?,
-            _ => Shape::Segment,
+        let whole = |value: &Value| match value {
+            Value::Whole(value) => Some(*value),
+            Value::Real(_) => None,
         };
-        draft.elements.push(Raw { shape, place, number, body: 0, nodes });
+        let nodes: Vec<i64> = corners.filter_map(whole).collect();
+        if columns.len() == 1 {
+            return draft.push_polygon(nodes, (number, place, 0)).map_err(|problem| (place, problem));
+        }
+        draft.elements.push(Raw {
+            shape: Shape::Segment,
+            place,
+            number,
+            body: 0,
+            nodes: build::corners(&nodes),
+        });
         Ok(())
     })
 }

@@ -1,9 +1,10 @@
 //! STL: solids of facets; equal corners are merged.
 
-use crate::mesh::build::{Draft, Numbering, Raw, Shape, check_finite};
+use crate::mesh::build::{Draft, Numbering, Raw, check_finite, corners};
 use crate::mesh::cursor::{Cursor, Endian, NumberKind, float, name, words};
 use crate::mesh::error::{Fault, malformed};
 use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Number of bytes before the first facet of a binary file.
@@ -172,9 +173,8 @@ pub(crate) fn weld(facets: &[Facet], solids: Vec<MeshBody>, bodies_from: BodiesF
         }
     }
     for (facet, of) in facets.iter().zip(nodes.chunks_exact(3)) {
-        let [a, b, c] = [of[0], of[1], of[2]];
         let (place, number, body) = (facet.place, facet.number, facet.solid);
-        draft.elements.push(Raw { shape: Shape::Triangle, place, number, body, nodes: [a, b, c, 0] });
+        draft.elements.push(Raw { shape: Shape::Triangle, place, number, body, nodes: corners(of) });
     }
     Ok(draft)
 }

@@ -4,9 +4,10 @@
 use std::collections::BTreeMap;
 
 use crate::excerpt;
-use crate::mesh::build::{Draft, Raw, Shape, refused};
+use crate::mesh::build::{Draft, Raw, corners};
 use crate::mesh::error::{Fault, MeshProblem, malformed};
 use crate::mesh::file::{BodiesFrom, MeshBody};
+use crate::mesh::shape::{Shape, refused};
 use crate::place::Place;
 
 /// Names of cell data that distinguish bodies, in lower case; the first one that exists is used.
@@ -74,18 +75,16 @@ fn add_cell(
     (number, base, place): (u64, usize, Place),
 ) -> Result<(), Fault> {
     let points = (draft.points.len() - base) as i64;
-    let mut push = |shape: Shape, corners: &[i64]| {
-        if corners.len() != shape.nodes() {
-            let problem = format!("element {number} is a {} of {} nodes", shape.name(), corners.len());
+    let known = |shape: Shape, found: &[i64]| match found.iter().find(|node| !(0..points).contains(*node)) {
+        Some(&node) => Err((place, MeshProblem::UnknownNode { element: number, kind: shape.name(), node })),
+        None => Ok(found.iter().map(|node| node + base as i64).collect::<Vec<i64>>()),
+    };
+    let mut push = |shape: Shape, found: &[i64]| {
+        if found.len() != shape.nodes() {
+            let problem = format!("element {number} is a {} of {} nodes", shape.name(), found.len());
             return Err((place, malformed(problem)));
         }
-        let mut nodes = [0; 4];
-        for (to, &node) in nodes.iter_mut().zip(corners) {
-            if !(0..points).contains(&node) {
-                return Err((place, MeshProblem::UnknownNode { element: number, kind: shape.name(), node }));
-            }
-            *to = node + base as i64;
-        }
+        let nodes = corners(&known(shape, found)?);
         draft.elements.push(Raw { shape, place, number, body: 0, nodes });
         Ok(())
     };
@@ -96,32 +95,67 @@ fn add_cell(
         (POLY_LINE, [_, _, ..]) => nodes.windows(2).try_for_each(|pair| push(Shape::Segment, pair)),
         (5, _) => push(Shape::Triangle, nodes),
         (POLYGON, _) => {
-            let shape = Shape::polygon(nodes.len(), number).map_err(|problem| (place, problem))?;
-            push(shape, nodes)
+            let nodes = known(Shape::Polygon, nodes)?;
+            draft.push_polygon(nodes, (number, place, 0)).map_err(|problem| (place, problem))
         }
         // A pixel lists its corners row by row, not around its outline.
         (8, &[a, b, c, d]) => push(Shape::Quadrilateral, &[a, b, d, c]),
         (8 | 9, _) => push(Shape::Quadrilateral, nodes),
         (10, _) => push(Shape::Tetrahedron, nodes),
+        // A voxel too lists its corners row by row.
+        (11, &[a, b, c, d, e, f, g, h]) => push(Shape::Hexahedron, &[a, b, d, c, e, f, h, g]),
+        (11 | 12, _) => push(Shape::Hexahedron, nodes),
+        // The first face of a wedge is seen from outside here, from inside in other formats.
+        (13, &[a, b, c, d, e, f]) => push(Shape::Wedge, &[a, c, b, d, f, e]),
+        (13, _) => push(Shape::Wedge, nodes),
+        (14, _) => push(Shape::Pyramid, nodes),
         (1 | POLY_VERTEX | POLY_LINE, _) => Err((
             place,
             malformed(format!("element {number} has {}", excerpt::count(nodes.len() as u64, "node"))),
         )),
         _ => {
+            if let Some(&(_, first, count)) = SECOND_ORDER.iter().find(|(second, ..)| *second == kind) {
+                if nodes.len() != count {
+                    let problem = format!("element {number} (VTK's type {kind}) has {} nodes", nodes.len());
+                    return Err((place, malformed(problem)));
+                }
+                draft.second_order += 1;
+                let corners = corners_of(first);
+                return add_cell(draft, first, &nodes[..corners], (number, base, place));
+            }
             let what = match kind {
                 STRIP => "a triangle strip".into(),
-                11 | 12 => "a hexahedron".into(),
-                13 => "a wedge".into(),
-                14 => "a pyramid".into(),
-                21 => "a segment of 3 nodes (second order)".into(),
-                22 => "a triangle of 6 nodes (second order)".into(),
-                23 => "a quadrilateral of 8 nodes (second order)".into(),
-                24 => "a tetrahedron of 10 nodes (second order)".into(),
                 42 => "a polyhedron".into(),
                 _ => format!("of VTK's type {kind}"),
             };
             Err((place, refused(number, &what)))
         }
+    }
+}
+
+/// Types of second order, the types of first order with the same corners, and their numbers of nodes.
+const SECOND_ORDER: [(i64, i64, usize); 10] = [
+    (21, 3, 3),
+    (22, 5, 6),
+    (34, 5, 7),
+    (23, 9, 8),
+    (28, 9, 9),
+    (24, 10, 10),
+    (27, 14, 13),
+    (26, 13, 15),
+    (25, 12, 20),
+    (29, 12, 27),
+];
+
+/// Number of corners of a type of first order.
+fn corners_of(kind: i64) -> usize {
+    match kind {
+        3 => 2,
+        5 => 3,
+        9 | 10 => 4,
+        14 => 5,
+        13 => 6,
+        _ => 8,
     }
 }
 

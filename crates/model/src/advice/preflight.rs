@@ -90,6 +90,8 @@ pub struct Preflight {
     pub quality: Quality,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
+    /// Lines about the mesh files of bodies, as [`Prepared::about_files`].
+    pub about_files: Vec<String>,
     /// Materials that have keys from the library.
     pub from_library: Vec<FromLibrary>,
     /// Mass that has been added for a longer time step.
@@ -204,6 +206,7 @@ impl Preflight {
             names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
             quality: prepared.quality.clone(),
             joint_sets: prepared.joint_sets.clone(),
+            about_files: prepared.about_files.clone(),
             from_library: prepared.from_library.clone(),
             mass_scaling: prepared.mass_scaling.clone(),
             critical,
@@ -363,6 +366,7 @@ impl fmt::Display for Preflight {
         let [least, mean, most] = quality.edges.map(brief);
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
         self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
+        self.about_files.iter().try_for_each(|line| writeln!(out, "mesh file        {line}"))?;
         let from_library = self.from_library.iter();
         from_library
             .map(FromLibrary::in_words)

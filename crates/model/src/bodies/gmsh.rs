@@ -66,6 +66,15 @@ pub(crate) fn is_geometry(name: &str) -> bool {
 /// Gmsh is not installed, is stopped, or fails; the message has its output.
 pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Result<Vec<u8>, Problem> {
     let problem = |message: String| Problem::new("mesh", message);
+    if let Some((line, statement)) = other_file(bytes, name) {
+        return Err(Problem {
+            help: Some(
+                "run gmsh on it in its folder, and give the .msh file; or name the other file itself"
+                    .to_owned(),
+            ),
+            ..problem(format!("{name}:{line}: {statement} takes another file, which Gmsh does not see here"))
+        });
+    }
     let folder = tempfile::tempdir()
         .map_err(|error| problem(format!("cannot make a temporary folder for Gmsh: {error}")))?;
     let end = Path::new(name).extension().and_then(|end| end.to_str()).unwrap_or("geo").to_ascii_lowercase();
@@ -117,6 +126,23 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
             Err(problem(format!("Gmsh made no mesh of {name} ({status}){said}")))
         }
     }
+}
+
+/// The line of a `.geo` file that takes another file, with its first word.
+fn other_file(bytes: &[u8], name: &str) -> Option<(usize, &'static str)> {
+    if !name.to_ascii_lowercase().ends_with(".geo") {
+        return None;
+    }
+    let text = String::from_utf8_lossy(bytes);
+    let takes = |line: &str| {
+        let line = line.trim_start();
+        let statement = ["Merge", "Include", "#include", "ShapeFromFile"].into_iter().find(|word| {
+            let rest = line.strip_prefix(word);
+            rest.is_some_and(|rest| rest.trim_start().starts_with(['"', '<', '(', '\'']))
+        });
+        statement.or_else(|| line.contains("ShapeFromFile(").then_some("ShapeFromFile"))
+    };
+    (1..).zip(text.lines()).find_map(|(number, line)| Some((number, takes(line)?)))
 }
 
 /// Runs a program that works in a folder to its end; `None` if it had to be stopped after `patience`.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::{exact, grouped};
-use fdem_io::{Cells, MeshBody, MeshFile};
+use fdem_io::{Cells, MeshFile, MeshGroup};
 use fdem_mesh::{Corners, sorted, sorted_facets};
 
 use crate::bodies::{gmsh, materials};
@@ -13,14 +13,6 @@ use crate::text::fault::{Problem, nearest, suggestion};
 use crate::text::file::{Body, ModelFile};
 use crate::text::included::Load;
 use crate::text::schema::LARGEST;
-
-/// Advice on triangles in Gmsh.
-const TRIANGLES: &str =
-    "a body is a mesh of triangles; in Gmsh set Mesh.RecombineAll = 0 and take \"Recombine Surface\" out";
-
-/// Advice on elements of first order in Gmsh.
-const FIRST_ORDER: &str =
-    "elements have nodes at their corners only; in Gmsh set Mesh.ElementOrder = 1, or run gmsh with -order 1";
 
 /// The materials of the groups of a mesh file, by their numbers. Names have been checked.
 pub(crate) fn materials_of_groups(file: &ModelFile, body: &Body) -> BTreeMap<String, u32> {
@@ -58,9 +50,23 @@ pub(crate) fn read_flat(
 ) -> Result<Piece, Problem> {
     let mesh = read(bytes, name)?;
     check_flat(&mesh, name)?;
-    let words =
-        Words { group: "surface group", element: "triangle", measure: "area", facet: ["line", "lines"] };
-    piece(&mesh, &mesh.triangles, &mesh.segments, planar, &words, (name, only, groups, default))
+    let words = Words {
+        group: "surface group",
+        element: "triangle",
+        elements: "triangles",
+        measure: "area",
+        facet: ["line", "lines"],
+    };
+    let parts = Parts {
+        elements: &mesh.triangles,
+        facets: &mesh.segments,
+        elements_of: |group| &group.triangles,
+        cells_of: |group| &group.segments,
+        facets_of: |group| &group.edges,
+        place: planar,
+        words,
+    };
+    piece(&mesh, &parts, (name, only, groups, default))
 }
 
 /// Like [`read_flat`], for tetrahedra.
@@ -83,10 +89,20 @@ pub(crate) fn read_space(
     let words = Words {
         group: "volume group",
         element: "tetrahedron",
+        elements: "tetrahedra",
         measure: "volume",
         facet: ["triangle", "triangles"],
     };
-    piece(&mesh, &mesh.tetrahedra, &mesh.triangles, |point| point, &words, (name, only, groups, default))
+    let parts = Parts {
+        elements: &mesh.tetrahedra,
+        facets: &mesh.triangles,
+        elements_of: |group| &group.tetrahedra,
+        cells_of: |group| &group.triangles,
+        facets_of: |group| &group.faces,
+        place: |point| point,
+        words,
+    };
+    piece(&mesh, &parts, (name, only, groups, default))
 }
 
 /// The triangles of a file that has a surface.
@@ -117,11 +133,7 @@ pub(crate) fn is_surface(name: &str) -> bool {
 fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| {
-        let message = error.to_string();
-        let help = message.contains("second order").then(|| FIRST_ORDER.to_owned());
-        Problem { help, ..Problem::new("mesh", message) }
-    })?;
+    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
     let too_large = |point: &[f64; 3]| point.iter().copied().find(|x| x.abs() > LARGEST);
     if let Some((number, x)) = (1_u64..).zip(&mesh.points).find_map(|(k, point)| Some((k, too_large(point)?)))
     {
@@ -143,25 +155,44 @@ pub(crate) const SURFACES: &str =
 struct Words {
     group: &'static str,
     element: &'static str,
+    elements: &'static str,
     measure: &'static str,
     /// A facet, and several.
     facet: [&'static str; 2],
 }
 
+/// The parts of a mesh that are the elements and the facets of a body of `D` dimensions.
+struct Parts<'a, const D: usize, const N: usize> {
+    elements: &'a Cells<N>,
+    facets: &'a Cells<D>,
+    /// The elements of a group.
+    elements_of: fn(&MeshGroup) -> &[u32],
+    /// The elements of a group that are facets of the body.
+    cells_of: fn(&MeshGroup) -> &[u32],
+    /// The facets of a group that are no elements of the file.
+    facets_of: fn(&MeshGroup) -> &[[u32; D]],
+    place: fn([f64; 3]) -> [f64; D],
+    words: Words,
+}
+
 /// The elements, facets and groups of a file as a body.
 fn piece<const D: usize, const N: usize>(
     mesh: &MeshFile,
-    elements: &Cells<N>,
-    facets: &Cells<D>,
-    place: impl Fn([f64; 3]) -> [f64; D],
-    words: &Words,
+    parts: &Parts<'_, D, N>,
     (name, only, groups, default): (&str, Option<&[String]>, &BTreeMap<String, u32>, u32),
 ) -> Result<Piece<D, N>, Problem>
 where
     [[f64; D]; N]: Corners<D, N>,
 {
-    let labels: Vec<String> = mesh.bodies.iter().map(label).collect();
-    let known = names(&labels, &elements.bodies);
+    let &Parts { elements, facets, place, ref words, .. } = parts;
+    let labels: Vec<String> = mesh.bodies.iter().map(|body| label(body.name.as_ref(), body.number)).collect();
+    let further: Vec<(String, &MeshGroup)> =
+        mesh.groups.iter().map(|group| (label(group.name.as_ref(), group.number), group)).collect();
+    let mut known = names(&labels, &elements.bodies);
+    let with_elements = further.iter().filter(|(_, group)| !(parts.elements_of)(group).is_empty());
+    known.extend(with_elements.map(|(label, _)| label.as_str()));
+    known.sort_unstable();
+    known.dedup();
     for (key, wanted) in only
         .into_iter()
         .flatten()
@@ -176,12 +207,43 @@ where
             });
         }
     }
+    // For each element, whether it is taken, and the group that gives its material.
+    let mut taken = vec![only.is_none(); elements.len()];
+    let mut given: Vec<Option<&str>> = vec![None; elements.len()];
+    let of_bodies = (0..).zip(&elements.bodies).map(|(element, &body)| (element, &labels[body as usize]));
+    let of_groups = further.iter().flat_map(|(label, group)| {
+        (parts.elements_of)(group).iter().map(move |&element| (element as usize, label))
+    });
+    for (element, label) in of_bodies.chain(of_groups) {
+        taken[element] |= only.is_some_and(|only| only.contains(label));
+        let Some(material) = groups.get(label) else { continue };
+        match given[element].replace(label) {
+            Some(first) if groups.get(first) != Some(material) => {
+                return Err(Problem {
+                    help: Some(
+                        "give a material to one of the two, or change the sets of the file".to_owned(),
+                    ),
+                    ..Problem::new(
+                        &format!("groups.{label}"),
+                        format!(
+                            "{name}: element {} ({}) is in the groups \"{first}\" and \"{label}\", which have two materials",
+                            elements.numbers[element], words.element
+                        ),
+                    )
+                });
+            }
+            _ => {}
+        }
+    }
     let mut piece = Piece::default();
     let mut turned = (0, 0);
     let mut numbers: Vec<Option<u32>> = vec![None; mesh.points.len()];
-    let taken = |body: u32| only.is_none_or(|only| only.contains(&labels[body as usize]));
-    for ((nodes, &body), &number) in elements.nodes.iter().zip(&elements.bodies).zip(&elements.numbers) {
-        if !taken(body) {
+    // For each element of the file, that of the body.
+    let mut own = vec![u32::MAX; elements.len()];
+    for (at, ((nodes, &body), &number)) in
+        elements.nodes.iter().zip(&elements.bodies).zip(&elements.numbers).enumerate()
+    {
+        if !taken[at] {
             continue;
         }
         let corners = nodes.map(|node| place(mesh.points[node as usize]));
@@ -207,7 +269,8 @@ where
         let label = &labels[body as usize];
         let element = piece.elements.len() as u32;
         piece.elements.push(nodes);
-        piece.materials.push(groups.get(label).copied().unwrap_or(default));
+        piece.materials.push(given[at].and_then(|group| groups.get(group)).copied().unwrap_or(default));
+        own[at] = element;
         piece.groups.entry(label.clone()).or_default().elements.push(element);
     }
     // Triangles that are numbered the other way round are those of a surface that is seen from behind.
@@ -222,15 +285,61 @@ where
     if only.is_none() {
         piece.notes.extend(loose(facets, elements, &labels, words).map(|note| format!("{name}: {note}")));
     }
-    for (nodes, &body) in facets.nodes.iter().zip(&facets.bodies) {
+    let within = |nodes: &[u32; D]| {
         let own = nodes.map(|node| numbers[node as usize].unwrap_or(u32::MAX));
         // A facet of another body has nodes that this one has not.
-        if !own.contains(&u32::MAX) {
-            let group: &mut PieceGroup<D> = piece.groups.entry(labels[body as usize].clone()).or_default();
-            group.facets.push(own);
+        (!own.contains(&u32::MAX)).then_some(own)
+    };
+    for (nodes, &body) in facets.nodes.iter().zip(&facets.bodies) {
+        if let Some(facet) = within(nodes) {
+            piece.groups.entry(labels[body as usize].clone()).or_default().facets.push(facet);
         }
     }
+    for (label, group) in &further {
+        let into: &mut PieceGroup<D> = piece.groups.entry(label.clone()).or_default();
+        let of_body = |&element: &u32| Some(own[element as usize]).filter(|own| *own != u32::MAX);
+        into.elements.extend((parts.elements_of)(group).iter().filter_map(of_body));
+        into.nodes.extend(group.nodes.iter().filter_map(|&node| numbers[node as usize]));
+        let cells = (parts.cells_of)(group).iter().map(|&cell| &facets.nodes[cell as usize]);
+        into.facets.extend(cells.chain((parts.facets_of)(group)).filter_map(within));
+    }
+    // The elements of a body and of a set of its name are one group.
+    for group in piece.groups.values_mut() {
+        group.elements.sort_unstable();
+        group.elements.dedup();
+    }
+    piece
+        .groups
+        .retain(|_, group| !(group.elements.is_empty() && group.nodes.is_empty() && group.facets.is_empty()));
+    piece.about_file = about(mesh, name, &piece, words);
     Ok(piece)
+}
+
+/// Describes the file of a mesh: its groups as the body has them, and what the mesh leaves out or cuts.
+fn about<const D: usize, const N: usize>(
+    mesh: &MeshFile,
+    name: &str,
+    piece: &Piece<D, N>,
+    words: &Words,
+) -> Vec<String> {
+    let mut lines = vec![format!("{name}: groups are {}", mesh.source.bodies_from)];
+    lines.extend(piece.groups.iter().map(|(label, group)| {
+        let Words { element, elements, facet: [facet, facets], .. } = words;
+        let counts = [
+            (group.elements.len(), *element, *elements),
+            (group.facets.len(), *facet, *facets),
+            (group.nodes.len(), "node", "nodes"),
+        ];
+        let counts = counts.into_iter().filter(|(count, ..)| *count > 0);
+        let counts: Vec<String> = counts
+            .map(|(count, one, more)| {
+                format!("{} {}", grouped(count as u64), if count == 1 { one } else { more })
+            })
+            .collect();
+        format!("  {label}: {}", counts.join(", "))
+    }));
+    lines.extend(mesh.source.notes().into_iter().map(|note| format!("  {note}")));
+    lines
 }
 
 /// The group that was probably meant, and the groups that there are.
@@ -299,9 +408,6 @@ fn check_flat(mesh: &MeshFile, name: &str) -> Result<(), Problem> {
         let count = mesh.tetrahedra.len() as u64;
         return refuse(several(count, "tetrahedron", "tetrahedra"), flat);
     }
-    if mesh.source.quadrilaterals > 0 {
-        return refuse(several(mesh.source.quadrilaterals, "quadrilateral", "quadrilaterals"), TRIANGLES);
-    }
     if mesh.dimensions == 3 {
         return refuse("is not flat: it has z that are not 0".to_owned(), flat);
     }
@@ -316,8 +422,8 @@ fn planar([x, y, _]: [f64; 3]) -> Point {
 }
 
 /// The name of a group in model files: its name in the mesh file, or its number.
-fn label(body: &MeshBody) -> String {
-    match (&body.name, body.number) {
+fn label(name: Option<&String>, number: Option<i64>) -> String {
+    match (name, number) {
         (Some(name), _) => name.clone(),
         (None, Some(number)) => number.to_string(),
         (None, None) => "rest".to_owned(),

@@ -47,6 +47,7 @@ pub(crate) fn pieces(
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_space(&bytes, name, body.only.as_deref(), &groups, material)?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
+        piece.joints = joints.of_groups(body, &piece)?;
         return Ok(vec![piece]);
     }
     let grading = grading::<3>(body);

@@ -1,16 +1,16 @@
 //! The lines and polygons of joint sets: those of a list or a file. The lines that statistics give, and
 //! bodies in the plane with joints.
 
-use fdem_mesh::Grading;
 use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, triangles};
+use fdem_mesh::{Corners, Grading};
 use fdem_scenes::random::Random;
 
 use crate::joints::polygons::{self, SpacePolygon};
 use crate::joints::polylines;
 use crate::shapes::outline::{Domain, Point};
-use crate::shapes::piece::JointFacet;
+use crate::shapes::piece::{JointFacet, Piece};
 use crate::text::document::{Document, Table};
-use crate::text::fault::{Fault, Problem};
+use crate::text::fault::{Fault, Problem, suggestion};
 use crate::text::file::{Body, JointSet, ModelFile, Vector};
 use crate::text::included::Load;
 
@@ -101,6 +101,53 @@ impl<'f> JointLines<'f> {
         Ok(traces)
     }
 
+    /// The joints in a body with a mesh from a file: the facets of the groups that joint sets name.
+    ///
+    /// # Errors
+    /// A set that names the body and a group that is not there; a group without a facet between two elements;
+    /// a facet in two sets.
+    pub(crate) fn of_groups<const D: usize, const N: usize>(
+        &self,
+        body: &Body,
+        piece: &Piece<D, N>,
+    ) -> Result<Vec<JointFacet<D>>, Problem>
+    where
+        [[f64; D]; N]: Corners<D, N>,
+    {
+        let mut joints: Vec<JointFacet<D>> = Vec::new();
+        let facet = if D == 2 { "edge" } else { "face" };
+        for (number, (set, _)) in (0..).zip(&self.sets) {
+            let Some(name) = set.group.as_ref().filter(|_| may_have_group(set, body)) else { continue };
+            let problem =
+                |message: String| Problem::new("mesh", format!("[[joint_set]] \"{}\": {message}", set.name));
+            let Some(group) = piece.groups.get(name) else {
+                if set.bodies.is_none() {
+                    continue;
+                }
+                let known: Vec<&str> = piece.groups.keys().map(String::as_str).collect();
+                return Err(Problem {
+                    help: Some(suggestion(name, &known, "group")),
+                    ..problem(format!("the body \"{}\" has no group \"{name}\"", body.name))
+                });
+            };
+            let inner = piece.inner_facets_of(group);
+            if inner.is_empty() {
+                return Err(Problem {
+                    help: Some(format!(
+                        "mark the {facet}s inside the body; in Gmsh embed the curve or surface, and give it a physical group"
+                    )),
+                    ..problem(format!("the group \"{name}\" has no {facet} between two elements"))
+                });
+            }
+            if let Some(other) = joints.iter().find(|joint| inner.binary_search(&joint.facet).is_ok()) {
+                let other = &self.sets[other.set as usize].0.name;
+                return Err(problem(format!("it has {facet}s of the [[joint_set]] \"{other}\"")));
+            }
+            joints.extend(inner.into_iter().map(|facet| JointFacet { facet, set: number, trace: number }));
+        }
+        Ok(joints)
+    }
+
     /// Meshes a domain of a body with the joints in it. `refused`: an error of the mesher as a problem.
     pub(crate) fn meshed(
         &self,
@@ -171,9 +218,16 @@ pub(crate) fn joints_of<T: Clone>(
 
 /// Whether a body has the joints of a set.
 pub(crate) fn has_joints(set: &JointSet, body: &Body) -> bool {
-    set.between.is_none()
-        && body.mesh.is_none()
-        && set.bodies.as_ref().is_none_or(|bodies| bodies.contains(&body.name))
+    set.between.is_none() && set.group.is_none() && body.mesh.is_none() && is_named(set, body)
+}
+
+/// Whether joints of a set may be a group of the mesh file of a body.
+pub(crate) fn may_have_group(set: &JointSet, body: &Body) -> bool {
+    set.group.is_some() && body.mesh.is_some() && is_named(set, body)
+}
+
+fn is_named(set: &JointSet, body: &Body) -> bool {
+    set.bodies.as_ref().is_none_or(|bodies| bodies.contains(&body.name))
 }
 
 /// The two lines nearest to a place.

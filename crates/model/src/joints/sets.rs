@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 use fdem_mesh::Corners;
 use fdem_simulation::{Element, JointSet, Model, Strength};
 
-use crate::joints::lines::has_joints;
+use crate::joints::lines::{has_joints, may_have_group};
 use crate::joints::planes::PERSISTENT;
 use crate::joints::{polygons, polylines};
 use crate::prepared::Joints;
 use crate::shapes::placed::{self, Placed};
 use crate::text::document::{Document, Table};
-use crate::text::fault::Fault;
+use crate::text::fault::{Fault, suggestion};
 use crate::text::file::{self, ModelFile};
 
 /// Keys of statistical sets.
@@ -27,6 +27,9 @@ const STATISTICAL: [&str; 10] = [
     "origin",
     "seed",
 ];
+
+/// Help for joints in a mesh from a file.
+const FROM_FILES: &str = "embed the joints in the mesh as a group of the file, and name it by group = \"…\" instead; or give the body a shape";
 
 /// Checks the keys of all joint sets, and returns their laws.
 pub(crate) fn check(
@@ -95,6 +98,7 @@ impl Check<'_> {
             ("polygons", set.polygons.is_some()),
             ("file", set.file.is_some()),
             ("dip", set.dip.is_some()),
+            ("group", set.group.is_some()),
             ("between", set.between.is_some()),
         ];
         let given: Vec<&str> = sources.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
@@ -103,7 +107,7 @@ impl Check<'_> {
             [] => {
                 faults.push(
                     self.fault("name", "it has no joints")
-                        .help(format!("give it one of {}, file, dip and between", self.list())),
+                        .help(format!("give it one of {}, file, dip, group and between", self.list())),
                 );
             }
             [first, second, ..] => faults.push(
@@ -239,6 +243,19 @@ impl Check<'_> {
                 self.fault(key, &message).label("not for grains").help("name other bodies in \"bodies\""),
             );
         }
+        let from_files = self.file.body.iter().all(|body| body.mesh.is_some());
+        let no_file = self.file.body.iter().all(|body| body.mesh.is_none());
+        let set = self.set;
+        if set.bodies.is_none() && !self.file.body.is_empty() {
+            if set.group.is_some() && no_file {
+                let message = "no body has a mesh from a file, whose groups \"group\" names";
+                let help = format!("give its joints by {}, file or dip", self.list());
+                faults.push(self.fault("group", message).help(help));
+            } else if set.group.is_none() && set.between.is_none() && from_files {
+                let message = "all bodies have meshes from files, into which no joints can be put";
+                faults.push(self.fault("name", message).help(FROM_FILES));
+            }
+        }
         for (place, name) in self.set.between.iter().flatten().enumerate() {
             if !placed::is_body(self.file, name) {
                 let span = self.document.entry(self.table, "between", place);
@@ -257,7 +274,17 @@ impl Check<'_> {
                         .label("unknown body")
                         .help(placed::suggestion(self.file, name)),
                 ),
-                Some(body) if body.mesh.is_some() => faults.push(
+                Some(body) if self.set.group.is_some() && body.mesh.is_none() => faults.push(
+                    Fault::at(
+                        span,
+                        format!(
+                            "[[joint_set]] \"{}\": the body \"{name}\" has no mesh from a file, whose groups \"group\" names",
+                            self.set.name
+                        ),
+                    )
+                    .help(format!("give its joints by {}, file or dip", self.list())),
+                ),
+                Some(body) if body.mesh.is_some() && self.set.group.is_none() => faults.push(
                     Fault::at(
                         span,
                         format!(
@@ -265,7 +292,7 @@ impl Check<'_> {
                             self.set.name
                         ),
                     )
-                    .help("give the body a shape; or give its parts materials of their own by groups, and the joints between them an [[interface]] with a strength"),
+                    .help(FROM_FILES),
                 ),
                 Some(_) => {}
             }
@@ -317,6 +344,27 @@ impl Check<'_> {
                 )
                 .label("too large"),
             );
+        }
+    }
+}
+
+/// Reports sets of groups that no body has.
+pub(crate) fn check_groups<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    placed: &[Placed<D, N>],
+    faults: &mut Vec<Fault>,
+) {
+    for (index, set) in file.joint_set.iter().enumerate() {
+        let Some(name) = &set.group else { continue };
+        let bodies = placed.iter().filter(|body| may_have_group(set, &file.body[body.table]));
+        let known: BTreeSet<&str> =
+            bodies.flat_map(|body| body.piece.groups.keys()).map(String::as_str).collect();
+        if !known.contains(name.as_str()) {
+            let known: Vec<&str> = known.into_iter().collect();
+            let message = format!("[[joint_set]] \"{}\": no body has a group \"{name}\"", set.name);
+            let fault = Fault::at(document.value(Table::of("joint_set", index), "group"), message);
+            faults.push(fault.label("unknown group").help(suggestion(name, &known, "group")));
         }
     }
 }

@@ -23,6 +23,9 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     pub(crate) joints: Vec<JointFacet<D>>,
     /// Warnings about the file of the mesh.
     pub(crate) notes: Vec<String>,
+    /// The file of the mesh, the groups in it, and the differences between its elements and those of the body,
+    /// one line each; empty if there is no file.
+    pub(crate) about_file: Vec<String>,
 }
 
 /// A facet on a joint.
@@ -36,17 +39,19 @@ pub(crate) struct JointFacet<const D: usize = 2> {
     pub(crate) trace: u32,
 }
 
-/// Elements, facets, or both, that have a name.
+/// Elements, nodes and facets that have a name.
 #[derive(Debug, Clone)]
 pub(crate) struct PieceGroup<const D: usize = 2> {
     pub(crate) elements: Vec<u32>,
+    /// Nodes besides those of its elements and facets.
+    pub(crate) nodes: Vec<u32>,
     /// Facets, with their nodes in any order.
     pub(crate) facets: Vec<[u32; D]>,
 }
 
 impl<const D: usize> Default for PieceGroup<D> {
     fn default() -> Self {
-        Self { elements: Vec::new(), facets: Vec::new() }
+        Self { elements: Vec::new(), nodes: Vec::new(), facets: Vec::new() }
     }
 }
 
@@ -61,6 +66,7 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
             groups: BTreeMap::new(),
             joints: Vec::new(),
             notes: Vec::new(),
+            about_file: Vec::new(),
         }
     }
 }
@@ -121,7 +127,8 @@ where
     /// The nodes that a group has.
     pub(crate) fn nodes_of(&self, group: &PieceGroup<D>) -> Vec<u32> {
         let inside = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
-        let mut nodes: Vec<u32> = inside.chain(group.facets.iter().flatten().copied()).collect();
+        let mut nodes: Vec<u32> =
+            inside.chain(group.facets.iter().flatten().chain(&group.nodes).copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes
@@ -133,6 +140,19 @@ where
         let mut wanted: Vec<[u32; D]> = inside.chain(group.facets.iter().copied()).map(sorted).collect();
         wanted.sort_unstable();
         self.outline.iter().copied().filter(|&facet| wanted.binary_search(&sorted(facet)).is_ok()).collect()
+    }
+
+    /// The facets of a group that are between two elements.
+    pub(crate) fn inner_facets_of(&self, group: &PieceGroup<D>) -> Vec<[u32; D]> {
+        let facets = sorted_facets::<D, N>(&self.elements);
+        let mut inner: Vec<[u32; D]> = group.facets.iter().map(|&facet| sorted(facet)).collect();
+        inner.sort_unstable();
+        inner.dedup();
+        inner.retain(|facet| {
+            let first = facets.partition_point(|(nodes, _)| nodes < facet);
+            facets[first..].iter().take_while(|(nodes, _)| nodes == facet).count() == 2
+        });
+        inner
     }
 
     /// The corners of an element.

@@ -84,6 +84,7 @@ pub(crate) fn copies<const D: usize, const N: usize>(
         if number > 0 {
             // Notes on the file of a mesh are reported once.
             copy.notes.clear();
+            copy.about_file.clear();
         }
         (name, copy)
     });

@@ -122,6 +122,7 @@ where
             end_time: self.end_time,
             bodies: bodies.collect(),
             groups: Vec::new(),
+            about_files: Vec::new(),
             grains,
             joint_sets: self.joint_sets.clone(),
             from_library: self.from_library.clone(),

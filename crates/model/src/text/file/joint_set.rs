@@ -16,7 +16,8 @@ pub struct JointSet {
     /// Name of the set.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Names of the bodies that have the joints. Default: all bodies that are meshed from a shape.
+    /// Names of the bodies that have the joints. Default: all bodies that are meshed from a shape; with
+    /// `group`, all with a mesh file that has the group.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub bodies: Option<Vec<String>>,
@@ -36,6 +37,11 @@ pub struct JointSet {
     /// or DXF with `3DFACE`, or closed `POLYLINE` or `LWPOLYLINE`. Coordinates in m.
     #[serde(default)]
     pub file: Option<String>,
+    /// Name of a group in the mesh file of a body, such as a physical group of embedded curves (in two
+    /// dimensions) or surfaces (in three): its edges or faces between two elements are the joints.
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub group: Option<String>,
     /// Names of two bodies that are bonded, such as bricks by mortar: their common edges or faces are the
     /// joints. The name of a body with `repeat`, or of a packing, means all of its copies, and the same name
     /// twice means every two of them. The meshes have to fit together: common sides have the same nodes.
