@@ -306,8 +306,8 @@ impl Checked<'_> {
             fracture: file.fracture,
             time: time_options(file),
         };
-        let between: Vec<bool> = file.joint_set.iter().map(|set| set.between.is_some()).collect();
-        let joint_sets = sets::put(&mut model, &placed, &between, &mut warnings);
+        let mut idle = Vec::new();
+        let joint_sets = sets::put(&mut model, &placed, (file, document), &mut idle);
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
         for body in &placed {
@@ -317,7 +317,6 @@ impl Checked<'_> {
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
         conditions::warnings(&model, &servos, &own, &mut warnings);
-        let mut idle = Vec::new();
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);

@@ -369,13 +369,13 @@ pub(crate) fn check_groups<const D: usize, const N: usize>(
     }
 }
 
-/// Puts the joints of all bodies into the model. Returns how many each set has. `between`: whether the joints
-/// of a set are between bodies, which come later.
+/// Puts the joints of all bodies into the model. Returns how many each set has. A set without joints is a
+/// fault, unless it is `optional`, or its joints are between bodies, which come later.
 pub(crate) fn put<const D: usize, const N: usize>(
     model: &mut Model<D, N>,
     placed: &[Placed<D, N>],
-    between: &[bool],
-    warnings: &mut Vec<String>,
+    (file, document): (&ModelFile, &Document<'_>),
+    faults: &mut Vec<Fault>,
 ) -> Vec<Joints>
 where
     [[f64; D]; N]: Corners<D, N> + Element<D, N>,
@@ -393,8 +393,12 @@ where
             }
         }
         let name = model.joint_sets[number as usize].name.clone();
-        if facets.is_empty() && !between[number as usize] {
-            warnings.push(format!("[[joint_set]] \"{name}\" has no joint in any body"));
+        let set = &file.joint_set[number as usize];
+        if facets.is_empty() && set.between.is_none() && !set.optional {
+            let span = document.value(Table::of("joint_set", number as usize), "name");
+            let message = format!("[[joint_set]] \"{name}\" has no joint in any body");
+            let help = "its lines or planes do not reach the bodies; with optional = true a set may be without joints";
+            faults.push(Fault::at(span, message).label("no joint").help(help));
         } else if !facets.is_empty() {
             model.add_joints(number, &facets);
         }

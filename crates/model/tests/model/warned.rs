@@ -89,6 +89,9 @@ fn parts_without_effect_are_refused_unless_they_are_optional() {
     let spare = "[[material]]\nname = \"spare\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0\n";
     refused(&with(spare), "[[material]] \"spare\" is that of no element");
     right(&with(&format!("{spare}optional = true\n")));
+    let far = "[[joint_set]]\nname = \"far\"\nlines = [[9, 9, 10, 10]]\nfriction_angle = 30\n";
+    refused(&with(far), "[[joint_set]] \"far\" has no joint in any body");
+    right(&with(&format!("{far}optional = true\n")));
     // A file of materials is included by several models.
     let including = format!("include = [\"rocks.toml\"]\n{SMALL}");
     prepare(&including, "m", &mut |_| Ok(spare.as_bytes().to_vec())).unwrap();

@@ -16,6 +16,9 @@ pub struct JointSet {
     /// Name of the set.
     #[schemars(length(min = 1))]
     pub name: String,
+    /// Whether the set may have no joint in any body. Default: false, and that is an error.
+    #[serde(default)]
+    pub optional: bool,
     /// Names of the bodies that have the joints. Default: all bodies that are meshed from a shape; with
     /// `group`, all with a mesh file that has the group.
     #[serde(default)]
