@@ -102,8 +102,8 @@ fn what_is_wrong_with_a_set_is_told() {
         let drawn = format!("{errors}{}", errors.render(fdem_model::Drawing::Plain));
         assert!(drawn.contains(part), "{keys}: {drawn}");
     }
-    let prepared = right(&with("lines = [[50, 50, 60, 60]]\n"));
-    assert!(prepared.warnings.iter().any(|warning| warning.contains("\"bedding\" has no joint")));
+    let errors = read(&with("lines = [[50, 50, 60, 60]]\n")).unwrap_err().to_string();
+    assert!(errors.contains("\"bedding\" has no joint"), "{errors}");
 }
 
 /// Lines with ends far away are cut near the body. They had no end where their places were beyond the whole
