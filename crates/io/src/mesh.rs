@@ -48,15 +48,17 @@ use format::MeshFormat;
 ///   `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`, `ObjectId`, `PartId`, `RegionId`.
 /// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies
 ///   are the instances, otherwise the parts, otherwise the sets named by `*ELEMENT`, otherwise those of
-///   `*ELSET`.
+///   `*ELSET` if no element is in two. All sets and surfaces are groups.
 /// - Tables of triangles, three corners per line, with columns `vertex1_X` … `vertex3_Z`. Equal corners
 ///   become one node. One body.
 ///
-/// If the file does not distinguish bodies, there is one body. Nodes that two bodies share stay shared. A
-/// quadrilateral is split into two triangles along the diagonal from its first node, or along the other
+/// If the file does not distinguish bodies, there is one body. Nodes that two bodies share stay shared.
+///
+/// A quadrilateral is cut into two triangles along the diagonal through its smallest node, or along the other
 /// diagonal if only that lies inside; if the quadrilateral is not flat, this choice determines its shape.
-/// Elements of one node are counted but not kept. Elements with more corners, more faces or nodes on edges
-/// are refused.
+/// Polygons are cut into triangles; pyramids, wedges and hexahedra are cut into tetrahedra by the same rule of
+/// the smallest node, so that neighbours agree on their common face. Of elements of second order the corners
+/// are taken. Elements of one node are counted but not kept, and so are cohesive elements.
 ///
 /// # Shapes
 /// `bytes`: a whole file. `name`: the name of the file, for messages and for its extension.

@@ -5,6 +5,8 @@
 
 #[path = "meshes/files.rs"]
 mod files;
+#[path = "meshes/sets.rs"]
+mod sets;
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -165,8 +167,11 @@ fn sets_of_abaqus_are_bodies() {
     let read_sets = read("a.inp", sets);
     assert_eq!(names(&read_sets), [Some("Left"), Some("right")]);
     assert_eq!(read_sets.triangles.bodies, [0, 1, 1]);
-    let both = fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2,9\n"));
-    assert_eq!(both.to_string(), "a.inp:13: element 2 is in set A and in set B: its body is ambiguous");
+    // Sets that overlap are groups and no bodies.
+    let both = read("a.inp", format!("{mesh}*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2,9\n"));
+    assert_eq!((names(&both), both.source.bodies_from.clone()), (vec![None], BodiesFrom::File));
+    let groups: Vec<_> = both.groups.iter().map(|group| group.triangles.clone()).collect();
+    assert_eq!(groups, [[0, 1], [1, 2]]);
     assert_eq!(fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n3\n")).line(), Some(11));
 }
 
@@ -192,7 +197,22 @@ fn models_of_abaqus_that_are_refused() {
         ),
         (format!("{part}{instance}*NODE\n1,0,0\n"), 11, "*NODE in an instance: write it in its part"),
         (format!("{part}{part}"), 9, "a part in a part, or two of one name"),
-        (format!("{INP}*ELSET,ELSET=A\n5\n*ELSET,ELSET=B\nA\n"), 10, "a set of sets, in *ELSET B"),
+        (
+            format!("{INP}*ELSET,ELSET=B\nA\n*ELSET,ELSET=A\n5\n"),
+            8,
+            "set B names the set 'A', which has no element so far: define a set before",
+        ),
+        (format!("{INP}*ELSET,ELSET=B\nA\n"), 8, "set B names the set 'A', which is not there"),
+        (format!("{INP}*NSET,NSET=B\n4\n"), 8, "set B names node 4, which is not there"),
+        (
+            format!("{INP}*ELSET,ELSET=B,INSTANCE=I\n5\n"),
+            8,
+            "set B names the instance 'I', which is not there",
+        ),
+        (format!("{INP}*SURFACE,NAME=B\n5,S4\n"), 8, "*SURFACE B: element 5 (triangle) has no face S4"),
+        (format!("{INP}*NGEN\n1,3,4\n"), 8, "*NGEN goes from node 1 to node 3 in steps of 4"),
+        (format!("{INP}*NGEN\n1,9\n"), 8, "*NGEN names node 9, which is not defined so far"),
+        (format!("{INP}*NODE\n9000000,1,1\n*NGEN\n1,9000000\n"), 10, "*NGEN makes more than 1048576 nodes"),
         (format!("{INP}*ELSET,ELSET=A,GENERATE\n5,1\n"), 8, "expected first, last and step of a set"),
     ] {
         let error = fails("a.inp", &text);
@@ -340,8 +360,8 @@ const WRONG: &[Wrong] = &[
     ("a.msh", MSH, "Nodes\n3\n", "Nodes\n2\n", 8, "expected $EndNodes, found '3'"),
     ("a.msh", MSH, "Nodes\n3\n", "Nodes\n-3\n", 5, "-3 is negative"),
     ("a.msh", MSH, "Nodes\n3\n", "Nodes\n300000000000\n", 5, "number of nodes: 300000000000, with"),
-    ("a.msh", MSH, "5 2 2", "5 9 2", 12, "element 5 is a triangle of 6 nodes (second order)"),
-    ("a.msh", MSH, "5 2 2", "5 5 2", 12, "element 5 is a hexahedron"),
+    ("a.msh", MSH, "5 2 2", "5 21 2", 12, "element 5 is of Gmsh's type 21"),
+    ("a.msh", MSH, "5 2 2", "5 5 2", 13, "node of an element: expected a whole number, found '$EndElements'"),
     ("a.msh", MSH, "2.2 0 8", "4 0 8", 2, "version '4' of the format: save as 4.1 or 2.2"),
     ("a.msh", MSH, "$EndElements\n", "", 13, "the file ends here: expected $EndElements"),
     ("a.msh", MSH, "$Nodes", "$ParametricNodes", 4, "$ParametricNodes: save the mesh without"),
@@ -375,24 +395,32 @@ const WRONG: &[Wrong] = &[
     ),
     ("a.msh", MSH_4, "5 1 2 3", "5 1 2 9", 21, "element 5 (triangle) names node 9"),
     ("a.msh", MSH_4, "2 7 0 3", "2 7 2 3", 10, "expected 0 or 1 for parametric nodes"),
-    ("a.msh", MSH_4, "$Entities", "$PartitionedEntities", 4, "save the mesh without partitions"),
+    (
+        "a.msh",
+        MSH_4,
+        "$Entities\n",
+        "$PartitionedEntities\n2\n1000\n",
+        6,
+        "number of ghost entities: 1000, with",
+    ),
     ("a.inp", INP, "5,1,2,3", "5,1,2,4", 6, "element 5 (triangle) names node 4"),
     ("a.inp", INP, "5,1,2,3", "5,1,2", 6, "element 5 (triangle) has 2 nodes"),
     ("a.inp", INP, "5,1,2,3", "5,1,2,", 6, "element 5 ends too early"),
     ("a.inp", INP, "5,1,2,3", "4,1,2,\n*ELEMENT, TYPE=S3\n5,1,2,3", 6, "element 4 ends too early"),
     ("a.inp", INP, "5,1,2,3", "5,1,2,3,1", 6, "element 5 has more than 3 nodes"),
     ("a.inp", INP, "5,1,2,3", "5,1,2,3\n5,1,2,3", 7, "element 5 is defined twice"),
-    ("a.inp", INP, "TYPE=S3", "TYPE=C3D8R", 5, "elements of type C3D8R"),
+    ("a.inp", INP, "TYPE=S3", "TYPE=C3D27", 5, "elements of type C3D27"),
+    ("a.inp", INP, "TYPE=S3", "TYPE=C3D8R", 6, "element 5 (hexahedron) has 3 nodes"),
     ("a.inp", INP, ",TYPE=S3", "", 5, "*ELEMENT without TYPE="),
     ("a.inp", INP, "2,1,0\n", "2,1,inf\n", 3, "node 2: coordinate y is not a finite number"),
     ("a.inp", INP, "2,1,0\n", "1,1,0\n", 3, "node 1 is defined twice"),
     ("a.inp", INP, "*NODE\n", "*NODE, SYSTEM=C\n", 1, "*NODE, SYSTEM=: write rectangular coordinates"),
-    ("a.inp", INP, "*NODE\n", "*INCLUDE, INPUT=b.inp\n*NODE\n", 1, "*INCLUDE: write nodes"),
-    ("a.inp", INP, "*NODE\n", "*NODE, INPUT=b.inp\n", 1, "*NODE, INPUT=: write nodes"),
-    ("a.inp", INP, "*ELEMENT", "*NGEN\n1,3,1\n*ELEMENT", 5, "*NGEN: write nodes"),
+    ("a.inp", INP, "*NODE\n", "*INCLUDE, INPUT=b.inp\n*NODE\n", 1, "*INCLUDE, INPUT=: the file b.inp"),
+    ("a.inp", INP, "*NODE\n", "*NODE, INPUT=b.inp\n", 1, "*NODE, INPUT=: the file b.inp"),
+    ("a.inp", INP, "*ELEMENT", "*NFILL\n1,3,1\n*ELEMENT", 5, "*NFILL: write nodes"),
     ("a.ply", PLY, "3 0 1 2\n", "3 0 1 3\n", 13, "element 0 (triangle) names node 3"),
     ("a.ply", PLY, "3 0 1 2\n", "3 0 1 -1\n", 13, "element 0 (triangle) names node -1"),
-    ("a.ply", PLY, "3 0 1 2\n", "5 0 1 2 0 1\n", 13, "element 0 is a polygon of 5 corners"),
+    ("a.ply", PLY, "3 0 1 2\n", "5 0 1 2 0 1\n", 13, "element 0 (polygon) names node 0 twice"),
     ("a.ply", PLY, "3 0 1 2\n", "4 0 1 2\n", 13, "face 0: no value of vertex_indices"),
     ("a.ply", PLY, "3 0 1 2\n", "3 0 1 2 7\n", 13, "face 0: more values than properties"),
     ("a.ply", PLY, "1 0 0\n", "1 0 -inf\n", 11, "node 1: coordinate z is not a finite number"),
@@ -413,7 +441,9 @@ const WRONG: &[Wrong] = &[
     ("a.stl", STL, "vertex 1 0 0", "vertex 1 nan 0", 2, "node 1: coordinate y is not a finite number"),
     ("a.vtk", VTK, "3 0 1 2", "3 0 1 3", 9, "element 0 (triangle) names node 3"),
     ("a.vtk", VTK, "3 0 1 2", "4 0 1 2", 10, "a cell of 4 nodes"),
-    ("a.vtk", VTK, "\n5\n", "\n12\n", 9, "element 0 is a hexahedron"),
+    ("a.vtk", VTK, "\n5\n", "\n12\n", 9, "element 0 is a hexahedron of 3 nodes"),
+    ("a.vtk", VTK, "\n5\n", "\n22\n", 9, "element 0 (VTK's type 22) has 3 nodes"),
+    ("a.vtk", VTK, "\n5\n", "\n42\n", 9, "element 0 is a polyhedron"),
     ("a.vtk", VTK, "\n5\n", "\n9\n", 9, "element 0 is a quadrilateral of 3 nodes"),
     ("a.vtk", VTK, "CELL_TYPES 1\n5\n", "", 9, "0 types for 1 cells"),
     ("a.vtk", VTK, "UNSTRUCTURED_GRID", "STRUCTURED_GRID", 4, "the data set STRUCTURED_GRID"),

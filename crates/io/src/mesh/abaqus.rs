@@ -13,7 +13,8 @@ use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Keywords that create or move nodes and elements in ways that are not supported.
-const REFUSED: [&str; 9] = [
+const REFUSED: [&str; 10] = [
+    "INCLUDE",
     "NFILL",
     "NCOPY",
     "NMAP",
@@ -26,7 +27,7 @@ const REFUSED: [&str; 9] = [
 ];
 
 /// Keywords without data for a mesh that need no mention.
-const SILENT: [&str; 10] = [
+const SILENT: [&str; 9] = [
     "HEADING",
     "PREPRINT",
     "ASSEMBLY",
@@ -36,7 +37,6 @@ const SILENT: [&str; 10] = [
     "OUTPUT",
     "NODE OUTPUT",
     "ELEMENT OUTPUT",
-    "INCLUDE",
 ];
 
 /// Most nodes that `*NGEN` makes, because a short line may ask for any number.
@@ -207,6 +207,10 @@ impl AbaqusReader {
     fn keyword(&mut self, keyword: &Keyword, place: Place) -> Result<Block, Fault> {
         let fault = |problem| Err((place, problem));
         let shown = excerpt::field(keyword.name.as_bytes());
+        if let Some(file) = keyword.get("INPUT") {
+            let what = format!("*{shown}, INPUT=: the file {}", excerpt::field(file.as_bytes()));
+            return fault(unsupported(what, "copy its lines into this one, because one file is read"));
+        }
         if REFUSED.contains(&keyword.name.as_str()) {
             return fault(unsupported(format!("*{shown}"), "write nodes and elements in full"));
         }

@@ -260,7 +260,7 @@ fn a_wedge_slides_above_the_slope_of_its_friction() {
 fn what_is_wrong_with_a_set_is_told() {
     let level = "polygons = [[-1, -1, 0.4, 2, -1, 0.4, 2, 2, 0.4, -1, 2, 0.4]]\n";
     for (keys, part) in [
-        ("", "give it one of polygons, file, dip and between"),
+        ("", "give it one of polygons, file, dip, group and between"),
         ("lines = [[0, 0, 1, 1]]\n", "\"lines\" is for models in two dimensions"),
         ("polygons = [[0, 0, 0, 1, 1, 1]]\n", "polygon 1 is not [x1, y1, z1"),
         ("polygons = [[0, 0, 0, 1, 0, 0, 2, 0, 0]]\n", "has no area"),

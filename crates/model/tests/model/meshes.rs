@@ -193,6 +193,69 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
 }
 
 #[test]
+fn sets_of_an_abaqus_file_are_materials_and_places_of_boundaries() {
+    let file = "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 0, 2\n*Element, type=CPS4, elset=all\n1, 1, 2, 3, 4\n\
+        *Element, type=CPS3, elset=all\n2, 4, 3, 5\n*Elset, elset=upper\n2\n*Nset, nset=base\n1, 2\n\
+        *Surface, name=roof\n2, S2\n";
+    let keys = "mesh = \"a.inp\"\ngroups = { upper = \"soft\" }\n[[boundary]]\nname = \"hold\"\ngroup = \"base\"\nfixed = \"xy\"\n\
+        [[boundary]]\nname = \"push\"\ngroup = \"roof\"\npressure = 1\n\
+        [[material]]\nname = \"soft\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
+    let read =
+        |text: &str| fdem_model::prepare(text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec())).unwrap();
+    let prepared = read(&with_shape(keys));
+    let mesh = &prepared.model.mesh;
+    assert_eq!(mesh.materials, [1, 1, 0]);
+    let fdem_simulation::Target::Nodes(base) = &prepared.model.boundaries[0].target else { panic!() };
+    let places = base.iter().map(|&node| mesh.nodes[node as usize]).collect::<Vec<_>>();
+    assert_eq!(places, [[0.0, 0.0], [1.0, 0.0]]);
+    let fdem_simulation::Target::Facets(roof) = &prepared.model.boundaries[1].target else { panic!() };
+    let ends = roof.iter().map(|edge| edge.map(|node| mesh.nodes[node as usize])).collect::<Vec<_>>();
+    assert_eq!(ends, [[[1.0, 1.0], [0.0, 2.0]]]);
+    assert_eq!(
+        prepared.about_files,
+        [
+            "a.inp: groups are element sets",
+            "  all: 3 triangles",
+            "  base: 2 nodes",
+            "  roof: 1 line",
+            "  upper: 1 triangle",
+            "  1 quadrilateral is cut into triangles"
+        ]
+    );
+    let only = keys.replace("groups = { upper = \"soft\" }", "only = [\"upper\"]");
+    let only = only.replace("group = \"base\"", "side = \"bottom\"");
+    assert_eq!(read(&with_shape(&only)).model.mesh.elements.len(), 1);
+}
+
+/// A line of two edges inside a square, and one on its border, which is no joint.
+const FRACTURE: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 2 \"fracture\"\n2 1 \"rock\"\n$EndPhysicalNames\n\
+    $Nodes\n9\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n7 0 2 0\n8 1 2 0\n9 2 2 0\n$EndNodes\n$Elements\n11\n\
+    1 1 2 2 1 4 5\n2 1 2 2 1 5 6\n11 1 2 2 1 1 2\n3 2 2 1 1 1 2 5\n4 2 2 1 1 1 5 4\n5 2 2 1 1 2 3 6\n6 2 2 1 1 2 6 5\n\
+    7 2 2 1 1 4 5 8\n8 2 2 1 1 4 8 7\n9 2 2 1 1 5 6 9\n10 2 2 1 1 5 9 8\n$EndElements\n";
+
+#[test]
+fn a_group_of_edges_inside_a_mesh_file_is_a_joint_set() {
+    let text = |keys: &str| {
+        with_shape(&format!("mesh = \"a.msh\"\n[[joint_set]]\nname = \"f\"\nfriction_angle = 30\n{keys}"))
+    };
+    let mut load = |_: &str| Ok(FRACTURE.as_bytes().to_vec());
+    let prepared = fdem_model::prepare(&text("group = \"fracture\""), "model.toml", &mut load).unwrap();
+    let set = &prepared.joint_sets[0];
+    assert_eq!((set.joints, set.facets, set.length), (1, 2, Some(2.0)));
+    for (keys, part) in [
+        ("group = \"fractur\"", "no body has a group \"fractur\""),
+        ("group = \"fractur\"\nbodies = [\"block\"]", "has no group \"fractur\""),
+        ("group = \"rock\"", "the group \"rock\" has no edge between two elements"),
+        ("lines = [[0, 1, 2, 1]]", "all bodies have meshes from files"),
+        ("group = \"fracture\"\ndip = 3\nspacing = 1", "by dip and group"),
+    ] {
+        let told = fdem_model::prepare(&text(keys), "model.toml", &mut load).unwrap_err().to_string();
+        let told = told.split_whitespace().filter(|word| *word != "|").collect::<Vec<_>>().join(" ");
+        assert!(told.contains(part), "{told}");
+    }
+}
+
+#[test]
 fn bodies_are_turned_about_their_middle_and_then_moved() {
     let text = with_shape(
         "rectangle = { min = [0, 0], max = [2, 1] }\nangle = 90\ntranslate = [10, 0]\nmesh_size = 0.25",

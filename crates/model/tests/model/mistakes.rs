@@ -485,20 +485,18 @@ fn mesh_files_are_refused_with_their_name_and_element() {
         &["[[body]] \"block\" is 1 m wide and 1e15 m from the origin: coordinates there have too few digits"],
     );
     refused("mesh = \"a.msh\"\nmesh_size = 1", squares, "mesh_size", &["not for meshes from files"]);
-    let quadrilateral = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    let overlapping = b"*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n*Element, type=CPS3, elset=all\n1, 1, 2, 3\n*Elset, elset=upper\n1\n";
     refused(
-        "mesh = \"a.obj\"",
-        quadrilateral,
-        "\"a.obj\"",
-        &["a.obj has 1 quadrilateral", "in Gmsh set Mesh.RecombineAll = 0"],
+        "mesh = \"a.inp\"\ngroups = { all = \"rock\", upper = \"soft\" }\n[[material]]\nname = \"soft\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0",
+        overlapping,
+        "upper",
+        &["a.inp: element 1 (triangle) is in the groups \"all\" and \"upper\", which have two materials"],
     );
-    let second = b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n$EndNodes\n\
-        $Elements\n1\n1 9 2 1 1 1 2 3 4 5 6\n$EndElements\n";
     refused(
-        "mesh = \"a.msh\"",
-        second,
-        "\"a.msh\"",
-        &["a triangle of 6 nodes (second order)", "in Gmsh set Mesh.ElementOrder = 1"],
+        "mesh = \"a.geo\"\nmesh_size = 1",
+        b"// Merge \"b.step\";\nMerge \"a.step\";\n",
+        "\"a.geo\"",
+        &["a.geo:2: Merge takes another file, which Gmsh does not see here"],
     );
     let flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
     refused("mesh = \"a.obj\"", flat, "\"a.obj\"", &["a.obj: element 0 (triangle) has no area"]);

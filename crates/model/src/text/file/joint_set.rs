@@ -7,9 +7,9 @@ use crate::text::file::vector::Vector;
 
 /// A set of joints with a common law: bedding, foliation, faults, or a discrete fracture network. Its joints
 /// are lines in two dimensions and polygons in three, given by exactly one of `lines` or `polygons`, `file`,
-/// `dip` and `between`. They become edges or faces of the meshes of the bodies; joints that nearly coincide,
-/// at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength, softens, and
-/// then slides with its residual friction.
+/// `dip`, `group` and `between`. They become edges or faces of the meshes of the bodies; joints that nearly
+/// coincide, at distances up to 0.35 of the mesh size, become one. A joint is elastic up to its strength,
+/// softens, and then slides with its residual friction.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSet {
