@@ -245,29 +245,7 @@ impl AbaqusReader {
                 let set = keyword.get("ELSET").map(str::to_owned).map(|spelled| self.set(&spelled));
                 Ok(Block::Elements { kind, set, pending: None })
             }
-            "ELSET" | "NSET" => {
-                let of_nodes = keyword.name == "NSET";
-                let set = self.set(keyword.need(if of_nodes { "NSET" } else { "ELSET" }, place)?);
-                let instance = keyword.get("INSTANCE").map(str::to_owned);
-                if let Some(elements) = keyword.get("ELSET").filter(|_| of_nodes) {
-                    let member =
-                        member(elements.as_bytes()).map_err(|problem| (place, malformed(problem)))?;
-                    self.sets.add((set, SetKind::NodesOf), member, instance.as_deref(), place);
-                }
-                let kind = if of_nodes { SetKind::Nodes } else { SetKind::Elements };
-                Ok(Block::Set { set, kind, generate: keyword.get("GENERATE").is_some(), instance })
-            }
-            "SURFACE" => {
-                let spelled = keyword.need("NAME", place)?.to_owned();
-                let kind = keyword.get("TYPE").unwrap_or("ELEMENT").to_uppercase();
-                if !["ELEMENT", "NODE"].contains(&&*kind) || keyword.get("COMBINE").is_some() {
-                    let shown = name(spelled.as_bytes());
-                    self.unused
-                        .push(format!("the surface {shown} is not used: it is not of elements or nodes"));
-                    return Ok(Block::Other);
-                }
-                Ok(Block::Surface { set: self.set(&spelled), of_nodes: kind == "NODE" })
-            }
+            "ELSET" | "NSET" | "SURFACE" => self.set_keyword(keyword, place),
             "PART" => {
                 let named = keyword.need("NAME", place)?.to_owned();
                 if self.open != 0 || self.parts.iter().any(|part| part.is(&named)) {
@@ -311,6 +289,29 @@ impl AbaqusReader {
         }
     }
 
+    /// A set or a surface.
+    fn set_keyword(&mut self, keyword: &Keyword, place: Place) -> Result<Block, Fault> {
+        if keyword.name == "SURFACE" {
+            let spelled = keyword.need("NAME", place)?.to_owned();
+            let kind = keyword.get("TYPE").unwrap_or("ELEMENT").to_uppercase();
+            if !["ELEMENT", "NODE"].contains(&&*kind) || keyword.get("COMBINE").is_some() {
+                let shown = name(spelled.as_bytes());
+                self.unused.push(format!("the surface {shown} is not used: it is not of elements or nodes"));
+                return Ok(Block::Other);
+            }
+            return Ok(Block::Surface { set: self.set(&spelled), of_nodes: kind == "NODE" });
+        }
+        let of_nodes = keyword.name == "NSET";
+        let set = self.set(keyword.need(if of_nodes { "NSET" } else { "ELSET" }, place)?);
+        let instance = keyword.get("INSTANCE").map(str::to_owned);
+        if let Some(elements) = keyword.get("ELSET").filter(|_| of_nodes) {
+            let member = member(elements.as_bytes()).map_err(|problem| (place, malformed(problem)))?;
+            self.sets.add((set, SetKind::NodesOf), member, instance.as_deref(), place);
+        }
+        let kind = if of_nodes { SetKind::Nodes } else { SetKind::Elements };
+        Ok(Block::Set { set, kind, generate: keyword.get("GENERATE").is_some(), instance })
+    }
+
     fn data(&mut self, block: &mut Block, line: &[u8], place: Place) -> Result<(), Fault> {
         let bad = |problem: String| (place, malformed(problem));
         let mut fields: Vec<&[u8]> = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii).collect();
@@ -320,31 +321,7 @@ impl AbaqusReader {
         }
         match block {
             Block::Other => Ok(()),
-            Block::Nodes { set } => {
-                let set = *set;
-                let [number, coordinates @ ..] = &fields[..] else {
-                    return Err(bad("expected a node".into()));
-                };
-                let number = integer(number).map_err(bad)?;
-                // The direction of a normal may follow the coordinates.
-                if !matches!(coordinates.len(), 1..=6) {
-                    return Err(bad(format!("node {number} has {} coordinates", coordinates.len())));
-                }
-                let mut point = [0.0; 3];
-                for (value, field) in point.iter_mut().zip(coordinates).filter(|(_, field)| !field.is_empty())
-                {
-                    *value = float(field).map_err(|problem| bad(format!("node {number}: {problem}")))?;
-                }
-                check_finite(point, number).map_err(|problem| (place, problem))?;
-                let part = self.part();
-                part.numbers.push(number);
-                part.points.push(point);
-                part.places.push(place);
-                if let (Some(set), Ok(number)) = (set, u64::try_from(number)) {
-                    self.sets.add_next((set, SetKind::Nodes), number, place);
-                }
-                Ok(())
-            }
+            Block::Nodes { set } => self.node(*set, &fields, place),
             Block::Between { set, known } => self.between(*set, known, &fields).map_err(bad),
             Block::Elements { kind, set, pending } => {
                 let (AbaqusType { shape, nodes: count }, set) = (*kind, *set);
@@ -426,6 +403,32 @@ impl AbaqusReader {
         }
     }
 
+    /// A node, and the set that it is in.
+    fn node(&mut self, set: Option<u32>, fields: &[&[u8]], place: Place) -> Result<(), Fault> {
+        let bad = |problem: String| (place, malformed(problem));
+        let [number, coordinates @ ..] = fields else {
+            return Err(bad("expected a node".into()));
+        };
+        let number = integer(number).map_err(bad)?;
+        // The direction of a normal may follow the coordinates.
+        if !matches!(coordinates.len(), 1..=6) {
+            return Err(bad(format!("node {number} has {} coordinates", coordinates.len())));
+        }
+        let mut point = [0.0; 3];
+        for (value, field) in point.iter_mut().zip(coordinates).filter(|(_, field)| !field.is_empty()) {
+            *value = float(field).map_err(|problem| bad(format!("node {number}: {problem}")))?;
+        }
+        check_finite(point, number).map_err(|problem| (place, problem))?;
+        let part = self.part();
+        part.numbers.push(number);
+        part.points.push(point);
+        part.places.push(place);
+        if let (Some(set), Ok(number)) = (set, u64::try_from(number)) {
+            self.sets.add_next((set, SetKind::Nodes), number, place);
+        }
+        Ok(())
+    }
+
     fn finish(mut self, end: Place) -> Result<Draft, Fault> {
         self.part();
         let parts = &self.parts;
@@ -450,9 +453,9 @@ impl AbaqusReader {
             self.instances.iter().map(|instance| (instance.name.as_str(), instance.part, instance.shift));
         let mut all = vec![("", 0, [0.0; 3])];
         if instanced && several {
-            all.extend(moved)
+            all.extend(moved);
         } else {
-            all.extend(alone)
+            all.extend(alone);
         }
         let mut placements = Vec::with_capacity(all.len());
         draft.bodies.clear();

@@ -140,14 +140,14 @@ impl Sets {
 
     /// Adds an element or a node to a set, in one line with its predecessor if their numbers are consecutive.
     pub(crate) fn add_next(&mut self, (set, kind): (u32, SetKind), number: u64, place: Place) {
-        if let Some(SetLine {
-            set: last, kind: of, member: Member::Range(_, to, 1), instance: None, ..
-        }) = self.lines.last_mut()
+        if let Some(SetLine { set: last, kind: of, member: Member::Range(_, to, 1), instance: None, .. }) =
+            self.lines.last_mut()
+            && *last == set
+            && *of == kind
+            && to.checked_add(1) == Some(number)
         {
-            if *last == set && *of == kind && to.checked_add(1) == Some(number) {
-                *to = number;
-                return;
-            }
+            *to = number;
+            return;
         }
         self.add((set, kind), Member::Range(number, number, 1), None, place);
     }
@@ -311,7 +311,7 @@ impl Resolved {
                 continue;
             }
             let mut group = |name: String| {
-                let index = *known.entry(name.to_uppercase()).or_insert_with(|| {
+                *known.entry(name.to_uppercase()).or_insert_with(|| {
                     let body = MeshBody { number: None, name: Some(name) };
                     groups.push(DraftGroup {
                         body,
@@ -320,8 +320,7 @@ impl Resolved {
                         facets: Vec::new(),
                     });
                     groups.len() - 1
-                });
-                index
+                })
             };
             let whole = group(name.clone());
             let mut into = vec![(whole, None)];

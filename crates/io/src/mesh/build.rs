@@ -202,17 +202,23 @@ impl MeshFile {
             (Shape::Quadrilateral, &[a, b, c, d]) => {
                 let halves = cut::quadrilateral([a, b, c, d], &self.points).ok_or_else(folded)?;
                 self.source.quadrilaterals += 1;
-                halves.into_iter().for_each(|half| self.triangles.push(half, body, number));
+                for half in halves {
+                    self.triangles.push(half, body, number);
+                }
             }
             (Shape::Polygon, _) => {
                 let parts = cut::polygon(nodes, &self.points).ok_or_else(folded)?;
                 self.source.polygons += 1;
-                parts.into_iter().for_each(|part| self.triangles.push(part, body, number));
+                for part in parts {
+                    self.triangles.push(part, body, number);
+                }
             }
             _ => {
                 let parts = cut::tetrahedra(raw.shape, nodes, &self.points).ok_or_else(folded)?;
                 self.source.cut_solids += 1;
-                parts.into_iter().for_each(|part| self.tetrahedra.push(part, body, number));
+                for part in parts {
+                    self.tetrahedra.push(part, body, number);
+                }
             }
         }
         Ok(())

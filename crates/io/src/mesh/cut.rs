@@ -13,8 +13,12 @@ use crate::mesh::shape::Shape;
 
 /// The triangles of a face of three or four nodes.
 pub(crate) fn halves(face: &[u32]) -> Vec<[u32; 3]> {
-    let [a, b, c, d] = *face else { return face.as_array().copied().into_iter().collect() };
-    if a.min(c) < b.min(d) { vec![[a, b, c], [a, c, d]] } else { vec![[b, c, d], [b, d, a]] }
+    match *face {
+        [a, b, c] => vec![[a, b, c]],
+        [a, b, c, d] if a.min(c) < b.min(d) => vec![[a, b, c], [a, c, d]],
+        [a, b, c, d] => vec![[b, c, d], [b, d, a]],
+        _ => Vec::new(),
+    }
 }
 
 /// The tetrahedra of a solid with these nodes, of the orientation that the solid has; `None` if it is folded

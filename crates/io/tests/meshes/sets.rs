@@ -55,8 +55,10 @@ fn sets_of_parts_are_in_each_instance() {
 #[test]
 fn sets_do_not_outgrow_the_mesh() {
     let rows = vec!["1, 2"; 256].join(", ");
-    let doubled =
-        (0..16).map(|k| format!("*Nset, nset=n{}\nn{k}, n{k}, n{k}, n{k}\n", k + 1)).collect::<String>();
+    let doubled = (0..16)
+        .map(|k| format!("*Nset, nset=n{}\nn{k}, n{k}, n{k}, n{k}\n", k + 1))
+        .collect::<Vec<_>>()
+        .concat();
     let error = fails("a.inp", format!("{SQUARE}*Nset, nset=n0\n{rows}\n{doubled}"));
     assert!(error.to_string().contains("the sets have more than 1048576 members"), "{error}");
 }
