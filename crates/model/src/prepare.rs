@@ -255,19 +255,12 @@ impl Checked<'_> {
         let (mesh, placed, missing) = build::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), load, &mut found);
-        let mut stages = if missing.is_empty() {
-            resolve::resolve(file, document, &mesh, &placed, &mut found)
-        } else {
-            Vec::new()
-        };
+        let (mut stages, mut bonds) = (Vec::new(), Bonds::default());
         if missing.is_empty() {
+            stages = resolve::resolve(file, document, &mesh, &placed, &mut found);
             sets::check_groups(file, document, &placed, &mut found);
+            bonds = Bonds::find(file, document, &placed, &mut found);
         }
-        let bonds = if missing.is_empty() {
-            Bonds::find(file, document, &placed, &mut found)
-        } else {
-            Bonds::default()
-        };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(build::crowded(document, &placed));
         none_or(faults)?;

@@ -207,34 +207,7 @@ where
             });
         }
     }
-    // For each element, whether it is taken, and the group that gives its material.
-    let mut taken = vec![only.is_none(); elements.len()];
-    let mut given: Vec<Option<&str>> = vec![None; elements.len()];
-    let of_bodies = (0..).zip(&elements.bodies).map(|(element, &body)| (element, &labels[body as usize]));
-    let of_groups = further.iter().flat_map(|(label, group)| {
-        (parts.elements_of)(group).iter().map(move |&element| (element as usize, label))
-    });
-    for (element, label) in of_bodies.chain(of_groups) {
-        taken[element] |= only.is_some_and(|only| only.contains(label));
-        let Some(material) = groups.get(label) else { continue };
-        match given[element].replace(label) {
-            Some(first) if groups.get(first) != Some(material) => {
-                return Err(Problem {
-                    help: Some(
-                        "give a material to one of the two, or change the sets of the file".to_owned(),
-                    ),
-                    ..Problem::new(
-                        &format!("groups.{label}"),
-                        format!(
-                            "{name}: element {} ({}) is in the groups \"{first}\" and \"{label}\", which have two materials",
-                            elements.numbers[element], words.element
-                        ),
-                    )
-                });
-            }
-            _ => {}
-        }
-    }
+    let (taken, given) = chosen(parts, (&labels, &further), (name, only, groups))?;
     let mut piece = Piece::default();
     let mut turned = (0, 0);
     let mut numbers: Vec<Option<u32>> = vec![None; mesh.points.len()];
@@ -313,6 +286,46 @@ where
         .retain(|_, group| !(group.elements.is_empty() && group.nodes.is_empty() && group.facets.is_empty()));
     piece.about_file = about(mesh, name, &piece, words);
     Ok(piece)
+}
+
+/// For each element, whether it is taken, and the group that gives its material.
+///
+/// # Errors
+/// An element in two groups that have two materials.
+fn chosen<'a, const D: usize, const N: usize>(
+    parts: &Parts<'_, D, N>,
+    (labels, further): (&'a [String], &'a [(String, &MeshGroup)]),
+    (name, only, groups): (&str, Option<&[String]>, &BTreeMap<String, u32>),
+) -> Result<(Vec<bool>, Vec<Option<&'a str>>), Problem> {
+    let elements = parts.elements;
+    let mut taken = vec![only.is_none(); elements.len()];
+    let mut given: Vec<Option<&'a str>> = vec![None; elements.len()];
+    let of_bodies = (0..).zip(&elements.bodies).map(|(element, &body)| (element, &labels[body as usize]));
+    let of_groups = further.iter().flat_map(|(label, group)| {
+        (parts.elements_of)(group).iter().map(move |&element| (element as usize, label))
+    });
+    for (element, label) in of_bodies.chain(of_groups) {
+        taken[element] |= only.is_some_and(|only| only.contains(label));
+        let Some(material) = groups.get(label) else { continue };
+        match given[element].replace(label) {
+            Some(first) if groups.get(first) != Some(material) => {
+                return Err(Problem {
+                    help: Some(
+                        "give a material to one of the two, or change the sets of the file".to_owned(),
+                    ),
+                    ..Problem::new(
+                        format!("groups.{label}"),
+                        format!(
+                            "{name}: element {} ({}) is in the groups \"{first}\" and \"{label}\", which have two materials",
+                            elements.numbers[element], parts.words.element
+                        ),
+                    )
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok((taken, given))
 }
 
 /// Describes the file of a mesh: its groups as the body has them, and what the mesh leaves out or cuts.
