@@ -56,9 +56,9 @@ use format::MeshFormat;
 ///
 /// A quadrilateral is cut into two triangles along the diagonal through its smallest node, or along the other
 /// diagonal if only that lies inside; if the quadrilateral is not flat, this choice determines its shape.
-/// Polygons are cut into triangles; pyramids, wedges and hexahedra are cut into tetrahedra by the same rule of
-/// the smallest node, so that neighbours agree on their common face. Of elements of second order the corners
-/// are taken. Elements of one node are counted but not kept, and so are cohesive elements.
+/// Polygons are cut into triangles; pyramids, wedges and hexahedra are cut into tetrahedra by the same rule
+/// of the smallest node, so that neighbours agree on their common face. Of elements of second order the
+/// corners are taken. Elements of one node are counted but not kept, and so are cohesive elements.
 ///
 /// # Shapes
 /// `bytes`: a whole file. `name`: the name of the file, for messages and for its extension.

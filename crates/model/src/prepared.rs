@@ -35,8 +35,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub bodies: Vec<PreparedBody>,
     /// Named parts of bodies: physical groups of mesh files; outlines, holes and faces of other shapes.
     pub groups: Vec<Group<D>>,
-    /// Lines about the mesh files of bodies: their groups, the elements that are cut or left out, and parts of
-    /// the files that are not used.
+    /// Lines about the mesh files of bodies: their groups, the elements that are cut or left out, and parts
+    /// of the files that are not used.
     pub about_files: Vec<String>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,

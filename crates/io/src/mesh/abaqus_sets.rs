@@ -208,7 +208,7 @@ impl Sets {
         Ok(Resolved { names: self.names, contents })
     }
 
-    /// The placements that a line is about, each with what it names there.
+    /// The placements that a line is about, each with the names there.
     fn targets<'a>(
         &self,
         line: &'a SetLine,

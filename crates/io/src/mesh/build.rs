@@ -226,7 +226,8 @@ impl MeshFile {
 }
 
 impl DraftGroup {
-    /// The group in cells and facets. `starts`: for each element, and at the end, the numbers of cells before.
+    /// The group in cells and facets. `starts`: for each element, and at the end, the numbers of cells
+    /// before.
     fn finish(
         self,
         elements: &[Raw],

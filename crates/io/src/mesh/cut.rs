@@ -2,8 +2,8 @@
 //!
 //! A quadrilateral is cut along the diagonal through its smallest node. A solid is cut into the tetrahedra
 //! between its smallest node and the triangles of those faces that do not have it. The faces that have it are
-//! then cut along the diagonals through it, because it is their smallest node too. So the cut of a face depends
-//! on its nodes alone, and two solids that share a face agree on it.
+//! then cut along the diagonals through it, because it is their smallest node too. So the cut of a face
+//! depends on its nodes alone, and two solids that share a face agree on it.
 //!
 //! # Source
 //! J. Dompierre, P. Labbé, M.-G. Vallet, R. Camarero, "How to subdivide pyramids, prisms, and hexahedra into
@@ -105,8 +105,8 @@ fn extent(corners: &[[f64; 3]]) -> ([f64; 3], f64) {
     (low, size)
 }
 
-/// A corner in a box of size 1, so that products neither overflow nor underflow: orientations do not depend on
-/// the size.
+/// A corner in a box of size 1, so that products neither overflow nor underflow: orientations do not depend
+/// on the size.
 fn scaled(corner: [f64; 3], low: [f64; 3], size: f64) -> [f64; 3] {
     [0, 1, 2].map(|axis| (corner[axis] / 2.0 - low[axis] / 2.0) / size)
 }

@@ -117,8 +117,8 @@ pub struct MeshSource {
     pub polygons: u64,
     /// Number of pyramids, wedges and hexahedra; each is in the mesh as tetrahedra.
     pub cut_solids: u64,
-    /// Number of elements of second order. Their nodes on edges, on faces and inside are among the points, but
-    /// in no element.
+    /// Number of elements of second order. Their nodes on edges, on faces and inside are among the points,
+    /// but in no element.
     pub second_order: u64,
     /// Number of cohesive elements, which are not in the mesh.
     pub cohesive_elements: u64,

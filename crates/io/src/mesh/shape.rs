@@ -60,8 +60,8 @@ impl Shape {
         }
     }
 
-    /// The edges of a flat shape, or the faces of a solid one, by their corners: in the order of Abaqus, where
-    /// they are S1, S2, …. The normals of faces point inward.
+    /// The edges of a flat shape, or the faces of a solid one, by their corners: in the order of Abaqus,
+    /// where they are S1, S2, …. The normals of faces point inward.
     pub(crate) fn faces(self) -> &'static [&'static [usize]] {
         match self {
             Self::Point | Self::Segment | Self::Polygon => &[],

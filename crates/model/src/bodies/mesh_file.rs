@@ -328,7 +328,7 @@ fn chosen<'a, const D: usize, const N: usize>(
     Ok((taken, given))
 }
 
-/// Describes the file of a mesh: its groups as the body has them, and what the mesh leaves out or cuts.
+/// Describes the file of a mesh: its groups as the body has them, and the parts that are left out or cut.
 fn about<const D: usize, const N: usize>(
     mesh: &MeshFile,
     name: &str,

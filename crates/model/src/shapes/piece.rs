@@ -23,8 +23,8 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     pub(crate) joints: Vec<JointFacet<D>>,
     /// Warnings about the file of the mesh.
     pub(crate) notes: Vec<String>,
-    /// The file of the mesh, the groups in it, and the differences between its elements and those of the body,
-    /// one line each; empty if there is no file.
+    /// The file of the mesh, the groups in it, and the differences between its elements and those of the
+    /// body, one line each; empty if there is no file.
     pub(crate) about_file: Vec<String>,
 }
 

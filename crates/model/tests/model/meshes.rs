@@ -199,7 +199,7 @@ fn sets_of_an_abaqus_file_are_materials_and_places_of_boundaries() {
         *Surface, name=roof\n2, S2\n";
     let keys = "mesh = \"a.inp\"\ngroups = { upper = \"soft\" }\n[[boundary]]\nname = \"hold\"\ngroup = \"base\"\nfixed = \"xy\"\n\
         [[boundary]]\nname = \"push\"\ngroup = \"roof\"\npressure = 1\n\
-        [[material]]\nname = \"soft\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
+        [[material]]\nname = \"soft\"\noptional = true\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0";
     let read =
         |text: &str| fdem_model::prepare(text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec())).unwrap();
     let prepared = read(&with_shape(keys));
