@@ -18,8 +18,11 @@ pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
 /// Number of bytes at the start of a text that show its format.
 const HEAD: usize = 4096;
 
+/// Whether the start of a text is that of a format.
+type IsFormat = fn(&str) -> bool;
+
 /// Texts of other programs: how they are recognised, name, advice.
-const TEXTS: [(fn(&str) -> bool, &str, &str); 5] = [
+const TEXTS: [(IsFormat, &str, &str); 5] = [
     (is_poscar, "a POSCAR file of VASP", AS_XYZ),
     (|text| has_line(text, |line| line.starts_with("_cell_length_a")), "a CIF file", AS_XYZ),
     (is_pdb, "a PDB file", AS_XYZ),

@@ -78,14 +78,11 @@ fn periodic(number: u64, line: &[u8]) -> Result<Option<SimulationBox>, ReadError
     }
     let edge = |word| fast_float2::parse(word).ok().filter(|edge: &f64| edge.is_finite() && *edge > 0.0);
     let edges: Option<Vec<f64>> = words.take(4).map(edge).collect();
-    match edges.as_deref() {
-        Some(&[x, y, z]) => Ok(Some(SimulationBox::orthogonal([0.0; 3], [x, y, z], [true; 3]))),
-        _ => {
-            let problem =
-                "expected three edges of a periodic box, all above 0, after ##PERIODIC::".to_owned();
-            Err(ReadError::Malformed { line: number, text: excerpt::line(line), problem })
-        }
-    }
+    let Some(&[x, y, z]) = edges.as_deref() else {
+        let problem = "expected three edges of a periodic box, all above 0, after ##PERIODIC::".to_owned();
+        return Err(ReadError::Malformed { line: number, text: excerpt::line(line), problem });
+    };
+    Ok(Some(SimulationBox::orthogonal([0.0; 3], [x, y, z], [true; 3])))
 }
 
 /// Refuses bytes that do not occur in text files.
