@@ -303,10 +303,7 @@ impl Checked<'_> {
         let joint_sets = sets::put(&mut model, &placed, (file, document), &mut idle);
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
-        for body in &placed {
-            let name = &file.body[body.table].name;
-            warnings.extend(body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")));
-        }
+        warnings.extend(notes_of(file, &placed));
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
         conditions::warnings(&model, &servos, &own, &mut warnings);
@@ -471,6 +468,15 @@ fn grains_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<u32
         if grains.is_empty() { vec![0; elements.len()] } else { grains.clone() }
     };
     placed.iter().flat_map(of_body).collect()
+}
+
+/// The notes of all bodies, with their names.
+fn notes_of<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D, N>]) -> Vec<String> {
+    let of = |body: &Placed<D, N>| {
+        let name = &file.body[body.table].name;
+        body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")).collect::<Vec<_>>()
+    };
+    placed.iter().flat_map(of).collect()
 }
 
 fn groups_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Group<D>>
