@@ -20,6 +20,11 @@ pub(crate) fn materials_of_groups(file: &ModelFile, body: &Body) -> BTreeMap<Str
     body.groups.iter().map(|(group, name)| (group.clone(), number(name))).collect()
 }
 
+/// Length of the unit of the file of a body, m.
+pub(crate) fn scale_of(body: &Body) -> f64 {
+    body.scale.unwrap_or(1.0)
+}
+
 /// The file of a mesh that a body names; that of the mesh that Gmsh makes if the body names a geometry.
 pub(crate) fn file_of(
     body: &Body,
@@ -30,25 +35,26 @@ pub(crate) fn file_of(
     let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
     match body.mesh_size {
         // Checked before: a geometry has a size, and a mesh has none.
-        Some(size) => gmsh::mesh(&bytes, name, size, dimensions),
+        Some(size) => gmsh::mesh(&bytes, name, size / scale_of(body), dimensions),
         None => Ok(bytes),
     }
 }
 
 /// Reads a mesh: all of its triangles, or those of the groups `only`.
 ///
-/// `groups`: the material of the elements in each group; other elements have the material `default`.
+/// `scale`: the length of the unit of the file, m. `groups`: the material of the elements in each group;
+/// other elements have the material `default`.
 ///
 /// # Errors
 /// Files without a mesh of triangles in the plane; groups that the file does not have.
 pub(crate) fn read_flat(
     bytes: &[u8],
-    name: &str,
+    (name, scale): (&str, f64),
     only: Option<&[String]>,
     groups: &BTreeMap<String, u32>,
     default: u32,
 ) -> Result<Piece, Problem> {
-    let mesh = read(bytes, name)?;
+    let mesh = read(bytes, name, scale)?;
     check_flat(&mesh, name)?;
     let words = Words {
         group: "surface group",
@@ -72,12 +78,12 @@ pub(crate) fn read_flat(
 /// Like [`read_flat`], for tetrahedra.
 pub(crate) fn read_space(
     bytes: &[u8],
-    name: &str,
+    (name, scale): (&str, f64),
     only: Option<&[String]>,
     groups: &BTreeMap<String, u32>,
     default: u32,
 ) -> Result<Piece<3, 4>, Problem> {
-    let mesh = read(bytes, name)?;
+    let mesh = read(bytes, name, scale)?;
     if mesh.tetrahedra.is_empty() {
         let found =
             if mesh.triangles.is_empty() { "has no elements" } else { "has triangles and no tetrahedra" };
@@ -105,10 +111,11 @@ pub(crate) fn read_space(
     piece(&mesh, &parts, (name, only, groups, default))
 }
 
-/// The triangles of a file that has a surface.
-pub(crate) fn triangles(load: &mut Load<'_>, name: &str) -> Result<Vec<[[f64; 3]; 3]>, Problem> {
+/// The triangles of a file that has a surface. `scale`: the length of its unit, m.
+pub(crate) fn triangles(load: &mut Load<'_>, name: &str, scale: f64) -> Result<Vec<[[f64; 3]; 3]>, Problem> {
     let bytes = load(name).map_err(|why| Problem::new("surface", format!("cannot read {name}: {why}")))?;
-    let mesh = read(&bytes, name).map_err(|problem| Problem { key: "surface".to_owned(), ..problem })?;
+    let mesh =
+        read(&bytes, name, scale).map_err(|problem| Problem { key: "surface".to_owned(), ..problem })?;
     if mesh.triangles.is_empty() {
         return Err(Problem::new("surface", format!("{name} has no triangles")));
     }
@@ -119,7 +126,7 @@ pub(crate) fn triangles(load: &mut Load<'_>, name: &str) -> Result<Vec<[[f64; 3]
 /// Whether a file has a mesh of tetrahedra, or a surface that is in no plane z = constant; `None` if it
 /// cannot be read.
 pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> Option<bool> {
-    let mesh = read(bytes, name).ok()?;
+    let mesh = read(bytes, name, 1.0).ok()?;
     let is_flat = mesh.points.windows(2).all(|pair| pair[0][2] == pair[1][2]);
     Some(!mesh.tetrahedra.is_empty() || !mesh.triangles.is_empty() && !is_flat)
 }
@@ -130,15 +137,17 @@ pub(crate) fn is_surface(name: &str) -> bool {
     [".stl", ".obj", ".stl.gz", ".obj.gz"].iter().any(|ending| name.ends_with(ending))
 }
 
-fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
+fn read(bytes: &[u8], name: &str, scale: f64) -> Result<MeshFile, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
+    let mut mesh =
+        fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
+    mesh.points.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     let too_large = |point: &[f64; 3]| point.iter().copied().find(|x| x.abs() > LARGEST);
     if let Some((number, x)) = (1_u64..).zip(&mesh.points).find_map(|(k, point)| Some((k, too_large(point)?)))
     {
         let message = format!(
-            "{name}: node {} of the file has the coordinate {}: coordinates are in metres and from -{LARGEST:e} to {LARGEST:e}",
+            "{name}: node {} of the file has the coordinate {}: coordinates are in metres, unless \"scale\" says otherwise, and from -{LARGEST:e} to {LARGEST:e}",
             grouped(number),
             exact(x)
         );

@@ -37,7 +37,13 @@ pub(crate) fn pieces(
     if let Some(name) = &body.mesh {
         let bytes = mesh_file::file_of(body, name, 2, load)?;
         let groups = materials_of_groups(file, body);
-        let mut piece = mesh_file::read_flat(&bytes, name, body.only.as_deref(), &groups, material)?;
+        let mut piece = mesh_file::read_flat(
+            &bytes,
+            (name, mesh_file::scale_of(body)),
+            body.only.as_deref(),
+            &groups,
+            material,
+        )?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         piece.joints = joints.of_groups(body, &piece)?;
         return Ok(vec![piece]);

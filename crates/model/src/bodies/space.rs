@@ -45,7 +45,13 @@ pub(crate) fn pieces(
         let material = materials::number(file, &body.material).unwrap_or(0);
         let bytes = mesh_file::file_of(body, name, 3, load)?;
         let groups = materials_of_groups(file, body);
-        let mut piece = mesh_file::read_space(&bytes, name, body.only.as_deref(), &groups, material)?;
+        let mut piece = mesh_file::read_space(
+            &bytes,
+            (name, mesh_file::scale_of(body)),
+            body.only.as_deref(),
+            &groups,
+            material,
+        )?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         piece.joints = joints.of_groups(body, &piece)?;
         return Ok(vec![piece]);
@@ -344,7 +350,7 @@ fn surface(
         let shape = grains(voronoi, size);
         ("voronoi", shape)
     } else if let Some(name) = &body.surface {
-        let triangles = mesh_file::triangles(load, name)?;
+        let triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
         ("surface", Surface::from_triangles(&triangles, CREASE).map(Shape::numbered))
     } else {
         return Err(Problem::new("name", "a body without shape"));

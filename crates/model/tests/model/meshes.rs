@@ -193,6 +193,23 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
 }
 
 #[test]
+fn a_mesh_file_has_a_unit() {
+    let file = "*Node\n1, 0, 0\n2, 500, 0\n3, 0, 250\n*Element, type=CPS3\n1, 1, 2, 3\n";
+    let read = |keys: &str| {
+        let text = with_shape(&format!("mesh = \"a.inp\"\n{keys}"));
+        fdem_model::prepare(&text, "model.toml", &mut |_| Ok(file.as_bytes().to_vec()))
+    };
+    for scale in ["\"1 mm\"", "\"mm\"", "0.001"] {
+        let mesh = read(&format!("scale = {scale}\n")).unwrap().model.mesh;
+        assert_eq!(mesh.nodes, [[0.0, 0.0], [0.5, 0.0], [0.0, 0.25]], "{scale}");
+    }
+    assert_eq!(read("").unwrap().model.mesh.nodes[1], [500.0, 0.0]);
+    for wrong in ["scale = 0", "scale = -1", "scale = \"1 s\""] {
+        assert!(read(wrong).unwrap_err().to_string().contains("scale"), "{wrong}");
+    }
+}
+
+#[test]
 fn sets_of_an_abaqus_file_are_materials_and_places_of_boundaries() {
     let file = "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 0, 2\n*Element, type=CPS4, elset=all\n1, 1, 2, 3, 4\n\
         *Element, type=CPS3, elset=all\n2, 4, 3, 5\n*Elset, elset=upper\n2\n*Nset, nset=base\n1, 2\n\

@@ -63,6 +63,11 @@ pub struct Body {
     /// .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
     pub mesh: Option<String>,
+    /// Length in metres of the unit of `mesh` or `surface`: "1 mm" for a file in millimetres. Not for STEP
+    /// and IGES files, which say their unit. Default: 1.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub scale: Option<f64>,
     /// Physical groups of surfaces, or of volumes, to take from a mesh file. Default: the whole file.
     #[serde(default)]
     pub only: Option<Vec<String>>,
