@@ -123,6 +123,18 @@ def test_flat_packings_and_columns_that_may_be_an_axis_are_remarked(tmp_path: pa
         assert len(fdem.contacts(fdem.read(path, kind="packing", columns="x,y,z,radius"))) == 0
 
 
+def test_sets_and_cut_elements_of_a_mesh_are_there(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "a.inp"
+    path.write_text(
+        "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*Element, type=CPS4, elset=all\n1, 1, 2, 3, 4\n*Nset, nset=base\n1, 2\n"
+        "*Surface, name=roof\n1, S3\n"
+    )
+    mesh = fdem.read(path, kind="mesh")
+    assert mesh.groups["base"]["nodes"].tolist() == [0, 1]
+    assert sorted(mesh.groups["roof"]["edges"][0].tolist()) == [2, 3]
+    assert mesh.notes == ["1 quadrilateral is cut into triangles"]
+
+
 def test_own_images_are_worth_a_warning_for_radii_only() -> None:
     points = [[1.0, 1.0, 0.0], [3.0, 1.0, 0.1]]
     with pytest.warns(UserWarning, match="2 couples are of an element with its own image"):

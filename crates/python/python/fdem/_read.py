@@ -83,6 +83,11 @@ class Mesh:
     """``[v]``: the body of each tetrahedron."""
     bodies: list[tuple[Optional[int], Optional[str]]]
     """The number and the name of each body in the file, where it has them."""
+    groups: dict[str, dict[str, npt.NDArray[np.uint32]]]
+    """The sets of the file that may overlap each other and the bodies, by name: ``nodes``, ``segments``, ``triangles`` and ``tetrahedra`` are ``[k]``, indices; ``edges``
+    ``[k, 2]`` and ``faces`` ``[k, 3]`` are those of elements, by their nodes."""
+    notes: list[str]
+    """Differences between the elements of the file and these, such as quadrilaterals that are cut into triangles."""
     format: str
     """The format that was read."""
 
