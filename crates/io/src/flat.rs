@@ -35,14 +35,9 @@ impl Packing {
     /// # Ok::<(), fdem_io::ReadError>(())
     /// ```
     pub fn flatten(&mut self, diameter: f64) -> Option<String> {
+        let axis = self.flat_axis(diameter)?;
         let (Centres::Three(centres), Some(cell)) = (&self.centres, &mut self.cell) else { return None };
-        let [first, _, ..] = centres[..] else { return None };
-        let is_flat = |axis: &usize| {
-            cell.is_thin(*axis, diameter) && centres.iter().all(|centre| centre[*axis] == first[*axis])
-        };
-        let mut flat = (0..3).filter(is_flat);
-        // In the cell of a crystal, one element stands for a lattice in space.
-        let (Some(axis), None) = (flat.next(), flat.next()) else { return None };
+        let first = centres[0];
         let (a, b) = ([1, 0, 0][axis], [2, 2, 1][axis]);
         let period = cell.edges[axis][axis].abs();
         let plane = centres.iter().map(|centre| [centre[a], centre[b]]).collect();
@@ -55,6 +50,33 @@ impl Packing {
             AXES[b],
             first[axis],
             along = AXES[axis],
+        ))
+    }
+}
+
+impl Packing {
+    /// The axis that [`Packing::flatten`] leaves out; `None` if the packing is not flat.
+    fn flat_axis(&self, diameter: f64) -> Option<usize> {
+        let (Centres::Three(centres), Some(cell)) = (&self.centres, &self.cell) else { return None };
+        let [first, _, ..] = centres[..] else { return None };
+        let is_flat = |axis: &usize| {
+            cell.is_thin(*axis, diameter) && centres.iter().all(|centre| centre[*axis] == first[*axis])
+        };
+        let mut flat = (0..3).filter(is_flat);
+        // In the cell of a crystal, one element stands for a lattice in space.
+        let (Some(axis), None) = (flat.next(), flat.next()) else { return None };
+        Some(axis)
+    }
+
+    /// A remark for a person if points are flat for a cut-off: they are searched in space, because they may
+    /// be the layer of a crystal.
+    pub fn layer(&self, cutoff: f64) -> Option<String> {
+        let axis = self.flat_axis(cutoff)?;
+        let plane = ["yz", "xz", "xy"][axis];
+        let along = AXES[axis];
+        Some(format!(
+            "all points have one {along}, and the box is periodic along {along} with less than the cut-off: points touch \
+             their own images; if this is a run in two dimensions, say --periodic {plane}"
         ))
     }
 }

@@ -110,6 +110,9 @@ impl Opened {
         if let Some(remark) = packing.source.unused_axis().filter(|_| options.columns.is_none()) {
             self.remark(remark);
         }
+        if let Some(remark) = arguments.cutoff.and_then(|cutoff| packing.layer(cutoff)) {
+            self.remark(remark);
+        }
         if let Some(remark) = largest_diameter(arguments, &packing).and_then(|reach| packing.flatten(reach)) {
             self.remark(remark);
         }

@@ -58,6 +58,7 @@ fn own_images_are_reported() {
     bench.write("b.xyz", format!("2\n{cell}\n1 1 0 0.5\n4 4 0 0.5\n"));
     let run = bench.run(&["contacts", "b.xyz", "--cutoff", "1", "--json", "b.json"]).succeeds();
     assert_eq!((bench.json("b.json")["dimensions"].as_u64(), run.stdout.lines().count()), (Some(3), 3));
+    assert!(run.stderr.contains("if this is a run in two dimensions, say --periodic xy"), "{}", run.stderr);
 }
 
 #[test]

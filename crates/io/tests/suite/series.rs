@@ -265,7 +265,7 @@ fn what_is_wrong_is_said_with_its_line() {
     says(head, 8, &["the file ends here", "ITEM"]);
     says("ITEM: TIMESTEP\n0.5\n", 2, &["time step '0.5'"]);
     says("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n-1\n", 4, &["number of atoms '-1'"]);
-    says("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\n", 3, &["NUMBER OF ENTRIES is not read"]);
+    says("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\n", 3, &["this is a 'dump local' of pairs"]);
     says(head.replace("pp pp pp", "pp pq pp"), 5, &["'pq' is no kind of boundary"]);
     says(head.replace("pp pp pp", "pp pf pp"), 5, &["'pf' is no kind of boundary"]);
     says(head.replace("0 4\n0 4\n0 4", "0 4\n4 0\n0 4"), 7, &["do not ascend: 4 and 0"]);

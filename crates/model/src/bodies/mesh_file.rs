@@ -194,6 +194,7 @@ where
     [[f64; D]; N]: Corners<D, N>,
 {
     let &Parts { elements, facets, place, ref words, .. } = parts;
+    check_rest(mesh, name)?;
     let labels: Vec<String> = mesh.bodies.iter().map(|body| label(body.name.as_ref(), body.number)).collect();
     let further: Vec<(String, &MeshGroup)> =
         mesh.groups.iter().map(|group| (label(group.name.as_ref(), group.number), group)).collect();
@@ -443,12 +444,28 @@ fn planar([x, y, _]: [f64; 3]) -> Point {
     [x, y]
 }
 
+/// Name of the elements that are in no group.
+const REST: &str = "rest";
+
+/// Refuses a group that has the name of the elements without a group, if there are such elements.
+fn check_rest(mesh: &MeshFile, name: &str) -> Result<(), Problem> {
+    let names =
+        || mesh.bodies.iter().map(|body| &body.name).chain(mesh.groups.iter().map(|group| &group.name));
+    let has_rest = mesh.bodies.iter().any(|body| body.name.is_none() && body.number.is_none());
+    if has_rest && names().flatten().any(|name| name == REST) {
+        let message =
+            format!("{name} has a group \"{REST}\", and elements in no group, which go by that name");
+        return Err(Problem { help: Some("rename the group".to_owned()), ..Problem::new("mesh", message) });
+    }
+    Ok(())
+}
+
 /// The name of a group in model files: its name in the mesh file, or its number.
 fn label(name: Option<&String>, number: Option<i64>) -> String {
     match (name, number) {
         (Some(name), _) => name.clone(),
         (None, Some(number)) => number.to_string(),
-        (None, None) => "rest".to_owned(),
+        (None, None) => REST.to_owned(),
     }
 }
 

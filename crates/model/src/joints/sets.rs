@@ -397,7 +397,8 @@ where
         if facets.is_empty() && set.between.is_none() && !set.optional {
             let span = document.value(Table::of("joint_set", number as usize), "name");
             let message = format!("[[joint_set]] \"{name}\" has no joint in any body");
-            let help = "its lines or planes do not reach the bodies; with optional = true a set may be without joints";
+            let help = "its lines or planes miss the bodies, lie along their outlines or other joints, or are short; \
+                        with optional = true a set may be without joints";
             faults.push(Fault::at(span, message).label("no joint").help(help));
         } else if !facets.is_empty() {
             model.add_joints(number, &facets);

@@ -124,11 +124,15 @@ where
         Ok(())
     }
 
-    /// The nodes that a group has.
+    /// The nodes that a group has: those of its set of nodes if there is one. Abaqus has sets of nodes and
+    /// sets of elements of one name, and its supports and forces take those of the former.
     pub(crate) fn nodes_of(&self, group: &PieceGroup<D>) -> Vec<u32> {
         let inside = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
-        let mut nodes: Vec<u32> =
-            inside.chain(group.facets.iter().flatten().chain(&group.nodes).copied()).collect();
+        let mut nodes: Vec<u32> = if group.nodes.is_empty() {
+            inside.chain(group.facets.iter().flatten().copied()).collect()
+        } else {
+            group.nodes.clone()
+        };
         nodes.sort_unstable();
         nodes.dedup();
         nodes

@@ -192,6 +192,27 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
     assert_eq!((only.model.mesh.elements.len(), only.model.mesh.nodes.len()), (2, 4));
 }
 
+/// Abaqus has a set of nodes and a set of elements of one name.
+#[test]
+fn a_set_of_nodes_holds_its_nodes_alone() {
+    let file = |more: &str| {
+        format!(
+            "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*Element, type=CPS3\n1, 1, 2, 3\n2, 1, 3, 4\n{more}"
+        )
+    };
+    let read = |more: &str| {
+        let keys = "mesh = \"a.inp\"\n[[boundary]]\nname = \"hold\"\ngroup = \"Set-1\"\nfixed = \"xy\"\n";
+        let file = file(more);
+        fdem_model::prepare(&with_shape(keys), "model.toml", &mut |_| Ok(file.clone().into_bytes()))
+    };
+    let both = read("*Nset, nset=Set-1\n1, 2\n*Elset, elset=Set-1\n1\n").unwrap();
+    let fdem_simulation::Target::Nodes(held) = &both.model.boundaries[0].target else { panic!() };
+    let places = held.iter().map(|&node| both.model.mesh.nodes[node as usize]).collect::<Vec<_>>();
+    assert_eq!(places, [[0.0, 0.0], [1.0, 0.0]]);
+    let errors = read("*Elset, elset=Set-1\n1\n*Elset, elset=rest\n1\n").unwrap_err().to_string();
+    assert!(errors.contains("a group \"rest\", and elements in no group"), "{errors}");
+}
+
 #[test]
 fn a_mesh_file_has_a_unit() {
     let file = "*Node\n1, 0, 0\n2, 500, 0\n3, 0, 250\n*Element, type=CPS3\n1, 1, 2, 3\n";
