@@ -8,8 +8,13 @@ use crate::joints::shape_file::{self, ShapeForm, check};
 /// Corners of a polygon in order, m.
 pub(crate) type SpacePolygon = Vec<[f64; 3]>;
 
-const POLYGONS: ShapeForm<SpacePolygon> =
-    ShapeForm { row: corners, row_is: "x1,y1,z1,x2,y2,z2,x3,y3,z3,…", entity, geometry };
+const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
+    row: corners,
+    row_is: "x1,y1,z1,x2,y2,z2,x3,y3,z3,…",
+    columns: &["x", "y", "z"],
+    entity,
+    geometry,
+};
 
 /// The polygons of a file.
 ///

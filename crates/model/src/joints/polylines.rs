@@ -7,7 +7,7 @@ use crate::joints::shape_file::{self, ShapeForm, check};
 use crate::shapes::outline::Point;
 
 const POLYLINES: ShapeForm<Vec<Point>> =
-    ShapeForm { row: points, row_is: "x1,y1,x2,y2,…", entity, geometry };
+    ShapeForm { row: points, row_is: "x1,y1,x2,y2,…", columns: &["x", "y"], entity, geometry };
 
 /// The lines of a file, by their two ends; a polyline is several.
 ///
@@ -74,6 +74,10 @@ mod tests {
     fn what_is_no_line_is_refused() {
         for (text, name, part) in [
             ("0,1,2\n", "a.csv", "row 1"),
+            ("x1,x2,y1,y2\n0,4,1,3.5\n", "a.csv", "the column \"x2\" in the place of y"),
+            ("x1 [mm],y1 [mm],x2 [mm],y2 [mm]\n0,1,4,3\n", "a.csv", "the unit mm"),
+            ("x1;y1;x2;y2\n1,5;1,5;8,5;1,5\n", "a.csv", "row 2 has decimal commas"),
+            ("1,5 1,5 8,5 1,5\n", "a.csv", "row 1 has decimal commas"),
             ("", "a.csv", "no lines"),
             ("{\"type\":\"Point\"}", "a.json", "Point"),
             ("[]", "a.json", "type"),

@@ -11,6 +11,8 @@ pub(crate) struct ShapeForm<T> {
     pub(crate) row: fn(&[f64]) -> Option<T>,
     /// Description of a row, for messages.
     pub(crate) row_is: &'static str,
+    /// First letters of the names of its columns, over and over.
+    pub(crate) columns: &'static [&'static str],
     /// The shape of an entity of a DXF file; `None` for another entity.
     pub(crate) entity: fn(&Entity<'_>) -> Option<T>,
     /// Adds the shapes of a geometry of a GeoJSON file by its type and its coordinates.
@@ -32,30 +34,72 @@ pub(crate) fn read<T>(bytes: &[u8], name: &str, form: &ShapeForm<T>) -> Result<V
             geometries(&value, &mut |kind, coordinates| (form.geometry)(kind, coordinates, &mut shapes))
                 .map(|()| shapes)
         }
-        _ => rows(text, form.row, form.row_is),
+        _ => rows(text, form.row, (form.row_is, form.columns, "m")),
     };
     shapes.map_err(|why| format!("{name}: {why}"))
 }
 
-/// One shape a row, which `of` makes of its numbers. A first row of words is a heading. `form`: description
-/// of a row, for messages.
-pub(crate) fn rows<T>(text: &str, of: impl Fn(&[f64]) -> Option<T>, form: &str) -> Result<Vec<T>, String> {
+/// One shape a row, which `of` makes of its numbers. A first row of words is a heading, which has to name
+/// these columns in this unit. `form`: description of a row, for messages; first letters of the names of its
+/// columns, over and over; unit.
+pub(crate) fn rows<T>(
+    text: &str,
+    of: impl Fn(&[f64]) -> Option<T>,
+    (form, columns, unit): (&str, &[&str], &str),
+) -> Result<Vec<T>, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut found = Vec::new();
     for (number, row) in (1..).zip(text.lines()) {
         let row = row.split('#').next().unwrap_or_default().trim();
         if row.is_empty() {
             continue;
         }
+        // Between semicolons, and where every word has one, a comma is a decimal one.
+        let has_decimal_comma = |word: &str| {
+            let (whole, fraction) = word.split_once(',').unwrap_or_default();
+            [whole.trim_start_matches(['-', '+']), fraction]
+                .iter()
+                .all(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()))
+        };
+        let mut words = row.split(|c: char| c == ';' || c.is_whitespace()).filter(|word| !word.is_empty());
+        let is_separated = row.contains(';') || words.clone().count() > 1;
+        let decimal =
+            if row.contains(';') { words.any(has_decimal_comma) } else { words.all(has_decimal_comma) };
+        if is_separated && decimal {
+            return Err(format!(
+                "row {number} has decimal commas, or two kinds of separators: write decimal points, or one separator: {row:.60}"
+            ));
+        }
         let cells =
             row.split(|c: char| ",;".contains(c) || c.is_whitespace()).filter(|cell| !cell.is_empty());
         let numbers: Result<Vec<f64>, _> = cells.map(str::parse).collect();
         match numbers.ok().and_then(|numbers| of(&numbers)) {
             Some(one) => found.push(one),
-            None if number == 1 && row.chars().any(char::is_alphabetic) => {}
+            None if number == 1 && row.chars().any(char::is_alphabetic) => check_heading(row, columns, unit)?,
             None => return Err(format!("row {number} is not {form}: {row:.60}")),
         }
     }
     Ok(found)
+}
+
+/// Checks that a heading has the columns in their order, and no other unit.
+fn check_heading(row: &str, columns: &[&str], unit: &str) -> Result<(), String> {
+    let expected = || columns.iter().cycle();
+    let cells =
+        row.split([',', ';', '\t']).map(|cell| cell.trim_matches(|c: char| c == '"' || c.is_whitespace()));
+    for (cell, column) in cells.zip(expected()) {
+        let name = cell.to_lowercase();
+        if !name.starts_with(column) {
+            return Err(format!("row 1 has the column \"{cell:.40}\" in the place of {column}"));
+        }
+        let given =
+            name.split_once(['[', '(']).map(|(_, rest)| rest.trim_end_matches([']', ')']).trim().to_owned());
+        if let Some(given) = given.filter(|given| given != unit && !matches!(given.as_str(), "" | "-" | "1"))
+        {
+            return Err(format!("row 1 has the unit {given:.20}: numbers are in {unit}"));
+        }
+    }
+    Ok(())
 }
 
 /// Checks that there are shapes, and that all of their coordinates are numbers. `many`: name of several.

@@ -87,7 +87,8 @@ pub(crate) fn schedule(
 fn read(name: &str, load: &mut Load<'_>) -> Result<Vec<[f64; 2]>, String> {
     let bytes = load(name).map_err(|why| format!("cannot read {name}: {why}"))?;
     let text = String::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
-    let times = rows(&text, |numbers| <[f64; 2]>::try_from(numbers).ok(), "a time and a factor");
+    let times =
+        rows(&text, |numbers| <[f64; 2]>::try_from(numbers).ok(), ("a time and a factor", &["t", ""], "s"));
     let times = times.map_err(|why| format!("{name}: {why}"))?;
     if times.is_empty() {
         return Err(format!("{name} has no rows"));
