@@ -58,7 +58,7 @@ pub(crate) struct Summary {
     /// Number of threads as given; 0 is one per processor.
     threads: usize,
     pub(crate) couples: u64,
-    /// Those of an element with its own image; absent if there is none.
+    /// Number of couples of an element with its own image; absent if there is none.
     #[serde(skip_serializing_if = "is_zero")]
     own_images: u64,
     pub(crate) mean_coordination: f64,
