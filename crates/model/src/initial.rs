@@ -12,6 +12,16 @@ use crate::text::file::{self, ModelFile, Vector};
 /// Checks `[initial]` before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, is_in_space: bool, faults: &mut Vec<Fault>) {
     let table = Table::one("initial");
+    if let Some(principal) = &file.initial.principal {
+        check_principal(principal, (document, table), is_in_space, faults);
+        if file.initial.stress.is_some() {
+            faults.push(
+                Fault::at(document.key(table, "principal"), "[initial] has both stress and principal")
+                    .label("a second stress")
+                    .help("take one of the two out"),
+            );
+        }
+    }
     if let Some(ground) = &file.initial.ground {
         let down = match &file.model.gravity {
             file::Gravity::Vector(gravity) => {
@@ -64,6 +74,39 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, is_in_space: bool
     }
 }
 
+/// Checks the keys of principal stresses, and their order.
+fn check_principal(
+    principal: &file::Principal,
+    (document, table): (&Document<'_>, Table),
+    is_in_space: bool,
+    faults: &mut Vec<Fault>,
+) {
+    let [flat, space] = principal.of_dimensions();
+    let (own, others, place) =
+        if is_in_space { (&space, &flat, "three dimensions") } else { (&flat, &space, "two dimensions") };
+    for (key, _) in others.iter().filter(|(_, given)| *given) {
+        let span = document.key(table, &format!("principal.{key}"));
+        faults.push(
+            Fault::at(span, format!("a principal stress in {place} has no \"{key}\"")).label("take it out"),
+        );
+    }
+    let missing: Vec<&str> =
+        own.iter().filter(|(key, given)| !given && *key != "rake").map(|(key, _)| *key).collect();
+    if !missing.is_empty() {
+        let text = format!("a principal stress in {place} needs {}", missing.join(", "));
+        faults.push(Fault::at(document.key(table, "principal"), text).label("is not complete"));
+        return;
+    }
+    let values = [principal.sigma1, principal.sigma2.unwrap_or(principal.sigma3), principal.sigma3];
+    if !values.is_sorted() {
+        faults.push(
+            Fault::at(document.key(table, "principal"), "the principal stresses are not in their order")
+                .label("out of order")
+                .help("tension is positive: sigma1, the largest compression, is the least number, sigma3 the largest"),
+        );
+    }
+}
+
 /// Velocity of each node at the start; empty if all nodes rest.
 pub(crate) fn velocities<const D: usize, const N: usize>(
     file: &ModelFile,
@@ -91,7 +134,7 @@ pub(crate) fn stresses<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
-    let (stress, gradient) = (&file.initial.stress, &file.initial.stress_gradient);
+    let (stress, gradient) = (&file.initial.components(D), &file.initial.stress_gradient);
     let ground = file.initial.ground.as_ref();
     if stress.is_none() && gradient.is_none() && ground.is_none() {
         return Vec::new();

@@ -69,9 +69,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         for (key, found, wanted) in lengths {
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
         }
-        if d == 2 && matches!(boundary.side, Some(Side::Front | Side::Back)) {
+        if d == 2 && boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
+            let key = if boundary.side.is_some() { "side" } else { "sides" };
             faults.push(
-                Fault::at(document.value(table, "side"), "a flat body has no front and no back")
+                Fault::at(document.value(table, key), "a flat body has no front and no back")
                     .label("not in two dimensions")
                     .help("its sides are left, right, bottom and top"),
             );

@@ -534,6 +534,8 @@ where
         if let Some(stages) = &self.course.stages {
             json["stages"] = stages.json();
         }
+        let until = self.course.prepared.until.as_ref();
+        json["until_met"] = until.map_or(Value::Null, |_| Value::Bool(self.course.reached.met));
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
         json["curves"] = self.curves.iter().map(log::curve).collect();

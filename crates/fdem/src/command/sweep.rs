@@ -19,6 +19,7 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use fdem_io::numbers::grouped;
+use fdem_results::History;
 use serde_json::{Value, json};
 
 use crate::command::args::{MOST_RUNS_OF_A_SWEEP, SweepArguments};
@@ -291,7 +292,13 @@ impl Sweep<'_> {
             status,
             message,
             folder: self.store.name(number),
-            results: json.filter(|_| has_results).map(|json| results(&json)).unwrap_or_default(),
+            results: json
+                .filter(|_| has_results)
+                .map(|json| {
+                    let history = self.store.history(number).and_then(|text| History::read(&text).ok());
+                    results(&json, history.as_ref())
+                })
+                .unwrap_or_default(),
         }
     }
 

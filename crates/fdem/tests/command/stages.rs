@@ -179,6 +179,18 @@ fn a_stage_softens_a_body() {
         bench.write("wrong.toml", model.replacen(from, to, 1));
         bench.run(&["check", "wrong.toml"]).refused_with(parts);
     };
+    // A core that breaks becomes one that does not.
+    let strong = "tensile_strength = 1e7\ncohesion = 3e7\nfriction_angle = 45\nfracture_energy_i = 1e5\nfracture_energy_ii = 1e5\n";
+    let breaks =
+        model.replace("[[material]]\nname = \"rock\"\n", &format!("[[material]]\nname = \"rock\"\n{strong}"));
+    assert_ne!(breaks, model);
+    bench.write("breaks.toml", &breaks);
+    bench.run(&["check", "breaks.toml"]).refused_with(&["\"soft\" has no strengths", "unbreakable = true"]);
+    bench.write("breaks.toml", breaks.replace("name = \"soft\"\n", "name = \"soft\"\nunbreakable = true\n"));
+    bench.run(&["run", "breaks.toml", "-o", "broken", "-q"]).succeeds();
+    let history = String::from_utf8(std::fs::read(bench.path("broken/history.csv")).unwrap()).unwrap();
+    let held = *column(&history, "crown uy [m]").last().unwrap();
+    assert!((held / crown - 1.0).abs() < 0.05, "{held} and {crown}");
     wrong("core = \"soft\"", "cor = \"soft\"", &["there is no body \"cor\"", "core"]);
     wrong("core = \"soft\"", "core = \"sofft\"", &["sofft", "soft"]);
     wrong("name = \"soft\"\ndensity = 2700", "name = \"soft\"\ndensity = 2600", &["another density"]);

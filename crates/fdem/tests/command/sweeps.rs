@@ -104,6 +104,10 @@ fn a_grid_is_run_and_compared() {
     let number = |row: usize, name: &str| rows[row][name].parse::<f64>().unwrap();
     assert!(number(2, "pull peak").abs() > number(0, "pull peak").abs(), "a faster pull is a larger force");
     assert_eq!(number(5, "time_step"), number(0, "time_step"));
+    let history = bench.read("sweep_results/runs/003/history.csv");
+    let place = history.lines().next().unwrap().split(',').position(|name| name == "pull fy [N]").unwrap();
+    let last = history.lines().last().unwrap().split(',').nth(place).unwrap();
+    assert_eq!(number(2, "pull fy [N] at the end"), last.parse::<f64>().unwrap());
 
     let sets = ["--set", "strength=3 MPa", "--set", "speed=0.4"];
     bench.run(&[&["run", "plate.toml", "-q", "--output", "alone"], &sets[..]].concat()).succeeds();
@@ -130,6 +134,17 @@ fn a_grid_is_run_and_compared() {
     let run = bench.run(&["sweep", "sweep.toml"]).succeeds();
     assert!(run.stderr.contains("6 runs, 1 to do; 5 have finished before"), "{}", run.stderr);
     assert_eq!(bench.read("again/runs.csv"), bench.read("sweep_results/runs.csv"));
+}
+
+/// The table has whether the condition that ends a run was met.
+#[test]
+fn a_condition_that_ends_runs_is_in_the_table() {
+    let bench = bench("model = \"plate.toml\"\n[grid]\nspeed = [0.1, 0.4]\n");
+    let until = "end_time = 2e-4\nuntil = { column = \"pull fy\", above = 1e5 }\n";
+    bench.write("plate.toml", PLATE.replacen("end_time = 2e-4\n", until, 1));
+    bench.run(&["sweep", "sweep.toml", "-q"]).succeeds();
+    let rows = table(&bench, "sweep_results");
+    assert_eq!(column(&rows, "until_met"), ["no", "yes"]);
 }
 
 /// A sweep or a model that has changed is refused, and replaced only on request.

@@ -33,7 +33,7 @@ const ORDER: [(&str, &[&str]); 14] = [
     ("joint_set", &[]),
     ("boundary", &["servo"]),
     ("stage", &["until"]),
-    ("initial", &["Ground"]),
+    ("initial", &["Principal", "Ground"]),
     ("contact", &[]),
     ("fracture", &[]),
     ("output", &["acoustic_emission", "Field"]),

@@ -73,14 +73,16 @@ const HEAVY: f64 = 5000.0;
 /// Numbers of materials that look as if they were in other units, and gravity that does.
 pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     for material in &model.materials {
+        // An unbreakable material has an energy that no number of a file comes near to.
+        let strength = material.strength.filter(|strength| strength.energy_i < 1e3 * material.youngs_modulus);
         for range in &RANGES {
             let value = match range.key {
                 "youngs_modulus" => Some(material.youngs_modulus),
                 "density" => Some(material.density),
-                "cohesion" => material.strength.map(|strength| strength.cohesion),
-                "fracture_energy_i" => material.strength.map(|strength| strength.energy_i),
-                "fracture_energy_ii" => material.strength.map(|strength| strength.energy_ii),
-                _ => material.strength.map(|strength| strength.tensile),
+                "cohesion" => strength.map(|strength| strength.cohesion),
+                "fracture_energy_i" => strength.map(|strength| strength.energy_i),
+                "fracture_energy_ii" => strength.map(|strength| strength.energy_ii),
+                _ => strength.map(|strength| strength.tensile),
             };
             warnings.extend(value.and_then(|value| question(material, range, value)));
         }

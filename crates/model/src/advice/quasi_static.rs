@@ -244,7 +244,10 @@ fn undamped_stages<const D: usize, const N: usize>(
         return;
     }
     let initial = &file.initial;
-    let rests = initial.ground.is_some() || initial.stress.is_some() || initial.stress_gradient.is_some();
+    let rests = initial.ground.is_some()
+        || initial.stress.is_some()
+        || initial.principal.is_some()
+        || initial.stress_gradient.is_some();
     for (number, stage) in file.stage.iter().enumerate() {
         if rests && number == 0 {
             continue;

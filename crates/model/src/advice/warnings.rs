@@ -258,7 +258,8 @@ fn lone_node<const D: usize, const N: usize>(
     warnings: &mut Vec<String>,
 ) {
     let Target::Nodes(nodes) = &boundary.target else { return };
-    let in_place = |given: &&file::Boundary| given.side.is_some() || given.limits.is_some();
+    let in_place =
+        |given: &&file::Boundary| given.side.is_some() || given.sides.is_some() || given.limits.is_some();
     let given = ready.file.boundary.iter().filter(in_place);
     if !given.into_iter().any(|given| given.name == boundary.name) {
         return;

@@ -68,7 +68,7 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
 /// Whether a boundary can only be meant for three dimensions.
 fn is_in_space(boundary: &file::Boundary) -> bool {
     let holds_z = boundary.fixed.is_some_and(|fixed| fixed.axes()[2]);
-    let on_side = matches!(boundary.side, Some(Side::Front | Side::Back));
+    let on_side = boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back));
     let motions = [&boundary.velocity, &boundary.displacement];
     let loads = [&boundary.force, &boundary.traction, &boundary.at];
     holds_z

@@ -8,7 +8,7 @@ use crate::text::fault::{Fault, suggestion};
 use crate::text::file::ModelFile;
 
 /// The five keys that a strength needs.
-const STRENGTH: [&str; 5] =
+pub(crate) const STRENGTH: [&str; 5] =
     ["tensile_strength", "cohesion", "friction_angle", "fracture_energy_i", "fracture_energy_ii"];
 
 /// The materials in the order of the file.
@@ -43,7 +43,20 @@ pub(crate) fn materials(
             seed: material.weibull_seed,
         };
         let name = format!("[[material]] \"{}\"", material.name);
-        let strength = keys.strength(&name, table, document, faults);
+        let mut strength = keys.strength(&name, table, document, faults);
+        if material.unbreakable {
+            if let Some(given) = keys.given() {
+                faults.push(
+                    Fault::at(
+                        document.key(table, given),
+                        format!("{name} is unbreakable and has a strength"),
+                    )
+                    .label("a strength")
+                    .help("take the keys of the strength out, or unbreakable"),
+                );
+            }
+            strength = replaces(file, &material.name).then(|| unreachable(material.youngs_modulus));
+        }
         let law = law(material, dimensions, strength, (table, document), faults);
         materials.push(Material {
             name: material.name.clone(),
@@ -57,6 +70,36 @@ pub(crate) fn materials(
         });
     }
     materials
+}
+
+/// Whether a material replaces others in a stage, and no body has it from the beginning.
+fn replaces(file: &ModelFile, name: &str) -> bool {
+    let later = file.stage.iter().flat_map(|stage| stage.materials.values()).any(|material| material == name);
+    later && !is_first(file, name)
+}
+
+/// Whether a body has the material from the beginning.
+pub(crate) fn is_first(file: &ModelFile, name: &str) -> bool {
+    let of_grains = |body: &crate::file::Body| {
+        body.voronoi.as_ref().is_some_and(|grains| grains.materials.iter().any(|material| material == name))
+    };
+    file.body.iter().any(|body| body.material == name || of_grains(body))
+}
+
+/// A strength that nothing reaches, for joints that an unbreakable material takes over from one that breaks.
+/// `e`: Young's modulus, Pa. The energy is above that of any joint up to its strength, which for elements of
+/// the size h and a penalty p is e h/(2 p).
+fn unreachable(e: f64) -> Strength {
+    let energy = 1e4 * e;
+    Strength {
+        tensile: e,
+        cohesion: e,
+        friction: 1.0,
+        energy_i: energy,
+        energy_ii: energy,
+        weibull_modulus: None,
+        seed: 0,
+    }
 }
 
 /// The law of a material. `across`: strength of the material, which is that across the bedding if it has one.
@@ -224,6 +267,12 @@ struct Keys {
 }
 
 impl Keys {
+    /// The first key that is given.
+    fn given(&self) -> Option<&'static str> {
+        let first = STRENGTH.iter().zip(self.values).find_map(|(key, value)| value.map(|_| *key));
+        first.or(self.weibull_modulus.map(|_| "weibull_modulus"))
+    }
+
     /// The strength, if its keys are complete; none, if none is given.
     fn strength(
         &self,
@@ -269,8 +318,7 @@ impl Keys {
             let keys = STRENGTH.iter().zip(values).filter(move |(_, value)| value.is_some() == wanted);
             keys.map(|(key, _)| *key).collect::<Vec<_>>()
         };
-        let given = has(true).first().copied().or(self.weibull_modulus.map(|_| "weibull_modulus"));
-        if let Some(given) = given {
+        if let Some(given) = self.given() {
             let lacks = has(false).join(", ");
             faults.push(
                 Fault::at(document.key(table, given), format!("{name} has a strength that is not complete"))

@@ -35,6 +35,8 @@ pub enum Bound {
 pub struct Reached {
     /// Whether the run is over before its end time.
     pub over: bool,
+    /// Whether the `until` of `[model]` was met.
+    pub met: bool,
     /// The largest magnitudes of the columns that end the run and the stage.
     pub peaks: [f64; 2],
 }

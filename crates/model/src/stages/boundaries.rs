@@ -46,7 +46,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("{title} is in two places, {first} and {second}"),
                 )
                 .label("a second place")
-                .help("take one of side, box, group and at"),
+                .help("take one of side, sides, box, group and at"),
             );
         }
         let inverted = |limits: &Vec<f64>| {
@@ -83,6 +83,7 @@ fn loads(boundary: &file::Boundary) -> Vec<&'static str> {
 fn places(boundary: &file::Boundary) -> Vec<&'static str> {
     [
         ("side", boundary.side.is_some()),
+        ("sides", boundary.sides.is_some()),
         ("box", boundary.limits.is_some()),
         ("group", boundary.group.is_some()),
         ("at", boundary.at.is_some()),
@@ -271,8 +272,8 @@ where
                 }
             }
         }
-        let limits = self.limits();
-        nodes.retain(|&node| within(self.mesh.nodes[node as usize], limits));
+        let boxes = self.boxes();
+        nodes.retain(|&node| boxes.iter().any(|&limits| within(self.mesh.nodes[node as usize], limits)));
         nodes
     }
 
@@ -286,34 +287,41 @@ where
             };
             facets.extend(found.into_iter().map(|facet| facet.map(|node| node + first[0])));
         }
-        let limits = self.limits();
-        facets.retain(|facet| facet.iter().all(|&node| within(self.mesh.nodes[node as usize], limits)));
+        let boxes = self.boxes();
+        let is_in = |facet: &[u32; D], limits| {
+            facet.iter().all(|&node| within(self.mesh.nodes[node as usize], limits))
+        };
+        facets.retain(|facet| boxes.iter().any(|&limits| is_in(facet, limits)));
         facets
     }
 
-    /// The box that nodes have to be in.
-    fn limits(&self) -> [[f64; D]; 2] {
-        let mut limits = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
+    /// The boxes of which nodes have to be in one.
+    fn boxes(&self) -> Vec<[[f64; D]; 2]> {
+        let everywhere = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
         if let Some(given) = &self.boundary.limits {
             let (least, most) = given.split_at(given.len() / 2);
-            for (limit, given) in limits.iter_mut().zip([least, most]) {
-                *limit = given.try_into().unwrap_or(*limit);
-            }
-            return limits;
+            let [low, high] = everywhere;
+            return vec![[least.try_into().unwrap_or(low), most.try_into().unwrap_or(high)]];
         }
-        let Some(side) = self.boundary.side else { return limits };
+        if self.boundary.all_sides().next().is_none() {
+            return vec![everywhere];
+        }
         let points = self.bodies.iter().flat_map(|&body| self.placed[body].piece.nodes.iter().copied());
         let [low, high] = bounds(points);
         let reach = SIDE * (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        match side {
-            Side::Left => limits[1][0] = low[0] + reach,
-            Side::Right => limits[0][0] = high[0] - reach,
-            Side::Front => limits[1][1] = low[1] + reach,
-            Side::Back => limits[0][1] = high[1] - reach,
-            Side::Bottom => limits[1][D - 1] = low[D - 1] + reach,
-            Side::Top => limits[0][D - 1] = high[D - 1] - reach,
-        }
-        limits
+        let of_side = |side| {
+            let mut limits = everywhere;
+            match side {
+                Side::Left => limits[1][0] = low[0] + reach,
+                Side::Right => limits[0][0] = high[0] - reach,
+                Side::Front => limits[1][1] = low[1] + reach,
+                Side::Back => limits[0][1] = high[1] - reach,
+                Side::Bottom => limits[1][D - 1] = low[D - 1] + reach,
+                Side::Top => limits[0][D - 1] = high[D - 1] - reach,
+            }
+            limits
+        };
+        self.boundary.all_sides().map(of_side).collect()
     }
 }
 

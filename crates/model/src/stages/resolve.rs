@@ -199,18 +199,22 @@ fn change_materials(
                     .get(material as usize)
                     .is_some_and(|material| material.tensile_strength.is_some())
             };
-            if let Some(&old) = part.iter().find(|&&old| breaks(old) && !breaks(material)) {
+            // Its joints hold whatever happens.
+            let holds = |material: u32| {
+                let new = &file.material[material as usize];
+                new.unbreakable && !materials::is_first(file, &new.name)
+            };
+            if let Some(&old) = part.iter().find(|&&old| breaks(old) && !breaks(material) && !holds(material))
+            {
                 let old = &file.material[old as usize].name;
                 let message = format!(
                     "[[stage]] \"{}\": \"{name}\" has no strengths, and \"{old}\" has: joints would have no law",
                     stage.name
                 );
                 let span = document.value(table, &format!("materials.{body}"));
-                faults.push(
-                    Fault::at(span, message)
-                        .label("without strengths")
-                        .help("give it strengths that nothing reaches"),
-                );
+                faults.push(Fault::at(span, message).label("without strengths").help(format!(
+                    "give \"{name}\" unbreakable = true, if no body has it from the beginning"
+                )));
             }
             part.fill(material);
         }

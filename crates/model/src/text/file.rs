@@ -8,6 +8,7 @@ mod condition;
 mod ground;
 mod material;
 mod output;
+mod principal;
 mod scaling;
 mod stage;
 mod vector;
@@ -29,6 +30,7 @@ pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
 pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Output};
+pub use principal::Principal;
 pub use scaling::MassScaling;
 pub use stage::{Release, Stage};
 pub use vector::Vector;
@@ -254,16 +256,28 @@ pub struct Initial {
     #[schemars(length(min = 3, max = 6))]
     #[schemars(extend("x-unit" = "Pa"))]
     pub stress: Option<Vec<f64>>,
-    /// Change of that stress per metre upwards (y in two dimensions, z in three), Pa/m, with the same
-    /// components; `stress` is that at height 0. A yy, or zz, of density times gravity carries the weight.
-    /// Default: none.
+    /// Stress in all bodies by its principal values and their directions, in place of `stress`. Default:
+    /// none.
+    #[serde(default)]
+    pub principal: Option<Principal>,
+    /// Change of that stress per metre upwards (y in two dimensions, z in three), Pa/m, with the components
+    /// of `stress`; `stress` or `principal` is that at height 0. A yy, or zz, of density times gravity
+    /// carries the weight. Default: none.
     #[serde(default)]
     #[schemars(length(min = 3, max = 6))]
     #[schemars(extend("x-unit" = "Pa/m"))]
     pub stress_gradient: Option<Vec<f64>>,
-    /// Stress of ground at rest under its own weight, besides `stress` and `stress_gradient`. Default: none.
+    /// Stress of ground at rest under its own weight, added to the others. Default: none.
     #[serde(default)]
     pub ground: Option<Ground>,
+}
+
+impl Initial {
+    /// The stress at height 0 in `dimensions`, as components in the order of the model file.
+    pub(crate) fn components(&self, dimensions: usize) -> Option<Vec<f64>> {
+        let of_principal = || self.principal.as_ref().map(|principal| principal.components(dimensions));
+        self.stress.clone().or_else(of_principal)
+    }
 }
 
 fn one() -> f64 {

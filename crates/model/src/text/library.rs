@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::bodies::materials::STRENGTH;
 use crate::text::document::{Document, number};
 use crate::text::fault::nearest;
 
@@ -169,8 +170,11 @@ fn complete(table: &mut DeTable<'_>) -> Option<FromLibrary> {
     let near = nearest(&library, self::library().iter().map(|material| material.name.as_str()));
     let likely = || self::library().iter().find(|material| near == Some(&material.name));
     let chosen = known.or_else(likely).or(self::library().first())?;
-    let (own, missing): (Vec<_>, Vec<_>) =
-        chosen.keys.iter().partition(|(key, _)| entry(table, key).is_some());
+    let is_unbreakable = table
+        .iter()
+        .any(|(key, value)| key.get_ref() == "unbreakable" && value.get_ref().as_bool() == Some(true));
+    let wanted = chosen.keys.iter().filter(|(key, _)| !is_unbreakable || !STRENGTH.contains(&&**key));
+    let (own, missing): (Vec<_>, Vec<_>) = wanted.partition(|(key, _)| entry(table, key).is_some());
     for (key, value) in entries(&chosen.name).into_iter().flatten() {
         if missing.iter().any(|(missing, _)| *missing == *key.get_ref()) {
             let key = Spanned::new(span.clone(), key.into_inner());

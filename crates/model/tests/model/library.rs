@@ -136,3 +136,13 @@ fn the_schema_asks_for_one_of_both() {
     assert_eq!(material["anyOf"], serde_json::json!([{ "required": ["library"] }, { "required": needed }]));
     assert_eq!(material["properties"]["library"]["enum"].as_array().unwrap().len(), library().len());
 }
+
+/// An unbreakable material has no strengths from the library, and none of its own.
+#[test]
+fn an_unbreakable_material_has_no_strengths() {
+    let material = prepared(PLANE, "library = \"granite\"\nunbreakable = true\n").unwrap();
+    let AnyPrepared::Plane(flat) = material else { panic!("it has two dimensions") };
+    assert_eq!(flat.model.materials[0].strength, None);
+    let errors = prepared(PLANE, "library = \"granite\"\nunbreakable = true\ncohesion = 3e6\n").unwrap_err();
+    assert!(errors.to_string().contains("is unbreakable and has a strength"), "{errors}");
+}

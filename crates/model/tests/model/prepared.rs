@@ -6,7 +6,7 @@ use fdem_model::{Checkpoint, Preflight, Quantity};
 use fdem_results::Field;
 use fdem_simulation::{Load, Schedule, Target};
 
-use crate::{SMALL, right};
+use crate::{SMALL, read, right};
 
 fn with(more: &str) -> String {
     format!("{SMALL}\n{more}")
@@ -413,4 +413,57 @@ fn what_an_initial_stress_does_not_balance_is_said() {
     assert!(told(&touching("[0, 1e6, 0]"), "\"block\" and \"lid\" touch, and it pulls them apart"));
     assert!(told(&touching("[0, -1e6, 0.5e6]"), "more than friction holds"));
     assert!(!right(&touching("[0, -1e6, 0]")).warnings.iter().any(|warning| warning.contains("[initial]")));
+}
+
+#[test]
+fn a_boundary_acts_on_several_sides() {
+    let sides = |keys: &str| {
+        let boundary = format!("[[boundary]]\nname = \"b\"\n{keys}\n");
+        right(&with(&boundary)).model.boundaries[0].target.clone()
+    };
+    let count = |target: &Target<2>| match target {
+        Target::Nodes(nodes) => nodes.len(),
+        Target::Facets(edges) => edges.len(),
+        Target::Held(..) => panic!("no node is held"),
+    };
+    // Along the bottom are 10 edges, along the left 5, with a corner that counts once.
+    assert_eq!(count(&sides("sides = [\"bottom\", \"left\"]\nfixed = \"xy\"")), 16);
+    assert_eq!(count(&sides("sides = [\"left\", \"right\"]\npressure = 1e6")), 10);
+    assert_eq!(count(&sides("sides = [\"left\"]\npressure = 1e6")), 5);
+    let refused = |keys: &str| {
+        let boundary = format!("[[boundary]]\nname = \"b\"\nfixed = \"x\"\n{keys}\n");
+        read(&with(&boundary)).unwrap_err().to_string()
+    };
+    let both = refused("side = \"left\"\nsides = [\"right\"]");
+    assert!(both.contains("is in two places, side and sides"), "{both}");
+    let flat = refused("sides = [\"left\", \"back\"]");
+    assert!(flat.contains("a flat body has no front and no back"), "{flat}");
+    assert!(!refused("sides = []").is_empty());
+}
+
+#[test]
+fn a_stress_is_given_by_its_principal_values() {
+    let stress =
+        |keys: &str| right(&with(&format!("[initial]\nprincipal = {{ {keys} }}\n"))).model.stresses[0];
+    let near = |found: [[f64; 2]; 2], wanted: [f64; 3]| {
+        let found = [found[0][0], found[1][1], found[0][1], found[1][0]];
+        let wanted = [wanted[0], wanted[1], wanted[2], wanted[2]];
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1.0), "{found:?} and {wanted:?}");
+    };
+    near(stress("sigma1 = -10e6, sigma3 = -4e6, angle = 0"), [-10e6, -4e6, 0.0]);
+    near(stress("sigma1 = -10e6, sigma3 = -4e6, angle = 90"), [-4e6, -10e6, 0.0]);
+    // Compression along a line that rises to the right pushes the upper side to the left, down.
+    near(stress("sigma1 = \"-10 MPa\", sigma3 = 2e6, angle = \"45 deg\""), [-4e6, -4e6, -6e6]);
+    let refused = |keys: &str| read(&with(&format!("[initial]\n{keys}\n"))).unwrap_err().to_string();
+    for (keys, part) in [
+        ("principal = { sigma1 = 10e6, sigma3 = 4e6, angle = 0 }", "are not in their order"),
+        ("principal = { sigma1 = -10e6, sigma3 = -4e6 }", "needs angle"),
+        ("principal = { sigma1 = -10e6, sigma3 = -4e6, angle = 0, trend = 3 }", "has no \"trend\""),
+        (
+            "stress = [0, 0, 0]\nprincipal = { sigma1 = -10e6, sigma3 = -4e6, angle = 0 }",
+            "both stress and principal",
+        ),
+    ] {
+        assert!(refused(keys).contains(part), "{}", refused(keys));
+    }
 }

@@ -413,6 +413,48 @@ fn a_mistake_in_a_body_leaves_its_dimensions() {
 }
 
 /// Initial stress and its gradient grow with depth, and gravity is along z.
+/// σ₁ has a trend and a plunge, σ₂ a rake about it.
+#[test]
+fn a_stress_in_space_is_given_by_its_principal_values() {
+    let stress = |keys: &str| {
+        let principal = format!("sigma1 = -30, sigma2 = -20, sigma3 = -10, {keys}");
+        let text = format!(
+            "[model]\nend_time = 1\ngravity = \"none\"\n[initial]\nprincipal = {{ {principal} }}\n{}{STONE}",
+            body("box = { min = [0, 0, 0], max = [1, 1, 2] }\nmesh_size = 0.5")
+        );
+        match any(&text) {
+            Ok(AnyPrepared::Space(prepared)) => prepared.model.stresses[0],
+            Ok(_) => panic!("it has three dimensions"),
+            Err(why) => panic!("{why}"),
+        }
+    };
+    let along = |stress: [[f64; 3]; 3], direction: [f64; 3]| -> f64 {
+        (0..3).map(|i| (0..3).map(|j| stress[i][j] * direction[i] * direction[j]).sum::<f64>()).sum()
+    };
+    let axes = |stress| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| along(stress, axis));
+    for (keys, wanted) in [
+        ("trend = 90, plunge = 0", [-30.0, -20.0, -10.0]),
+        ("trend = 0, plunge = 0", [-20.0, -30.0, -10.0]),
+        ("trend = 0, plunge = 90", [-20.0, -10.0, -30.0]),
+        ("trend = 90, plunge = 0, rake = 90", [-30.0, -10.0, -20.0]),
+    ] {
+        let found = axes(stress(keys));
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{keys}: {found:?}");
+    }
+    // 30 degrees from north to east, 40 degrees down.
+    let found = stress("trend = 30, plunge = 40, rake = -25");
+    let (level, down) = (40_f64.to_radians().cos(), 40_f64.to_radians().sin());
+    let first = [0.5 * level, 0.75_f64.sqrt() * level, -down];
+    assert!((along(found, first) + 30.0).abs() < 1e-12);
+    assert!((axes(found).iter().sum::<f64>() + 60.0).abs() < 1e-12);
+    // σ₂, turned back by 25 degrees, is horizontal.
+    let (sin, cos) = (-25_f64).to_radians().sin_cos();
+    let across = [0.75_f64.sqrt(), -0.5, 0.0];
+    let steep = [-0.5 * down, -(0.75_f64.sqrt()) * down, -level];
+    let second = std::array::from_fn(|k| cos * across[k] + sin * steep[k]);
+    assert!((along(found, second) + 20.0).abs() < 1e-12);
+}
+
 #[test]
 fn initial_stress_is_a_tensor_that_changes_with_height() {
     let text = format!(

@@ -240,6 +240,7 @@ where
         let (Some(until), Some(row)) = (&self.prepared.until, row) else { return };
         if let Some(why) = until.met(row, &mut self.reached.peaks[0]) {
             self.reached.over = true;
+            self.reached.met = true;
             turned.told.push(format!("the run ends at {} s: {why}", brief(self.run.time())));
         }
     }
@@ -308,7 +309,7 @@ where
     /// targets, in words.
     pub(crate) fn unmet(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.over) {
+        if let Some(until) = self.prepared.until.as_ref().filter(|_| !self.reached.met) {
             warnings.push(format!("until of [model], on {}, was not met", until.column));
         }
         warnings.extend(self.stages.as_ref().and_then(Stages::unreached));

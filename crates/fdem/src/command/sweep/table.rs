@@ -1,5 +1,6 @@
 //! The table of the results of a sweep.
 
+use fdem_results::History;
 use fdem_results::page::sweep::Cell;
 use serde_json::Value;
 
@@ -87,8 +88,9 @@ fn cell(value: &Setting) -> Cell {
 const NUMBERS: [&str; 8] =
     ["time", "steps", "time_step", "elements", "nodes", "joints", "broken_joints", "crack_length"];
 
-/// The results in a `run.json`, without times of the clock, which differ from machine to machine.
-pub(crate) fn results(json: &Value) -> Vec<(String, Cell)> {
+/// The results in a `run.json`, and the last values of the user's columns of a history. Times of the clock,
+/// which differ from machine to machine, are left out.
+pub(crate) fn results(json: &Value, history: Option<&History>) -> Vec<(String, Cell)> {
     let mut found = Vec::new();
     let mut add = |name: String, value: &Value| {
         if let Some(number) = value.as_f64() {
@@ -109,6 +111,14 @@ pub(crate) fn results(json: &Value) -> Vec<(String, Cell)> {
             add(format!("{name} {key}"), &curve[key]);
         }
     }
+    for (name, values) in history.into_iter().flat_map(History::of_user) {
+        if let Some(last) = values.last().filter(|last| last.is_finite()) {
+            found.push((format!("{name} at the end"), Cell::Number(*last)));
+        }
+    }
+    if let Some(met) = json["until_met"].as_bool() {
+        found.push(("until_met".to_owned(), Cell::Text(if met { "yes" } else { "no" }.to_owned())));
+    }
     if let Some(hash) = json["state_hash"].as_str() {
         found.push(("state_hash".to_owned(), Cell::Text(hash.to_owned())));
     }
@@ -125,7 +135,7 @@ mod tests {
         let names = ["strength".to_owned()];
         let json = json!({
             "time": 1e-3, "steps": 40, "broken_joints": 3, "seconds": { "total": 7.0 }, "fragments": { "number": 2, "d50": null },
-            "energies": { "kinetic": 0.25 }, "curves": [{ "name": "impact", "peak": -2e3, "modulus": null }], "state_hash": "ab",
+            "energies": { "kinetic": 0.25 }, "curves": [{ "name": "impact", "peak": -2e3, "modulus": null }], "until_met": true, "state_hash": "ab",
         });
         let row = |number, value: &str, status, message: &str, results| RunRow {
             number,
@@ -137,14 +147,14 @@ mod tests {
         };
         let rows = [
             row(1, "-1 m", "refused", "said \"no\", twice", Vec::new()),
-            row(2, "8 MPa", "finished", "", results(&json)),
+            row(2, "8 MPa", "finished", "", results(&json, None)),
         ];
         let table = Table::of(&names, &rows);
         assert_eq!(
             String::from_utf8(table.csv().unwrap()).unwrap(),
-            "run,strength,status,message,time,steps,broken_joints,fragments number,energy kinetic,impact peak,state_hash,folder\n\
-             1,-1,refused,\"said \"\"no\"\", twice\",,,,,,,,runs/001\n\
-             2,8000000,finished,,0.001,40,3,2,0.25,-2000,ab,runs/002\n"
+            "run,strength,status,message,time,steps,broken_joints,fragments number,energy kinetic,impact peak,until_met,state_hash,folder\n\
+             1,-1,refused,\"said \"\"no\"\", twice\",,,,,,,,,runs/001\n\
+             2,8000000,finished,,0.001,40,3,2,0.25,-2000,yes,ab,runs/002\n"
         );
     }
 }

@@ -7,7 +7,7 @@ use crate::text::file::condition::Servo;
 use crate::text::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of
-/// side, box, group, at. How: exactly one of fixed, velocity, displacement, force, traction, pressure,
+/// side, sides, box, group, at. How: exactly one of fixed, velocity, displacement, force, traction, pressure,
 /// absorbing. When: one of ramp, table, `table_file`, expression (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -23,6 +23,10 @@ pub struct Boundary {
     /// the last axis, front and back along y.
     #[serde(default)]
     pub side: Option<Side>,
+    /// Several sides, in a list: the boundary acts on all of them.
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub sides: Option<Vec<Side>>,
     /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the nodes and edges, or
     /// faces, inside.
     #[serde(default, rename = "box")]
@@ -101,6 +105,13 @@ pub struct Boundary {
     /// Default: all.
     #[serde(default)]
     pub stages: Option<Vec<String>>,
+}
+
+impl Boundary {
+    /// The sides on which it acts.
+    pub(crate) fn all_sides(&self) -> impl Iterator<Item = Side> {
+        self.side.into_iter().chain(self.sides.iter().flatten().copied())
+    }
 }
 
 /// A side of a body.

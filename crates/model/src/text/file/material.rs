@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`,
-/// `fracture_energy_i` and `fracture_energy_ii`, and does not break without them.
+/// `fracture_energy_i` and `fracture_energy_ii`, and does not break without them or if it is `unbreakable`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
@@ -21,6 +21,10 @@ pub struct Material {
     /// for materials of included files.
     #[serde(default)]
     pub optional: bool,
+    /// true: the material never breaks, has no strengths from the library, and can replace one that breaks in
+    /// the `materials` of a stage: a core that is softened. Default: false.
+    #[serde(default)]
+    pub unbreakable: bool,
     /// Density, kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "kg/m³"))]
     pub density: f64,
