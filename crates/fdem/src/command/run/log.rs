@@ -20,6 +20,9 @@ use fdem_model::Prepared;
 /// Percentage between two lines of progress without a terminal.
 const PERCENT: u64 = 10;
 
+/// Longest time without a line.
+const SILENCE: Duration = Duration::from_secs(10);
+
 /// Progress and log of a run.
 pub(crate) struct RunLog {
     bar: Option<Bar>,
@@ -27,6 +30,8 @@ pub(crate) struct RunLog {
     log: File,
     start: Instant,
     last: Instant,
+    /// When the last line was written.
+    written: Instant,
     first_step: u64,
     total: u64,
     percent: u64,
@@ -53,6 +58,7 @@ impl RunLog {
             log: log.map_err(|error| Failure::writing(&path, error))?,
             start: now,
             last: now,
+            written: now,
             first_step: run.steps(),
             total,
             percent: 100 * run.steps() / total.max(1) / PERCENT,
@@ -90,7 +96,7 @@ impl RunLog {
         [[f64; D]; N]: Results<D, N>,
     {
         let percent = 100 * run.steps() / self.total.max(1) / PERCENT;
-        let line = percent > self.percent;
+        let line = percent > self.percent || self.written.elapsed() >= SILENCE;
         if !line && self.last.elapsed() < INTERVAL {
             return;
         }
@@ -113,9 +119,11 @@ impl RunLog {
         }
         if line {
             self.percent = percent;
+            self.written = self.last;
             let _ = writeln!(self.log, "{:10.3} s  {text}", self.start.elapsed().as_secs_f64());
             if self.lines {
-                let _ = writeln!(std::io::stderr(), "{:3} %  {text}", percent * PERCENT);
+                let percent = 100 * run.steps() / self.total.max(1);
+                let _ = writeln!(std::io::stderr(), "{percent:3} %  {text}");
             }
         }
     }
