@@ -168,7 +168,7 @@ pub enum ReadError {
         if *found < 2 {
             "expected x and y at least, separated by commas, semicolons, tabs or blanks"
         } else {
-            "say what they are with --columns, for example --columns x,y,z,_,radius"
+            "name them with --columns, for example --columns x,y,z,_,radius"
         }
     )]
     UnnamedColumns {
@@ -252,7 +252,7 @@ pub enum ReadError {
         if u128::from(*found) < *expected {
             "the file is cut off or damaged"
         } else {
-            "the file goes on after the array, perhaps with another one, or is damaged"
+            "the file continues after the array, perhaps with another one, or is damaged"
         }
     )]
     NpySize {

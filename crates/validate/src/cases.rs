@@ -339,7 +339,7 @@ const CASES: &[Case] = &[
     Case {
         number: 34,
         name: "excavation",
-        what: "A round hole is excavated from a plate under two different stresses, and what the core held is released slowly. The hoop stress along the edge becomes Kirsch's.",
+        what: "A round hole is excavated from a plate under two different stresses, and the forces that the core held are released slowly. The hoop stress along the edge becomes Kirsch's.",
         source: "G. Kirsch, Z. VDI 42 (1898) 797–807",
         run: excavation::kirsch,
     },

@@ -188,7 +188,7 @@ where
     }
     let Checkpoint::<D, N> { intervals, entered, reached, begun, account, state, .. } = checkpoint;
     let step = state.step();
-    let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
+    let unusable = |why: String| Failure::Unusable(format!("{place} cannot continue: {why}"));
     let start = Start::again(prepared, begun, entered).map_err(unusable)?;
     let prepared = &start.prepared;
     lead.check(prepared.model.mesh.elements.len()).map_err(unusable)?;

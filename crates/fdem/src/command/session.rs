@@ -275,7 +275,7 @@ where
         threads: usize,
     ) -> Result<Box<Self>, String> {
         let SavedSession { interval, entered, reached, begun, state } = parts;
-        let wrong = |why: String| format!("{} cannot go on: {why}", source.name);
+        let wrong = |why: String| format!("{} cannot continue: {why}", source.name);
         let start = Start::again(prepared.clone(), begun, entered).map_err(wrong)?;
         let run = start.resumed(state, threads).map_err(|error| wrong(error.to_string()))?;
         Self::of(source, start, run, interval, reached).map(Box::new)

@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &SweepArguments) -> Result<(), Failure> {
             signal,
         }),
         None if done.finished < all => Err(Failure::Wrong(format!(
-            "{count}; the column \"message\" of {place}/{TABLE} tells why the others have not"
+            "{count}; the column \"message\" of {place}/{TABLE} has the reasons of the others"
         ))),
         None => print(&format!("{count}: results are in {place}: report.html for a browser, {TABLE}\n")),
     }

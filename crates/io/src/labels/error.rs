@@ -94,7 +94,7 @@ pub enum LabelError {
         found: u64,
     },
     /// There are more bytes than the header states.
-    #[error("the file goes on after the {} of the array, perhaps with another one, or is damaged", excerpt::count(*expected, "byte"))]
+    #[error("the file continues after the {} of the array, perhaps with another one, or is damaged", excerpt::count(*expected, "byte"))]
     Longer {
         /// Number of bytes according to shape and dtype.
         expected: u64,

@@ -225,12 +225,12 @@ fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Re
         }
         let said = match &head.style {
             Some(style) => format!("the columns of the atom style '{style}' are not known"),
-            None => "nothing says what the columns are: expected an atom style, such as in 'Atoms # sphere'"
+            None => "the meaning of the columns is not given: expected an atom style, such as in 'Atoms # sphere'"
                 .into(),
         };
         return broken(
             head.line,
-            format!("{said}. Say what they are with --columns, for example --columns id,_,diameter,_,x,y,z"),
+            format!("{said}. Name them with --columns, for example --columns id,_,diameter,_,x,y,z"),
         );
     };
     let bare = names.len();

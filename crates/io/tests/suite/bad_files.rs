@@ -322,7 +322,7 @@ fn arrays_that_do_not_serve() {
         ),
         (
             npy("'<f8'", "False", "(1, 2)", &floats(&[0.0; 3])),
-            "should take 16 bytes (shape (1, 2)), found 24: the file goes on after the array",
+            "should take 16 bytes (shape (1, 2)), found 24: the file continues after the array",
         ),
         (npy("'|u1'", "False", "(1, 1)", &[]), "1 column and no header"),
         (npy("[]", "False", "(0,)", &[]), "the dtype has no named fields"),

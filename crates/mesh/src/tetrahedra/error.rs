@@ -170,7 +170,7 @@ impl fmt::Display for MeshError {
                 )
             }
             Self::Sides { place } => {
-                write!(f, "facets near {place:?} contradict each other about what is inside")
+                write!(f, "facets near {place:?} contradict each other about which side is inside")
             }
             Self::NotConvex { facet } => write!(f, "the body is not convex at facet {facet}"),
             Self::Outline { place } => write!(f, "the outline crosses or touches itself near {place:?}"),

@@ -175,7 +175,7 @@ impl Preflight {
         let whole = pace.whole * steps as f64;
         if whole > YEAR {
             warnings.push(format!(
-                "the run would take {}: look at units, end_time, and what makes the time step {} s",
+                "the run would take {}: look at units, at end_time, and at the reason for the time step of {} s",
                 duration(whole),
                 brief(step)
             ));

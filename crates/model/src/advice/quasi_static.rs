@@ -82,7 +82,7 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     let relaxes = |stage: &Stage| stage.dynamic_relaxation == Some(true);
     if !model.velocities.is_empty() && (model.time.dynamic_relaxation || file.stage.iter().any(relaxes)) {
         warnings.push(
-            "a body begins with a velocity, and dynamic relaxation is for runs that look for a state of rest: it damps what follows an impact"
+            "a body begins with a velocity, and dynamic relaxation is for runs that look for a state of rest: it damps the motion after an impact"
                 .to_owned(),
         );
     }

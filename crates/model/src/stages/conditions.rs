@@ -50,7 +50,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
         if !boundary.velocity.as_ref().is_some_and(moves) {
             faults.push(
                 Fault::at(document.key(table, "servo"), format!("{title}: a servo needs a velocity"))
-                    .label("what it controls")
+                    .label("nothing to control")
                     .help("give the boundary the velocity with which it moves at most, towards the target"),
             );
         }

@@ -181,7 +181,7 @@ pub fn rank_loads(ranks: &[RankLoad]) -> [Plot; 2] {
         ),
         plot(
             RANK_PLOTS[1],
-            "What each rank sends in a step, in the mean",
+            "Bytes that each rank sends in a step, in the mean",
             Axis { name: "sent", unit: "B" },
             vec![curve("sent", &bytes)],
         ),

@@ -68,7 +68,7 @@ where
         let holds = |boundary: &Boundary<D>| boundary.schedule.factor(now) != 0.0;
         if stages.is_some_and(|stages| stages.entered.held.iter().any(holds)) {
             return Err(unusable(
-                "a stage still holds forces of what has vanished; let go of them there, with a release that ends at 0",
+                "a stage still holds forces of parts that have vanished; release them there, with a release that ends at 0",
             ));
         }
         Ok(Self { place, whole, present, state, time_step, sets_back })
@@ -90,7 +90,7 @@ where
         }
         if prepared.end_time <= self.time() {
             return Err(format!(
-                "its end_time is {} s, and the run in {} has reached {} s: time goes on from there",
+                "its end_time is {} s, and the run in {} has reached {} s: time continues from there",
                 brief(prepared.end_time),
                 self.place,
                 brief(self.time())
@@ -130,7 +130,7 @@ where
         }
         if !before.mass_factors.is_empty() && model.mass_factors.is_empty() {
             return Err(format!(
-                "the run in {} has [model] mass_scaling, and its time step needs the added mass: keep mass_scaling as it is there",
+                "the run in {} has [model] mass_scaling, and its time step needs the added mass: give this model the same mass_scaling",
                 self.place
             ));
         }

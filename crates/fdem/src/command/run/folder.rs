@@ -97,7 +97,7 @@ impl Folder {
         let there = has_results(path)?;
         if there && !force {
             return Err(Failure::Unusable(format!(
-                "{} is not empty: choose another folder with --output, go on with `fdem resume`, or replace its results with --force",
+                "{} is not empty: choose another folder with --output, continue with `fdem resume`, or replace its results with --force",
                 display_name(path)
             )));
         }
@@ -320,7 +320,7 @@ fn without_checkpoint(path: &Path) -> Failure {
     let folder = display_name(path);
     if path.join(SUMMARY).exists() && path.join(MODEL).exists() {
         return Failure::Unusable(format!(
-            "the run in {folder} ended before its first checkpoint, and cannot go on: start it again with `fdem run --force`"
+            "the run in {folder} ended before its first checkpoint, and cannot continue: start it again with `fdem run --force`"
         ));
     }
     Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it"))
