@@ -138,7 +138,7 @@ fn what_does_not_fit_to_the_other_run_is_refused() {
         bench.run(&["run", "wrong.toml", "-o", "out", "--from", "first"]).refused_with(parts);
         assert!(!bench.path("out").exists());
     };
-    wrong("end_time = 2e-3", "end_time = 1e-3", &["end_time", "time goes on"]);
+    wrong("end_time = 2e-3", "end_time = 1e-3", &["end_time", "time continues"]);
     wrong("mesh_size = 0.025", "mesh_size = 0.02", &["\"block\"", "another mesh"]);
     wrong("[[material]]", "[initial]\nstress = [1, 1, 0]\n[[material]]", &["initial stress"]);
     wrong("end_time = 2e-3", "end_time = 2e-3\ntime_step = 1e-9", &["time step"]);

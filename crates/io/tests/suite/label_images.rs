@@ -142,7 +142,7 @@ fn arrays_that_are_no_images_are_refused() {
     is_refused(npy("'<u2'", "(2,)", &[0; 4]), None, &["(2,)", "two or three axes"]);
     is_refused(npy("'<u2'", "(1, 1, 1, 1)", &[0; 2]), None, &["two or three axes"]);
     is_refused(npy("'<u2'", "(2, 2)", &[0; 7]), None, &["8 bytes", "found 7", "cut off"]);
-    is_refused(npy("'<u2'", "(2, 2)", &[0; 9]), None, &["goes on after the 8 bytes"]);
+    is_refused(npy("'<u2'", "(2, 2)", &[0; 9]), None, &["continues after the 8 bytes"]);
     is_refused(npy("'<u8'", "(4294967296, 4294967296)", &[0; 8]), None, &["no file can hold"]);
     is_refused(npy("'<u8'", "(0, 4294967296, 4294967296)", &[]), None, &["no file can hold"]);
     is_refused(npy("'<u2'", "(1000000, 1000000, 1000)", &[0; 8]), None, &["found 8", "cut off"]);
@@ -169,7 +169,7 @@ fn damaged_archives_are_refused() {
     for method in [zip::CompressionMethod::Stored, zip::CompressionMethod::Deflated] {
         is_refused(archive(method, b"rubbish, and more of it"), None, &["NumPy header", "does not start"]);
         is_refused(archive(method, &npy("'<u2'", "(2, 2)", &[0; 7])), None, &["8 bytes", "found 7"]);
-        is_refused(archive(method, &npy("'<u2'", "(2, 2)", &[0; 9])), None, &["goes on after"]);
+        is_refused(archive(method, &npy("'<u2'", "(2, 2)", &[0; 9])), None, &["continues after"]);
         is_refused(
             archive(method, &npy("'<u2'", "(1000000, 1000000)", &[0; 9])),
             None,

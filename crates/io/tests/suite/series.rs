@@ -238,7 +238,7 @@ fn atom_styles_say_what_the_columns_of_data_files_are() {
     says(
         data("Atoms", "1 1 1 2 3\n2 1 4 5 6\n"),
         14,
-        &["nothing says what the columns are", "'Atoms # sphere'"],
+        &["the meaning of the columns is not given", "'Atoms # sphere'"],
     );
     says(data("Atoms # sphere", "1 1 1 2 3\n2 1 4 5 6\n"), 14, &["sphere has 7 columns", "first row has 5"]);
     says(data("Atoms # atomic", "1 1 1 2 3\n2 1 4 5 6\n3 1 4 5 6\n"), 18, &["after 2 rows", "more rows"]);
