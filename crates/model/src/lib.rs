@@ -87,7 +87,7 @@ pub use output::curves::columns;
 pub use prepare::{prepare, prepare_any, prepare_within};
 pub use prepared::{
     AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
-    PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled,
+    PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled, open_from_start,
 };
 pub use stages::present::Present;
 pub use text::document::{number, toml_tree};

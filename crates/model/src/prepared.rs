@@ -19,7 +19,7 @@ pub use added_mass::Scaled;
 pub(crate) use added_mass::counted;
 pub use conditions::{Bound, PreparedServo, PreparedUntil, Reached};
 pub use entered::{Entered, Origin};
-pub use joints::Joints;
+pub use joints::{Joints, open_from_start};
 pub use output::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 
 /// A model that is ready to run.

@@ -74,6 +74,7 @@ fn joints<'py, const D: usize>(py: Python<'py>, cracks: &[Crack<D>]) -> PyResult
     dict.set_item("damage", of(|crack| crack.damage))?;
     dict.set_item("broken", column(py, cracks.iter().map(|crack| crack.time.is_some()).collect()))?;
     dict.set_item("mode", column(py, cracks.iter().map(mode).collect()))?;
+    dict.set_item("open_from_start", column(py, cracks.iter().map(|crack| crack.open_from_start).collect()))?;
     dict.set_item("opening", of(|crack| crack.opening))?;
     dict.set_item("sliding", of(|crack| crack.sliding))?;
     dict.set_item("time", of(|crack| crack.time.unwrap_or(f64::NAN)))?;
@@ -213,6 +214,7 @@ impl PyRun {
             ("nodes", counts.nodes as u64),
             ("joints", counts.joints as u64),
             ("broken_joints", counts.broken as u64),
+            ("open_joints", counts.open as u64),
             ("contacts", counts.contacts as u64),
             ("detections", counts.detections),
         ]

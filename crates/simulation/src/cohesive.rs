@@ -332,6 +332,29 @@ impl<const D: usize> Memory<D> {
         0.5 * law.penalty * dot(self.origin, self.origin)
     }
 
+    /// Elastic energy, J/m², at the opening and sliding of the last [`Memory::traction`]: of the bond, of
+    /// pressure and of the spring of friction.
+    pub(crate) fn elastic(&self, law: &JointLaw, gap: [f64; D]) -> f64 {
+        let gap = JointLaw::scaled(gap, law.shear);
+        let mut bond = minus(gap, self.origin);
+        let opening = bond[0];
+        if self.is_whole(law) {
+            return 0.5 * law.penalty * dot(bond, bond);
+        }
+        if law.tensile == 0.0 && opening > 0.0 {
+            return 0.0;
+        }
+        bond[0] = opening.max(0.0);
+        let stiffness = law.penalty * self.stiffness;
+        let of_bond = 0.5 * stiffness * dot(bond, bond);
+        if opening >= 0.0 {
+            return of_bond;
+        }
+        let lost = if law.cohesion == 0.0 { law.penalty } else { law.penalty - stiffness };
+        let rubbing = along(minus(gap, self.rubbed));
+        of_bond + 0.5 * law.penalty * opening * opening + 0.5 * lost * dot(rubbing, rubbing)
+    }
+
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
     #[inline]
     pub(crate) fn traction(&mut self, law: &JointLaw, gap: [f64; D]) -> [f64; D] {

@@ -20,8 +20,13 @@ pub struct Energies {
     pub contact: f64,
     /// Work against friction of contacts: dissipated, or stored while contacts stick.
     pub friction: f64,
-    /// Work against joints: dissipated by fracture and by friction on cracks, or stored.
+    /// Work against joints: dissipated by fracture and by friction on cracks, or stored. It is the sum of
+    /// [`joint_elastic`](Self::joint_elastic) and [`Energies::joint_dissipated`].
     pub cohesive: f64,
+    /// The part of `cohesive` that joints store: their elastic energy, less that with which joints were
+    /// inserted during the run. Such a joint takes over the traction that acts, with an elastic energy that is
+    /// in no work; the sum becomes negative where inserted joints have given that energy to the elements.
+    pub joint_elastic: f64,
     /// Energy dissipated by viscosity, local damping, damping of contacts and absorbing edges.
     pub damping: f64,
     /// Work of loads, of boundaries that move or hold nodes, and of gravity since the beginning.
@@ -34,7 +39,9 @@ pub struct Energies {
     pub stored: [Option<f64>; STORED.len()],
 }
 
-wire!([] Energies { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged, stored });
+wire!([] Energies {
+    kinetic, strain, contact, friction, cohesive, joint_elastic, damping, external, initial, exchanged, stored
+});
 
 /// An entry of a [`Ledger`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,10 +57,12 @@ pub(crate) enum Account {
     Loads,
     /// The work of gravity, which it contains too.
     Gravity,
+    /// The elastic energy of joints, which [`Account::Cohesive`] contains.
+    JointElastic,
 }
 
 /// Number of accounts.
-const ACCOUNTS: usize = Account::Gravity as usize + 1;
+const ACCOUNTS: usize = Account::JointElastic as usize + 1;
 
 /// Sums of energies and works at one instant, to which elements, joints, contacts and actions add theirs, J.
 #[derive(Clone, Debug)]
@@ -107,6 +116,7 @@ impl Ledger {
             contact: value(Account::Contact),
             friction: value(Account::Friction),
             cohesive: value(Account::Cohesive),
+            joint_elastic: value(Account::JointElastic),
             damping: value(Account::Damping),
             external: value(Account::External),
             stored: std::array::from_fn(|k| self.stored[k].as_ref().map(Sum::value)),
@@ -149,7 +159,7 @@ pub struct Term {
 
 impl Energies {
     /// The terms that the balance of every run has.
-    fn common(&self) -> [Term; 8] {
+    fn common(&self) -> [Term; 9] {
         use TermKind::{Initial, Supplied, Used};
         let term = |key, name, kind, value| Term { key, name, kind, value };
         [
@@ -157,7 +167,8 @@ impl Energies {
             term("strain", "strain", Used, self.strain),
             term("contact", "contact", Used, self.contact),
             term("friction", "friction", Used, self.friction),
-            term("cohesive", "fracture", Used, self.cohesive),
+            term("joint_elastic", "elastic, of joints", Used, self.joint_elastic),
+            term("joint_dissipated", "fracture", Used, self.joint_dissipated()),
             term("damping", "damping", Used, self.damping),
             term("external", "external work", Supplied, self.external),
             term("initial", "initial", Initial, self.initial),
@@ -178,13 +189,17 @@ impl Energies {
         self.common().into_iter().filter(|term| term.kind != TermKind::Initial)
     }
 
+    /// The part of `cohesive` that joints have dissipated, J: by softening, breaking, friction and dilation.
+    pub fn joint_dissipated(&self) -> f64 {
+        self.cohesive - self.joint_elastic
+    }
+
     /// Error of the energy balance, J: present and dissipated energy, less initial energy and external work.
     /// The error of the time integration makes it differ from 0.
     pub fn balance(&self) -> f64 {
-        self.terms().iter().fold(0.0, |sum, term| match term.kind {
-            TermKind::Used => sum + term.value,
-            TermKind::Supplied | TermKind::Initial => sum - term.value,
-        })
+        let used = [self.kinetic, self.strain, self.contact, self.friction, self.cohesive, self.damping];
+        let present = used.iter().sum::<f64>() - self.external - self.initial;
+        self.stored.iter().flatten().fold(present, |sum, stored| sum + stored)
     }
 
     /// Energy, J, with which an error of the balance is compared: the largest energy exchanged so far.

@@ -121,9 +121,9 @@ impl<const D: usize> MovingJoint<D> {
         }
     }
 
-    /// If it is broken, its modes, and its length or area.
+    /// If the run has broken it, its modes, and its length or area.
     pub(crate) fn failed(&self) -> Option<([f64; 2], f64)> {
-        self.broken.map(|(_, modes)| (modes, self.measure))
+        self.broken.filter(|_| !self.joint.open_from_start).map(|(_, modes)| (modes, self.measure))
     }
 }
 
@@ -150,6 +150,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     links: Vec<Link<D>>,
     /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
     forces: Vec<[Point<D>; D]>,
+    /// Elastic energy, J, with which joints were inserted since the last [`Joints::take_inserted`].
+    inserted: Sum,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
     /// Outer facets, and facets of broken joints.
@@ -257,6 +259,7 @@ impl<const D: usize> Joints<D> {
             all: Vec::new(),
             links: Vec::new(),
             forces: Vec::new(),
+            inserted: Sum::default(),
             breaks: Vec::new(),
             faces: Faces::new(topology),
             at_corner: if strengths.is_empty() {
@@ -394,6 +397,7 @@ impl<const D: usize> Joints<D> {
         let length = <[[f64; D]; N]>::facet_length(measure);
         let mut joint = Joint::new(facet, law, plane, [measure, length]);
         joint.counted = share.corner(sides.corners[0][0]);
+        joint.open_from_start = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
         self.links.push(Link::of(&joint, model.thickness));
         self.all.push(joint);
     }
@@ -414,12 +418,13 @@ impl<const D: usize> Joints<D> {
         self.links.get(self.of_facet[facet as usize] as usize).is_none_or(|link| !link.is_gone())
     }
 
-    /// Number of broken joints.
-    pub(crate) fn broken(&self) -> usize {
-        self.breaks.len()
+    /// Numbers of broken joints: those that the run has broken, and those of open sets.
+    pub(crate) fn broken(&self) -> [usize; 2] {
+        let open = self.breaks().filter(|(_, joint, _)| joint.open_from_start).count();
+        [self.breaks.len() - open, open]
     }
 
-    /// Broken joints: the number of each, and when and how it broke.
+    /// Joints without a bond, those of open sets too: the number of each, and when and how it broke.
     pub(crate) fn breaks(&self) -> impl Iterator<Item = (u32, &Joint<D>, &Break)> {
         self.breaks.iter().map(|broken| (broken.joint, &self.all[broken.joint as usize], broken))
     }
@@ -433,8 +438,7 @@ impl<const D: usize> Joints<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let is_open = |facet: &u32| self.set(*facet).is_some_and(|set| self.open_sets[set as usize]);
-        let open = self.all.iter().map(|joint| joint.facet).filter(is_open);
+        let open = self.all.iter().filter(|joint| joint.open_from_start).map(|joint| joint.facet);
         let all = self.faces.broken.iter().copied().chain(open);
         all.map(|facet| BrokenSides::of(&topology.facets[facet as usize], topology))
     }
@@ -662,6 +666,26 @@ impl<const D: usize> Joints<D> {
             joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum()
         };
         self.all.iter().map(of_joint).collect()
+    }
+
+    /// Elastic energy, J, of the joints that this rank counts, at the positions of the last pass.
+    pub(crate) fn elastic<const N: usize>(&self, solid: &Solid<D, N>, team: &Team) -> Sum
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let chunks = team.look(self.all.len(), |range| {
+            let counted = self.all[range].iter().filter(|joint| joint.counted);
+            counted.map(|joint| joint.elastic(solid)).collect::<Sum>()
+        });
+        let mut all = Sum::default();
+        chunks.iter().for_each(|chunk| all.add_sum(chunk));
+        all
+    }
+
+    /// Elastic energy, J, that joints had when they were inserted, since the last call: they take over the
+    /// traction that acts, so that their energy is in no work.
+    pub(crate) fn take_inserted(&mut self) -> Sum {
+        std::mem::take(&mut self.inserted)
     }
 
     /// Adds the force of the joints on a corner of an element before anything has moved.

@@ -19,6 +19,7 @@ mod other_machine;
 
 use crate::action::{Event, Scene};
 use crate::error::Stop;
+use crate::machine::Columns;
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, Selected};
 use crate::peers::{Peers, StepReport};
@@ -66,7 +67,7 @@ where
     /// Computes all forces on the corners of elements.
     fn press(&mut self, energies: bool) -> Failures {
         let inverted = self.deform(); // stress of each element: solid.rs
-        let joints = self.pull(); // tractions of joints, and which of them broke: joints.rs
+        let joints = self.pull(energies); // tractions of joints, and which of them broke: joints.rs
         let undetected = self.detect().err(); // couples that may touch, by fdem-contact: contacts.rs
         if undetected.is_some() {
             return Failures { joints, stop: inverted.or(undetected) };
@@ -89,12 +90,17 @@ where
         })
     }
 
-    /// Computes the forces of joints. Returns the joints that broke.
-    fn pull(&mut self) -> Vec<u32> {
+    /// Computes the forces of joints, and their elastic energy if `energies` are asked for. Returns the joints
+    /// that broke.
+    fn pull(&mut self, energies: bool) -> Vec<u32> {
         let mut clock = Clock::new();
         let (step, time) = (self.scales.time_step, self.time());
         let (broken, work) = self.machine.pull(step, time);
         self.totals.cohesive.add_sum(&work);
+        if energies {
+            let Columns { solid, joints, .. } = self.machine.columns();
+            self.joint_elastic = joints.elastic(solid, &self.team);
+        }
         clock.read(&mut self.timings.joints);
         broken
     }

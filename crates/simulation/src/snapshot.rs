@@ -25,7 +25,7 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub elements: Vec<[u32; N]>,
     /// Cauchy stress of each element, `[xx, yy, zz, xy, yz, xz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 6]>,
-    /// Largest damage of the joints of each element, from 0 to 1.
+    /// Largest damage of the joints of each element, from 0 to 1; that of joints of open sets is 1.
     pub damage: Vec<f64>,
     /// Body of each element.
     pub bodies: Vec<u32>,
@@ -34,7 +34,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     /// Fragment of each element: elements that hang together by facets have one number. Numbers count from 0
     /// in the order of the first element of each fragment.
     pub fragments: Vec<u32>,
-    /// Joints that are softening or broken, in the order of their elements.
+    /// Joints that are softening or broken, in the order of their elements; those of sets that are open from
+    /// the beginning are marked.
     pub cracks: Vec<Crack<D>>,
     /// Strength of each material; `None` for a material that does not break.
     pub strengths: Vec<Option<Strength>>,
@@ -146,6 +147,8 @@ pub struct Crack<const D: usize = 2> {
     pub time: Option<f64>,
     /// Length, m, of the undeformed edge, or area, m², of the undeformed face.
     pub measure: f64,
+    /// Whether the joint is of a set that is open from the beginning: no crack of the run.
+    pub open_from_start: bool,
 }
 
 /// Mode of failure of a joint, by the shares of opening and sliding in its damage.

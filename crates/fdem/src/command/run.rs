@@ -42,7 +42,7 @@ use course::{Course, Start, next};
 use emission::Emission;
 use engine::Engine;
 use fdem_model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, Reached};
-use fdem_model::{prepare_any, steps, with_end_time};
+use fdem_model::{open_from_start, prepare_any, steps, with_end_time};
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use intact::Intact;
 use log::RunLog;
@@ -590,7 +590,8 @@ where
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.curves.iter().map(|curve| ("curve", log::curve_in_words(curve))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
-        summary::summary(&*self.course.run, status, &self.account(), self.frames, fragments, more)
+        let open = open_from_start(&self.course.prepared.joint_sets);
+        summary::summary(&*self.course.run, status, &self.account(), self.frames, fragments, open, more)
     }
 }
 

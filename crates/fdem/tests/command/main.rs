@@ -13,6 +13,7 @@
 //! - `model`: new models, and models checked without a run.
 //! - `conditions`: runs and stages that end on a condition; servos.
 //! - `stages`: runs in stages.
+//! - `joints`: joints that are open from the start, and the energies of joints.
 //! - `scaling`: runs with mass scaling.
 //! - `earlier`: runs that begin with the end of another one.
 //! - `runs`: simulations, interrupted and killed.
@@ -35,6 +36,7 @@ mod earlier;
 mod flat;
 mod formats;
 mod generate;
+mod joints;
 mod labels;
 mod mesh;
 mod model;

@@ -231,12 +231,12 @@ fn joints_do_not_give_back_what_they_have_dissipated() {
     bench.run(&["run", "crash.toml", "-q"]).succeeds();
     let history = bench.read("crash_results/history.csv");
     let mut lines = history.lines();
-    let column = lines.next().unwrap().split(',').position(|name| name == "cohesive").unwrap();
+    let column = lines.next().unwrap().split(',').position(|name| name == "joint_dissipated").unwrap();
     let (mut most, mut fall) = (0.0_f64, 0.0_f64);
     for line in lines {
-        let cohesive: f64 = line.split(',').nth(column).unwrap().parse().unwrap();
-        most = most.max(cohesive);
-        fall = fall.max(most - cohesive);
+        let dissipated: f64 = line.split(',').nth(column).unwrap().parse().unwrap();
+        most = most.max(dissipated);
+        fall = fall.max(most - dissipated);
     }
     assert!(most > 500.0 && fall < 0.01 * most, "{fall} of {most}");
 }

@@ -404,7 +404,7 @@ where
             model.add_joints(number, &facets);
         }
         let [length, area] = if D == 2 { [Some(measure), None] } else { [None, Some(measure)] };
-        all.push(Joints { name, joints: traces.len(), facets: facets.len(), length, area });
+        all.push(Joints { name, joints: traces.len(), facets: facets.len(), length, area, open: set.open });
     }
     all
 }

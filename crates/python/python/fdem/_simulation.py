@@ -296,9 +296,10 @@ class Simulation:
 
     @property
     def cracks(self) -> dict[str, npt.NDArray[Any]]:
-        """The broken joints, with the columns of :attr:`joints`. Copies."""
+        """The joints that the run has broken, with the columns of :attr:`joints`. Joints of sets that are open from the start are not among them. Copies."""
         joints = self.joints
-        return {name: values[joints["broken"]] for name, values in joints.items()}
+        cracked = joints["broken"] & ~joints["open_from_start"]
+        return {name: values[cracked] for name, values in joints.items()}
 
     @property
     def contacts(self) -> dict[str, npt.NDArray[Any]]:
@@ -324,7 +325,7 @@ class Simulation:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Numbers of elements, nodes, joints that hold, broken joints, contacts and detections."""
+        """Numbers of elements, nodes, joints that hold, joints that the run has broken, joints that are open from the start, contacts and detections."""
         return dict(self._run.counts())
 
     def set_velocities(self, nodes: npt.ArrayLike, velocities: npt.ArrayLike) -> None:

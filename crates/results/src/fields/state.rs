@@ -61,6 +61,8 @@ pub(crate) struct JointValues {
     pub(crate) time: Option<f64>,
     /// Length, m, or area, m².
     pub(crate) measure: f64,
+    /// Whether it is of a joint set that is open from the start.
+    pub(crate) open_from_start: bool,
 }
 
 /// A snapshot and the forces at its instant.
@@ -153,8 +155,9 @@ where
     }
 
     fn joint(&self, joint: usize) -> JointValues {
-        let &Crack { elements, damage, mode, opening, sliding, time, measure, .. } = self.joints[joint];
-        JointValues { elements, damage, mode, opening, sliding, time, measure }
+        let &Crack { elements, damage, mode, opening, sliding, time, measure, open_from_start, .. } =
+            self.joints[joint];
+        JointValues { elements, damage, mode, opening, sliding, time, measure, open_from_start }
     }
 
     fn contact_elements(&self, contact: usize) -> [u32; 2] {

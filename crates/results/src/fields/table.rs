@@ -235,6 +235,14 @@ pub const QUANTITIES: &[Quantity] = &[
         ..OF_JOINTS
     },
     Quantity {
+        key: "open_from_start",
+        name: "open from the start",
+        about: "1 for a joint of a set that is open from the start, which is no crack of the run",
+        span: Span::Between(0.0, 1.0),
+        value: Value::Short(|state, joint, _| state.joint(joint).open_from_start.into()),
+        ..OF_JOINTS
+    },
+    Quantity {
         key: "damage",
         name: "damage",
         about: "from 0, whole, to 1, broken; the mean of its corners",

@@ -152,7 +152,17 @@ impl HistoryCurve {
 
 /// The unit of a column. Columns of every history have no unit in their names.
 fn unit_of(name: &str) -> &str {
-    let energies = ["kinetic", "strain", "contact", "friction", "cohesive", "damping", "external", "balance"];
+    let energies = [
+        "kinetic",
+        "strain",
+        "contact",
+        "friction",
+        "joint_elastic",
+        "joint_dissipated",
+        "damping",
+        "external",
+        "balance",
+    ];
     match split(name).1 {
         "" if name == "time" => "s",
         "" if name.starts_with("crack_length") => "m",

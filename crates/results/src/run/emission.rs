@@ -73,7 +73,7 @@ pub struct Event<const D: usize> {
     pub measure: f64,
 }
 
-/// The joints that have broken, by time; those of one time in the order of their elements.
+/// The joints that the run has broken, by time; those of one time in the order of their elements.
 pub fn breaks<const D: usize, const N: usize>(model: &Model<D, N>, snapshot: &Snapshot<D, N>) -> Vec<Break<D>>
 where
     [[f64; D]; N]: Element<D, N>,
@@ -81,7 +81,7 @@ where
     let mesh = &model.mesh;
     let mut breaks: Vec<Break<D>> = Vec::new();
     for crack in &snapshot.cracks {
-        let Some(time) = crack.time else { continue };
+        let Some(time) = crack.time.filter(|_| !crack.open_from_start) else { continue };
         let [a, b] = crack.elements.map(|element| element as usize);
         let common = mesh.elements[a].iter().filter(|node| mesh.elements[b].contains(node));
         let mut place = [0.0; D];

@@ -24,7 +24,7 @@ pub(crate) const LEVEL: u8 = 1;
 const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
 /// Number of additional arrays in a sample: two halves of the element number.
 const OF_SAMPLES: usize = 2;
-/// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
+/// Number of arrays with an entry for each crack: four coordinates of ends, the kind.
 const OF_CRACKS: usize = 5;
 
 /// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values
@@ -74,7 +74,7 @@ pub(crate) struct Opened {
     pub(crate) materials: Vec<u32>,
     /// Bits of the edges of each element, as in [`Outlines`].
     pub(crate) outlines: Vec<u8>,
-    pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
+    pub(crate) cracks: Vec<([[f64; 2]; 2], CrackKind)>,
 }
 
 impl Opened {
@@ -185,11 +185,11 @@ impl Frame {
 
         let mut broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
         let mut lengths = [0.0; 3];
-        for crack in &broken {
+        for crack in broken.iter().filter(|crack| !crack.open_from_start) {
             lengths[usize::from(code(crack.mode))] += crack.measure;
         }
         if let Some(sample) = &sample {
-            sample.cracks(&mut broken, |crack| crack.corners, |crack| code(crack.mode));
+            sample.cracks(&mut broken, |crack| crack.corners, |crack| CrackKind::of(crack).code());
         }
         for end in 0..2 {
             for (axis, &[low, high]) in bounds.iter().enumerate() {
@@ -198,7 +198,7 @@ impl Frame {
                 packed.places(&broken.iter().map(inside).collect::<Vec<_>>(), [low, high]);
             }
         }
-        packed.numbers(&broken.iter().map(|crack| code(crack.mode)).collect::<Vec<_>>());
+        packed.numbers(&broken.iter().map(|crack| CrackKind::of(crack).code()).collect::<Vec<_>>());
         Ok(Self {
             step: snapshot.step,
             time: snapshot.time,
@@ -316,8 +316,8 @@ impl Frame {
             arrays.numbers(2 * self.elements)?;
         }
         let ends = self.points(&mut arrays, self.cracks)?;
-        let modes = arrays.numbers(self.cracks)?.into_iter().map(mode);
-        let cracks = ends.into_iter().zip(modes).collect();
+        let kinds = arrays.numbers(self.cracks)?.into_iter().map(CrackKind::with_code);
+        let cracks = ends.into_iter().zip(kinds).collect();
         arrays.is_empty().then_some(Opened { corners, values, bodies, materials, outlines, cracks })
     }
 }
@@ -339,12 +339,36 @@ pub(crate) fn code(mode: Mode) -> u16 {
     }
 }
 
-/// Returns the mode with this number in frames.
-pub(crate) fn mode(code: u16) -> Mode {
-    match code {
-        0 => Mode::Tension,
-        1 => Mode::Shear,
-        _ => Mode::Mixed,
+/// A broken joint as pictures show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CrackKind {
+    /// The run has broken it, in this mode.
+    Broken(Mode),
+    /// It is of a joint set that is open from the beginning.
+    Open,
+}
+
+impl CrackKind {
+    pub(crate) fn of<const D: usize>(crack: &Crack<D>) -> Self {
+        if crack.open_from_start { Self::Open } else { Self::Broken(crack.mode) }
+    }
+
+    /// Returns its number in frames.
+    pub(crate) fn code(self) -> u16 {
+        match self {
+            Self::Broken(mode) => code(mode),
+            Self::Open => 3,
+        }
+    }
+
+    /// Returns the kind with this number in frames.
+    pub(crate) fn with_code(code: u16) -> Self {
+        match code {
+            0 => Self::Broken(Mode::Tension),
+            1 => Self::Broken(Mode::Shear),
+            2 => Self::Broken(Mode::Mixed),
+            _ => Self::Open,
+        }
     }
 }
 

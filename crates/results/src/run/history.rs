@@ -40,7 +40,7 @@ pub struct Row {
     pub time: f64,
     /// Energies, J.
     pub energies: Energies,
-    /// Number of broken joints.
+    /// Number of joints that the run has broken; those of sets that are open from the start do not count.
     pub broken: u64,
     /// Total lengths, m, or areas, m², of the joints that broke in tension, in shear and in mixed mode.
     pub lengths: [f64; 3],
@@ -64,11 +64,11 @@ impl Row {
         numbers
     }
 
-    /// Returns the number of broken joints, and their total lengths in tension, in shear and in mixed mode,
+    /// Returns the number of joints that the run has broken, and their total lengths in tension, in shear and in mixed mode,
     /// m: [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints<const D: usize>(cracks: &[Crack<D>]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
-        for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
+        for crack in cracks.iter().filter(|crack| crack.time.is_some() && !crack.open_from_start) {
             count += 1;
             lengths[usize::from(code(crack.mode))] += crack.measure;
         }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_simulation::Mode;
 
 use crate::fields::colours::{NO_VALUE, numbered_colour};
 use crate::fields::field::Field;
@@ -18,7 +17,7 @@ use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
-use crate::run::frame::{Frame, Opened, code};
+use crate::run::frame::{CrackKind, Frame, Opened};
 use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::run::unit::prefixed;
 
@@ -31,10 +30,15 @@ const NARROWEST: f64 = 620.0;
 /// faster.
 const MOST_VECTORS: usize = 20_000;
 
-/// Names and colours of cracks in tension, in shear and in mixed mode. No field has these colours, and a
-/// white seam separates the cracks from the elements.
-pub(crate) const CRACKS: [(&str, Rgb); 3] =
-    [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
+/// Names and colours of cracks in tension, in shear and in mixed mode, and of joints that are open from the
+/// start, in the order of [`CrackKind::code`]. No field has these colours, and a white seam separates the
+/// cracks from the elements.
+pub(crate) const CRACKS: [(&str, Rgb); 4] = [
+    ("tension", [17, 24, 39]),
+    ("shear", [200, 0, 170]),
+    ("mixed", [232, 116, 0]),
+    ("open", [110, 116, 124]),
+];
 /// Samples along the side of a pixel.
 const SAMPLES: usize = 2;
 
@@ -222,8 +226,8 @@ impl Pictures<'_> {
             grouped(frame.step),
             grouped(frame.whole as u64)
         );
-        if frame.cracks > 0 {
-            let total: f64 = frame.lengths.iter().sum();
+        let total: f64 = frame.lengths.iter().sum();
+        if total > 0.0 {
             let (factor, unit) = prefixed("m", total);
             // Writing to a string does not fail.
             let _ = write!(text, ", {} {unit} of cracks", brief((total * factor * 100.0).round() / 100.0));
@@ -285,8 +289,8 @@ impl Pictures<'_> {
         for (ends, _) in &opened.cracks {
             fill.square_line(ends.map(pixel), SEAM * scale, [255; 3]);
         }
-        for (ends, mode) in &opened.cracks {
-            fill.square_line(ends.map(pixel), CRACK * scale, crack_colour(*mode));
+        for (ends, kind) in &opened.cracks {
+            fill.square_line(ends.map(pixel), CRACK * scale, crack_colour(*kind));
         }
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
     }
@@ -325,12 +329,12 @@ impl Pictures<'_> {
                 ));
             }
         }
-        let mut lines: [String; 3] = Default::default();
-        for (ends, mode) in &opened.cracks {
+        let mut lines: [String; CRACKS.len()] = Default::default();
+        for (ends, kind) in &opened.cracks {
             let [a, b] = ends.map(|end| page.place(end));
             if [a, b].iter().flatten().all(|x| x.is_finite()) {
                 let _ = write!(
-                    lines[usize::from(code(*mode))],
+                    lines[usize::from(kind.code())],
                     "M{:.2} {:.2}L{:.2} {:.2}",
                     a[0],
                     a[1],
@@ -399,8 +403,8 @@ pub(crate) fn colour_bar(svg: &mut Svg, field: Field, range: Range, [right, y]: 
     }
 }
 
-pub(crate) fn crack_colour(mode: Mode) -> Rgb {
-    CRACKS[usize::from(code(mode))].1
+pub(crate) fn crack_colour(kind: CrackKind) -> Rgb {
+    CRACKS[usize::from(kind.code())].1
 }
 
 fn opened(frame: &Frame) -> Result<Opened, PictureError> {

@@ -13,7 +13,11 @@ use crate::run::unit::split;
 /// Maximum number of curves in a plot: more could not be distinguished.
 const MOST_CURVES: usize = 8;
 
-/// If the first row has more than this share of the largest strain energy, there is an initial stress; less
+/// Energies that an initial stress stores from the beginning, and the names of the curves of their changes.
+const STORED: [(&str, &str); 2] =
+    [("strain", "strain (change)"), ("joint_elastic", "elastic, of joints (change)")];
+
+/// If the first row has more than this share of the largest stored energy, there is an initial stress; less
 /// is rounding.
 const INITIAL: f64 = 1e-6;
 
@@ -67,10 +71,13 @@ impl Plot {
 /// ```
 pub fn plots(history: &History) -> Vec<Plot> {
     let time = history.column("time").unwrap_or_default();
-    let changed = change_of_strain(history);
+    let changed = STORED.map(|(column, name)| (column, name, change_of(history, column)));
     let over_time = |name: &'static str, up: Axis<'static>, curves: &[(&'static str, &'static str)]| {
-        let curve = |(name, column): &(&'static str, &'static str)| match &changed {
-            Some(up) if *column == "strain" => Some(Curve::plain("strain (change)", time, up)),
+        let curve = |(name, column): &(&'static str, &'static str)| match changed
+            .iter()
+            .find(|(stored, ..)| stored == column)
+        {
+            Some((_, name, Some(up))) => Some(Curve::plain(name, time, up)),
             _ => Some(Curve::plain(name, time, history.column(column)?)),
         };
         let curves: Vec<Curve<'_>> = curves.iter().filter_map(curve).collect();
@@ -208,13 +215,13 @@ fn bent(sizes: &[f64], shares: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (across, percent)
 }
 
-/// Returns the change of the strain energy since the beginning, or `None` if the bodies begin without stress.
+/// Returns the change of a stored energy since the beginning, or `None` if the bodies begin without stress.
 /// The energy of an initial stress would hide all other curves.
-fn change_of_strain(history: &History) -> Option<Vec<f64>> {
-    let strain = history.column("strain")?;
-    let most = strain.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
-    let first = *strain.first().filter(|&&first| first > INITIAL * most)?;
-    Some(strain.iter().map(|now| now - first).collect())
+fn change_of(history: &History, column: &str) -> Option<Vec<f64>> {
+    let stored = history.column(column)?;
+    let most = stored.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let first = *stored.first().filter(|&&first| first > INITIAL * most)?;
+    Some(stored.iter().map(|now| now - first).collect())
 }
 
 /// Plots the user's columns over time, grouped by unit.

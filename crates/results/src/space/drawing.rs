@@ -1,10 +1,9 @@
 //! Triangles of a picture: the visible parts of facets, sections and cracks, their light and their lines.
 
-use fdem_simulation::Mode;
-
 use crate::arrays::each;
 use crate::picture::colour::{Rgb, mix};
 use crate::picture::raster::{Paint, Stroke, Triangle};
+use crate::run::frame::CrackKind;
 use crate::run::pictures::crack_colour;
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
@@ -64,7 +63,7 @@ pub(crate) struct Tetrahedron {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CrackFacet {
     pub(crate) corners: [[f64; 3]; 3],
-    pub(crate) mode: Mode,
+    pub(crate) kind: CrackKind,
 }
 
 /// The contents of a picture, as plain lists.
@@ -170,7 +169,7 @@ pub(crate) fn cracks(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane
         let normal = if normal[2] < 0.0 { normal.map(|x| -x) } else { normal };
         let facet = Facet { corners: crack.corners, colour: [0; 3], edges: [Edge::Element; 3], broken: true };
         // These colours are darker than those of fields: light makes them paler.
-        let colour = mix(crack_colour(crack.mode), [255; 3], PALER * bright(normal));
+        let colour = mix(crack_colour(crack.kind), [255; 3], PALER * bright(normal));
         for (corners, edges) in clipped(&facet, cut) {
             facets.add(corners, Paint::solid(colour), Side::Front, edges, size(crack.corners));
         }
@@ -406,6 +405,8 @@ fn key(point: [f64; 3]) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use fdem_simulation::Mode;
+
     use super::*;
     use crate::picture::raster::draw;
     use crate::space::facets::FACETS;
@@ -539,8 +540,8 @@ mod tests {
     #[test]
     fn the_order_of_the_facets_changes_nothing() {
         let mut scene = both(scene([0.0; 3], BLUE), scene([0.5, 0.75, 0.125], RED));
-        let mode = Mode::Shear;
-        scene.cracks = scene.facets.iter().map(|facet| CrackFacet { corners: facet.corners, mode }).collect();
+        let kind = CrackKind::Broken(Mode::Shear);
+        scene.cracks = scene.facets.iter().map(|facet| CrackFacet { corners: facet.corners, kind }).collect();
         let camera = camera(30.0, 25.0);
         let cut = Some(Plane { normal: [1.0, -1.0, 0.5], offset: 0.4 });
         let pixels = |scene: &SpaceScene| {
@@ -626,7 +627,7 @@ mod tests {
         let corners = [[0.1, 0.5, 0.1], [0.9, 0.5, 0.1], [0.5, 0.5, 0.9]];
         let mut found = Vec::new();
         for mode in [Mode::Tension, Mode::Shear, Mode::Mixed] {
-            scene.cracks = vec![CrackFacet { corners, mode }];
+            scene.cracks = vec![CrackFacet { corners, kind: CrackKind::Broken(mode) }];
             let pixels = draw([SIZE; 2], &cracks(&scene, &camera(0.0, 0.0), None));
             found.push(at(&pixels, [60, 70]));
             assert!(painted(&pixels) > 6000, "the solid is seen");
@@ -664,7 +665,7 @@ mod tests {
             let mut scene = both(blue.clone(), SpaceScene::default());
             let edges = [Edge::Crack; 3];
             scene.facets.push(Facet { corners, colour: RED, edges, broken: true });
-            scene.cracks.push(CrackFacet { corners, mode: Mode::Mixed });
+            scene.cracks.push(CrackFacet { corners, kind: CrackKind::Open });
             let tetrahedron = [[0.0; 3], corners[0], corners[1], corners[2]];
             scene.tetrahedra.push(Tetrahedron { corners: tetrahedron, colour: RED, facets: [Edge::Cut; 4] });
             let camera = camera(0.0, 0.0);
@@ -678,7 +679,7 @@ mod tests {
         let mut point = both(SpaceScene::default(), SpaceScene::default());
         let edges = [Edge::Feature; 3];
         point.facets.push(Facet { corners: [[0.5; 3]; 3], colour: RED, edges, broken: false });
-        point.cracks.push(CrackFacet { corners: [[0.5; 3]; 3], mode: Mode::Shear });
+        point.cracks.push(CrackFacet { corners: [[0.5; 3]; 3], kind: CrackKind::Broken(Mode::Shear) });
         for scene in [point, SpaceScene::default()] {
             assert_eq!(painted(&seen(&scene, &camera, None)), 0);
             assert_eq!(painted(&draw([SIZE; 2], &cracks(&scene, &camera, None))), 0);

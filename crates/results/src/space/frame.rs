@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use fdem_simulation::Snapshot;
+use fdem_simulation::{Crack, Snapshot};
 
 use crate::fields::field::{Field, SCALES, line_of_keys};
 use crate::fields::range::{Range, Scale};
 use crate::fields::state::Instant;
-use crate::run::frame::{FrameError, LEVEL, Words, bounds, code, mode};
+use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, code};
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
 use crate::space::facets::{FACETS, Marks};
@@ -171,7 +171,8 @@ impl SpaceFrame {
         let inside = pack(surface..numbers.len());
 
         let mut areas = [0.0; 3];
-        for crack in snapshot.cracks.iter().filter(|crack| crack.time.is_some()) {
+        let broken = |crack: &&Crack<3>| crack.time.is_some() && !crack.open_from_start;
+        for crack in snapshot.cracks.iter().filter(broken) {
             areas[usize::from(code(crack.mode))] += crack.measure;
         }
         let openings: Vec<f64> =
@@ -377,13 +378,19 @@ impl SpaceFrame {
                 [0, 1, 2].map(|k| at(facets[1], FACETS[facets[1].1][(turn + 3 - k) % 3])),
             ];
             let traces = [0, 3].map(|first| [0, 1, 2].map(|k| code >> (4 + first + k) & 1 == 1));
-            opened.cracks.push(OpenedCrack { facets, sides, traces, mode: mode(code & 3), opening });
+            opened.cracks.push(OpenedCrack {
+                facets,
+                sides,
+                traces,
+                kind: CrackKind::with_code(code & 3),
+                opening,
+            });
         }
         Some(())
     }
 }
 
-/// Appends the cracks but their openings. The code of a crack has its mode in two bits; in the next two the
+/// Appends the cracks but their openings. The code of a crack has its kind in two bits; in the next two the
 /// place, among the corners of the facet on side 1, of the vertex that is first on side 0 (the others follow
 /// in the opposite order); then six bits of traces.
 fn pack_cracks(packed: &mut Packed, snapshot: &Snapshot<3, 4>, seen: &VisibleParts, surface: &[u32]) {
@@ -398,7 +405,7 @@ fn pack_cracks(packed: &mut Packed, snapshot: &Snapshot<3, 4>, seen: &VisiblePar
     let codes = seen.cracks.iter().map(|crack| {
         let corners = FACETS[crack.facets[1] as usize % 4];
         let turn = corners.iter().position(|&corner| corner == crack.corners[1][0]).unwrap_or(0);
-        code(snapshot.cracks[crack.place].mode) | (turn as u16) << 2 | crack.traces << 4
+        CrackKind::of(&snapshot.cracks[crack.place]).code() | (turn as u16) << 2 | crack.traces << 4
     });
     packed.numbers(&codes.collect::<Vec<_>>());
 }

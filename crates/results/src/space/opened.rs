@@ -1,8 +1,7 @@
 //! Decompressed frames in three dimensions.
 
-use fdem_simulation::Mode;
-
 use crate::fields::quantity::Number;
+use crate::run::frame::CrackKind;
 use crate::space::facets::{FACETS, Marks, edge};
 
 /// A decompressed frame. All arrays have an entry for each element that the frame has.
@@ -49,7 +48,7 @@ pub(crate) struct OpenedCrack {
     /// Whether the edges between corners `k` and `k + 1` are on the outside, for each side: there the crack
     /// is seen as a line.
     pub(crate) traces: [[bool; 3]; 2],
-    pub(crate) mode: Mode,
+    pub(crate) kind: CrackKind,
     /// Mean opening, m; negative where it is closed.
     pub(crate) opening: f64,
 }

@@ -211,7 +211,10 @@ impl SpacePictures<'_> {
             // fail.
             let plural = if frame.fragments == 1 { "" } else { "s" };
             let _ = write!(text, ", {} piece{plural}", grouped(frame.fragments as u64));
-            let _ = write!(text, ", {} of cracks", area_text(frame.areas.iter().sum()));
+            let broken: f64 = frame.areas.iter().sum();
+            if broken > 0.0 {
+                let _ = write!(text, ", {} of cracks", area_text(broken));
+            }
         }
         text
     }
@@ -271,7 +274,7 @@ impl SpacePictures<'_> {
             Vec::new()
         };
         let cracks =
-            opened.cracks.iter().map(|crack| CrackFacet { corners: crack.middle(), mode: crack.mode });
+            opened.cracks.iter().map(|crack| CrackFacet { corners: crack.middle(), kind: crack.kind });
         Ok(SpaceScene {
             facets,
             tetrahedra,
@@ -319,7 +322,13 @@ impl SpacePictures<'_> {
                         x + 20.0,
                         hex(CRACK)
                     ));
-                    svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, "cracks");
+                    svg.label(
+                        [x, y + 42.0],
+                        12.0,
+                        Anchor::Start,
+                        INK,
+                        if frame.areas == [0.0; 3] { "open joints" } else { "cracks" },
+                    );
                 }
                 colour_bar(svg, self.field, self.range, [right, foot]);
             }

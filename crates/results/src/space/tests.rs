@@ -7,7 +7,7 @@ use fdem_simulation::{Crack, Mesh, Mode, Snapshot};
 use crate::fields::Field;
 use crate::fields::field::line_of_keys;
 use crate::run::SnapshotError;
-use crate::run::frame::FrameError;
+use crate::run::frame::{CrackKind, FrameError};
 use crate::space::facets::{FACETS, Marks, WITHOUT, edge};
 use crate::space::{Shell, SpaceFrame};
 
@@ -97,6 +97,7 @@ fn crack(elements: [u32; 2], mode: Mode) -> Crack<3> {
         sliding: 0.0,
         time: Some(0.1),
         measure: 0.5,
+        open_from_start: false,
     }
 }
 
@@ -144,6 +145,8 @@ fn what_is_seen_is_what_brute_force_finds() {
         let modes = [Mode::Tension, Mode::Shear, Mode::Mixed];
         snapshot.cracks =
             picked.map(|((elements, _), number)| crack(*elements, modes[number as usize % 3])).collect();
+        // Joints that are open from the start are seen as cracks are.
+        snapshot.cracks.iter_mut().skip(2).step_by(5).for_each(|crack| crack.open_from_start = true);
         // Joints that hold are not seen.
         snapshot.cracks.iter_mut().step_by(4).for_each(|crack| crack.time = None);
         if let Some(lost) = lost {
@@ -177,6 +180,13 @@ fn what_is_seen_is_what_brute_force_finds() {
         assert_eq!(elements.len(), mesh.elements.len() - usize::from(lost.is_some()));
         let seen = broken.iter().filter(|elements| elements.iter().all(|&element| drawn(element))).count();
         assert_eq!(opened.cracks.len(), seen);
+        let is_open = |crack: &&crate::space::opened::OpenedCrack| crack.kind == CrackKind::Open;
+        let open = snapshot.cracks.iter().filter(|crack| {
+            crack.open_from_start
+                && crack.time.is_some()
+                && crack.elements.iter().all(|&element| drawn(element))
+        });
+        assert_eq!(opened.cracks.iter().filter(is_open).count(), open.count());
         for crack in &opened.cracks {
             let elements = crack.facets.map(|(element, _)| opened.numbers[element]);
             assert!(broken.contains(&elements));

@@ -73,6 +73,7 @@ fn snapshot(mesh: &Mesh<3, 4>, gap: f64, broken: bool) -> Snapshot<3, 4> {
                     sliding: 0.0,
                     time: Some(1e-3),
                     measure: 0.5,
+                    open_from_start: false,
                 });
             }
         }

@@ -374,7 +374,6 @@ impl<const D: usize> Joints<D> {
         if facet == NONE {
             return;
         }
-        let is_broken = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
         let number = self.of_facet[facet as usize] as usize;
         let Some(joint) = self.all.get_mut(number) else { return };
         let sides = &topology.facets[facet as usize];
@@ -383,11 +382,14 @@ impl<const D: usize> Joints<D> {
         let [a, b] = joint.nodes[end];
         if !joint.open[end] && a != b {
             joint.open[end] = true;
-            if is_broken {
+            if joint.open_from_start {
                 joint.ends[end] = Memory::broken();
             } else if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
                 let traction = known.unwrap_or_else(|| traction(solid, sides));
                 joint.ends[end] = Memory::under(&joint.law, traction);
+                if joint.counted {
+                    self.inserted.add(joint.share(solid.thickness) * joint.ends[end].stored(&joint.law));
+                }
             }
         }
         self.links[number] = Link::of(joint, solid.thickness);

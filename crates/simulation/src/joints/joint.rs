@@ -54,6 +54,9 @@ pub(crate) struct Joint<const D: usize = 2> {
     /// Whether this rank counts it.
     #[serde(skip)]
     pub(crate) counted: bool,
+    /// Whether it is of a joint set that is open from the beginning, so that it is no crack of the run.
+    #[serde(skip)]
+    pub(crate) open_from_start: bool,
     /// Its length, or that of the edges of an even face of this area, m.
     #[serde(skip)]
     length: f64,
@@ -73,13 +76,14 @@ pub(crate) struct Joint<const D: usize = 2> {
 
 impl<const D: usize> Wire for Joint<D> {
     fn put(&self, out: &mut Vec<u8>) {
-        let Self { facet, state, plane, ends, open, detached, faded, fading, .. } = self;
+        let Self { facet, state, plane, ends, open, detached, faded, fading, open_from_start, .. } = self;
         facet.put(out);
         (*state as u8).put(out);
         plane.put(out);
         ends.put(out);
         [*open, *detached].put(out);
         [*faded, *fading].put(out);
+        open_from_start.put(out);
     }
 
     fn take(bytes: &mut &[u8]) -> Self {
@@ -87,6 +91,7 @@ impl<const D: usize> Wire for Joint<D> {
         let state = [JointState::Holding, JointState::Broken, JointState::Removed][u8::take(bytes) as usize];
         let (plane, ends) = (JointPlane::take(bytes), Wire::take(bytes));
         let ([open, detached], [faded, fading]) = (Wire::take(bytes), Wire::take(bytes));
+        let open_from_start = bool::take(bytes);
         let nodes = no_nodes();
         Self {
             facet,
@@ -95,6 +100,7 @@ impl<const D: usize> Wire for Joint<D> {
             law: no_law(),
             measure: 0.0,
             counted: false,
+            open_from_start,
             length: 0.0,
             nodes,
             ends,
@@ -134,6 +140,7 @@ impl<const D: usize> Joint<D> {
             law: law.on(plane),
             measure,
             counted: true,
+            open_from_start: false,
             length,
             nodes: no_nodes(),
             ends: [Memory::default(); D],
@@ -156,6 +163,7 @@ impl<const D: usize> Joint<D> {
             law: self.law,
             measure: self.measure,
             counted: self.counted,
+            open_from_start: self.open_from_start,
             length: self.length,
             ..saved
         }
@@ -275,6 +283,26 @@ impl<const D: usize> Joint<D> {
             self.fading = fading;
         }
         (work, modes)
+    }
+
+    /// Elastic energy, J, of its ends that can open, at the positions of the last [`Joint::pull`].
+    pub(super) fn elastic<const N: usize>(&self, solid: &Solid<D, N>) -> f64
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if self.state == JointState::Removed {
+            return 0.0;
+        }
+        let frame = JointAxes::new::<N>(self, solid);
+        let share = self.share(solid.thickness);
+        let of_end = |(end, [a, b]): (usize, [Point<D>; 2])| {
+            if self.open[end] && !self.detached[end] {
+                share * self.ends[end].elastic(&self.law, frame.components(minus(b, a)))
+            } else {
+                0.0
+            }
+        };
+        frame.ends.into_iter().enumerate().map(of_end).sum()
     }
 
     /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of

@@ -256,15 +256,15 @@ where
     pub fn counts(&self) -> Counts {
         let own = self.run.own_counts();
         let numbers = |counts: &Counts| {
-            [counts.joints, counts.broken, counts.contacts, counts.nodes]
+            [counts.joints, counts.broken, counts.open, counts.contacts, counts.nodes]
                 .map(|count| (count as u64).cast_signed())
         };
         let mut sums = numbers(&own);
         self.communicator.all_sum(&mut sums);
         let mut most = [own.detections as f64];
         self.communicator.all_max(&mut most);
-        let [joints, broken, contacts, nodes] = sums.map(|sum| sum as usize);
-        Counts { joints, broken, contacts, detections: most[0] as u64, nodes }
+        let [joints, broken, open, contacts, nodes] = sums.map(|sum| sum as usize);
+        Counts { joints, broken, open, contacts, detections: most[0] as u64, nodes }
     }
 
     /// The elements of the first couple in which one element reached the centroid of the other in the last
@@ -326,6 +326,7 @@ where
         self.links.add_up(&mut [
             &mut totals.friction,
             &mut totals.cohesive,
+            &mut totals.inserted,
             &mut totals.damping,
             &mut totals.external,
             &mut totals.loads,
@@ -447,16 +448,21 @@ where
     /// Numbers of the joints, contacts and nodes that this rank counts.
     fn own_counts(&self) -> Counts {
         let share = self.solid().share();
-        let (mut joints, mut broken) = (0, 0);
-        for joint in &self.joints().all {
-            if joint.counted {
-                if joint.holds() { joints += 1 } else { broken += 1 }
-            }
+        let loose = self.part.iter().flat_map(|part| &part.loose_joints).map(|moving| (&moving.joint, false));
+        let here = self.joints().all.iter().filter(|joint| joint.counted);
+        let (mut joints, mut broken, mut open) = (0, 0, 0);
+        for (joint, holds) in here.map(|joint| (joint, joint.holds())).chain(loose) {
+            let count = match (holds, joint.open_from_start) {
+                (true, _) => &mut joints,
+                (false, false) => &mut broken,
+                (false, true) => &mut open,
+            };
+            *count += 1;
         }
-        let loose = self.part.as_ref().map_or(0, |part| part.loose_joints.len());
         Counts {
             joints,
-            broken: broken + loose,
+            broken,
+            open,
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),

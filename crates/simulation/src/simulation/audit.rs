@@ -26,9 +26,11 @@ where
     /// J.
     pub(super) fn account(&mut self, kinetic: &Sum, peers: &dyn Peers<D, N>) {
         let [strain, viscous] = self.machine.energies();
-        let Totals { friction, cohesive, damping, external, loads, .. } = &self.totals;
+        let Totals { friction, cohesive, inserted, damping, external, loads, .. } = &self.totals;
         let mut ledger = Ledger::default();
         let contact = self.touching.energy.clone().unwrap_or_default();
+        let mut joint_elastic = self.joint_elastic.clone();
+        joint_elastic.subtract(inserted);
         for (account, sum) in [
             (Account::Kinetic, kinetic),
             (Account::Strain, &strain),
@@ -39,6 +41,7 @@ where
             (Account::Damping, damping),
             (Account::External, external),
             (Account::Loads, loads),
+            (Account::JointElastic, &joint_elastic),
         ] {
             ledger.add(account, sum);
         }

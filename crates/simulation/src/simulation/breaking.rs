@@ -16,13 +16,14 @@ where
     /// on.
     pub(super) fn part(&mut self, mut failing: Vec<u32>, broken: &[u32], peers: &mut dyn Peers<D, N>) {
         let mut clock = Clock::new();
-        let Self { model, topology, machine, .. } = self;
+        let Self { model, topology, machine, totals, .. } = self;
         let columns = machine.columns_mut();
         let Columns { solid, joints, contacts } = columns;
         peers.add_failing(&mut failing, topology);
         let split = joints.insert(&failing, solid, model, topology);
         let vertices = contacts.surface.part(broken, joints, topology, solid.share());
         peers.exchange_splits(&split, &vertices, columns, topology);
+        totals.inserted.add_sum(&columns.joints.take_inserted());
         peers.note_bared(&columns.contacts.surface.bared);
         clock.read(&mut self.timings.joints);
         let sides = self.sides_of(broken);

@@ -119,6 +119,12 @@ where
             let Columns { solid, joints, .. } = new.machine.columns_mut();
             joints.part(vertex, solid, false, &new.model, &new.topology);
         }
+        // The energies of joints that vanish and appear stay where the balance has them: in no column of the
+        // dissipated energy.
+        let elastic = |run: &Simulation<D, N>| run.joints().elastic(run.solid(), &run.team);
+        new.machine.columns_mut().joints.take_inserted();
+        new.totals.inserted.add_sum(&elastic(&new));
+        new.totals.inserted.subtract(&elastic(&old));
         let mut state = new.state();
         let (had, has) = (old.look(), new.look());
         state.totals.external.add_sum(&has.energy);

@@ -75,6 +75,9 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) imbalance: f64,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
+    /// Elastic energy of the joints that this rank counts, at the beginning of the last step for which
+    /// energies were asked, J.
+    pub(crate) joint_elastic: Sum,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
     /// The part of a run that this rank has; `None` for a whole run.
@@ -110,8 +113,11 @@ pub(crate) struct Components<const D: usize, const N: usize> {
 pub struct Counts {
     /// Joints that hold, elastic or softening.
     pub joints: usize,
-    /// Broken joints.
+    /// Joints that the run has broken.
     pub broken: usize,
+    /// Joints of sets that are open from the beginning, as far as their sides are apart: the joint at the end
+    /// of such a set holds while both of its sides have one node there.
+    pub open: usize,
     /// Couples of elements that overlap.
     pub contacts: usize,
     /// Number of detections of couples so far.
@@ -193,7 +199,10 @@ where
         // kinetic energy, m/2 v².
         let size = stiffnesses().fold(4.0 * heaviest * fastest * fastest, f64::max);
         let cohesive = joints.stored(solid);
-        machine.columns_mut().solid.grains = Grains::of(size);
+        let Columns { solid, joints, .. } = machine.columns_mut();
+        solid.grains = Grains::of(size);
+        // The balance counts the energy with which joints begin.
+        joints.take_inserted();
         let [strain, _] = machine.energies().map(|sum| sum.value());
         let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
         let scales = Scales {
@@ -230,6 +239,7 @@ where
             energies: Energies::default(),
             imbalance: f64::INFINITY,
             held: Vec::new(),
+            joint_elastic: Sum::default(),
             touching: Touching::default(),
             timings: Timings::default(),
             model,
@@ -334,9 +344,11 @@ where
 
     /// Numbers of joints, contacts and nodes.
     pub fn counts(&self) -> Counts {
+        let [broken, open] = self.joints().broken();
         Counts {
-            joints: self.joints().all.len() - self.joints().broken(),
-            broken: self.joints().broken(),
+            joints: self.joints().all.len() - broken - open,
+            broken,
+            open,
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: self.solid().node_count(),

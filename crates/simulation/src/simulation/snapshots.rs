@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
 use crate::forces::{ContactForce, Forces, OwnForces};
-use crate::joints::JointView;
+use crate::joints::{Break, Joint, JointView};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot};
@@ -48,23 +48,26 @@ where
         }
     }
 
-    /// Total lengths of joints that broke by opening, by sliding, and by both, m.
+    /// Total lengths of joints that broke by opening, by sliding, and by both, m. Joints of sets that are open
+    /// from the beginning are not among them.
     pub fn crack_lengths(&self) -> [f64; 3] {
         self.lengths_of_cracks(|_| true).map(|length| length.value())
     }
 
-    /// Sums of the lengths of the broken joints that are `counted`, by mode.
+    /// Sums of the lengths of the joints that the run has broken and that are `counted`, by mode.
     pub(crate) fn lengths_of_cracks(&self, counted: impl Fn(u32) -> bool) -> [Sum; 3] {
         let mut lengths = [(); 3].map(|()| Sum::default());
-        for (_, joint, broken) in self.joints().breaks().filter(|(number, ..)| counted(*number)) {
+        let cracked =
+            |(number, joint, _): &(u32, &Joint<D>, &Break)| !joint.open_from_start && counted(*number);
+        for (_, joint, broken) in self.joints().breaks().filter(cracked) {
             lengths[mode(broken.modes) as usize].add(joint.measure);
         }
         lengths
     }
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
-    /// of the first element of each fragment. The fragments change only when joints break: see
-    /// [`Counts::broken`](crate::Counts::broken). Linear in the number of elements.
+    /// of the first element of each fragment. The fragments change only when joints part: see
+    /// [`Counts::broken`](crate::Counts::broken) and [`Counts::open`](crate::Counts::open). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
         let run = self;
         compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
@@ -163,6 +166,7 @@ where
         sliding: <[[f64; D]; N]>::sliding(&gap),
         time: seen.broken.map(|(time, _)| time),
         measure: seen.measure,
+        open_from_start: seen.joint.open_from_start,
     }
 }
 

@@ -12,6 +12,8 @@ pub(crate) struct Totals {
     pub(crate) friction: Sum,
     /// Work against joints, less the potential energy of contacts to which they have handed over.
     pub(crate) cohesive: Sum,
+    /// Elastic energy that joints had when they were inserted during the run. It is in no work.
+    pub(crate) inserted: Sum,
     /// Energy dissipated by local damping, dynamic relaxation, damping of contacts and absorbing edges.
     pub(crate) damping: Sum,
     /// Work of applied forces, of gravity, and of boundaries that move nodes.

@@ -49,9 +49,17 @@ fn tension(insertion: Insertion, strength: Strength) -> Simulation {
 fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
         let mut run = tension(insertion, Strength { energy_i: 3.0, ..rock() });
-        let mut peak = 0.0_f64;
+        let (mut peak, mut most, mut stored) = (0.0_f64, 0.0_f64, 0.0_f64);
         while run.counts().broken == 0 {
             run.advance(1).expect("a step");
+            let energies = run.energies();
+            let dissipated = energies.joint_dissipated();
+            assert!(dissipated > most - 1e-6 * 0.03, "{insertion:?}: {dissipated} after {most}");
+            most = most.max(dissipated);
+            stored = stored.max(energies.joint_elastic);
+            if run.force(1).expect("a boundary")[1] < 0.009e6 && peak < 0.0095e6 {
+                assert!(dissipated.abs() < 1e-6 * 0.03, "{insertion:?}: {dissipated} before the strength");
+            }
             peak = peak.max(run.force(1).expect("a boundary")[1] / 0.01);
             assert!(run.time() < 1.0, "it never breaks");
         }
@@ -69,6 +77,13 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack
         );
         let dissipated = run.energies().cohesive;
         assert!((dissipated / (3.0 * 0.01) - 1.0).abs() < 0.01, "{insertion:?}: {dissipated}");
+        assert!((most / (3.0 * 0.01) - 1.0).abs() < 0.02, "{insertion:?}: {most}");
+        // The crack is open: it stores nothing but, with a negative sign, what its joint began with.
+        let elastic = run.energies().joint_elastic;
+        assert!(elastic.abs() < 0.01 * most, "{insertion:?}: {elastic}");
+        if insertion == Insertion::Intrinsic {
+            assert!(stored > 0.0 && elastic.abs() < 0.01 * stored, "{elastic} of {stored}");
+        }
         assert!(run.energies().error().abs() < 1e-3, "{:?}", run.energies());
     }
 }

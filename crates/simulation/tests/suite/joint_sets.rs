@@ -285,7 +285,7 @@ pub(crate) fn crash(insertion: Insertion) -> Model {
     let weak = Strength { tensile: 0.3e6, cohesion: 0.5e6, energy_i: 2.0, energy_ii: 4.0, ..rock() };
     model.joint_sets = vec![
         JointSet { strength: weak, normal_stiffness: Some(2e12), shear_stiffness: Some(7e11), ..open(0.3) },
-        open(0.2),
+        JointSet { open: true, ..open(0.2) },
     ];
     let ground = along_height(&model.mesh, -0.025);
     assert!(model.add_joints(0, &ground) > 5);
@@ -315,8 +315,65 @@ fn a_run_with_joint_sets_goes_on_bit_for_bit() {
             whole.advance(400).expect("steps");
             assert_eq!(resumed.snapshot(), whole.snapshot());
             assert_eq!(resumed.energies(), whole.energies());
+            let parted = |run: &Simulation| (run.counts().broken, run.counts().open, run.crack_lengths());
+            assert_eq!(parted(&resumed), parted(&whole));
         }
-        assert!(whole.counts().broken > 10, "{:?}", whole.counts());
+        assert!(whole.counts().broken > 10 && whole.counts().open == 5, "{:?}", whole.counts());
+    }
+}
+
+/// A notch that is given as an open joint set is no crack of the run; the crack that grows from it is one.
+#[test]
+fn open_joints_are_no_cracks() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let mut model = cut(JointSet { open: true, ..open(0.0) });
+        // Two of the four edges stay whole.
+        let keep: Vec<[u32; 2]> = along_height(&model.mesh, 0.1)
+            .into_iter()
+            .filter(|edge| edge.iter().all(|&node| model.mesh.nodes[node as usize][0] < 0.101))
+            .collect();
+        model.joint_facets.clear();
+        assert_eq!(model.add_joints(0, &keep), 2);
+        model.materials[0].strength = Some(rock());
+        model.fracture.insertion = insertion;
+        let load = |size: f64| Boundary {
+            name: "load".to_owned(),
+            target: Target::Facets(top_edges(&model)),
+            load: Load::Traction([0.0, size]),
+            schedule: Schedule::Ramp(2e-5),
+        };
+        let [small, large] = [1e2, 5e6].map(load);
+        let mut run = Simulation::new(
+            Model { boundaries: [model.boundaries.clone(), vec![small]].concat(), ..model.clone() },
+            1,
+        )
+        .expect("a model");
+        run.advance(500).expect("steps");
+        let counts = run.counts();
+        assert!(counts.broken == 0 && counts.open > 0, "{insertion:?}: {counts:?}");
+        assert_eq!(run.crack_lengths(), [0.0; 3]);
+        let cracks = run.snapshot().cracks;
+        assert!(cracks.iter().all(|crack| crack.open_from_start) && cracks.len() == 2, "{cracks:?}");
+
+        let mut run = Simulation::new(
+            Model { boundaries: [model.boundaries.clone(), vec![large]].concat(), ..model },
+            1,
+        )
+        .expect("a model");
+        while run.counts().broken < 2 {
+            run.advance(50).expect("steps");
+            assert!(run.time() < 1e-3, "{insertion:?}: {:?}", run.counts());
+        }
+        let broken: Vec<f64> = run
+            .snapshot()
+            .cracks
+            .iter()
+            .filter(|crack| crack.time.is_some() && !crack.open_from_start)
+            .map(|crack| crack.measure)
+            .collect();
+        assert_eq!(broken.len(), run.counts().broken);
+        let [sum, length] = [broken.iter().sum::<f64>(), run.crack_lengths().iter().sum()];
+        assert!((sum - length).abs() < 1e-12, "{insertion:?}: {sum} {length}");
     }
 }
 

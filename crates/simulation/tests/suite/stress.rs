@@ -105,6 +105,8 @@ fn a_body_under_matching_stress_stays_at_rest_with_any_joints() {
             insertion == Insertion::Intrinsic,
             "joints store what they carry: {cohesive}"
         );
+        let dissipated = run.energies().joint_dissipated();
+        assert!(dissipated.abs() <= 1e-7 * cohesive.abs(), "nothing breaks: {dissipated} of {cohesive}");
     }
 }
 

@@ -191,6 +191,7 @@ where
         "detections": account.detections,
         "joints": counts.joints,
         "broken_joints": counts.broken,
+        "open_joints": counts.open,
         <[[f64; D]; N]>::CRACKED.0: run.crack_lengths().iter().sum::<f64>(),
         "fragments": {
             "number": fragment_count.number,

@@ -12,8 +12,8 @@ use fdem_model::{Origin, Prepared, PreparedHistory, Quantity};
 /// Looks at a run. It writes nothing.
 pub(crate) struct Observer<const D: usize> {
     masses: ElementMasses,
-    /// Number of broken joints at the last count of fragments, and that count.
-    counted: Option<(usize, FragmentCount)>,
+    /// Numbers of broken and of open joints at the last count of fragments, and that count.
+    counted: Option<([usize; 2], FragmentCount)>,
     /// Nodes of the boundary of each history of a force; empty for other histories.
     targets: Vec<Vec<u32>>,
     /// Displacements from which those of results count; `None` for none.
@@ -114,17 +114,18 @@ impl<const D: usize> Observer<D> {
         }
     }
 
-    /// Counts the fragments. They are found again only if joints have broken since the last count.
+    /// Counts the fragments. They are found again only if joints have parted since the last count.
     fn count<const N: usize>(&mut self, run: &(impl Engine<D, N> + ?Sized)) -> FragmentCount
     where
         [[f64; D]; N]: Results<D, N>,
     {
-        let broken = run.counts().broken;
+        let counts = run.counts();
+        let parted = [counts.broken, counts.open];
         match self.counted {
-            Some((before, count)) if before == broken => count,
+            Some((before, count)) if before == parted => count,
             _ => {
                 let count = self.masses.count(&run.fragments());
-                self.counted = Some((broken, count));
+                self.counted = Some((parted, count));
                 count
             }
         }

@@ -9,13 +9,14 @@ use crate::command::run::ranks::in_ranks;
 use crate::command::run::results::Results;
 
 /// The summary of a run: names and texts of its lines. `frames`: number of frames; `more`: lines after those
-/// of cracks and fragments.
+/// of cracks and fragments; `open`: the joints that are open from the start, in words.
 pub(crate) fn summary<const D: usize, const N: usize>(
     run: &dyn Engine<D, N>,
     status: &str,
     account: &Account,
     frames: usize,
     fragments: &Fragments<D>,
+    open: Option<String>,
     more: Vec<(&'static str, String)>,
 ) -> Vec<(&'static str, String)>
 where
@@ -57,8 +58,9 @@ where
                 format!("{} joints broken: {}", grouped(counts.broken as u64), cracks.join(", "))
             },
         ),
-        ("fragments", in_words(fragments)),
     ];
+    facts.extend(open.map(|open| ("open joints", open)));
+    facts.push(("fragments", in_words(fragments)));
     facts.extend(more);
     facts.extend([
         (

@@ -152,6 +152,7 @@ impl Disc {
                 sliding: 1e-7 * middle / RADIUS,
                 time: (ahead < 0.0).then(|| END * (BREAKS + k as f64 / self.seam.len() as f64 / 2.5)),
                 measure: (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]),
+                open_from_start: false,
             });
         }
         for corners in &self.elements {
