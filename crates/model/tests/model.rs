@@ -42,6 +42,8 @@ mod included;
 mod library;
 #[path = "model/limits.rs"]
 mod limits;
+#[path = "model/loading.rs"]
+mod loading;
 #[path = "model/locking.rs"]
 mod locking;
 #[path = "model/meshes.rs"]

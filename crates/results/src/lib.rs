@@ -38,6 +38,7 @@
 //! | acoustic emission: events, magnitudes, b-value | `src/run/emission.rs` |
 //! | fragments: masses, table, distribution of sizes | `src/run/fragments.rs`; which elements hang together: `crates/simulation/src/topology.rs` |
 //! | outlines, load-displacement axes, samples of large meshes | `src/run/outlines.rs`, `src/run/loads.rs`, `src/run/sample.rs` |
+//! | the share of inertia in a peak load | `src/run/inertia.rs` |
 //! | the common parts of all pages | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |
 //! | the page of a run | both dimensions: `src/page/run.rs`, `src/page/run/main.js`; two: `src/page/run/flat.rs`; three: `src/page/run/space.rs`, `src/page/run/space/view.js` |
 //! | the page of a sweep | `src/page/sweep.rs`, `src/page/sweep/main.js`, `src/page/sweep/plot.js` |

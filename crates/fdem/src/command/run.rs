@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{CurveFigures, Fragments, Row};
+use fdem_results::{CurveFigures, Fragments, Inertia, Row, inertia};
 use fdem_simulation::Stop;
 use serde_json::Value;
 
@@ -269,6 +269,8 @@ where
     saved: Instant,
     warned: bool,
     quiet: bool,
+    /// The share of inertia in the peak of the load, once the run has ended.
+    inertia: Option<Inertia>,
     /// Peaks and moduli of the curves, once the run has ended.
     curves: Vec<CurveFigures>,
     /// Acoustic emission of the run, once it has ended.
@@ -323,6 +325,7 @@ where
             saved: Instant::now(),
             warned: false,
             quiet: options.quiet,
+            inertia: None,
             curves: Vec::new(),
             emission: None,
             quasi_static: None,
@@ -356,6 +359,7 @@ where
         let history = recorder.history()?;
         self.curves =
             self.course.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.inertia = inertia(&history);
         self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
         if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
             self.told.say(&warning);
@@ -538,6 +542,7 @@ where
         json["until_met"] = until.map_or(Value::Null, |_| Value::Bool(self.course.reached.met));
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
+        json["inertia"] = self.inertia.as_ref().map_or(Value::Null, log::inertia);
         json["curves"] = self.curves.iter().map(log::curve).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
@@ -588,6 +593,7 @@ where
         let mut more = Vec::new();
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
+        more.extend(self.inertia.as_ref().map(|inertia| ("inertia", log::inertia_in_words(inertia))));
         more.extend(self.curves.iter().map(|curve| ("curve", log::curve_in_words(curve))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         let open = open_from_start(&self.course.prepared.joint_sets);

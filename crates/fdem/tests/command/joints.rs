@@ -91,7 +91,7 @@ fn a_notch_is_no_crack() {
     assert!(check.stdout.contains(joints), "{}", check.stdout);
     let run = bench.run(&["run", "notch.toml"]).succeeds();
     for part in ["cracks           none", "open joints      3 joints open from the start, 0.03 m"] {
-        assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
     let json = run_json(&bench, "notch_results");
     assert_eq!((&json["broken_joints"], &json["crack_length"]), (&Value::from(0), &Value::from(0.0)));

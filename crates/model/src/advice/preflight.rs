@@ -9,6 +9,7 @@ use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
 use serde::Serialize;
 
 use crate::advice::amounts::{YEAR, duration, size};
+use crate::advice::compliance;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
@@ -115,6 +116,9 @@ pub struct Preflight {
     /// Estimates for a run on many ranks, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_ranks: Option<OnRanks>,
+    /// Share by which joints that are there from the beginning make bodies softer, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub softer_by_joints: Option<f64>,
     /// Warnings about settings that may not be meant.
     pub warnings: Vec<String>,
     /// Hash of the model.
@@ -206,6 +210,7 @@ impl Preflight {
             names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
             quality: prepared.quality.clone(),
             joint_sets: prepared.joint_sets.clone(),
+            softer_by_joints: compliance::softer(model),
             about_files: prepared.about_files.clone(),
             from_library: prepared.from_library.clone(),
             mass_scaling: prepared.mass_scaling.clone(),
@@ -366,6 +371,13 @@ impl fmt::Display for Preflight {
         let [least, mean, most] = quality.edges.map(brief);
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
         self.joint_sets.iter().try_for_each(|set| writeln!(out, "joints           {set}"))?;
+        if let Some(share) = self.softer_by_joints {
+            writeln!(
+                out,
+                "joints           on all facets: they make bodies softer by {:.1} %; a higher joint_penalty makes it less, and the time step shorter",
+                100.0 * share
+            )?;
+        }
         self.about_files.iter().try_for_each(|line| writeln!(out, "mesh file        {line}"))?;
         let from_library = self.from_library.iter();
         from_library

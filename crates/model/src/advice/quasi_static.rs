@@ -5,17 +5,12 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{Boundary, Load, LoadEffect, LoadSummary, Material, Model, Schedule};
 
+use crate::advice::loading_rate;
 use crate::text::file::{ModelFile, Stage};
 
 /// Passages of a wave through the model in which a load comes slowly, and those below which it sends a wave.
 const SLOW: f64 = 20.0;
 const SUDDEN: f64 = 3.0;
-
-/// Stress of the wave of a moving boundary over the tensile strength, beyond which the wave breaks the body.
-const BREAKING: f64 = 2.0;
-
-/// The same, of a boundary that is slow.
-const CALM: f64 = 0.1;
 
 /// Damping of a material, as a share of critical damping, with which waves die out soon.
 const VISCOUS: f64 = 0.1;
@@ -89,7 +84,7 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     if !is_without_waves(model) {
         return;
     }
-    warnings.extend(fast(model));
+    warnings.extend(loading_rate::advice(model, model.boundaries.iter().filter(|boundary| lasts(boundary))));
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
@@ -180,37 +175,6 @@ fn sudden_gravity<const D: usize, const N: usize>(
     Some(format!(
         "gravity comes {when}; if a state of rest is meant, write gravity_ramp = {}, which is {SLOW} passages{damping}",
         brief(SLOW * passage)
-    ))
-}
-
-/// Advice on the fastest boundary, if its wave alone breaks the body that it meets: the stress of the wave is
-/// `ρ c v`.
-fn fast<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<String> {
-    let speed = |boundary: &Boundary<D>| match boundary.load {
-        Load::Velocity(components) => components.iter().flatten().map(|v| v * v).sum::<f64>().sqrt(),
-        _ => 0.0,
-    };
-    let lasting = model.boundaries.iter().filter(|boundary| lasts(boundary));
-    // The first of several that are as fast.
-    let fastest = lasting.reduce(|one, other| if speed(other) > speed(one) { other } else { one })?;
-    let mut worst: Option<(f64, &Material)> = None;
-    for material in &model.materials {
-        let Some(strength) = material.strength else { continue };
-        let share = material.density * wave(material) * speed(fastest) / strength.tensile;
-        if worst.is_none_or(|(most, _)| share > most) {
-            worst = Some((share, material));
-        }
-    }
-    let (share, material) = worst.filter(|(share, _)| *share > BREAKING)?;
-    Some(format!(
-        "[[boundary]] \"{}\" moves at {} m/s, {} % of the speed of waves in \"{}\": the stress of its wave, density times wave speed times velocity, is {} times the tensile strength, \
-         so that waves and not the load break the body; if a slow load is meant, take {} m/s",
-        fastest.name,
-        brief(speed(fastest)),
-        brief(100.0 * speed(fastest) / wave(material)),
-        material.name,
-        brief(share),
-        brief(speed(fastest) * CALM / share)
     ))
 }
 

@@ -8,17 +8,14 @@ use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
-use fdem_mesh::{Corners, bounds, edges};
-use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Plane, Strength, Target};
+use fdem_mesh::{Corners, bounds};
+use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
-use crate::advice::{equilibrium, parts, quasi_static};
+use crate::advice::{equilibrium, parts, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
 use crate::stages::resolve::lifetime;
 use crate::text::file;
-
-/// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
-const IN_PROCESS_ZONE: f64 = 3.0;
 
 /// Share of elements with equal angles from which a mesh is regular.
 const REGULAR: f64 = 0.5;
@@ -114,7 +111,7 @@ fn of_both<const D: usize, const N: usize>(
 ) -> Vec<String> {
     let Ready { model, bodies, quality, .. } = *ready;
     let mut warnings = Vec::new();
-    process_zone(model, &mut warnings);
+    process_zone::warnings(model, &mut warnings);
     platens(model, &mut warnings);
     for boundary in &model.boundaries {
         stepped(boundary, &mut warnings);
@@ -144,55 +141,6 @@ fn of_both<const D: usize, const N: usize>(
     }
     apex(model, &mut warnings);
     warnings
-}
-
-/// E' of a material, Pa.
-fn plane_modulus<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
-    let material = &model.materials[material];
-    match model.plane {
-        Plane::Stress if D == 2 => material.youngs_modulus,
-        _ => material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2)),
-    }
-}
-
-/// Warns of elements larger than a third of the fracture process zone, E' G/f².
-fn process_zone<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    let mut longest = vec![0.0_f64; model.materials.len()];
-    let mut large = vec![0_usize; model.materials.len()];
-    let mut count = vec![0_usize; model.materials.len()];
-    let zone = |number: usize| {
-        let material = &model.materials[number];
-        let zone = |modulus: f64, strength: Strength| modulus * strength.energy_i / strength.tensile.powi(2);
-        let strength = material.strength?;
-        let whole = zone(plane_modulus(model, number), strength);
-        // A crack along the bedding opens against the stiffness across it.
-        let MaterialLaw::TransverselyIsotropic(bedding) = &material.law else { return Some(whole) };
-        Some(whole.min(zone(bedding.youngs_modulus, bedding.strength.unwrap_or(strength))))
-    };
-    for (nodes, &number) in model.mesh.elements.iter().zip(&model.mesh.materials) {
-        let number = number as usize;
-        let Some(zone) = zone(number) else { continue };
-        let edges = edges(&nodes.map(|node| model.mesh.nodes[node as usize]));
-        let mean = edges.iter().sum::<f64>() / edges.len() as f64;
-        longest[number] = longest[number].max(mean);
-        count[number] += 1;
-        // A tenth more is the scatter of a mesh whose size is the limit.
-        large[number] += usize::from(mean > 1.1 * zone / IN_PROCESS_ZONE);
-    }
-    for (number, material) in model.materials.iter().enumerate() {
-        if let (Some(zone), true) = (zone(number), 20 * large[number] > count[number]) {
-            warnings.push(format!(
-                "{} of {} elements of \"{}\" are larger than a third of its fracture process zone (E' G/f² = {} m; the largest has edges of {} m): \
-                 strength will depend on the mesh; take elements of {} m",
-                large[number],
-                count[number],
-                material.name,
-                brief(zone),
-                brief(longest[number]),
-                brief(zone / IN_PROCESS_ZONE)
-            ));
-        }
-    }
 }
 
 /// Warns of a tensile strength above that at which Mohr and Coulomb's strength in shear is 0, c/tan φ.

@@ -15,8 +15,15 @@ fn examples(folder: &str) -> Vec<PathBuf> {
     models
 }
 
+/// Examples that are loaded fast or are coarse, so that they take seconds, with parts of their warnings. The
+/// book says so.
+const WARNED: [(&str, &[&str]); 2] = [
+    ("crushed_ball.toml", &["process zone in shear", "process zone in shear", "by inertia"]),
+    ("pillar.toml", &["by inertia"]),
+];
+
 #[test]
-fn every_example_is_right_small_and_gives_no_warning() {
+fn every_example_is_right_and_small_and_gives_no_unexpected_warning() {
     let (plane, space) = (examples("examples"), examples("examples/space"));
     assert!(plane.len() >= 9 && space.len() >= 5, "{plane:?} {space:?}");
     let mut wrong = Vec::new();
@@ -33,7 +40,10 @@ fn every_example_is_right_small_and_gives_no_warning() {
         println!("{name}\n{preflight}");
         let (elements, steps) = (preflight.quality.elements, preflight.steps);
         let work = elements as f64 * steps as f64;
-        if !preflight.warnings.is_empty() || !(1_000..=most).contains(&elements) || work > 5e8 {
+        let expected = WARNED.iter().find(|(of, _)| *of == name).map_or(&[][..], |(_, parts)| parts);
+        let as_expected = preflight.warnings.len() == expected.len()
+            && preflight.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part));
+        if !as_expected || !(1_000..=most).contains(&elements) || work > 5e8 {
             wrong.push(format!(
                 "{name}: {elements} elements, {work:e} element-steps, {:?}",
                 preflight.warnings

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{CurveFigures, Fragments};
+use fdem_results::{CurveFigures, Fragments, Inertia};
 use serde_json::{Value, json};
 
 use crate::command::failure::Failure;
@@ -223,6 +223,29 @@ pub(crate) fn curve(figures: &CurveFigures) -> Value {
         "modulus": figures.modulus,
         "modulus_unit": figures.modulus_unit(),
     })
+}
+
+/// The share of inertia in the peak load, in `run.json`.
+pub(crate) fn inertia(inertia: &Inertia) -> serde_json::Value {
+    json!({ "load": inertia.load, "peak": inertia.peak, "kinetic_over_strain": inertia.share })
+}
+
+/// Kinetic over strain energy at the peak load up to which the load is that of a slow test, within some 5 %.
+const SLOW: f64 = 0.01;
+
+/// The same in the summary.
+pub(crate) fn inertia_in_words(inertia: &Inertia) -> String {
+    let Inertia { load, peak, share } = inertia;
+    let meaning = if *share > SLOW {
+        "above 1 %, so that inertia may have raised the peak by more than 5 %: compare with half of the velocity"
+    } else {
+        "up to 1 % inertia has no part in the peak"
+    };
+    format!(
+        "kinetic energy {:.2} % of the strain energy at the peak of {load}, {} N; {meaning}",
+        100.0 * share,
+        brief(*peak)
+    )
 }
 
 /// A curve in the summary.
