@@ -116,7 +116,7 @@ pub(crate) fn analyse<'py>(
     let (json, contacts, clusters, rattlers) = with_kind!(elements.kind, T, D => {
         let inner = inner.map(<[[f64; 2]; D]>::try_from).transpose();
         let inner = inner.map_err(|_| Problem::Arguments(format!("inner must have two limits for each of {D} axes")))?;
-        let options = Options { min_contacts, inner, radial };
+        let options = Options { min_contacts, inner, radial, threads: 0 };
         on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
             let analysis = analysed(network, &options).map_err(|error| Problem::Arguments(error.to_string()))?;
             let json = serde_json::to_string(&analysis).map_err(|error| Problem::System(error.to_string()))?;

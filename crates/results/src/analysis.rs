@@ -11,8 +11,8 @@
 //!                          └─ radial                            distances between centres
 //! ```
 //!
-//! All sums run over the couples in their order, so that the result does not depend on threads. The network
-//! does not include contacts with walls: elements that rest on a wall have fewer contacts here than in the
+//! All sums run over parts of the couples of a fixed length and then over the parts, each in their order, so
+//! that the result does not depend on the number of threads. The network does not include contacts with walls: elements that rest on a wall have fewer contacts here than in the
 //! experiment.
 
 mod clusters;
@@ -22,9 +22,15 @@ mod error;
 mod fabric;
 mod overlaps;
 mod packing;
+mod parts;
+mod placed;
 pub(crate) mod radial;
 mod volumes;
 
+use std::any::Any;
+use std::sync::atomic::AtomicU64;
+
+use fdem_contact::Couple;
 use serde::Serialize;
 
 pub use clusters::{ClusterSize, Clusters, Percolation};
@@ -37,6 +43,12 @@ pub use packing::PackingFraction;
 pub use radial::{Radial, RadialOptions};
 pub use volumes::{disc_in_rectangle, sphere_in_box};
 
+use crate::analysis::directions::DirectionCounts;
+use crate::analysis::fabric::FabricSum;
+use crate::analysis::packing::{LensSum, Region};
+use crate::analysis::parts::Team;
+use crate::analysis::placed::{Placed, distance};
+use crate::arrays::each;
 use crate::network::Network;
 
 /// Options of an analysis.
@@ -54,6 +66,8 @@ pub struct Options<const D: usize> {
     pub inner: Option<[[f64; 2]; D]>,
     /// Options of the radial distribution.
     pub radial: RadialOptions,
+    /// Number of threads; 0 is one per processor. The result does not depend on it.
+    pub threads: usize,
 }
 
 /// Result of [`analyse`].
@@ -86,9 +100,9 @@ pub struct Analysis {
 /// Analyses a network.
 ///
 /// # Cost
-/// Linear in the couples, some 100 ns each, and one search for the pairs of centres within the largest
+/// Linear in the couples, some 100 ns each on one thread, and one search for the pairs of centres within the largest
 /// distance of the radial distribution, by default some 150 pairs per element in a dense packing in 3D.
-/// Memory: some 50 bytes per element.
+/// Memory: some 100 bytes per element and 16 per couple.
 ///
 /// # Errors
 /// [`AnalysisError`]. A result that has no meaning for the network, such as the packing fraction of points,
@@ -123,24 +137,117 @@ pub fn analyse<const D: usize>(
     network: &Network<'_, D>,
     options: &Options<D>,
 ) -> Result<Analysis, AnalysisError> {
-    if !(2..=3).contains(&D) {
-        return Err(AnalysisError::Dimensions { dimensions: D });
+    analyse_counted(network, options, &AtomicU64::new(0))
+}
+
+/// [`analyse`] that counts in `handled` the couples, pairs and elements that it has handled, those of each
+/// pass, for a display of its progress.
+///
+/// # Errors
+/// As [`analyse`].
+///
+/// # Panics
+/// As [`analyse`].
+pub fn analyse_counted<const D: usize>(
+    network: &Network<'_, D>,
+    options: &Options<D>,
+    handled: &AtomicU64,
+) -> Result<Analysis, AnalysisError> {
+    // Functions without parameters are compiled here and not where they are called: that crate may not be
+    // optimised.
+    fn plane(
+        network: &Network<'_, 2>,
+        options: &Options<2>,
+        handled: &AtomicU64,
+    ) -> Result<Analysis, AnalysisError> {
+        analyse_in(network, options, handled)
     }
-    let coordination = Coordination::of(network);
-    let (packing, no_packing) = told(packing::fraction(network, options.inner)?);
-    let (radial, no_radial) = told(radial::distribution(network, options.radial)?);
+
+    fn space(
+        network: &Network<'_, 3>,
+        options: &Options<3>,
+        handled: &AtomicU64,
+    ) -> Result<Analysis, AnalysisError> {
+        analyse_in(network, options, handled)
+    }
+
+    let options = options as &dyn Any;
+    if let (Some(network), Some(options)) = (network.of_dimension(), options.downcast_ref()) {
+        return plane(&network, options, handled);
+    }
+    if let (Some(network), Some(options)) = (network.of_dimension(), options.downcast_ref()) {
+        return space(&network, options, handled);
+    }
+    Err(AnalysisError::Dimensions { dimensions: D })
+}
+
+fn analyse_in<const D: usize>(
+    network: &Network<'_, D>,
+    options: &Options<D>,
+    handled: &AtomicU64,
+) -> Result<Analysis, AnalysisError> {
+    let placed = &Placed::of(network, Team::new(options.threads, handled));
+    let region = Region::of(placed, options.inner)?;
+    let parts = of_couples(placed, region.as_ref().ok());
+    let lenses = parts.iter().map(|part| part.lenses);
+    let (packing, no_packing) = told(region.and_then(|region| region.fraction(placed.team, lenses)));
+    let (radial, no_radial) = told(radial::distribution(placed, options.radial)?);
+    // These two go from element to element, each on one thread.
+    let ((coordination, without_rattlers), clusters) = placed.team.both(
+        || {
+            let coordination = Coordination::of(network);
+            let without_rattlers = WithoutRattlers::of(network, &coordination, options.min_contacts);
+            (coordination, without_rattlers)
+        },
+        || Clusters::of(placed),
+    );
+    let overlaps: Vec<_> = parts.iter().map(|part| part.overlaps.as_slice()).collect();
     Ok(Analysis {
-        without_rattlers: WithoutRattlers::of(network, &coordination, options.min_contacts),
         coordination,
-        directions: Directions::of(network),
-        fabric: Fabric::of(network),
-        clusters: Clusters::of(network),
-        overlaps: Overlaps::of(network),
+        without_rattlers,
+        directions: Directions::of::<D>(parts.iter().map(|part| &part.directions)),
+        fabric: Fabric::of(parts.iter().map(|part| &part.fabric)),
+        clusters,
+        overlaps: Overlaps::of(network, &overlaps),
         packing,
         no_packing,
         radial,
         no_radial,
     })
+}
+
+/// Sums over a part of the couples.
+struct OfCouples<const D: usize> {
+    directions: DirectionCounts,
+    fabric: FabricSum<D>,
+    overlaps: Vec<f64>,
+    lenses: LensSum,
+}
+
+/// The sums over each part of the couples. All are made in one pass, because most of its time is that of
+/// getting the centres from memory.
+fn of_couples<const D: usize>(placed: &Placed<'_, D>, region: Option<&Region<'_, D>>) -> Vec<OfCouples<D>> {
+    let sizes = placed.network.sizes;
+    placed.fold(
+        || OfCouples {
+            directions: DirectionCounts::new::<D>(),
+            fabric: FabricSum::NONE,
+            overlaps: Vec::new(),
+            lenses: LensSum::default(),
+        },
+        |part, couple| {
+            let [a, b] = placed.ends(couple);
+            let normal = directions::unit(each(|axis| b[axis] - a[axis]));
+            part.directions.add(normal);
+            part.fabric.add(normal);
+            let distance = distance([a, b]);
+            part.overlaps.push(sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - distance);
+            if let Some(region) = region {
+                let radii = [sizes.radius(couple.i as usize), sizes.radius(couple.j as usize)];
+                region.add(&mut part.lenses, radii, [a, b], distance);
+            }
+        },
+    )
 }
 
 /// Splits a result into its value and the reason why it is missing.

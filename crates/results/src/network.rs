@@ -198,7 +198,7 @@ pub struct Network<'a, const D: usize> {
 
 impl<'a, const D: usize> Network<'a, D> {
     /// The same network, if its dimension is `E`.
-    fn of_dimension<const E: usize>(&self) -> Option<Network<'a, E>> {
+    pub(crate) fn of_dimension<const E: usize>(&self) -> Option<Network<'a, E>> {
         let couples = (self.couples as &'a dyn Any).downcast_ref()?;
         Some(Network { space: self.space.of_dimension()?, sizes: self.sizes, couples })
     }

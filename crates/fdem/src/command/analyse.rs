@@ -1,10 +1,11 @@
 //! `fdem contacts --analyse` analyses the network of contacts and shows the result in the summary.
 
 use std::fmt;
+use std::sync::atomic::AtomicU64;
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::analysis::{
-    Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse,
+    Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse_counted,
 };
 use fdem_results::network::Network;
 
@@ -14,8 +15,10 @@ use crate::command::failure::Failure;
 /// Returns the analysis of the network, or `None` without `--analyse`.
 pub(crate) fn run<const D: usize>(
     arguments: &AnalyseArguments,
+    threads: usize,
     network: &Network<'_, D>,
     name: &str,
+    handled: &AtomicU64,
 ) -> Result<Option<Analysis>, Failure> {
     if !arguments.analyse {
         return Ok(None);
@@ -37,8 +40,8 @@ pub(crate) fn run<const D: usize>(
         Some(numbers) => radial(&numbers.0)?,
         None => RadialOptions::default(),
     };
-    let options = Options { min_contacts: arguments.rattlers, inner, radial };
-    analyse(network, &options).map(Some).map_err(|error| {
+    let options = Options { min_contacts: arguments.rattlers, inner, radial, threads };
+    analyse_counted(network, &options, handled).map(Some).map_err(|error| {
         Failure::Unusable(match error {
             AnalysisError::Region { .. } | AnalysisError::ShearedBox => format!("--inner: {error}"),
             AnalysisError::Radial { .. } => format!("--rdf: {error}"),

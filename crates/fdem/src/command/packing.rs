@@ -104,8 +104,9 @@ fn find<const D: usize>(
     }
 
     let network = Network { space, sizes: request.sizes, couples: &found.couples };
-    let (analysis, analysing) =
-        progress.step("analysing", None, |_| analyse::run(&arguments.analysis, &network, name));
+    let (analysis, analysing) = progress.step("analysing, couples", None, |position| {
+        analyse::run(&arguments.analysis, arguments.threads, &network, name, position)
+    });
     let analysis = analysis?;
     seconds.analyse = analysis.is_some().then_some(analysing);
 

@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use crate::analysis::packing::DomainFrame;
+use crate::analysis::placed::Placed;
 use crate::arrays::each;
-use crate::network::Network;
 
 /// Connected components of the network.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,28 +57,30 @@ pub struct Percolation {
 }
 
 impl Clusters {
-    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Self {
+    pub(crate) fn of<const D: usize>(placed: &Placed<'_, D>) -> Self {
+        let network = placed.network;
         let n = network.space.centres.len();
-        let mut forest = Forest::<D>::new(n);
-        for couple in network.couples.iter() {
-            forest.join(couple.i, couple.j, couple.shift.map(i64::from));
-        }
-        let (of_each, sizes) = forest.numbers();
-
-        let mut percolates: Vec<[bool; D]> = vec![[false; D]; sizes.len()];
         let periodic = network.space.cell.map_or([false; D], |cell| cell.periodic());
-        for couple in network.couples.iter() {
-            // The tree gives each element one displacement. If a couple leads to another one, the cluster
-            // winds around the box.
-            let (from, to) = (forest.find(couple.i).1, forest.find(couple.j).1);
-            for axis in 0..D {
-                if from[axis] + i64::from(couple.shift[axis]) != to[axis] {
-                    percolates[of_each[couple.i as usize] as usize][axis] = true;
-                }
+        let (of_each, sizes, mut percolates);
+        if periodic == [false; D] {
+            let mut forest = Forest::<0>::new(n);
+            for couple in network.couples.iter() {
+                forest.join(couple.i, couple.j, []);
             }
+            (of_each, sizes) = forest.numbers();
+            percolates = vec![[false; D]; sizes.len()];
+        } else {
+            let mut forest = Forest::<D>::new(n);
+            for couple in network.couples.iter() {
+                forest.join(couple.i, couple.j, couple.shift.map(i64::from));
+            }
+            (of_each, sizes) = forest.numbers();
+            percolates = vec![[false; D]; sizes.len()];
+            wind_around(placed, &forest, &of_each, &mut percolates);
         }
+        placed.team.count(network.couples.len());
         for axis in (0..D).filter(|&axis| !periodic[axis]) {
-            reach_faces(network, axis, &of_each, &mut percolates);
+            reach_faces(placed, axis, &of_each, &mut percolates);
         }
 
         let percolation = (0..D).map(|axis| {
@@ -104,14 +105,39 @@ impl Clusters {
     }
 }
 
+/// Marks the clusters that wind around the box.
+///
+/// The trees give each element one displacement. If a couple leads to another one, the cluster winds.
+fn wind_around<const D: usize>(
+    placed: &Placed<'_, D>,
+    forest: &Forest<D>,
+    of_each: &[u32],
+    percolates: &mut [[bool; D]],
+) {
+    let winding = placed.fold(Vec::new, |winding: &mut Vec<(u32, [bool; D])>, couple| {
+        let [from, to] = [couple.i, couple.j].map(|element| forest.nodes[element as usize].displaced);
+        let along = each(|axis| from[axis] + i64::from(couple.shift[axis]) != to[axis]);
+        let found = (of_each[couple.i as usize], along);
+        // Many couples of a cluster in a row say the same.
+        if along != [false; D] && winding.last() != Some(&found) {
+            winding.push(found);
+        }
+    });
+    for (cluster, along) in winding.into_iter().flatten() {
+        for axis in 0..D {
+            percolates[cluster as usize][axis] |= along[axis];
+        }
+    }
+}
+
 /// Marks the clusters that reach both faces of the domain along an axis.
 fn reach_faces<const D: usize>(
-    network: &Network<'_, D>,
+    placed: &Placed<'_, D>,
     axis: usize,
     of_each: &[u32],
     percolates: &mut [[bool; D]],
 ) {
-    let frame = DomainFrame::of(network);
+    let (network, frame) = (placed.network, &placed.frame);
     let [low, high] = frame.domain[axis];
     let reach = frame.largest_radius;
     let mut reached = vec![[false; 2]; percolates.len()];
@@ -127,67 +153,80 @@ fn reach_faces<const D: usize>(
 }
 
 /// Trees of connected elements (union-find). Each element has its displacement from its parent, in edges of
-/// the box.
-struct Forest<const D: usize> {
-    above: Vec<u32>,
-    displaced: Vec<[i64; D]>,
-    /// Number of elements of each tree, valid for its root.
-    sizes: Vec<u32>,
+/// the box. In open space nothing is displaced, and `E` is 0.
+struct Forest<const E: usize> {
+    nodes: Vec<Node<E>>,
 }
 
-impl<const D: usize> Forest<D> {
+/// An element of a tree. All of it is used together, and is together in memory.
+#[derive(Clone, Copy)]
+struct Node<const E: usize> {
+    above: u32,
+    /// Number of elements of the tree, valid for its root.
+    size: u32,
+    displaced: [i64; E],
+}
+
+impl<const E: usize> Forest<E> {
     fn new(n: usize) -> Self {
-        Self { above: (0..n as u32).collect(), displaced: vec![[0; D]; n], sizes: vec![1; n] }
+        Self { nodes: (0..n as u32).map(|above| Node { above, size: 1, displaced: [0; E] }).collect() }
     }
 
     /// Returns the root of the tree of an element, and the displacement of the element from it.
-    fn find(&mut self, element: u32) -> (u32, [i64; D]) {
+    fn find(&mut self, element: u32) -> (u32, [i64; E]) {
         let mut top = element;
-        let mut total = [0; D];
-        while self.above[top as usize] != top {
-            total = plus(total, self.displaced[top as usize]);
-            top = self.above[top as usize];
+        let mut total = [0; E];
+        loop {
+            let node = &self.nodes[top as usize];
+            if node.above == top {
+                break;
+            }
+            add(&mut total, &node.displaced);
+            top = node.above;
         }
         // Path compression: the root becomes the parent of all elements on the way.
         let (mut at, mut left) = (element, total);
-        while self.above[at as usize] != top && at != top {
-            let next = self.above[at as usize];
-            let step = std::mem::replace(&mut self.displaced[at as usize], left);
-            self.above[at as usize] = top;
-            left = minus(left, step);
+        while at != top && self.nodes[at as usize].above != top {
+            let node = &mut self.nodes[at as usize];
+            let (next, step) = (node.above, node.displaced);
+            (node.above, node.displaced) = (top, left);
+            subtract(&mut left, &step);
             at = next;
         }
         (top, total)
     }
 
     /// Joins the trees of two elements, where `j` is displaced from `i` by `shift`.
-    fn join(&mut self, i: u32, j: u32, shift: [i64; D]) {
+    fn join(&mut self, i: u32, j: u32, shift: [i64; E]) {
         let ((a, of_i), (b, of_j)) = (self.find(i), self.find(j));
         if a == b {
             return;
         }
-        let b_from_a = minus(plus(of_i, shift), of_j);
-        let (top, below, displaced) = if self.sizes[a as usize] >= self.sizes[b as usize] {
-            (a, b, b_from_a)
-        } else {
-            (b, a, minus([0; D], b_from_a))
-        };
-        self.above[below as usize] = top;
-        self.displaced[below as usize] = displaced;
-        self.sizes[top as usize] += self.sizes[below as usize];
+        // Of the root `b` from the root `a`.
+        let mut displaced = of_i;
+        add(&mut displaced, &shift);
+        subtract(&mut displaced, &of_j);
+        let (mut top, mut below) = (a, b);
+        if self.nodes[a as usize].size < self.nodes[b as usize].size {
+            (top, below) = (b, a);
+            displaced.iter_mut().for_each(|x| *x = -*x);
+        }
+        self.nodes[below as usize].above = top;
+        self.nodes[below as usize].displaced = displaced;
+        self.nodes[top as usize].size += self.nodes[below as usize].size;
     }
 
     /// Returns the number of the tree of each element, and the sizes of the trees. Trees are numbered in the
-    /// order of their first elements.
+    /// order of their first elements. After this, each element has its displacement from its root.
     fn numbers(&mut self) -> (Vec<u32>, Vec<u64>) {
-        let n = self.above.len();
+        let n = self.nodes.len();
         let mut of_top = vec![u32::MAX; n];
         let mut sizes = Vec::new();
         let numbers = (0..n as u32).map(|element| {
             let (top, _) = self.find(element);
             if of_top[top as usize] == u32::MAX {
                 of_top[top as usize] = sizes.len() as u32;
-                sizes.push(u64::from(self.sizes[top as usize]));
+                sizes.push(u64::from(self.nodes[top as usize].size));
             }
             of_top[top as usize]
         });
@@ -195,10 +234,14 @@ impl<const D: usize> Forest<D> {
     }
 }
 
-fn plus<const D: usize>(a: [i64; D], b: [i64; D]) -> [i64; D] {
-    each(|axis| a[axis] + b[axis])
+fn add<const E: usize>(to: &mut [i64; E], other: &[i64; E]) {
+    for axis in 0..E {
+        to[axis] += other[axis];
+    }
 }
 
-fn minus<const D: usize>(a: [i64; D], b: [i64; D]) -> [i64; D] {
-    each(|axis| a[axis] - b[axis])
+fn subtract<const E: usize>(from: &mut [i64; E], other: &[i64; E]) {
+    for axis in 0..E {
+        from[axis] -= other[axis];
+    }
 }

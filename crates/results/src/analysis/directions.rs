@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use crate::arrays::each;
-use crate::network::Network;
 
 /// Number of sectors in 2D, each around a multiple of 5 degrees.
 const SECTORS_2D: usize = 72;
@@ -37,29 +36,52 @@ pub struct Directions {
     pub without_direction: u64,
 }
 
+/// Counts of the cells, and the number of couples without a direction, for a part of the couples.
+pub(crate) struct DirectionCounts {
+    counts: Vec<u64>,
+    without_direction: u64,
+}
+
+/// Number of bands, and of sectors of each band, in `D` dimensions.
+const fn cells<const D: usize>() -> (usize, usize) {
+    if D == 3 { (BANDS, SECTORS_3D) } else { (1, SECTORS_2D) }
+}
+
+impl DirectionCounts {
+    pub(crate) fn new<const D: usize>() -> Self {
+        let (bands, sectors) = cells::<D>();
+        Self { counts: vec![0; bands * sectors], without_direction: 0 }
+    }
+
+    /// Counts a couple by its unit vector.
+    #[inline]
+    pub(crate) fn add<const D: usize>(&mut self, normal: Option<[f64; D]>) {
+        let Some(normal) = normal else {
+            self.without_direction += 1;
+            return;
+        };
+        let (bands, sectors) = const { cells::<D>() };
+        let along_z = normal[0].abs().max(normal[1].abs()) < ALONG_Z;
+        let turn = if along_z { 0.0 } else { normal[1].atan2(normal[0]) / TAU };
+        let angle = turn * sectors as f64;
+        let sector = angle.round().rem_euclid(sectors as f64) as usize;
+        let band =
+            if D == 3 { ((f64::midpoint(normal[2], 1.0) * bands as f64) as usize).min(bands - 1) } else { 0 };
+        self.counts[band * sectors + sector] += 1;
+        // The number of sectors is even.
+        let opposite = if along_z { 0 } else { (sector + sectors / 2) % sectors };
+        self.counts[(bands - 1 - band) * sectors + opposite] += 1;
+    }
+}
+
 impl Directions {
-    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Self {
-        let (bands, sectors) = if D == 3 { (BANDS, SECTORS_3D) } else { (1, SECTORS_2D) };
+    pub(crate) fn of<'a, const D: usize>(parts: impl Iterator<Item = &'a DirectionCounts>) -> Self {
+        let (bands, sectors) = cells::<D>();
         let mut counts = vec![0; bands * sectors];
         let mut without_direction = 0;
-        for couple in network.couples.iter() {
-            let Some(normal) = unit(network.space.branch(couple)) else {
-                without_direction += 1;
-                continue;
-            };
-            let along_z = normal[0].abs().max(normal[1].abs()) < ALONG_Z;
-            let turn = if along_z { 0.0 } else { normal[1].atan2(normal[0]) / TAU };
-            let angle = turn * sectors as f64;
-            let sector = angle.round().rem_euclid(sectors as f64) as usize;
-            let band = if D == 3 {
-                ((f64::midpoint(normal[2], 1.0) * bands as f64) as usize).min(bands - 1)
-            } else {
-                0
-            };
-            counts[band * sectors + sector] += 1;
-            // The number of sectors is even.
-            let opposite = if along_z { 0 } else { (sector + sectors / 2) % sectors };
-            counts[(bands - 1 - band) * sectors + opposite] += 1;
+        for part in parts {
+            counts.iter_mut().zip(&part.counts).for_each(|(count, more)| *count += more);
+            without_direction += part.without_direction;
         }
         Self { bands, sectors, counts, without_direction }
     }
@@ -67,6 +89,7 @@ impl Directions {
 
 /// Returns the unit vector of a vector, also of an extremely short or long one; `None` if it has no
 /// direction.
+#[inline]
 pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> Option<[f64; D]> {
     let largest = vector.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {

@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use crate::analysis::directions::unit;
 use crate::arrays::each;
-use crate::network::Network;
 
 /// Fabric tensor `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, where `n` is the unit vector from
 /// centre to centre.
@@ -33,17 +31,39 @@ pub struct Fabric {
     pub anisotropy: f64,
 }
 
+/// `Σ n ⊗ n` and the number of couples with a direction, for a part of the couples.
+#[derive(Clone, Copy)]
+pub(crate) struct FabricSum<const D: usize> {
+    sum: [[f64; D]; D],
+    couples: u64,
+}
+
+impl<const D: usize> FabricSum<D> {
+    pub(crate) const NONE: Self = Self { sum: [[0.0; D]; D], couples: 0 };
+
+    /// Adds a couple by its unit vector.
+    #[inline]
+    pub(crate) fn add(&mut self, normal: Option<[f64; D]>) {
+        let Some(normal) = normal else { return };
+        self.couples += 1;
+        for row in 0..D {
+            for column in 0..D {
+                self.sum[row][column] += normal[row] * normal[column];
+            }
+        }
+    }
+}
+
 impl Fabric {
     /// Returns the fabric tensor, or `None` if no couple has a direction.
-    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Option<Self> {
+    pub(crate) fn of<'a, const D: usize>(parts: impl Iterator<Item = &'a FabricSum<D>>) -> Option<Self> {
         let mut sum = [[0.0; D]; D];
-        let mut couples = 0_u64;
-        for couple in network.couples.iter() {
-            let Some(normal) = unit(network.space.branch(couple)) else { continue };
-            couples += 1;
-            for (row, a) in sum.iter_mut().zip(normal) {
-                for (entry, b) in row.iter_mut().zip(normal) {
-                    *entry += a * b;
+        let mut couples = 0;
+        for part in parts {
+            couples += part.couples;
+            for row in 0..D {
+                for column in 0..D {
+                    sum[row][column] += part.sum[row][column];
                 }
             }
         }

@@ -50,10 +50,10 @@ pub struct Histogram {
 const BINS: usize = 20;
 
 impl Overlaps {
-    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Self {
-        let all = || network.couples.iter().map(|couple| network.overlap(couple));
-        let overlaps = Spread::of(|| all().filter(|&overlap| overlap >= 0.0));
-        let gaps = Spread::of(|| all().filter(|&overlap| overlap < 0.0).map(|overlap| -overlap));
+    /// The statistics of the overlaps of parts of the couples.
+    pub(crate) fn of<const D: usize>(network: &Network<'_, D>, parts: &[&[f64]]) -> Self {
+        let overlaps = Spread::of(parts, |overlap| (overlap >= 0.0).then_some(overlap));
+        let gaps = Spread::of(parts, |overlap| (overlap < 0.0).then_some(-overlap));
         let n = network.space.centres.len();
         let of_points = matches!(network.sizes, Sizes::Cutoff(_));
         let mean_radius = (n > 0 && !of_points)
@@ -67,24 +67,33 @@ impl Overlaps {
 }
 
 impl Spread {
-    fn of<I: Iterator<Item = f64>>(lengths: impl Fn() -> I) -> Option<Self> {
-        let (mut count, mut sum) = (0, 0.0);
+    /// The statistics of the lengths that `length` makes of some overlaps. They are summed part by part.
+    fn of(parts: &[&[f64]], length: impl Fn(f64) -> Option<f64>) -> Option<Self> {
+        let (mut count, mut total) = (0, 0.0);
         let (mut min, mut max) = (f64::INFINITY, 0.0_f64);
-        for length in lengths() {
-            count += 1;
-            sum += length;
-            (min, max) = (min.min(length), max.max(length));
+        for part in parts {
+            let mut sum = 0.0;
+            for &overlap in *part {
+                let Some(length) = length(overlap) else { continue };
+                count += 1;
+                sum += length;
+                (min, max) = (min.min(length), max.max(length));
+            }
+            total += sum;
         }
         if count == 0 {
             return None;
         }
         let mut counts = vec![0; BINS];
-        for length in lengths() {
-            // All lengths may be 0.
-            let place = if max > 0.0 { length / max * BINS as f64 } else { 0.0 };
-            counts[(place as usize).min(BINS - 1)] += 1;
+        for part in parts {
+            for &overlap in *part {
+                let Some(length) = length(overlap) else { continue };
+                // All lengths may be 0.
+                let place = if max > 0.0 { length / max * BINS as f64 } else { 0.0 };
+                counts[(place as usize).min(BINS - 1)] += 1;
+            }
         }
         let histogram = Histogram { width: max / BINS as f64, counts };
-        Some(Self { count, min, mean: sum / count as f64, max, histogram })
+        Some(Self { count, min, mean: total / count as f64, max, histogram })
     }
 }

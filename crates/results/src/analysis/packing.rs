@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use serde::Serialize;
 
 use crate::analysis::error::AnalysisError;
+use crate::analysis::parts::Team;
+use crate::analysis::placed::Placed;
 use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
 use crate::arrays::each;
 use crate::network::{Network, Sizes};
@@ -45,6 +47,7 @@ pub struct PackingFraction {
 
 /// Coordinates whose axes are at right angles to the faces of the domain: the coordinates of the centres, or
 /// in a sheared box the distances from its faces.
+#[derive(Clone)]
 pub(crate) struct DomainFrame<const D: usize> {
     /// Period along each periodic axis.
     pub(crate) periods: [Option<f64>; D],
@@ -117,104 +120,119 @@ impl<const D: usize> DomainFrame<D> {
     }
 }
 
-/// Returns the packing fraction in `inner`, or in the default region, or the reason why it cannot be given.
-pub(crate) fn fraction<const D: usize>(
-    network: &Network<'_, D>,
-    inner: Option<[[f64; 2]; D]>,
-) -> Result<Result<PackingFraction, String>, AnalysisError> {
-    let wrong = |axis: &usize| inner.is_some_and(|limits| !is_region(limits[*axis]));
-    if let Some(axis) = (0..D).find(wrong) {
-        return Err(AnalysisError::Region { axis, limits: inner.map_or([0.0; 2], |limits| limits[axis]) });
-    }
-    if let Sizes::Cutoff(_) = network.sizes {
-        return Ok(Err("points fill no space".to_owned()));
-    }
-    if network.space.centres.is_empty() {
-        return Ok(Err("there are no elements".to_owned()));
-    }
-    let frame = DomainFrame::of(network);
-    if inner.is_some() && !frame.along_axes {
-        return Err(AnalysisError::ShearedBox);
-    }
-    let margin = 2.0 * frame.largest_radius;
-    let region = inner.unwrap_or_else(|| {
-        each(|axis| {
-            let [low, high] = frame.domain[axis];
-            if frame.periods[axis].is_some() { [low, high] } else { [low + margin, high - margin] }
-        })
-    });
-    if let Some(axis) = (0..D).find(|&axis| !is_region(region[axis])) {
-        let name = ["x", "y", "z"][axis];
-        return Ok(Err(format!(
-            "nothing is left along {name} when the domain is shrunk by the largest diameter on both sides"
-        )));
-    }
-    // Along axes where the region is the whole periodic box, its border cuts no element.
-    let whole: [bool; D] = each(|axis| inner.is_none() && frame.periods[axis].is_some());
-    if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
-        return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
-    }
-    let packing = measured(network, &frame, region, whole);
-    let sums = [packing.measure, packing.solid, packing.overlap, packing.overlap_error];
-    if !sums.iter().all(|sum| sum.is_finite()) {
-        return Ok(Err(
-            "lengths are too large or too small for areas and volumes to be finite numbers".to_owned()
-        ));
-    }
-    Ok(Ok(packing))
-}
-
-fn is_region([low, high]: [f64; 2]) -> bool {
-    low < high && (high - low).is_finite()
-}
-
-fn measured<const D: usize>(
-    network: &Network<'_, D>,
-    frame: &DomainFrame<D>,
-    region: [[f64; 2]; D],
-    whole: [bool; D],
-) -> PackingFraction {
-    let inside = Inside { frame, region, whole };
-    let mut solid = 0.0;
-    for element in 0..network.space.centres.len() {
-        let (centre, radius) = (frame.coordinates(network, element), network.sizes.radius(element));
-        inside.for_each_part(centre, radius, |part| solid += part);
-    }
-    let (mut overlap, mut overlap_error) = (0.0, 0.0);
-    for couple in network.couples.iter() {
-        let radii = [network.sizes.radius(couple.i as usize), network.sizes.radius(couple.j as usize)];
-        let Some(lens) = Lens::<D>::of(radii, network.space.distance(couple)) else { continue };
-        let [a, b] = network.space.ends(couple);
-        let middle = each(|axis| a[axis] + lens.at * (b[axis] - a[axis]));
-        let around = ball::<D>(lens.radius);
-        inside.for_each_part(frame.transformed(network, middle), lens.radius, |part| {
-            let part = (part / around).min(1.0);
-            overlap += lens.measure * part;
-            if part > 0.0 && part < 1.0 {
-                overlap_error += lens.measure * part.max(1.0 - part);
-            }
-        });
-    }
-    let measure = frame.measure(&region);
-    PackingFraction {
-        region: region.to_vec(),
-        measure,
-        solid,
-        fraction: solid / measure,
-        overlap,
-        overlap_error,
-        fraction_without_overlap: ((solid - overlap) / measure).max(0.0),
-    }
-}
-
-/// The region, and the axes along which it is the whole periodic box.
-struct Inside<'a, const D: usize> {
+/// The region in which the packing fraction is measured, and the axes along which it is the whole periodic
+/// box.
+pub(crate) struct Region<'a, const D: usize> {
+    network: &'a Network<'a, D>,
     frame: &'a DomainFrame<D>,
     region: [[f64; 2]; D],
     whole: [bool; D],
 }
 
-impl<const D: usize> Inside<'_, D> {
+/// Area or volume of lenses, and a bound of its error, for a part of the couples.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LensSum {
+    overlap: f64,
+    overlap_error: f64,
+}
+
+impl<'a, const D: usize> Region<'a, D> {
+    /// The region `inner`, or the default one, or the reason why there is none.
+    pub(crate) fn of(
+        placed: &'a Placed<'a, D>,
+        inner: Option<[[f64; 2]; D]>,
+    ) -> Result<Result<Self, String>, AnalysisError> {
+        let (network, frame) = (placed.network, &placed.frame);
+        let wrong = |axis: &usize| inner.is_some_and(|limits| !is_region(limits[*axis]));
+        if let Some(axis) = (0..D).find(wrong) {
+            return Err(AnalysisError::Region {
+                axis,
+                limits: inner.map_or([0.0; 2], |limits| limits[axis]),
+            });
+        }
+        if let Sizes::Cutoff(_) = network.sizes {
+            return Ok(Err("points fill no space".to_owned()));
+        }
+        if network.space.centres.is_empty() {
+            return Ok(Err("there are no elements".to_owned()));
+        }
+        if inner.is_some() && !frame.along_axes {
+            return Err(AnalysisError::ShearedBox);
+        }
+        let margin = 2.0 * frame.largest_radius;
+        let region = inner.unwrap_or_else(|| {
+            each(|axis| {
+                let [low, high] = frame.domain[axis];
+                if frame.periods[axis].is_some() { [low, high] } else { [low + margin, high - margin] }
+            })
+        });
+        if let Some(axis) = (0..D).find(|&axis| !is_region(region[axis])) {
+            let name = ["x", "y", "z"][axis];
+            return Ok(Err(format!(
+                "nothing is left along {name} when the domain is shrunk by the largest diameter on both sides"
+            )));
+        }
+        // Along axes where the region is the whole periodic box, its border cuts no element.
+        let whole: [bool; D] = each(|axis| inner.is_none() && frame.periods[axis].is_some());
+        if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
+            return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
+        }
+        Ok(Ok(Self { network, frame, region, whole }))
+    }
+
+    /// Adds the part inside the region of the lens of a couple, by its centres and their distance.
+    pub(crate) fn add(&self, sum: &mut LensSum, radii: [f64; 2], [a, b]: [[f64; D]; 2], distance: f64) {
+        let Some(lens) = Lens::<D>::of(radii, distance) else { return };
+        let middle = each(|axis| a[axis] + lens.at * (b[axis] - a[axis]));
+        let around = ball::<D>(lens.radius);
+        self.for_each_part(self.frame.transformed(self.network, middle), lens.radius, |part| {
+            let part = (part / around).min(1.0);
+            sum.overlap += lens.measure * part;
+            if part > 0.0 && part < 1.0 {
+                sum.overlap_error += lens.measure * part.max(1.0 - part);
+            }
+        });
+    }
+
+    /// The packing fraction, with the lenses of all couples, or the reason why it cannot be given.
+    pub(crate) fn fraction(
+        &self,
+        team: Team<'_>,
+        lenses: impl Iterator<Item = LensSum>,
+    ) -> Result<PackingFraction, String> {
+        let network = self.network;
+        let solids = team.parts(network.space.centres.len(), |range| {
+            let mut solid = 0.0;
+            for element in range {
+                let (centre, radius) =
+                    (self.frame.coordinates(network, element), network.sizes.radius(element));
+                self.for_each_part(centre, radius, |part| solid += part);
+            }
+            solid
+        });
+        let solid: f64 = solids.into_iter().sum();
+        let (mut overlap, mut overlap_error) = (0.0, 0.0);
+        for part in lenses {
+            overlap += part.overlap;
+            overlap_error += part.overlap_error;
+        }
+        let measure = self.frame.measure(&self.region);
+        if ![measure, solid, overlap, overlap_error].iter().all(|sum| sum.is_finite()) {
+            return Err(
+                "lengths are too large or too small for areas and volumes to be finite numbers".to_owned()
+            );
+        }
+        Ok(PackingFraction {
+            region: self.region.to_vec(),
+            measure,
+            solid,
+            fraction: solid / measure,
+            overlap,
+            overlap_error,
+            fraction_without_overlap: ((solid - overlap) / measure).max(0.0),
+        })
+    }
+
     /// Visits the area or volume inside the region of a disc or sphere and of each of its images.
     fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
@@ -245,6 +263,10 @@ impl<const D: usize> Inside<'_, D> {
             }
         }
     }
+}
+
+fn is_region([low, high]: [f64; 2]) -> bool {
+    low < high && (high - low).is_finite()
 }
 
 fn ball_in_box<const D: usize>(centre: [f64; D], radius: f64, limits: [[f64; 2]; D]) -> f64 {

@@ -1,12 +1,18 @@
 //! The radial distribution function.
 
-use fdem_contact::{Detector, Elements, PeriodicSearch, Search};
+use std::ops::Range;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Mutex, PoisonError};
+
+use fdem_contact::{Elements, PeriodicCouple, PeriodicSearch, Rows};
 use serde::Serialize;
 
 use crate::analysis::error::AnalysisError;
 use crate::analysis::packing::{DomainFrame, ball};
+use crate::analysis::parts::Team;
+use crate::analysis::placed::{Inside, Placed};
 use crate::arrays::each;
-use crate::network::{Network, unshifted};
+use crate::network::{Network, Space, unshifted};
 
 /// Options of the radial distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,9 +60,18 @@ pub struct Radial {
 const DEFAULT_BINS: usize = 150;
 const MOST_BINS: usize = 1_000_000;
 
+/// Returns the distribution of a network on all threads, or the reason why it cannot be given.
+pub(crate) fn of_network<const D: usize>(
+    network: &Network<'_, D>,
+    options: RadialOptions,
+) -> Result<Result<Radial, String>, AnalysisError> {
+    let handled = AtomicU64::new(0);
+    distribution(&Placed::of(network, Team::new(0, &handled)), options)
+}
+
 /// Returns the distribution, or the reason why it cannot be given.
 pub(crate) fn distribution<const D: usize>(
-    network: &Network<'_, D>,
+    placed: &Placed<'_, D>,
     options: RadialOptions,
 ) -> Result<Result<Radial, String>, AnalysisError> {
     let refused = |problem: String| Err(AnalysisError::Radial { problem });
@@ -67,11 +82,12 @@ pub(crate) fn distribution<const D: usize>(
     if let Some(r_max) = options.r_max.filter(|r_max| !(*r_max > 0.0 && r_max.is_finite())) {
         return refused(format!("the largest distance {r_max} is not above 0"));
     }
+    let network = placed.network;
     let n = network.space.centres.len();
     if n == 0 {
         return Ok(Err("there are no elements".to_owned()));
     }
-    let mut frame = DomainFrame::of(network);
+    let mut frame = placed.frame.clone();
     around_centres(&mut frame, network);
     let r_max = options.r_max.unwrap_or_else(|| usual_distance(&frame, network));
     if r_max <= 0.0 {
@@ -99,7 +115,7 @@ pub(crate) fn distribution<const D: usize>(
     }
     let density = references as f64 / frame.measure(&inner);
 
-    let counts = count(network, r_max, bins, &is_reference)?;
+    let counts = count(placed, r_max, bins, &is_reference)?;
     let width = r_max / bins as f64;
     let shell = |k: usize| {
         let (low, high) = (k as f64 * width, (k + 1) as f64 * width);
@@ -144,23 +160,109 @@ fn usual_distance<const D: usize>(frame: &DomainFrame<D>, network: &Network<'_, 
 
 /// Counts the centres around references by distance.
 fn count<const D: usize>(
-    network: &Network<'_, D>,
+    placed: &Placed<'_, D>,
     r_max: f64,
     bins: usize,
     is_reference: &[bool],
 ) -> Result<Vec<u64>, AnalysisError> {
-    let space = network.space;
+    let team = placed.team;
+    let order = by_place(placed, r_max);
+    let centres: Vec<_> = order.iter().map(|&element| placed.network.space.centres[element]).collect();
+    let references: Vec<_> = order.iter().map(|&element| u32::from(is_reference[element])).collect();
+    let space = Space { centres: &centres, cell: placed.network.space.cell };
     let points = Elements::points(space.centres, r_max).map_err(AnalysisError::Search)?;
-    let mut counts = vec![0_u64; bins];
-    let mut add = |couple: fdem_contact::PeriodicCouple<D>| {
-        let [i, j] = [couple.i as usize, couple.j as usize];
-        let place = space.distance(couple) / r_max * bins as f64;
-        counts[(place as usize).min(bins - 1)] += u64::from(is_reference[i]) + u64::from(is_reference[j]);
+
+    let tables = Tables { each: (0..team.threads()).map(|_| Mutex::new(vec![0; bins])).collect() };
+    let add = |waiting: &mut Vec<Pair>, couple: PeriodicCouple<D>, distance: f64| {
+        let place = distance / r_max * bins as f64;
+        let references = references[couple.i as usize] + references[couple.j as usize];
+        waiting.push(Pair { bin: (place as u32).min(bins as u32 - 1), references });
+        if waiting.len() == WAITING {
+            tables.take(waiting);
+            team.count(WAITING);
+        }
     };
-    match &space.cell {
-        None => Detector::new().for_each(&points, |couple| add(unshifted(couple))),
-        Some(cell) => PeriodicSearch::new().for_each(&points, cell, add),
+    let rest = match &space.cell {
+        None => {
+            let mut rows = Rows::new().with_threads(team.threads()).map_err(AnalysisError::Search)?;
+            rows.fold(&points, Vec::new, |waiting, couple| {
+                let couple = unshifted(couple);
+                add(waiting, couple, space.distance(couple));
+            })
+        }
+        Some(cell) => {
+            let inside = Inside::of(space, cell, team);
+            let search = PeriodicSearch::new().with_threads(team.threads());
+            search.map_err(AnalysisError::Search)?.fold(&points, cell, Vec::new, |waiting, couple| {
+                add(waiting, couple, inside.distance(couple));
+            })
+        }
+    };
+    rest.map_err(AnalysisError::Search)?.iter_mut().for_each(|waiting| tables.take(waiting));
+    Ok(tables.sum(bins))
+}
+
+/// The elements in the order of the cells that they are in, so that elements that are near in space are near
+/// in memory. A search over many pairs would otherwise wait for memory most of the time.
+fn by_place<const D: usize>(placed: &Placed<'_, D>, cell: f64) -> Vec<usize> {
+    /// Bits of the number of a cell along an axis.
+    const BITS: u32 = 21;
+    let centres = placed.network.space.centres;
+    let mut low = [f64::INFINITY; D];
+    for centre in centres {
+        for axis in 0..D {
+            low[axis] = low[axis].min(centre[axis]);
+        }
     }
-    .map_err(AnalysisError::Search)?;
-    Ok(counts)
+    let part = |range: Range<usize>| {
+        let mut keys = Vec::with_capacity(range.len());
+        for element in range {
+            let mut key = 0_u64;
+            for axis in (0..D).rev() {
+                let cell = ((centres[element][axis] - low[axis]) / cell) as u64;
+                key = key << BITS | cell.min((1 << BITS) - 1);
+            }
+            keys.push((key, element));
+        }
+        keys
+    };
+    let mut keys = placed.team.parts(centres.len(), part).concat();
+    keys.sort_unstable();
+    keys.into_iter().map(|(_, element)| element).collect()
+}
+
+/// Number of pairs that a part of the search collects before it counts them.
+const WAITING: usize = 2048;
+
+/// A pair of centres: its bin, and how many of the two are references.
+struct Pair {
+    bin: u32,
+    references: u32,
+}
+
+/// Tables of counts, one for each thread. Whole numbers are added in them, so that it does not matter which
+/// thread counts a pair in which table.
+struct Tables {
+    each: Vec<Mutex<Vec<u64>>>,
+}
+
+impl Tables {
+    /// Counts the pairs, which are removed, in a table that no other thread uses.
+    fn take(&self, pairs: &mut Vec<Pair>) {
+        let free = self.each.iter().find_map(|table| table.try_lock().ok());
+        // There may be more threads than tables if the caller is a thread of a pool.
+        let mut table = free.unwrap_or_else(|| self.each[0].lock().unwrap_or_else(PoisonError::into_inner));
+        for pair in pairs.drain(..) {
+            table[pair.bin as usize] += u64::from(pair.references);
+        }
+    }
+
+    fn sum(self, bins: usize) -> Vec<u64> {
+        let mut counts = vec![0; bins];
+        for table in self.each {
+            let table = table.into_inner().unwrap_or_else(PoisonError::into_inner);
+            counts.iter_mut().zip(table).for_each(|(count, more)| *count += more);
+        }
+        counts
+    }
 }

@@ -241,7 +241,7 @@ pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial,
     if (contacts + elements / 2.0) * 3_f64.powf(D as f64) > MOST_PAIRS {
         return Err("too many pairs of centres".to_owned());
     }
-    let found = radial::distribution(network, RadialOptions::default());
+    let found = radial::of_network(network, RadialOptions::default());
     found.unwrap_or_else(|error| Err(error.to_string()))
 }
 

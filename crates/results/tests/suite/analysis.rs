@@ -460,3 +460,28 @@ fn areas_beyond_all_numbers_are_said() {
     });
     assert!(finite && analysis.packing.is_some() != analysis.no_packing.is_some(), "{analysis:?}");
 }
+
+/// Sums run over parts of a fixed length: no bit of the result depends on the number of threads.
+#[test]
+fn threads_change_nothing() {
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let centres: Vec<[f64; 3]> = (0..20_000).map(|_| std::array::from_fn(|_| 27.0 * random())).collect();
+    let radii: Vec<f64> = centres.iter().map(|_| 0.5 + 0.25 * random()).collect();
+    let cell = PeriodicBox::orthogonal([0.0; 3], [27.0; 3], [true, true, false]).unwrap();
+    for cell in [None, Some(cell)] {
+        let with = |threads| {
+            let options = Options { threads, ..Options::default() };
+            analysed(&centres, Sizes::Each(&radii), cell, 0.05, &options).unwrap()
+        };
+        let one = with(1);
+        let couples: u64 = one.overlaps.overlaps.iter().chain(&one.overlaps.gaps).map(|all| all.count).sum();
+        assert!(couples > 2 << 15, "several parts: {couples}");
+        for threads in [2, 5] {
+            assert_eq!(with(threads), one);
+        }
+    }
+}
