@@ -15,7 +15,7 @@ pub fn state_hash<const D: usize, const N: usize>(snapshot: &Snapshot<D, N>, ene
             .into_iter()
             .for_each(&mut add);
     }
-    // The parts of the cohesive energy are not among these: they do not change how a run goes on.
+    // The parts of the cohesive energy are not among these: they do not change the course of a run.
     let Energies { kinetic, strain, contact, friction, cohesive, damping, external, initial, stored, .. } =
         energies;
     [kinetic, strain, contact, friction, cohesive, damping, external, initial]

@@ -24,8 +24,8 @@ pub struct Energies {
     /// [`joint_elastic`](Self::joint_elastic) and [`Energies::joint_dissipated`].
     pub cohesive: f64,
     /// The part of `cohesive` that joints store: their elastic energy, less that with which joints were
-    /// inserted during the run. Such a joint takes over the traction that acts, with an elastic energy that is
-    /// in no work; the sum becomes negative where inserted joints have given that energy to the elements.
+    /// inserted during the run. Such a joint takes over the traction that acts, with an elastic energy that
+    /// is in no work; the sum becomes negative where inserted joints have given that energy to the elements.
     pub joint_elastic: f64,
     /// Energy dissipated by viscosity, local damping, damping of contacts and absorbing edges.
     pub damping: f64,

@@ -90,8 +90,8 @@ where
         })
     }
 
-    /// Computes the forces of joints, and their elastic energy if `energies` are asked for. Returns the joints
-    /// that broke.
+    /// Computes the forces of joints, and their elastic energy if `energies` are asked for. Returns the
+    /// joints that broke.
     fn pull(&mut self, energies: bool) -> Vec<u32> {
         let mut clock = Clock::new();
         let (step, time) = (self.scales.time_step, self.time());

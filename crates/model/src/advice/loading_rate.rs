@@ -1,9 +1,9 @@
 //! Whether boundaries move so fast that inertia adds to the strength of a specimen.
 //!
-//! A specimen takes a time to fail that is proportional to the passage of a wave, and its load grows meanwhile.
-//! The excess of strength therefore depends on the stress of the wave of the boundary, density times wave speed
-//! times velocity, over the strength: it is the straight line that fits the measurements of three tests. The
-//! book has their table ("Runs that are to be quasi-static").
+//! A specimen takes a time to fail that is proportional to the passage of a wave, and its load grows
+//! meanwhile. The excess of strength therefore depends on the stress of the wave of the boundary, density
+//! times wave speed times velocity, over the strength: it is the straight line that fits the measurements of
+//! three tests. The book has their table ("Runs that are to be quasi-static").
 
 use fdem_io::numbers::brief;
 use fdem_mesh::bounds;

@@ -64,8 +64,8 @@ impl Row {
         numbers
     }
 
-    /// Returns the number of joints that the run has broken, and their total lengths in tension, in shear and in mixed mode,
-    /// m: [`Row::broken`] and [`Row::lengths`].
+    /// Returns the number of joints that the run has broken, and their total lengths in tension, in shear and
+    /// in mixed mode, m: [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints<const D: usize>(cracks: &[Crack<D>]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
         for crack in cracks.iter().filter(|crack| crack.time.is_some() && !crack.open_from_start) {

@@ -48,8 +48,8 @@ where
         }
     }
 
-    /// Total lengths of joints that broke by opening, by sliding, and by both, m. Joints of sets that are open
-    /// from the beginning are not among them.
+    /// Total lengths of joints that broke by opening, by sliding, and by both, m. Joints of sets that are
+    /// open from the beginning are not among them.
     pub fn crack_lengths(&self) -> [f64; 3] {
         self.lengths_of_cracks(|_| true).map(|length| length.value())
     }
@@ -67,7 +67,8 @@ where
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
     /// of the first element of each fragment. The fragments change only when joints part: see
-    /// [`Counts::broken`](crate::Counts::broken) and [`Counts::open`](crate::Counts::open). Linear in the number of elements.
+    /// [`Counts::broken`](crate::Counts::broken) and [`Counts::open`](crate::Counts::open). Linear in the
+    /// number of elements.
     pub fn fragments(&self) -> Vec<u32> {
         let run = self;
         compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])

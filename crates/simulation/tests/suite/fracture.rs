@@ -78,7 +78,7 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack
         let dissipated = run.energies().cohesive;
         assert!((dissipated / (3.0 * 0.01) - 1.0).abs() < 0.01, "{insertion:?}: {dissipated}");
         assert!((most / (3.0 * 0.01) - 1.0).abs() < 0.02, "{insertion:?}: {most}");
-        // The crack is open: it stores nothing but, with a negative sign, what its joint began with.
+        // The crack is open: its joint stores nothing, less the energy with which it was inserted.
         let elastic = run.energies().joint_elastic;
         assert!(elastic.abs() < 0.01 * most, "{insertion:?}: {elastic}");
         if insertion == Insertion::Intrinsic {
