@@ -96,7 +96,7 @@ pub use packing_format::PackingFormat;
 pub use place::Place;
 pub use read::read;
 pub use results::{pvd, write_poly_vtp, write_vtu};
-pub use series::{Series, read_packing};
+pub use series::{FrameIndex, Series, read_packing};
 pub use unpack::unpack;
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{

@@ -1,6 +1,7 @@
 //! Files of elements in any format, as one or several frames.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::ReadError;
@@ -50,10 +51,53 @@ pub struct Series<'a> {
     /// The format that the name promises, if the content does not have it.
     promised: Option<(PackingFormat, &'static str)>,
     /// The start of each frame; one for formats without frames.
-    starts: Vec<Start>,
+    starts: Arc<[Start]>,
+}
+
+/// The format and the frames of a file without its bytes, for owners of the bytes.
+///
+/// # Example
+/// ```
+/// use std::sync::atomic::AtomicU64;
+/// use fdem_io::{ReadOptions, Series};
+///
+/// let bytes = b"1\n\nC 0 1 2\n1\n\nC 3 4 5\n".to_vec();
+/// let index = Series::open(&bytes, "run.xyz", None)?.index();
+/// let series = Series::of_index(&bytes, index);
+/// assert_eq!(series.read(1, &ReadOptions::default(), &AtomicU64::new(0))?.frame.index, 1);
+/// # Ok::<(), fdem_io::ReadError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FrameIndex {
+    format: PackingFormat,
+    promised: Option<(PackingFormat, &'static str)>,
+    starts: Arc<[Start]>,
+}
+
+impl FrameIndex {
+    /// Number of frames; at least one.
+    pub fn frames(&self) -> usize {
+        self.starts.len()
+    }
 }
 
 impl<'a> Series<'a> {
+    /// What was found in the bytes, so that they need not be searched again.
+    pub fn index(&self) -> FrameIndex {
+        let Self { format, promised, ref starts, .. } = *self;
+        FrameIndex { format, promised, starts: Arc::clone(starts) }
+    }
+
+    /// The frames of the bytes in which `index` was found.
+    ///
+    /// # Panics
+    /// [`Self::read`] panics if the bytes are shorter than those.
+    pub fn of_index(bytes: &'a [u8], index: FrameIndex) -> Self {
+        let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        let FrameIndex { format, promised, starts } = index;
+        Self { bytes, format, promised, starts }
+    }
+
     /// Recognises the format of a file and finds the starts of its frames.
     ///
     /// `name`: the name of the file without the extension of its compression. `format`: the format to use
@@ -90,7 +134,7 @@ impl<'a> Series<'a> {
             check_text(bytes)?;
         }
         let starts = next.map_or_else(|| vec![Start::default()], |next| starts(bytes, next));
-        Ok(Self { bytes, format, promised, starts })
+        Ok(Self { bytes, format, promised, starts: starts.into() })
     }
 
     /// The format in which the frames are read.

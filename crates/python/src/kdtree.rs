@@ -26,6 +26,9 @@ pub(crate) struct PyTree {
 /// Distances and numbers, a row for each query point.
 type Nearest<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
+/// The nodes, and the numbers of the points.
+type Nodes<'py> = (Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<i64>>);
+
 /// The starts of the rows, the numbers of the points, and their distances.
 type Within<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
@@ -34,6 +37,21 @@ fn norm_of(p: f64) -> Result<Norm, Problem> {
 }
 
 impl PyTree {
+    /// The coordinates of one query point, in the box.
+    fn point_of(&self, at: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
+        let mut at = entries_of(at)?.to_vec();
+        if at.len() != self.dimensions {
+            let wrong = format!("points must have {} coordinates", self.dimensions);
+            return Err(Problem::Arguments(wrong).into());
+        }
+        if !at.iter().all(|x| x.is_finite()) {
+            let wrong = "'x' must be finite, check for nan or inf values".to_owned();
+            return Err(Problem::Arguments(wrong).into());
+        }
+        self.tree.wrap(&mut at);
+        Ok(at)
+    }
+
     /// The coordinates of the query points.
     fn rows_of<'a>(&self, at: &'a PyReadonlyArray2<'_, f64>) -> Result<&'a [f64], Problem> {
         match at.as_slice() {
@@ -46,7 +64,12 @@ impl PyTree {
 #[pymethods]
 impl PyTree {
     #[new]
-    fn new(py: Python<'_>, points: PyReadonlyArray2<'_, f64>, sides: Vec<f64>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        sides: Vec<f64>,
+        leaf: usize,
+    ) -> PyResult<Self> {
         let dimensions = points.shape()[1];
         let values = points.as_slice().unwrap_or(&[]);
         if values.len() != points.shape()[0] * dimensions || sides.len() != dimensions {
@@ -55,7 +78,8 @@ impl PyTree {
             )
             .into());
         }
-        let tree = interrupt::run(py, false, &Stop::default(), || Tree::new(values, dimensions, &sides))?;
+        let tree =
+            interrupt::run(py, false, &Stop::default(), || Tree::new(values, dimensions, &sides, leaf))?;
         Ok(Self { tree, dimensions })
     }
 
@@ -91,6 +115,53 @@ impl PyTree {
             Ok((distances, numbers))
         })?;
         Ok((distances.into_pyarray(py).reshape([rows, k])?, numbers.into_pyarray(py).reshape([rows, k])?))
+    }
+
+    /// The point nearest to one point, if it is nearer than `bound`, and its distance; else the number of
+    /// points, infinitely far.
+    fn nearest_one(&self, at: PyReadonlyArray1<'_, f64>, p: f64, bound: f64) -> PyResult<(f64, usize)> {
+        let (norm, at) = (norm_of(p)?, self.point_of(&at)?);
+        let hit = self.tree.nearest(norm, &at, 1, bound).first().copied();
+        Ok(hit.map_or((f64::INFINITY, self.tree.len()), |hit| {
+            (norm.distance(hit.distance), hit.number as usize)
+        }))
+    }
+
+    /// The points at most `r` away from one point, ascending. Without threads and arrays, which would take
+    /// longer than the search.
+    fn within_one(&self, at: PyReadonlyArray1<'_, f64>, r: f64, p: f64) -> PyResult<Vec<u32>> {
+        let (norm, at) = (norm_of(p)?, self.point_of(&at)?);
+        let mut found = Vec::new();
+        self.tree.within(norm, &at, r, &mut |hit| found.push(hit.number));
+        found.sort_unstable();
+        Ok(found)
+    }
+
+    /// The number of the points at most `r` away from one point.
+    fn count_within_one(&self, at: PyReadonlyArray1<'_, f64>, r: f64, p: f64) -> PyResult<usize> {
+        Ok(self.tree.count_within(norm_of(p)?, &self.point_of(&at)?, r))
+    }
+
+    /// For each node the places of its first and last point and the node of its right half, 0 for a leaf; and
+    /// the number of the point at each place. A node comes before its left half, and that before the right.
+    fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Nodes<'py>> {
+        let nodes: Vec<_> = self.tree.nodes().flatten().map(i64::from).collect();
+        let numbers: Vec<_> = self.tree.numbers().iter().map(|&number| i64::from(number)).collect();
+        let rows = nodes.len() / 3;
+        Ok((nodes.into_pyarray(py).reshape([rows, 3])?, numbers.into_pyarray(py)))
+    }
+
+    /// The sum of the weights of the points of each node.
+    fn node_weights<'py>(
+        &self,
+        py: Python<'py>,
+        weights: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let weights = entries_of(&weights)?;
+        if weights.len() != self.tree.len() {
+            return Err(Problem::Arguments("there must be a weight for each point".to_owned()).into());
+        }
+        Ok(self.tree.node_weights(weights)?.into_pyarray(py))
     }
 
     /// All points at most `r[q]` away from point `q` of `at`, ascending by number.

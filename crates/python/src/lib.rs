@@ -100,6 +100,7 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(image::labels, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::mesh, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::walls, module)?)?;
+    module.add_class::<read::Frames>()?;
     module.add_function(wrap_pyfunction!(read::read, module)?)?;
     module.add_class::<model::PyReady>()?;
     module.add_class::<simulation::PyRun>()?;

@@ -2,7 +2,9 @@
 
 use std::sync::atomic::AtomicU64;
 
-use fdem_io::{Cells, Centres, FileKind, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack};
+use fdem_io::{
+    Cells, Centres, FileKind, FrameIndex, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack,
+};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -26,43 +28,134 @@ pub(crate) fn read<'py>(
     bodies: Option<String>,
     skip_bad_lines: bool,
 ) -> PyResult<Read<'py>> {
-    let refused = |error: String| PyValueError::new_err(format!("{name}: {error}"));
-    let unreadable = |error: ReadError| PyValueError::new_err(unreadable(name, &error));
-    let format = format.map(str::parse::<PackingFormat>).transpose().map_err(refused)?;
-    let is_packing = format.is_some();
-    let columns = columns.map(str::parse).transpose();
-    let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(error.to_string()))?;
-    let has_choices = columns.is_some() || bodies.is_some() || frame.is_some();
-    let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies };
-
-    let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unreadable)?.0;
-    let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
-    if !is_packing && matches!(FileKind::of(&bytes, bare).map_err(unreadable)?, FileKind::Mesh(_)) {
-        if has_choices {
-            return Err(refused("this is a mesh: it has no columns, bodies or frames to choose".to_owned()));
+    let frames = Frames::new(py, bytes, name.to_owned(), format, columns, bodies, skip_bad_lines);
+    let frames = match frames {
+        Err(Unopened::Mesh(bytes)) if frame.is_none() => return Ok(("mesh", read_mesh(py, &bytes, name)?)),
+        Err(Unopened::Mesh(_)) => {
+            let error = "this is a mesh: it has no columns, bodies or frames to choose";
+            return Err(PyValueError::new_err(format!("{name}: {error}")));
         }
-        return Ok(("mesh", read_mesh(py, &bytes, name)?));
-    }
-    let series = py.detach(|| Series::open(&bytes, bare, format)).map_err(unreadable)?;
-    let frames = series.frames();
+        frames => frames?,
+    };
+    let count = frames.__len__();
     let frame = match frame {
-        None if frames == 1 => 0,
-        None => return Err(refused(format!("{frames} frames: choose one of 0 to {}", frames - 1))),
+        None if count == 1 => 0,
+        None => return Err(frames.refused(&format!("{count} frames: choose one of 0 to {}", count - 1))),
         Some(frame) => {
-            let place = if frame < 0 { frame.checked_add_unsigned(frames) } else { Some(frame) };
-            let place = place.and_then(|place| usize::try_from(place).ok()).filter(|&place| place < frames);
-            place.ok_or_else(|| refused(format!("there is no frame {frame} among {frames}")))?
+            let place = if frame < 0 { frame.checked_add_unsigned(count) } else { Some(frame) };
+            let place = place.and_then(|place| usize::try_from(place).ok()).filter(|&place| place < count);
+            place.ok_or_else(|| frames.refused(&format!("there is no frame {frame} among {count}")))?
         }
     };
-    let mut packing = py.detach(|| series.read(frame, &options, &AtomicU64::new(0))).map_err(unreadable)?;
-    let unused = packing.source.unused_axis().filter(|_| options.columns.is_none());
-    let diameter = packing.radii.iter().flatten().copied().reduce(f64::max).map(|radius| 2.0 * radius);
-    let flat = diameter.and_then(|diameter| packing.flatten(diameter));
-    let remarks: Vec<_> = unused.into_iter().chain(flat).map(|remark| format!("{name}: {remark}")).collect();
-    let found = packing_columns(py, name, packing)?;
-    found.set_item("frames", frames)?;
-    found.set_item("remarks", remarks)?;
-    Ok(("packing", found))
+    Ok(("packing", frames.read(py, frame)?))
+}
+
+/// The frames of a file of packings, each of which is read when it is asked for.
+#[pyclass(frozen, module = "fdem._fdem")]
+#[derive(Debug)]
+pub(crate) struct Frames {
+    bytes: Vec<u8>,
+    index: FrameIndex,
+    name: String,
+    options: ReadOptions,
+}
+
+/// Why there are no frames.
+enum Unopened {
+    /// The content is a mesh: these are its bytes.
+    Mesh(Vec<u8>),
+    Refused(PyErr),
+}
+
+impl From<Unopened> for PyErr {
+    fn from(unopened: Unopened) -> Self {
+        match unopened {
+            Unopened::Mesh(_) => PyValueError::new_err("this is a mesh: it has no frames"),
+            Unopened::Refused(error) => error,
+        }
+    }
+}
+
+impl Frames {
+    fn new(
+        py: Python<'_>,
+        bytes: &[u8],
+        name: String,
+        format: Option<&str>,
+        columns: Option<&str>,
+        bodies: Option<String>,
+        skip_bad_lines: bool,
+    ) -> Result<Self, Unopened> {
+        let refused = |error: &str| Unopened::Refused(PyValueError::new_err(format!("{name}: {error}")));
+        let unread = |error: ReadError| Unopened::Refused(PyValueError::new_err(unreadable(&name, &error)));
+        let format = format.map(str::parse::<PackingFormat>).transpose();
+        let format = format.map_err(|error| refused(&error))?;
+        let columns = columns.map(str::parse).transpose();
+        let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(&error.to_string()))?;
+        let has_choices = columns.is_some() || bodies.is_some();
+        let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies };
+
+        let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unread)?.0.into_owned();
+        let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
+        if format.is_none() && matches!(FileKind::of(&bytes, bare).map_err(unread)?, FileKind::Mesh(_)) {
+            if has_choices {
+                return Err(refused("this is a mesh: it has no columns, bodies or frames to choose"));
+            }
+            return Err(Unopened::Mesh(bytes));
+        }
+        let index = py.detach(|| Series::open(&bytes, bare, format).map(|series| series.index()));
+        let index = index.map_err(unread)?;
+        Ok(Self { bytes, index, name, options })
+    }
+
+    fn refused(&self, error: &str) -> PyErr {
+        PyValueError::new_err(format!("{}: {error}", self.name))
+    }
+}
+
+#[pymethods]
+impl Frames {
+    #[new]
+    fn opened(
+        py: Python<'_>,
+        bytes: &[u8],
+        name: String,
+        format: Option<&str>,
+        columns: Option<&str>,
+        bodies: Option<String>,
+        skip_bad_lines: bool,
+    ) -> PyResult<Self> {
+        match Self::new(py, bytes, name.clone(), format, columns, bodies, skip_bad_lines) {
+            Err(Unopened::Mesh(_)) => {
+                Err(PyValueError::new_err(format!("{name}: this is a mesh: it has no frames")))
+            }
+            frames => Ok(frames?),
+        }
+    }
+
+    fn __len__(&self) -> usize {
+        self.index.frames()
+    }
+
+    /// The columns of a frame, counted from 0.
+    fn read<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Bound<'py, PyDict>> {
+        let Self { bytes, index, name, options } = self;
+        if frame >= index.frames() {
+            return Err(self.refused(&format!("there is no frame {frame} among {}", index.frames())));
+        }
+        let series = Series::of_index(bytes, index.clone());
+        let packing = py.detach(|| series.read(frame, options, &AtomicU64::new(0)));
+        let mut packing = packing.map_err(|error| PyValueError::new_err(unreadable(name, &error)))?;
+        let unused = packing.source.unused_axis().filter(|_| options.columns.is_none());
+        let diameter = packing.radii.iter().flatten().copied().reduce(f64::max).map(|radius| 2.0 * radius);
+        let flat = diameter.and_then(|diameter| packing.flatten(diameter));
+        let remarks: Vec<_> =
+            unused.into_iter().chain(flat).map(|remark| format!("{name}: {remark}")).collect();
+        let found = packing_columns(py, name, packing)?;
+        found.set_item("frames", index.frames())?;
+        found.set_item("remarks", remarks)?;
+        Ok(found)
+    }
 }
 
 /// The columns of a packing.

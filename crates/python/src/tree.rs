@@ -6,6 +6,7 @@
 //! makes a node seem farther (or less far) than its points.
 
 mod count;
+mod metric;
 mod norm;
 
 use std::cmp::Ordering;
@@ -13,11 +14,8 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use crate::problem::{Problem, zeros};
+use metric::{Metric, with_metric};
 pub(crate) use norm::Norm;
-use norm::{Far, NearSide, along};
-
-/// Points in a leaf.
-const LEAF: usize = 16;
 
 /// Points, sorted into a binary tree.
 #[derive(Debug)]
@@ -32,6 +30,10 @@ pub(crate) struct Tree {
     corners: Vec<f64>,
     /// Length of the box that repeats, on each axis; 0 where nothing repeats.
     sides: Vec<f64>,
+    /// Whether one of them repeats.
+    repeats: bool,
+    /// Most points of a leaf, unless they are in one place.
+    leaf: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,8 +68,13 @@ impl Ord for Hit {
 
 impl Tree {
     /// Sorts `points`, rows of `dimensions` finite numbers; where `sides` are positive the numbers are at
-    /// least 0 and below them.
-    pub(crate) fn new(points: &[f64], dimensions: usize, sides: &[f64]) -> Result<Self, Problem> {
+    /// least 0 and below them. Leaves have up to `leaf` points.
+    pub(crate) fn new(
+        points: &[f64],
+        dimensions: usize,
+        sides: &[f64],
+        leaf: usize,
+    ) -> Result<Self, Problem> {
         let n = points.len().checked_div(dimensions).unwrap_or(0);
         let too_many = || Problem::Arguments(format!("{n} points are too many"));
         let mut numbers = zeros::<u32>(n)?;
@@ -82,6 +89,8 @@ impl Tree {
             nodes: Vec::new(),
             corners: Vec::new(),
             sides: sides.to_vec(),
+            repeats: sides.iter().any(|&side| side > 0.0),
+            leaf: leaf.max(1),
         };
         if n > 0 {
             let mut numbers = std::mem::take(&mut tree.numbers);
@@ -111,7 +120,7 @@ impl Tree {
             }
         }
         let widest = (0..dimensions).max_by(|&a, &b| (upper[a] - lower[a]).total_cmp(&(upper[b] - lower[b])));
-        let widest = widest.filter(|&axis| numbers.len() > LEAF && lower[axis] < upper[axis]);
+        let widest = widest.filter(|&axis| numbers.len() > self.leaf && lower[axis] < upper[axis]);
 
         let node = self.nodes.len();
         self.nodes.push(Node { start: start as u32, end: (start + numbers.len()) as u32, right: 0 });
@@ -132,8 +141,10 @@ impl Tree {
         self.numbers.len()
     }
 
-    fn corners_of(&self, node: usize) -> (&[f64], &[f64]) {
-        self.corners[2 * node * self.dimensions..][..2 * self.dimensions].split_at(self.dimensions)
+    fn corners_of(&self, node: usize) -> [&[f64]; 2] {
+        let (lower, upper) =
+            self.corners[2 * node * self.dimensions..][..2 * self.dimensions].split_at(self.dimensions);
+        [lower, upper]
     }
 
     fn range(&self, node: usize) -> Range<usize> {
@@ -149,41 +160,52 @@ impl Tree {
         &self.points[place * self.dimensions..][..self.dimensions]
     }
 
-    /// The distance of a point, in the form that is compared.
-    fn distance(&self, norm: Norm, at: &[f64], place: usize) -> f64 {
-        let axes = at.iter().zip(self.row(place)).zip(&self.sides);
-        norm.sum(axes.map(|((&x, &y), &side)| along(x - y, side)))
+    /// The places of the first and the last point of each node, and the node of its right half, 0 for a leaf.
+    pub(crate) fn nodes(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
+        self.nodes.iter().map(|node| [node.start, node.end, node.right])
     }
 
-    /// No point of the node is nearer.
-    fn least(&self, norm: Norm, at: &[f64], node: usize) -> f64 {
-        let (lower, upper) = self.corners_of(node);
-        let axes = at.iter().zip(lower.iter().zip(upper)).zip(&self.sides);
-        norm.sum(
-            axes.map(|((&x, (&low, &high)), &side)| NearSide { from: x - high, to: x - low, side }.value()),
-        )
+    /// The number of the point at each place.
+    pub(crate) fn numbers(&self) -> &[u32] {
+        &self.numbers
     }
 
-    /// No point of the node is farther.
-    fn greatest(&self, norm: Norm, at: &[f64], node: usize) -> f64 {
-        let (lower, upper) = self.corners_of(node);
-        let axes = at.iter().zip(lower.iter().zip(upper)).zip(&self.sides);
-        norm.sum(axes.map(|((&x, (&low, &high)), &side)| Far { from: x - high, to: x - low, side }.value()))
+    /// The image of a point in the box, where that repeats.
+    pub(crate) fn wrap(&self, at: &mut [f64]) {
+        for (x, &side) in at.iter_mut().zip(&self.sides).filter(|(_, side)| **side > 0.0) {
+            *x -= (*x / side).floor() * side;
+            // Rounding may leave a point just outside.
+            if *x < 0.0 {
+                *x += side;
+            }
+            if *x >= side {
+                *x -= side;
+            }
+        }
     }
 
     /// The `k` points nearest to `at` that are nearer than `bound`, the nearest first.
     pub(crate) fn nearest(&self, norm: Norm, at: &[f64], k: usize, bound: f64) -> Vec<Hit> {
         let mut hits = BinaryHeap::new();
         if self.len() > 0 && k > 0 {
-            self.look(norm, at, k, norm.limit(bound), 0, &mut hits);
+            let bound = norm.limit(bound);
+            with_metric!(self, norm, metric => self.look(metric, at, k, bound, 0, &mut hits));
         }
         hits.into_sorted_vec()
     }
 
-    fn look(&self, norm: Norm, at: &[f64], k: usize, bound: f64, node: usize, hits: &mut BinaryHeap<Hit>) {
+    fn look(
+        &self,
+        metric: impl Metric,
+        at: &[f64],
+        k: usize,
+        bound: f64,
+        node: usize,
+        hits: &mut BinaryHeap<Hit>,
+    ) {
         let Some(halves) = self.halves(node) else {
             for place in self.range(node) {
-                let hit = Hit { distance: self.distance(norm, at, place), number: self.numbers[place] };
+                let hit = Hit { distance: metric.distance(at, self.row(place)), number: self.numbers[place] };
                 if hit.distance < bound && (hits.len() < k || hits.peek().is_some_and(|worst| hit < *worst)) {
                     if hits.len() == k {
                         hits.pop();
@@ -193,7 +215,7 @@ impl Tree {
             }
             return;
         };
-        let mut halves = halves.map(|half| (self.least(norm, at, half), half));
+        let mut halves = halves.map(|half| (metric.least([at, at], self.corners_of(half)), half));
         if halves[1].0 < halves[0].0 {
             halves.swap(0, 1);
         }
@@ -201,7 +223,7 @@ impl Tree {
             // Up to and including the distance of the worst hit: there may be a point of smaller number.
             let worst = if hits.len() < k { None } else { hits.peek() };
             if least < bound && worst.is_none_or(|worst| least <= worst.distance) {
-                self.look(norm, at, k, bound, half, hits);
+                self.look(metric, at, k, bound, half, hits);
             }
         }
     }
@@ -209,22 +231,30 @@ impl Tree {
     /// Calls `visit` with each point at most `r` away from `at`.
     pub(crate) fn within(&self, norm: Norm, at: &[f64], r: f64, visit: &mut impl FnMut(Hit)) {
         if self.len() > 0 && r >= 0.0 {
-            self.visit_within(norm, at, norm.limit(r), 0, visit);
+            let limit = norm.limit(r);
+            with_metric!(self, norm, metric => self.visit_within(metric, at, limit, 0, visit));
         }
     }
 
-    fn visit_within(&self, norm: Norm, at: &[f64], limit: f64, node: usize, visit: &mut impl FnMut(Hit)) {
-        if self.least(norm, at, node) > limit {
+    fn visit_within(
+        &self,
+        metric: impl Metric,
+        at: &[f64],
+        limit: f64,
+        node: usize,
+        visit: &mut impl FnMut(Hit),
+    ) {
+        if metric.least([at, at], self.corners_of(node)) > limit {
             return;
         }
         if let Some(halves) = self.halves(node) {
             for half in halves {
-                self.visit_within(norm, at, limit, half, visit);
+                self.visit_within(metric, at, limit, half, visit);
             }
             return;
         }
         for place in self.range(node) {
-            let distance = self.distance(norm, at, place);
+            let distance = metric.distance(at, self.row(place));
             if distance <= limit {
                 visit(Hit { distance, number: self.numbers[place] });
             }
@@ -233,19 +263,24 @@ impl Tree {
 
     /// The number of points at most `r` away from `at`.
     pub(crate) fn count_within(&self, norm: Norm, at: &[f64], r: f64) -> usize {
-        if self.len() > 0 && r >= 0.0 { self.counted_within(norm, at, norm.limit(r), 0) } else { 0 }
-    }
-
-    fn counted_within(&self, norm: Norm, at: &[f64], limit: f64, node: usize) -> usize {
-        if self.least(norm, at, node) > limit {
+        if self.len() == 0 || r.is_nan() || r < 0.0 {
             return 0;
         }
-        if self.greatest(norm, at, node) <= limit {
+        let limit = norm.limit(r);
+        with_metric!(self, norm, metric => self.counted_within(metric, at, limit, 0))
+    }
+
+    fn counted_within(&self, metric: impl Metric, at: &[f64], limit: f64, node: usize) -> usize {
+        let corners = self.corners_of(node);
+        if metric.least([at, at], corners) > limit {
+            return 0;
+        }
+        if metric.greatest([at, at], corners) <= limit {
             return self.range(node).len();
         }
         match self.halves(node) {
-            Some(halves) => halves.into_iter().map(|half| self.counted_within(norm, at, limit, half)).sum(),
-            None => self.range(node).filter(|&place| self.distance(norm, at, place) <= limit).count(),
+            Some(halves) => halves.into_iter().map(|half| self.counted_within(metric, at, limit, half)).sum(),
+            None => self.range(node).filter(|&place| metric.distance(at, self.row(place)) <= limit).count(),
         }
     }
 }

@@ -1,8 +1,11 @@
 """Functions that several tests use."""
 
+import importlib
+import importlib.util
 import itertools
 import os
 import pathlib
+import sys
 
 import numpy as np
 import pytest
@@ -19,6 +22,20 @@ def rng():
 def command():
     """The command: the one that the variable FDEM names, or else the one that the package has installed."""
     return os.environ.get("FDEM", "fdem")
+
+
+def module_with(path, name, replaced):
+    """The module of a file, which imports other things in place of some attributes of modules: ``{module: {attribute: value}}``."""
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    # So that its classes can be pickled.
+    sys.modules[name] = module
+    with pytest.MonkeyPatch.context() as patch:
+        for of, attributes in replaced.items():
+            for attribute, value in attributes.items():
+                patch.setattr(importlib.import_module(of), attribute, value)
+        spec.loader.exec_module(module)
+    return module
 
 
 def gas(n, neighbours, dimensions, seed=0):

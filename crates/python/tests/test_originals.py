@@ -218,3 +218,41 @@ def test_couples_are_those_of_vesin():
         ours = {frozenset([(a, b, *s), (b, a, *(-x for x in s))]) for (a, b), s in zip(found.pairs.tolist(), found.shift.tolist())}
         theirs = {frozenset([(a, b, *s), (b, a, *(-x for x in s))]) for a, b, s in zip(i.tolist(), j.tolist(), shift.tolist())}
         assert ours == theirs and len(ours) == len(found) == len(i)
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_box_of_freud_is_a_box(dimensions, rng):
+    freud = pytest.importorskip("freud")
+    lengths = {"Lx": 6.0, "Ly": 5.0, "Lz": 7.0, "xy": 0.3, "xz": -0.2, "yz": 0.4}
+    box = freud.box.Box(**lengths) if dimensions == 3 else freud.box.Box(Lx=6.0, Ly=5.0, xy=0.3, is2D=True)
+    positions = box.wrap(np.pad((rng.random((80, dimensions)) - 0.5) * 6, ((0, 0), (0, 3 - dimensions))))
+    query = freud.locality.AABBQuery(box, positions).query(positions, {"r_max": 1.4, "exclude_ii": True}).toNeighborList()
+    found = fdem.contacts(positions[:, :dimensions].astype(float), cutoff=1.4, box=box).neighbor_list()
+    order = np.lexsort((query.point_indices, query.query_point_indices))
+    assert found[:].tolist() == query[:][order].tolist() and len(found) > 50
+    assert np.isclose(np.sort(found.distances), np.sort(query.distances), atol=1e-5).all()
+    box.periodic = [True, False, False]
+    repeats = [True] + [False] * (dimensions - 1)
+    with_box, said = (fdem.contacts(positions[:, :dimensions], cutoff=1.4, box=box, **more) for more in ({}, {"periodic": repeats}))
+    assert (with_box.shift == said.shift).all() and len(with_box) == len(said) > 0 and not with_box.shift[:, 1:].any()
+    with pytest.raises(ValueError, match="the box of freud has"):
+        fdem.contacts(np.zeros((2, 5 - dimensions)), cutoff=1.0, box=box)
+
+
+@pytest.mark.parametrize("scaled", [False, True])
+@pytest.mark.parametrize("bothways", [False, True])
+def test_a_list_that_is_kept_is_that_of_ase(scaled, bothways, rng):
+    from ase import neighborlist
+
+    edges = np.array([[5.0, 0, 0], [1, 4, 0], [0, -1, 6]])
+    fractions = rng.random((40, 3))
+    options = {"skin": 0.2, "bothways": bothways, "sorted": True, "use_scaled_positions": scaled}
+    lists = [kind(np.full(40, 0.7), **options) for kind in (fdem.NewPrimitiveNeighborList, neighborlist.NewPrimitiveNeighborList)]
+    for moved in (0.0, 0.01, 0.09):
+        at = fractions + moved if scaled else (fractions + moved) @ edges
+        updated = [each.update(np.array([True, True, False]), edges, at) for each in lists]
+        assert updated[0] == updated[1]
+        for atom in range(40):
+            pairs = [sorted(zip(each.get_neighbors(atom)[0].tolist(), each.get_neighbors(atom)[1].tolist())) for each in lists]
+            assert pairs[0] == pairs[1]
+    assert lists[0].nupdates == lists[1].nupdates

@@ -509,3 +509,32 @@ def test_exports_say_what_they_need(export, monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(ImportError, match="pip install"):
         getattr(found, export)()
+
+
+def test_frames_are_a_sequence_of_packings(tmp_path):
+    def frame(step):
+        head = f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 9\n0 9\n0 9\n"
+        return head + f"ITEM: ATOMS id x y z radius\n1 1 1 1 0.5\n2 {1 + step / 100} 1 1 0.5\n"
+
+    path = tmp_path / "run.dump"
+    path.write_text("".join(frame(step) for step in (0, 50, 150)))
+    frames = fdem.frames(path)
+    assert len(frames) == 3 and [packing.step for packing in frames] == [0, 50, 150]
+    assert [len(fdem.contacts(packing.positions, packing.radii, box=packing.box, periodic=packing.periodic)) for packing in frames] == [1, 1, 0]
+    assert frames[-1].frame == 2 and frames[1].positions[1].tolist() == [1.5, 1, 1]
+    assert [packing.frame for packing in frames[::-2]] == [2, 0] and len(frames[5:]) == 0
+    assert "3 of 3 frames" in repr(frames)
+    with pytest.raises(IndexError):
+        frames[3]
+    # A damaged frame does not hide those before it.
+    path.write_text(frame(0) + frame(50).replace("1.5", "nonsense"))
+    broken = fdem.frames(path)
+    assert broken[0].step == 0
+    with pytest.raises(ValueError, match="run.dump:22: frame 1 .*nonsense"):
+        broken[1]
+    assert len(fdem.frames(path, skip_bad_lines=True)[1]) == 1
+    with pytest.raises(ValueError, match="squares.msh: this is a mesh"):
+        fdem.frames(EXAMPLES / "squares.msh")
+    assert len(fdem.frames(EXAMPLES / "packing.csv")) == 1
+    with pytest.raises(TypeError, match="fdem.frames"):
+        fdem.Frames()

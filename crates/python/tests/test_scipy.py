@@ -142,10 +142,10 @@ def test_points_in_one_place():
 
 
 def test_shapes_and_scalars(rng):
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     points = rng.random((50, 3))
-    ours, theirs = fdem.KDTree(points), cKDTree(points)
+    ours, theirs = fdem.KDTree(points), KDTree(points)
     for x in (points[0], points[:7], points[:8].reshape(2, 4, 3), np.zeros((0, 3))):
         for k in (1, 3, [1], [3, 2]):
             for mine, other in zip(ours.query(x, k), theirs.query(x, k)):
@@ -153,7 +153,7 @@ def test_shapes_and_scalars(rng):
         mine, other = ours.query_ball_point(x, 0.3), theirs.query_ball_point(x, 0.3)
         assert type(mine) is type(other) and np.shape(mine) == np.shape(other) or isinstance(mine, list)
     assert (ours.maxes == theirs.maxes).all() and (ours.mins == theirs.mins).all() and (ours.n, ours.m) == (theirs.n, theirs.m)
-    empty, none = fdem.KDTree(np.zeros((0, 3))), cKDTree(np.zeros((0, 3)))
+    empty, none = fdem.KDTree(np.zeros((0, 3))), KDTree(np.zeros((0, 3)))
     assert [part.tolist() for part in empty.query(points[0], 2)] == [part.tolist() for part in none.query(points[0], 2)]
     assert empty.query_pairs(1.0) == set() and empty.query_ball_point(points[:2], 1.0).tolist() == [[], []]
     assert "50 points of dimension 3" in repr(ours)
@@ -202,3 +202,65 @@ def test_what_is_refused(rng):
             ask(fdem.KDTree(points), fdem.KDTree)
     with pytest.raises(ValueError, match="different boxes"):
         fdem.KDTree(points).count_neighbors(fdem.KDTree(points, boxsize=2), 1.0)
+
+
+@pytest.mark.parametrize(("m", "box", "p"), CASES)
+def test_single_questions_are_those_of_many(m, box, p, rng):
+    """One point of float64 takes a shorter way."""
+    (ours, _), (theirs, _), at = trees(m, box, rng)
+    for point in at[:20]:
+        distance, index = ours.query(point, p=p)
+        assert (type(distance), type(index)) == (float, np.intp)
+        assert np.isclose(distance, theirs.query(point, p=p)[0], rtol=1e-14, atol=0)
+        assert (distance, index) == tuple(each[0] for each in ours.query(point[None], p=p))
+        assert ours.query(point, p=p, distance_upper_bound=0.0) == (np.inf, ours.n)
+        several = ours.query(point, 3, p=p), ours.query(point[None], 3, p=p)
+        assert all(np.array_equal(one, many[0]) for one, many in zip(*several))
+        expected = sorted(theirs.query_ball_point(point, 0.75, p))
+        assert ours.query_ball_point(point, 0.75, p) == ours.query_ball_point(point.tolist(), 0.75, p) == expected
+        assert ours.query_ball_point(point, 0.75, p, return_length=True) == len(expected)
+    for wrong in (at[0][:-1], np.append(at[0], 1.0)):
+        with pytest.raises(ValueError, match="vectors of length"):
+            ours.query_ball_point(wrong, 1.0)
+    with pytest.raises(ValueError, match="finite"):
+        ours.query_ball_point(np.full(m, np.nan), 1.0)
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("kind", ["heavy-tailed", "clusters", "one place"])
+def test_uneven_points(kind, dimensions, rng):
+    """Rows of cells do not suit these: a tree answers, with the same result."""
+    points = {
+        "heavy-tailed": rng.standard_t(1.2, (4000, dimensions)),
+        "clusters": rng.random((9, dimensions))[rng.integers(0, 9, 4000)] + rng.normal(0, 1e-3, (4000, dimensions)),
+        "one place": np.ones((50, dimensions)),
+    }[kind]
+    from scipy.spatial import cKDTree
+
+    ours, theirs = fdem.KDTree(points), cKDTree(points)
+    assert not ours._is_even() and fdem.KDTree(rng.random((4000, dimensions)))._is_even()
+    assert np.allclose(ours.query(points, 5)[0], theirs.query(points, 5)[0], rtol=1e-14, atol=0)
+    assert ours.query_ball_point(points[:99], 1e-3).tolist() == theirs.query_ball_point(points[:99], 1e-3, return_sorted=True).tolist()
+    assert ours.count_neighbors(ours, [1e-3, 0.1]).tolist() == theirs.count_neighbors(theirs, [1e-3, 0.1]).tolist()
+
+
+def test_nodes_are_those_of_the_tree(rng):
+    tree = fdem.KDTree(rng.random((500, 3)), leafsize=7)
+    assert tree.size == len(tree._nodes) > 100 and sorted(tree.indices.tolist()) == list(range(500))
+    leaves, waiting = [], [tree.tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, fdem.KDTree.leafnode):
+            assert node.children <= 7
+            leaves.append(node)
+        else:
+            assert isinstance(node, fdem.KDTree.innernode) and node.less is node.lesser
+            assert node.less.data_points[:, node.split_dim].max() <= node.split <= node.greater.data_points[:, node.split_dim].min()
+            waiting += [node.less, node.greater]
+    assert sorted(sum((leaf.idx.tolist() for leaf in leaves), [])) == list(range(500))
+    with pytest.raises(ValueError, match="leafsize must be at least 1"):
+        fdem.KDTree([[0.0]], leafsize=0)
+    with pytest.raises(TypeError, match="complex data"):
+        fdem.KDTree([[1j]])
+    with pytest.raises(ValueError, match="k must be an integer"):
+        tree.query([0.0, 0, 0], None)

@@ -19,6 +19,7 @@ elements that move a little between searches      :class:`Detector`
 points, and other points to look around           :func:`query`
 two sets of spheres, or spheres and walls         :func:`between`, :func:`walls`
 a file                                            :func:`read`
+a file of several frames                          :func:`frames`
 code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighbor_list`,
                                                   :meth:`Contacts.neighbor_list`
 a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`
@@ -34,7 +35,7 @@ working memory are kept from one search to the next.
 """
 
 from ._analysis import Analysis
-from ._ase import neighbor_list
+from ._ase import NewPrimitiveNeighborList, neighbor_list, primitive_neighbor_list
 from ._between import CrossContacts, between
 from ._box import Box
 from ._contacts import Contacts, Csr
@@ -48,7 +49,7 @@ from ._model import Model, material
 from ._neighbors import NeighborList
 from ._picture import Picture
 from ._query import Neighbours, query
-from ._read import Mesh, Packing, read
+from ._read import Frames, Mesh, Packing, frames, read
 from ._results import Frame, Results, results
 from ._search import boxes, contacts
 from ._simulation import Simulation, resume
@@ -64,6 +65,7 @@ __all__ = [
     "Detector",
     "Field",
     "Frame",
+    "Frames",
     "KDTree",
     "LabelContacts",
     "Mesh",
@@ -71,6 +73,7 @@ __all__ = [
     "Model",
     "NeighborList",
     "Neighbours",
+    "NewPrimitiveNeighborList",
     "Packing",
     "Picture",
     "Results",
@@ -82,10 +85,12 @@ __all__ = [
     "boxes",
     "contacts",
     "fields",
+    "frames",
     "labels",
     "material",
     "mesh",
     "neighbor_list",
+    "primitive_neighbor_list",
     "query",
     "read",
     "results",

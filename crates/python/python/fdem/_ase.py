@@ -129,6 +129,161 @@ def neighbor_list(
     return listed[0] if len(listed) == 1 else listed
 
 
+def primitive_neighbor_list(
+    quantities: str,
+    pbc: Union[bool, npt.ArrayLike],
+    cell: npt.ArrayLike,
+    positions: npt.ArrayLike,
+    cutoff: Union[float, npt.ArrayLike, dict[tuple[Any, Any], float]],
+    numbers: Optional[npt.ArrayLike] = None,
+    self_interaction: bool = False,
+    use_scaled_positions: bool = False,
+    max_nbins: Optional[float] = None,
+) -> Any:
+    """:func:`neighbor_list` with the arguments of ``ase.neighborlist.primitive_neighbor_list``.
+
+    Parameters
+    ----------
+    quantities, pbc, cell, positions, cutoff, numbers, self_interaction, max_nbins
+        As for :func:`neighbor_list`.
+    use_scaled_positions : bool, default False
+        Whether `positions` are in units of the edges of the cell.
+
+    Returns
+    -------
+    array, or tuple of arrays
+        As :func:`neighbor_list`.
+
+    Raises
+    ------
+    ValueError, TypeError, MemoryError
+        As :func:`neighbor_list`.
+
+    Examples
+    --------
+    >>> import fdem
+    >>> fdem.primitive_neighbor_list("d", True, [4.0, 9.0, 9.0], [[0.1, 0, 0], [0.9, 0, 0]], 1.0, use_scaled_positions=True).round(12).tolist()
+    [0.8, 0.8]
+    """
+    at = points(positions, "positions")
+    if use_scaled_positions:
+        edges = np.asarray(cell, np.float64)
+        at = at @ (np.diag(edges) if edges.shape == (3,) else edges)
+    return neighbor_list(
+        quantities,
+        positions=at,
+        cell=cell,
+        pbc=pbc,
+        cutoff=cutoff,
+        numbers=numbers,
+        self_interaction=self_interaction,
+        max_nbins=max_nbins,
+    )
+
+
+class NewPrimitiveNeighborList:
+    """A list of neighbours that is kept while atoms move little, as ``ase.neighborlist.NewPrimitiveNeighborList``.
+
+    ``ase.neighborlist.NeighborList(..., primitive=fdem.NewPrimitiveNeighborList)`` uses it.
+
+    Parameters
+    ----------
+    cutoffs : array [n]
+        A radius for each atom.
+    skin : number, default 0.3
+        Added to each radius. The list is kept until an atom has moved farther than this.
+    sorted : bool
+        Has no effect: neighbours are always sorted.
+    self_interaction : bool, default True
+        Whether each atom is its own neighbour.
+    bothways : bool, default False
+        Whether each pair is listed for both of its atoms.
+    use_scaled_positions : bool, default False
+        Whether positions are in units of the edges of the cell.
+
+    Attributes
+    ----------
+    nupdates : int
+        How often the list was built.
+    pair_first, pair_second : array [m], int64
+        The atoms of each pair.
+    offset_vec : array [m, 3], int64
+        The edges of the cell by which the second one is displaced.
+    first_neigh : array [n + 1], int64
+        Where the pairs of each atom begin.
+
+    Examples
+    --------
+    >>> import numpy as np, fdem
+    >>> neighbours = fdem.NewPrimitiveNeighborList([0.6, 0.6], self_interaction=False)
+    >>> neighbours.update(np.zeros(3, bool), np.zeros((3, 3)), np.array([[0.0, 0, 0], [1, 0, 0]]))
+    True
+    >>> neighbours.get_neighbors(0)[0].tolist()
+    [1]
+    """
+
+    def __init__(
+        self,
+        cutoffs: npt.ArrayLike,
+        skin: float = 0.3,
+        sorted: bool = False,
+        self_interaction: bool = True,
+        bothways: bool = False,
+        use_scaled_positions: bool = False,
+    ) -> None:
+        self.cutoffs: npt.NDArray[np.float64] = np.asarray(cutoffs, np.float64) + number(skin, "skin")
+        self.skin = float(skin)
+        self.sorted, self.self_interaction, self.bothways = sorted, self_interaction, bothways
+        self.use_scaled_positions = use_scaled_positions
+        self.nupdates = 0
+
+    def update(self, pbc: npt.ArrayLike, cell: npt.ArrayLike, positions: npt.ArrayLike, numbers: Optional[npt.ArrayLike] = None) -> bool:
+        """Builds the list if it has to be: the first time, for another cell, and if an atom has moved farther than the skin.
+
+        Returns
+        -------
+        bool
+            Whether the list was built.
+        """
+        at = np.asarray(positions)
+        if self.nupdates > 0 and at.shape == self.positions.shape:
+            kept = np.array_equal(self.pbc, pbc) and np.array_equal(self.cell, cell)
+            if kept and (((self.positions - at) ** 2).sum(axis=1) <= self.skin**2).all():
+                return False
+        self.build(pbc, cell, positions, numbers)
+        return True
+
+    def build(self, pbc: npt.ArrayLike, cell: npt.ArrayLike, positions: npt.ArrayLike, numbers: Optional[npt.ArrayLike] = None) -> None:
+        """Builds the list."""
+        self.pbc, self.cell, self.positions = np.array(pbc), np.array(cell), np.array(positions)
+        i, j, S = primitive_neighbor_list(
+            "ijS",
+            self.pbc,
+            self.cell,
+            self.positions,
+            self.cutoffs,
+            numbers,
+            self.self_interaction,
+            self.use_scaled_positions,
+        )
+        if not self.bothways:
+            x, y, z = S.T
+            upper = (x > 0) | ((x == 0) & ((y > 0) | ((y == 0) & (z > 0))))
+            kept = upper | ((i <= j) & (S == 0).all(axis=1))
+            i, j, S = i[kept], j[kept], S[kept]
+        self.pair_first, self.pair_second, self.offset_vec = i, j, S
+        self.first_neigh: npt.NDArray[np.int64] = np.searchsorted(i, np.arange(len(self.positions) + 1))
+        self.nupdates += 1
+
+    def get_neighbors(self, a: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """The neighbours of an atom, and their offsets in edges of the cell.
+
+        Unless the list is `bothways`, a pair is a neighbour of one of its atoms only.
+        """
+        here = slice(self.first_neigh[a], self.first_neigh[a + 1])
+        return self.pair_second[here], self.offset_vec[here]
+
+
 def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
     """The edges of a cell, with unit edges in place of those of zero length."""
     edges = np.zeros((3, 3)) if cell is None else array_of(cell, "cell").astype(np.float64)

@@ -71,8 +71,8 @@ class Box:
 
         Parameters
         ----------
-        box : Box or array
-            ``[D]``: lengths of the edges along the axes, from 0. ``[D, 2]``: where the box starts and ends on each axis. ``[D, D]``: the edges, one a row, from
+        box : Box, freud.box.Box or array
+            A box of freud has its middle at 0. ``[D]``: lengths of the edges along the axes, from 0. ``[D, 2]``: where the box starts and ends on each axis. ``[D, D]``: the edges, one a row, from
             0. In 2D the last two have one shape; an array that could be either is refused.
         dimensions : int
             D.
@@ -86,6 +86,13 @@ class Box:
             if len(box.origin) != dimensions:
                 raise ValueError(f"the box has {len(box.origin)} dimensions, the positions have {dimensions}")
             return box
+        if _is_of_freud(box):
+            of_box = 2 if box.is2D else 3
+            if of_box != dimensions:
+                raise ValueError(f"the box of freud has {of_box} dimensions, the positions have {dimensions}: give positions with {of_box} coordinates")
+            # Its edges are the columns.
+            edges = np.asarray(box.to_matrix(), np.float64).T[:dimensions, :dimensions]
+            return cls(edges, -0.5 * edges.sum(axis=0))
         if np.ndim(box) == 0:
             raise TypeError(f"box must be lengths, pairs (lower, upper), or edges: {dimensions} of them, not one number")
         array = floats(box, "box").astype(np.float64)
@@ -121,6 +128,10 @@ class Box:
         return f"Box(edges={self.edges.tolist()}, origin={self.origin.tolist()})"
 
 
+def _is_of_freud(box: Any) -> bool:
+    return all(hasattr(box, name) for name in ("to_matrix", "is2D", "periodic", "xy"))
+
+
 Cell = tuple[list[float], list[list[float]], list[bool]]
 
 
@@ -131,6 +142,9 @@ def cell_of(box: Any, periodic: Union[bool, Sequence[bool]], dimensions: int) ->
         if any(repeats):
             raise ValueError("periodic needs a box: lengths, pairs (lower, upper), or a matrix of edges")
         return None, None
+    if _is_of_freud(box) and np.ndim(periodic) == 0 and not any(repeats):
+        # Such a box says it itself.
+        repeats = [bool(along) for along in box.periodic[:dimensions]]
     if np.ndim(periodic) == 0 and not any(repeats):
         raise ValueError("a box that does not repeat plays no part: give periodic=True, or one bool for each axis")
     of_box = Box.of(box, dimensions)

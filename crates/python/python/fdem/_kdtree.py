@@ -10,12 +10,19 @@ import numpy.typing as npt
 from . import _fdem
 from ._contacts import optional
 from ._input import floats, is_number, number, whole
+from ._nodes import InnerNode, LeafNode, Node, node
 from ._search import contacts
 
 _Reals = npt.NDArray[np.float64]
 
 _FEW = 8
 """With fewer queries than the number of points divided by this, a tree answers: sorting the points for one search would cost more than the search."""
+
+_SAMPLE = 4096
+"""Points of a sample that shows whether the points are even."""
+
+_CROWDED = 8
+"""The points are uneven if points have more than this many times the mean number of points around them."""
 
 _ALL = 1e150
 """Distances beyond this one are those of all couples: the search of contacts refuses them, and coordinates do not reach it."""
@@ -34,8 +41,12 @@ class KDTree:
     ----------
     data : array [n, m]
         The points, converted to float64.
-    leafsize, compact_nodes, copy_data, balanced_tree
-        Have no effect.
+    leafsize : int
+        The most points of a leaf of the tree.
+    compact_nodes, balanced_tree
+        Have no effect: nodes are compact, and the tree is balanced.
+    copy_data : bool
+        Whether `data` is a copy of the array that is given.
     boxsize : number or array [m], optional
         Lengths of a box from 0 that repeats; 0 is an axis that does not repeat. The points must lie in the box.
 
@@ -49,11 +60,19 @@ class KDTree:
         The least and the greatest coordinate on each axis.
     boxsize : array [m] or None
         The lengths of the box.
+    tree : KDTree.node
+        The root of the tree: a ``KDTree.innernode``, or a ``KDTree.leafnode``.
+    size : int
+        The number of nodes.
+    indices : array [n], intp
+        The numbers of the points in the order of the leaves.
 
     Raises
     ------
+    TypeError
+        For complex data.
     ValueError
-        For data that are not finite, not of two dimensions, or outside of the box.
+        For data that are not finite, not of two dimensions, or outside of the box, or a `leafsize` below 1.
 
     Examples
     --------
@@ -68,16 +87,20 @@ class KDTree:
     [0, 1]
     """
 
+    node = Node
+    leafnode = LeafNode
+    innernode = InnerNode
+
     def __init__(
         self,
         data: npt.ArrayLike,
-        leafsize: int = 16,
+        leafsize: int = 10,
         compact_nodes: bool = True,
         copy_data: bool = False,
         balanced_tree: bool = True,
         boxsize: Any = None,
     ) -> None:
-        array: _Reals = np.require(floats(data, "data"), np.float64, ["C", "A"])
+        array: _Reals = np.require(floats(_real(data), "data"), np.float64, ["C", "A"])
         if array.ndim != 2 or array.shape[1] == 0:
             raise ValueError(f"data must have the shape [n, m], n points of dimension m, not {array.shape}")
         if not np.isfinite(array).all():
@@ -85,7 +108,7 @@ class KDTree:
             raise ValueError(f"data must be finite; point {point} is {array[point].tolist()}")
         self.data: _Reals = array.copy() if copy_data else array
         self.n, self.m = self.data.shape
-        self.leafsize = leafsize
+        self.leafsize = whole(leafsize, "leafsize", 1)
         self.mins: _Reals = self.data.min(axis=0) if self.n else np.zeros(self.m)
         self.maxes: _Reals = self.data.max(axis=0) if self.n else np.zeros(self.m)
         self.boxsize: Optional[_Reals] = None
@@ -102,9 +125,11 @@ class KDTree:
                 point = int(np.flatnonzero(outside.any(axis=1))[0])
                 raise ValueError(f"point {point} is outside of the periodic box: {self.data[point].tolist()}")
         self._built: Optional[_fdem.Tree] = None
+        self._walked: Optional[tuple[npt.NDArray[np.int64], npt.NDArray[np.intp]]] = None
+        self._even: Optional[bool] = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_built": None}
+        return {**self.__dict__, "_built": None, "_walked": None}
 
     def __repr__(self) -> str:
         return f"<fdem.KDTree: {self.n:,} points of dimension {self.m}>"
@@ -113,8 +138,40 @@ class KDTree:
     def _tree(self) -> _fdem.Tree:
         if self._built is None:
             sides = [0.0] * self.m if self.boxsize is None else self.boxsize.tolist()
-            self._built = _fdem.Tree(self.data, sides)
+            self._built = _fdem.Tree(self.data, sides, self.leafsize)
         return self._built
+
+    @property
+    def _walk(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.intp]]:
+        if self._walked is None:
+            nodes, numbers = self._tree.nodes()
+            self._walked = nodes, numbers.astype(np.intp, copy=False)
+        return self._walked
+
+    @property
+    def _nodes(self) -> npt.NDArray[np.int64]:
+        """For each node the range of its points, and the node of its right half or 0; the left half comes next."""
+        return self._walk[0]
+
+    @property
+    def indices(self) -> npt.NDArray[np.intp]:
+        """``[n]``: the numbers of the points in the order of the leaves."""
+        return self._walk[1]
+
+    @property
+    def size(self) -> int:
+        """The number of nodes."""
+        return len(self._nodes)
+
+    @property
+    def tree(self) -> Node:
+        """The root of the tree."""
+        return node(self, 0, 0) if self.n else LeafNode()
+
+    def _build_weights(self, weights: npt.ArrayLike) -> _Reals:
+        """The sum of the weights of the points of each node."""
+        each = _weights_of(weights, self.n)
+        return np.zeros(0) if each is None else self._tree.node_weights(each)
 
     def query(
         self,
@@ -145,16 +202,26 @@ class KDTree:
         Returns
         -------
         distances, indices : arrays of the shape of `x` without its last axis, and with one of length `k` unless `k` is 1
-            The nearest first. Where there are fewer neighbours, the distance is infinite and the index `n`.
+            The nearest first; for one point and `k` of 1 a float and a ``numpy.intp``. Where there are fewer neighbours, the distance is infinite and the index `n`.
 
         Raises
         ------
         ValueError
             For another norm, points of another dimension, points that are not finite, `k` below 1.
         """
-        at = self._points(x)
         _checked_norm(p)
         threads = _threads_of(workers)
+        if k is None:
+            raise ValueError("k must be an integer or a sequence of integers")
+        one = self._point(x)
+        if one is not None and type(k) is int and k >= 1 and type(distance_upper_bound) is float and distance_upper_bound == distance_upper_bound:
+            if k == 1:
+                nearest, index = self._tree.nearest_one(one, float(p), distance_upper_bound)
+                return nearest, np.intp(index)
+            if self.boxsize is None and np.isfinite(one).all():
+                rows = self._tree.nearest(one[None], k, float(p), distance_upper_bound, 1)
+                return rows[0][0], rows[1][0].astype(np.intp, copy=False)
+        at = self._points(x)
         squeezed = is_number(k)
         which = np.arange(1, whole(k, "k", 1) + 1) if squeezed else np.asarray([whole(each, "k", 1) for each in k], np.intp)
         if len(which) == 0:
@@ -177,7 +244,7 @@ class KDTree:
         shape = at.shape[:-1]
         if squeezed and most == 1:
             distances, indices = distances.reshape(shape), indices.reshape(shape)
-            return (float(distances), int(indices)) if not shape else (distances, indices.astype(np.intp, copy=False))
+            return (float(distances), np.intp(indices)) if not shape else (distances, indices.astype(np.intp, copy=False))
         distances, indices = distances[:, which - 1], indices[:, which - 1]
         return distances.reshape(*shape, len(which)), indices.reshape(*shape, len(which)).astype(np.intp, copy=False)
 
@@ -216,9 +283,14 @@ class KDTree:
         ValueError
             As :meth:`query`.
         """
-        at = self._points(x)
         _checked_norm(p)
         threads = _threads_of(workers)
+        one, radius = self._point(x), r if isinstance(r, (int, float)) else np.nan
+        if one is not None and radius == radius:
+            if return_length:
+                return self._tree.count_within_one(one, float(radius), float(p))
+            return self._tree.within_one(one, float(radius), float(p))
+        at = self._points(x)
         shape = at.shape[:-1]
         radii = floats(r, "r").astype(np.float64)
         if np.isnan(radii).any():
@@ -261,7 +333,7 @@ class KDTree:
             For trees of other dimensions or boxes, and as :meth:`query`.
         """
         self._check_alike(other)
-        found: Any = other.query_ball_point(self.data, number(r, "r"), p)
+        found: Any = other.query_ball_point(self.data, number(r, "r"), p, workers=-1)
         return list(found)
 
     def query_pairs(self, r: float, p: float = 2.0, eps: float = 0.0, output_type: str = "set") -> Any:
@@ -303,7 +375,7 @@ class KDTree:
             pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         if output_type == "ndarray":
             return pairs.astype(np.intp)
-        return set(map(tuple, pairs.tolist()))
+        return set(zip(pairs[:, 0].tolist(), pairs[:, 1].tolist()))
 
     def count_neighbors(
         self,
@@ -409,8 +481,15 @@ class KDTree:
         matrix = sparse.coo_matrix((v, (i, j)), shape=(self.n, other.n))
         return matrix if output_type == "coo_matrix" else matrix.todok()
 
+    def _point(self, x: Any) -> Optional[_Reals]:
+        """One point that needs no conversion: it is asked in a few microseconds. None for all others."""
+        at = np.array(x) if type(x) in (list, tuple) else x
+        if type(at) is np.ndarray and at.dtype == np.float64 and at.shape == (self.m,):
+            return np.ascontiguousarray(at)
+        return None
+
     def _points(self, x: Any) -> _Reals:
-        at: _Reals = floats(x, "x").astype(np.float64)
+        at: _Reals = floats(_real(x), "x").astype(np.float64)
         if at.ndim == 0 or at.shape[-1] != self.m:
             raise ValueError(f"x must consist of vectors of length {self.m} but has shape {at.shape}")
         if not np.isfinite(at).all():
@@ -431,7 +510,19 @@ class KDTree:
 
     def _are_many(self, at: _Reals, p: float) -> bool:
         """Whether sorting all points for this question is worth it."""
-        return self.boxsize is None and p == 2 and self.m in (2, 3) and len(at) * _FEW >= self.n > 0
+        return self.boxsize is None and p == 2 and self.m in (2, 3) and len(at) * _FEW >= self.n > 0 and self._is_even()
+
+    def _is_even(self) -> bool:
+        """Whether the points fill their box about evenly, by a sample: rows of cells suit no others."""
+        if self._even is None:
+            sample = self.data[:: max(1, self.n // _SAMPLE)]
+            low, high = sample.min(axis=0), sample.max(axis=0)
+            bins = 16 if self.m == 2 else 8
+            place = ((sample - low) / np.where(high > low, high - low, 1.0) * bins).astype(np.intp).clip(0, bins - 1)
+            counts = np.bincount(np.ravel_multi_index(tuple(place.T), (bins,) * self.m), minlength=bins**self.m)
+            # The mean number of points in the bin of a point, over that in any bin: about 1 if they are even.
+            self._even = bool((counts**2).sum() * len(counts) <= _CROWDED * len(sample) * (len(sample) + len(counts)))
+        return self._even
 
     def _within(self, at: _Reals, radii: _Reals, p: float, threads: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[Any], _Reals]:
         if self._are_many(at, p) and len(radii) and (radii == radii[0]).all() and 0 <= radii[0] < np.inf:
@@ -443,6 +534,13 @@ class KDTree:
             raise ValueError("Trees passed to this method have different dimensionality")
         if not np.array_equal(np.zeros(self.m) if self.boxsize is None else self.boxsize, np.zeros(other.m) if other.boxsize is None else other.boxsize):
             raise ValueError("Trees passed to this method have different boxes")
+
+
+def _real(data: Any) -> Any:
+    """Data that are not complex."""
+    if np.iscomplexobj(data):
+        raise TypeError("KDTree does not work with complex data")
+    return data
 
 
 def _checked_norm(p: float) -> None:

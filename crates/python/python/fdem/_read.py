@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union, overload
 
@@ -200,10 +201,95 @@ def read(
         raise ValueError(f"{name}: this is a {holds}, not a {kind}")
     if holds == "mesh":
         return Mesh(**found)
+    return _packing_of(name, found)
+
+
+def _packing_of(name: str, found: dict[str, Any]) -> Packing:
+    """A packing of the columns of a frame."""
     for remark in found.pop("remarks"):
-        warnings.warn(remark, stacklevel=2)
+        warnings.warn(remark, stacklevel=3)
     box = _box_of(name, found.pop("cell"), found["positions"].shape[1])
     return Packing(**found, **box)
+
+
+class Frames(Sequence[Packing]):
+    """The frames of a file: a sequence of packings, each of which is read when it is asked for. Made by :func:`frames`."""
+
+    def __init__(self) -> None:
+        raise TypeError("frames come from fdem.frames()")
+
+    _name: str
+    _frames: _fdem.Frames
+    _chosen: range
+
+    @classmethod
+    def _of(cls, name: str, frames: _fdem.Frames, chosen: range) -> Frames:
+        self = cls.__new__(cls)
+        self._name, self._frames, self._chosen = name, frames, chosen
+        return self
+
+    def __len__(self) -> int:
+        return len(self._chosen)
+
+    @overload
+    def __getitem__(self, index: int) -> Packing: ...
+    @overload
+    def __getitem__(self, index: slice) -> Frames: ...
+    def __getitem__(self, index: Union[int, slice]) -> Union[Packing, Frames]:
+        """A packing, or some of the frames; negative numbers count from the end."""
+        if isinstance(index, slice):
+            return Frames._of(self._name, self._frames, self._chosen[index])
+        return _packing_of(self._name, self._frames.read(self._chosen[index]))
+
+    def __repr__(self) -> str:
+        return f"<fdem.Frames: {len(self):,} of {len(self._frames):,} frames of {self._name}>"
+
+
+def frames(
+    path: Union[str, os.PathLike[str]],
+    *,
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Frames:
+    """The frames of a file of packings, such as a dump, one after the other.
+
+    The content of the file is in memory, but only those packings that the caller keeps. For a file of one frame there is one.
+
+    Parameters
+    ----------
+    path : str or path
+        A file of packings, as :func:`read` takes it.
+    format, columns, bodies, skip_bad_lines
+        As for :func:`read`.
+
+    Returns
+    -------
+    Frames
+        A sequence of :class:`Packing`; slices are such sequences too. `frame`, `step` and `time` of a packing are those of the file.
+
+    Raises
+    ------
+    OSError, ValueError
+        As :func:`read`; for a mesh. An error inside a frame is raised when the frame is read.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, fdem
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "run.xyz")
+    ...     _ = path.write_text("".join(f"2\\nTime={time}\\nC 0 0 0\\nC {time} 0 0\\n" for time in (0.5, 1.5)))
+    ...     for packing in fdem.frames(path):
+    ...         print(packing.frame, len(fdem.contacts(packing.positions, cutoff=1.0)))
+    0 1
+    1 0
+    """
+    name = os.fspath(path)
+    with open(name, "rb") as file:
+        content = file.read()
+    found = _fdem.Frames(content, name, format, columns, bodies, bool(skip_bad_lines))
+    return Frames._of(name, found, range(len(found)))
 
 
 def _box_of(name: str, cell: Any, dimensions: int) -> dict[str, Any]:
