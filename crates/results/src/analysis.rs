@@ -190,7 +190,7 @@ fn analyse_in<const D: usize>(
     let region = Region::of(placed, options.inner)?;
     let parts = of_couples(placed, region.as_ref().ok());
     let lenses = parts.iter().map(|part| part.lenses);
-    let (packing, no_packing) = told(region.and_then(|region| region.fraction(placed.team, lenses)));
+    let (packing, no_packing) = told(region.and_then(|region| region.fraction(&placed.team, lenses)));
     let (radial, no_radial) = told(radial::distribution(placed, options.radial)?);
     // These two go from element to element, each on one thread.
     let ((coordination, without_rattlers), clusters) = placed.team.both(

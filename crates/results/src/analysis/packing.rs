@@ -197,7 +197,7 @@ impl<'a, const D: usize> Region<'a, D> {
     /// The packing fraction, with the lenses of all couples, or the reason why it cannot be given.
     pub(crate) fn fraction(
         &self,
-        team: Team<'_>,
+        team: &Team<'_>,
         lenses: impl Iterator<Item = LensSum>,
     ) -> Result<PackingFraction, String> {
         let network = self.network;

@@ -1,33 +1,36 @@
 //! Work on parts of a fixed length, on several threads.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::thread::Builder;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::ThreadPool;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Number of couples or elements of a part: enough that a thread is worth its start.
 const PART: usize = 1 << 15;
 
 /// Threads that share work, and the counter of what they have handled.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Team<'a> {
-    threads: usize,
+    /// `None` if the thread of the caller does all work.
+    pool: Option<Arc<ThreadPool>>,
     handled: &'a AtomicU64,
 }
 
 impl<'a> Team<'a> {
-    /// A team of `threads` threads; 0 is one per processor. `handled` counts couples and elements, those of
-    /// each pass.
+    /// A team of `threads` threads; 0 is one per processor. If the system has no more threads, the work takes
+    /// longer. `handled` counts couples and elements, those of each pass.
     pub(crate) fn new(threads: usize, handled: &'a AtomicU64) -> Self {
-        let threads = match threads {
-            0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-            _ => threads,
-        };
-        Self { threads, handled }
+        let pool = (threads != 1).then(|| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.thread_name(|k| format!("analysis-{k}")).build().ok().map(Arc::new)
+        });
+        Self { pool: pool.flatten(), handled }
     }
 
     pub(crate) fn threads(&self) -> usize {
-        self.threads
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
     /// Adds to the number of couples and elements that were handled.
@@ -36,66 +39,34 @@ impl<'a> Team<'a> {
     }
 
     /// Does two works, at the same time if there are threads.
-    pub(crate) fn both<A, B: Send>(
+    pub(crate) fn both<A: Send, B: Send>(
         &self,
-        one: impl FnOnce() -> A,
+        one: impl FnOnce() -> A + Send,
         other: impl FnOnce() -> B + Send,
     ) -> (A, B) {
-        if self.threads == 1 {
-            return (one(), other());
+        match &self.pool {
+            Some(pool) => pool.join(one, other),
+            None => (one(), other()),
         }
-        // The work of a thread that did not start is still here.
-        let other = Mutex::new(Some(other));
-        let take = || {
-            let work = other.lock().unwrap_or_else(PoisonError::into_inner).take();
-            work.map(|work| work())
-        };
-        std::thread::scope(|scope| {
-            let started = Builder::new().name("analysis".to_owned()).spawn_scoped(scope, take);
-            let one = one();
-            let done = match started {
-                Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-                Err(_) => take(),
-            };
-            (one, done.expect("one of the two threads has taken the work"))
-        })
     }
 
     /// Calls `work` with each part of `0..count` and returns the results in the order of the parts.
     ///
     /// The parts do not depend on the number of threads, so neither does a sum over the results in their
-    /// order. With fewer threads than wanted, if the system has no more, the work takes longer.
+    /// order.
     pub(crate) fn parts<S: Send>(&self, count: usize, work: impl Fn(Range<usize>) -> S + Sync) -> Vec<S> {
-        let parts = count.div_ceil(PART);
-        let next = AtomicUsize::new(0);
-        let take = || {
-            let mut done = Vec::new();
-            loop {
-                let part = next.fetch_add(1, Ordering::Relaxed);
-                if part >= parts {
-                    return done;
-                }
-                let range = part * PART..count.min((part + 1) * PART);
-                let handled = range.len();
-                done.push((part, work(range)));
-                self.count(handled);
-            }
+        let part = |number: usize| {
+            let range = number * PART..count.min((number + 1) * PART);
+            let handled = range.len();
+            let result = work(range);
+            self.count(handled);
+            result
         };
-        let others = (self.threads - 1).min(parts.saturating_sub(1));
-        let mut done = std::thread::scope(|scope| {
-            let start = |_| Builder::new().name("analysis".to_owned()).spawn_scoped(scope, take).ok();
-            let others: Vec<_> = (0..others).map_while(start).collect();
-            let mut done = take();
-            for other in others {
-                match other.join() {
-                    Ok(more) => done.extend(more),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            done
-        });
-        done.sort_unstable_by_key(|(part, _)| *part);
-        done.into_iter().map(|(_, result)| result).collect()
+        let parts = 0..count.div_ceil(PART);
+        match &self.pool {
+            Some(pool) => pool.install(|| parts.into_par_iter().map(part).collect()),
+            None => parts.map(part).collect(),
+        }
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Placed<'a, const D: usize> {
 
 impl<'a, const D: usize> Placed<'a, D> {
     pub(crate) fn of(network: &'a Network<'a, D>, team: Team<'a>) -> Self {
-        let inside = network.space.cell.map(|cell| Inside::of(network.space, &cell, team));
+        let inside = network.space.cell.map(|cell| Inside::of(network.space, &cell, &team));
         Self { network, frame: DomainFrame::of(network), team, inside }
     }
 
@@ -62,7 +62,7 @@ pub(crate) struct Inside<const D: usize> {
 
 impl<const D: usize> Inside<D> {
     /// Wraps the centres of a space into its box.
-    pub(crate) fn of(space: Space<'_, D>, cell: &PeriodicBox<f64, D>, team: Team<'_>) -> Self {
+    pub(crate) fn of(space: Space<'_, D>, cell: &PeriodicBox<f64, D>, team: &Team<'_>) -> Self {
         let part = |range: Range<usize>| -> Vec<_> {
             range.map(|element| space.wrapped(cell, element as u32)).collect()
         };

@@ -165,7 +165,7 @@ fn count<const D: usize>(
     bins: usize,
     is_reference: &[bool],
 ) -> Result<Vec<u64>, AnalysisError> {
-    let team = placed.team;
+    let team = &placed.team;
     let order = by_place(placed, r_max);
     let centres: Vec<_> = order.iter().map(|&element| placed.network.space.centres[element]).collect();
     let references: Vec<_> = order.iter().map(|&element| u32::from(is_reference[element])).collect();
