@@ -319,9 +319,9 @@ mod tests {
         );
         let mut text = history(&[0]);
         text.extend(b"1,2\n");
-        assert_eq!(error(&text), "line 3 of the history: 2 values for 20 columns");
+        assert_eq!(error(&text), "line 3 of the history: 2 values for 21 columns");
         let mut text = history(&[]);
-        text.extend("0,".repeat(18).as_bytes());
+        text.extend("0,".repeat(19).as_bytes());
         text.extend(b"1,x\n");
         assert_eq!(error(&text), "line 2 of the history: gap [m]: \"x\" is not a number");
         let mut text = history(&[0]);
