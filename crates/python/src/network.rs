@@ -94,13 +94,19 @@ fn on_network<T: Number, const D: usize, R: Send>(
     })
 }
 
-/// The analysis as JSON; the number of contacts, the cluster, and whether it is a rattler, for each element.
-type Analysed<'py> =
-    (String, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<bool>>);
+/// The analysis as JSON; the number of contacts, the cluster, whether it is a rattler, and the void ratio if voids
+/// were measured, for each element.
+type Analysed<'py> = (
+    String,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<bool>>,
+    Option<Bound<'py, PyArray1<f64>>>,
+);
 
 /// Analyses the network. `inner` has two limits for each axis.
 #[pyfunction]
-#[pyo3(signature = (elements, pairs, shifts, min_contacts, inner, r_max, bins))]
+#[pyo3(signature = (elements, pairs, shifts, min_contacts, inner, r_max, bins, voids))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]
 pub(crate) fn analyse<'py>(
     py: Python<'py>,
@@ -111,20 +117,23 @@ pub(crate) fn analyse<'py>(
     inner: Option<Vec<[f64; 2]>>,
     r_max: Option<f64>,
     bins: Option<usize>,
+    voids: bool,
 ) -> PyResult<Analysed<'py>> {
     let radial = RadialOptions { r_max, bins };
-    let (json, contacts, clusters, rattlers) = with_kind!(elements.kind, T, D => {
+    let (json, contacts, clusters, rattlers, ratios) = with_kind!(elements.kind, T, D => {
         let inner = inner.map(<[[f64; 2]; D]>::try_from).transpose();
         let inner = inner.map_err(|_| Problem::Arguments(format!("inner must have two limits for each of {D} axes")))?;
-        let options = Options { min_contacts, inner, radial, threads: 0 };
+        let options = Options { min_contacts, inner, radial, voids, threads: 0 };
         on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
             let analysis = analysed(network, &options).map_err(|error| Problem::Arguments(error.to_string()))?;
             let json = serde_json::to_string(&analysis).map_err(|error| Problem::System(error.to_string()))?;
-            let Analysis { coordination, clusters, without_rattlers, .. } = analysis;
-            Ok((json, coordination.of_each, clusters.of_each, without_rattlers.is_rattler))
+            let Analysis { coordination, clusters, without_rattlers, voids, .. } = analysis;
+            let ratios = voids.map(|voids| voids.of_each);
+            Ok((json, coordination.of_each, clusters.of_each, without_rattlers.is_rattler, ratios))
         })?
     });
-    Ok((json, contacts.into_pyarray(py), clusters.into_pyarray(py), rattlers.into_pyarray(py)))
+    let ratios = ratios.map(|ratios| ratios.into_pyarray(py));
+    Ok((json, contacts.into_pyarray(py), clusters.into_pyarray(py), rattlers.into_pyarray(py), ratios))
 }
 
 /// The bytes of a file of couples and elements, in the format given by the end of `name`.

@@ -88,3 +88,11 @@ def test_pictures_and_reports(dimensions, tmp_path, rng):
     with pytest.raises(OSError, match="no such folder.*none"):
         found.picture(tmp_path / "none" / "a.png")
     assert len(list(tmp_path.iterdir())) == 5
+
+
+def test_voids_of_a_lattice():
+    found = fdem.contacts([[0.5, 0.5, 0.5]], radii=0.5, box=[1, 1, 1], periodic=True)
+    voids = found.analyse(voids=True).voids
+    assert np.allclose(voids.of_each, 6 / np.pi - 1, rtol=1e-12) and voids.void_ratio.count == 1
+    assert abs(voids.porosity - (1 - np.pi / 6)) < 2e-3 and 0.33 < voids.pores.max <= np.sqrt(0.75) - 0.5
+    assert not hasattr(found.analyse(), "voids") or found.analyse().voids is None

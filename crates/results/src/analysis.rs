@@ -8,6 +8,7 @@
 //!                          ├─ clusters                          connected elements, percolation
 //!                          ├─ overlaps                          overlaps and gaps
 //!                          ├─ packing                           filled fraction of the space
+//!                          ├─ voids                             local void ratios, sizes of pores
 //!                          └─ radial                            distances between centres
 //! ```
 //!
@@ -15,6 +16,7 @@
 //! that the result does not depend on the number of threads. The network does not include contacts with walls: elements that rest on a wall have fewer contacts here than in the
 //! experiment.
 
+mod around;
 mod clusters;
 mod coordination;
 mod directions;
@@ -24,7 +26,9 @@ mod overlaps;
 mod packing;
 mod parts;
 mod placed;
+mod polytope;
 pub(crate) mod radial;
+mod voids;
 mod volumes;
 
 use std::any::Any;
@@ -41,6 +45,7 @@ pub use fabric::Fabric;
 pub use overlaps::{Histogram, Overlaps, Spread};
 pub use packing::PackingFraction;
 pub use radial::{Radial, RadialOptions};
+pub use voids::Voids;
 pub use volumes::{disc_in_rectangle, sphere_in_box};
 
 use crate::analysis::directions::DirectionCounts;
@@ -66,6 +71,8 @@ pub struct Options<const D: usize> {
     pub inner: Option<[[f64; 2]; D]>,
     /// Options of the radial distribution.
     pub radial: RadialOptions,
+    /// Whether the voids are measured, which takes some 20 µs for each element.
+    pub voids: bool,
     /// Number of threads; 0 is one per processor. The result does not depend on it.
     pub threads: usize,
 }
@@ -90,6 +97,12 @@ pub struct Analysis {
     /// Why `packing` is `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_packing: Option<String>,
+    /// Local void ratios and sizes of pores; `None` unless they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voids: Option<Voids>,
+    /// Why `voids` is `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_voids: Option<String>,
     /// Radial distribution of the centres.
     pub radial: Option<Radial>,
     /// Why `radial` is `None`.
@@ -190,6 +203,11 @@ fn analyse_in<const D: usize>(
     let region = Region::of(placed, options.inner)?;
     let parts = of_couples(placed, region.as_ref().ok());
     let lenses = parts.iter().map(|part| part.lenses);
+    let (voids, no_voids) = match &region {
+        _ if !options.voids => (None, None),
+        Err(reason) => (None, Some(reason.clone())),
+        Ok(region) => told(voids::voids(placed, region)?),
+    };
     let (packing, no_packing) = told(region.and_then(|region| region.fraction(&placed.team, lenses)));
     let (radial, no_radial) = told(radial::distribution(placed, options.radial)?);
     // These two go from element to element, each on one thread.
@@ -211,6 +229,8 @@ fn analyse_in<const D: usize>(
         overlaps: Overlaps::of(network, &overlaps),
         packing,
         no_packing,
+        voids,
+        no_voids,
         radial,
         no_radial,
     })

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::analysis::{
-    Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse_counted,
+    Analysis, AnalysisError, Frictionless, Options, RadialOptions, Voids, WithoutRattlers, analyse_counted,
 };
 use fdem_results::network::Network;
 
@@ -40,7 +40,8 @@ pub(crate) fn run<const D: usize>(
         Some(numbers) => radial(&numbers.0)?,
         None => RadialOptions::default(),
     };
-    let options = Options { min_contacts: arguments.rattlers, inner, radial, threads };
+    let options =
+        Options { min_contacts: arguments.rattlers, inner, radial, voids: arguments.voids, threads };
     analyse_counted(network, &options, handled).map(Some).map_err(|error| {
         Failure::Unusable(match error {
             AnalysisError::Region { .. } | AnalysisError::ShearedBox => format!("--inner: {error}"),
@@ -154,6 +155,11 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             line("packing fraction", format!("none: {}", reason.as_deref().unwrap_or_default()))
         }
     }?;
+    match (&analysis.voids, &analysis.no_voids) {
+        (Some(voids), _) => voids_lines(&mut line, voids, unit)?,
+        (None, Some(reason)) => line("voids", format!("none: {reason}"))?,
+        (None, None) => {}
+    }
     match (&analysis.radial, &analysis.no_radial) {
         (Some(radial), _) => {
             let peak = radial
@@ -172,6 +178,42 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             )
         }
         (None, reason) => line("g(r)", format!("none: {}", reason.as_deref().unwrap_or_default())),
+    }
+}
+
+/// Writes the local void ratios and the sizes of pores.
+fn voids_lines(line: &mut impl FnMut(&str, String) -> fmt::Result, voids: &Voids, unit: &str) -> fmt::Result {
+    let left_out = match (voids.at_border, voids.hidden) {
+        (0, 0) => String::new(),
+        (border, 0) => format!("; {} at the border left out", grouped(border)),
+        (border, hidden) => {
+            format!("; {} at the border and {} hidden ones left out", grouped(border), grouped(hidden))
+        }
+    };
+    match &voids.void_ratio {
+        Some(ratio) => line(
+            "void ratio",
+            format!(
+                "of each of {}: {} to {}, mean {}{left_out}",
+                grouped(ratio.count),
+                brief(ratio.min),
+                brief(ratio.max),
+                brief(ratio.mean)
+            ),
+        ),
+        None => line("void ratio", format!("of none{left_out}")),
+    }?;
+    let share = format!("{:.4} of {} points are in voids", voids.porosity, grouped(voids.samples));
+    match &voids.pores {
+        Some(pores) => line(
+            "pores",
+            format!(
+                "{share}; distance to the nearest surface: mean {}{unit}, largest {}{unit}",
+                brief(pores.mean),
+                brief(pores.max)
+            ),
+        ),
+        None => line("pores", share),
     }
 }
 

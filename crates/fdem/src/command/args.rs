@@ -198,6 +198,11 @@ pub(crate) struct AnalyseArguments {
     #[arg(long, value_name = "R[,BINS]", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) rdf: Option<Numbers>,
 
+    /// For `--analyse`, also measure the voids: local void ratios by radical Voronoi cells, and sizes of pores.
+    /// This takes some 20 µs for each element.
+    #[arg(long, requires = "analyse")]
+    pub(crate) voids: bool,
+
     /// For `--analyse`, elements with fewer contacts are rattlers, which are removed repeatedly [default: 3
     /// in 2D and 4 in 3D, as without friction; 2, as with friction, if that removes more than half of the
     /// elements that 2 leaves].

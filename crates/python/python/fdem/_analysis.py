@@ -46,6 +46,8 @@ class Analysis(Numbers):
     overlaps           `overlaps` and, within a tolerance, `gaps`: `count`, `min`, `mean`, `max`, `histogram`
     packing            solid `fraction` of the `region`, with overlaps counted twice; `fraction_without_overlap`: counted once, which is a lower bound where
                        three elements overlap in one place
+    voids              if they were asked for: `void_ratio` by radical Voronoi cells and `pores`, the distances from points in voids to the nearest surface: `count`,
+                       `min`, `mean`, `max`, `histogram`; `porosity`; `of_each` ``[n]``: void ratios, NaN where there is no cell or it ends at the border
     radial             the radial distribution: `r`, `g`, `counts`
     ================== ==============================================================================================================================
     """
@@ -74,13 +76,14 @@ def analysed(
     min_contacts: Optional[int],
     inner: Optional[npt.ArrayLike],
     rdf: Union[float, tuple[float, int], None],
+    voids: bool,
 ) -> Analysis:
     """As :meth:`Contacts.analyse`."""
     r_max, bins = rdf if isinstance(rdf, tuple) else (rdf, None)
     region = None if inner is None else np.asarray(inner, np.float64)
     if region is not None and region.shape != (contacts._positions.shape[1], 2):
         raise ValueError(f"inner must have the shape [{contacts._positions.shape[1]}, 2], two limits for each axis, not {region.shape}")
-    text, of_each, clusters, rattlers = _fdem.analyse(
+    text, of_each, clusters, rattlers, ratios = _fdem.analyse(
         contacts._elements,
         contacts._pairs,
         contacts._shifts,
@@ -88,9 +91,12 @@ def analysed(
         None if region is None else region.tolist(),
         None if r_max is None else float(r_max),
         None if bins is None else whole(bins, "the number of bins", 1),
+        bool(voids),
     )
     analysis = Analysis(json.loads(text))
     analysis.coordination.of_each = of_each
     analysis.clusters.of_each = clusters
     analysis.without_rattlers.is_rattler = rattlers
+    if ratios is not None:
+        analysis.voids.of_each = ratios
     return analysis

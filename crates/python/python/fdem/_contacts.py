@@ -475,6 +475,7 @@ class Contacts:
         min_contacts: Optional[int] = None,
         inner: Optional[npt.ArrayLike] = None,
         rdf: Union[float, tuple[float, int], None] = None,
+        voids: bool = False,
     ) -> Analysis:
         """Coordination, rattlers, fabric, clusters, overlaps, packing fraction, radial distribution.
 
@@ -487,11 +488,13 @@ class Contacts:
             domain without a margin of the largest diameter.
         rdf : number or (number, int), optional
             The largest distance of the radial distribution, and the number of its bins. The defaults are 3 mean diameters and 150.
+        voids : bool, default False
+            Whether local void ratios and sizes of pores are measured, which takes some 20 µs for each element.
 
         Returns
         -------
         Analysis
-            Its parts are attributes: `coordination`, `without_rattlers`, `directions`, `fabric`, `clusters`, `overlaps`, `packing`, `radial`.
+            Its parts are attributes: `coordination`, `without_rattlers`, `directions`, `fabric`, `clusters`, `overlaps`, `packing`, `voids` if they were asked for, `radial`.
 
         Raises
         ------
@@ -509,7 +512,7 @@ class Contacts:
         >>> said.coordination.mean, round(said.packing.fraction, 4), said.fabric.eigenvalues.round(4).tolist()
         (6.0, 0.5236, [0.3333, 0.3333, 0.3333])
         """
-        return analysed(self, min_contacts, inner, rdf)
+        return analysed(self, min_contacts, inner, rdf, voids)
 
     def picture(self, path: Union[str, os.PathLike[str]], *, title: str = "", width: Optional[int] = None) -> None:
         """Draws the elements and their contacts to a file, ``.png`` or ``.svg``.

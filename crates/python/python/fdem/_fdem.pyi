@@ -10,6 +10,7 @@ __all__ = [
     "Elements",
     "Ready",
     "Run",
+    "Frames",
     "Tree",
     "analyse",
     "ascending",
@@ -178,7 +179,8 @@ def analyse(
     inner: Optional[list[list[float]]],
     r_max: Optional[float],
     bins: Optional[int],
-) -> tuple[str, npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]: ...
+    voids: bool,
+) -> tuple[str, npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.bool_], Optional[npt.NDArray[np.float64]]]: ...
 def file(elements: Elements, pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32], name: str) -> bytes: ...
 def draw(
     elements: Elements,

@@ -285,7 +285,8 @@ class KDTree:
         """
         _checked_norm(p)
         threads = _threads_of(workers)
-        one, radius = self._point(x), r if isinstance(r, (int, float)) else np.nan
+        one = self._point(x)
+        radius: Any = r if type(r) in (int, float, np.float64) else np.nan
         if one is not None and radius == radius:
             if return_length:
                 return self._tree.count_within_one(one, float(radius), float(p))

@@ -209,7 +209,7 @@ impl<const E: usize> Forest<E> {
         let (mut top, mut below) = (a, b);
         if self.nodes[a as usize].size < self.nodes[b as usize].size {
             (top, below) = (b, a);
-            displaced.iter_mut().for_each(|x| *x = -*x);
+            displaced = displaced.map(|x| -x);
         }
         self.nodes[below as usize].above = top;
         self.nodes[below as usize].displaced = displaced;

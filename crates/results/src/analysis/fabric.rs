@@ -61,9 +61,9 @@ impl Fabric {
         let mut couples = 0;
         for part in parts {
             couples += part.couples;
-            for row in 0..D {
-                for column in 0..D {
-                    sum[row][column] += part.sum[row][column];
+            for (row, more) in sum.iter_mut().zip(part.sum) {
+                for (entry, more) in row.iter_mut().zip(more) {
+                    *entry += more;
                 }
             }
         }

@@ -68,7 +68,7 @@ impl Overlaps {
 
 impl Spread {
     /// The statistics of the lengths that `length` makes of some overlaps. They are summed part by part.
-    fn of(parts: &[&[f64]], length: impl Fn(f64) -> Option<f64>) -> Option<Self> {
+    pub(crate) fn of(parts: &[&[f64]], length: impl Fn(f64) -> Option<f64>) -> Option<Self> {
         let (mut count, mut total) = (0, 0.0);
         let (mut min, mut max) = (f64::INFINITY, 0.0_f64);
         for part in parts {

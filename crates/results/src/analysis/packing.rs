@@ -125,7 +125,7 @@ impl<const D: usize> DomainFrame<D> {
 pub(crate) struct Region<'a, const D: usize> {
     network: &'a Network<'a, D>,
     frame: &'a DomainFrame<D>,
-    region: [[f64; 2]; D],
+    limits: [[f64; 2]; D],
     whole: [bool; D],
 }
 
@@ -177,7 +177,25 @@ impl<'a, const D: usize> Region<'a, D> {
         if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
             return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
         }
-        Ok(Ok(Self { network, frame, region, whole }))
+        Ok(Ok(Self { network, frame, limits: region, whole }))
+    }
+
+    /// The point of the region at these parts of its sides.
+    pub(crate) fn point(&self, parts: [f64; D]) -> [f64; D] {
+        let at: [f64; D] = each(|axis| {
+            let [low, high] = self.limits[axis];
+            low + parts[axis] * (high - low)
+        });
+        match &self.network.space.cell {
+            Some(cell) if !self.frame.along_axes => {
+                let (origin, edges, heights) = (cell.origin(), cell.edges(), cell.heights());
+                each(|axis| {
+                    let along = (0..D).map(|edge| at[edge] / heights[edge] * edges[edge][axis]);
+                    origin[axis] + along.sum::<f64>()
+                })
+            }
+            _ => at,
+        }
     }
 
     /// Adds the part inside the region of the lens of a couple, by its centres and their distance.
@@ -216,14 +234,14 @@ impl<'a, const D: usize> Region<'a, D> {
             overlap += part.overlap;
             overlap_error += part.overlap_error;
         }
-        let measure = self.frame.measure(&self.region);
+        let measure = self.frame.measure(&self.limits);
         if ![measure, solid, overlap, overlap_error].iter().all(|sum| sum.is_finite()) {
             return Err(
                 "lengths are too large or too small for areas and volumes to be finite numbers".to_owned()
             );
         }
         Ok(PackingFraction {
-            region: self.region.to_vec(),
+            region: self.limits.to_vec(),
             measure,
             solid,
             fraction: solid / measure,
@@ -237,7 +255,7 @@ impl<'a, const D: usize> Region<'a, D> {
     fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
         let limits: [[f64; 2]; D] =
-            each(|axis| if self.whole[axis] { everywhere } else { self.region[axis] });
+            each(|axis| if self.whole[axis] { everywhere } else { self.limits[axis] });
         let mut images = [[0.0; 2]; D];
         for axis in 0..D {
             if let (Some(period), false) = (self.frame.periods[axis], self.whole[axis]) {

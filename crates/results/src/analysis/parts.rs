@@ -55,14 +55,24 @@ impl<'a> Team<'a> {
     /// The parts do not depend on the number of threads, so neither does a sum over the results in their
     /// order.
     pub(crate) fn parts<S: Send>(&self, count: usize, work: impl Fn(Range<usize>) -> S + Sync) -> Vec<S> {
+        self.parts_of(PART, count, work)
+    }
+
+    /// [`Self::parts`] of up to `length`.
+    pub(crate) fn parts_of<S: Send>(
+        &self,
+        length: usize,
+        count: usize,
+        work: impl Fn(Range<usize>) -> S + Sync,
+    ) -> Vec<S> {
         let part = |number: usize| {
-            let range = number * PART..count.min((number + 1) * PART);
+            let range = number * length..count.min((number + 1) * length);
             let handled = range.len();
             let result = work(range);
             self.count(handled);
             result
         };
-        let parts = 0..count.div_ceil(PART);
+        let parts = 0..count.div_ceil(length);
         match &self.pool {
             Some(pool) => pool.install(|| parts.into_par_iter().map(part).collect()),
             None => parts.map(part).collect(),

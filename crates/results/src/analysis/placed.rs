@@ -36,6 +36,14 @@ impl<'a, const D: usize> Placed<'a, D> {
         }
     }
 
+    /// The centres, inside of the box along periodic axes.
+    pub(crate) fn wrapped(&self) -> Vec<[f64; D]> {
+        match &self.inside {
+            None => self.network.space.centres.to_vec(),
+            Some(inside) => inside.centres.iter().map(|(centre, _)| *centre).collect(),
+        }
+    }
+
     /// The state of each part of the couples, in order, after all its couples were added to it.
     pub(crate) fn fold<S: Send>(
         &self,

@@ -485,3 +485,123 @@ fn threads_change_nothing() {
         }
     }
 }
+
+/// The voids of a network without couples, which they do not need.
+fn voids_of<const D: usize>(
+    centres: &[[f64; D]],
+    sizes: Sizes<'_>,
+    cell: Option<PeriodicBox<f64, D>>,
+) -> fdem_results::analysis::Voids {
+    analysed(centres, sizes, cell, 0.0, &Options { voids: true, ..Options::default() })
+        .unwrap()
+        .voids
+        .unwrap()
+}
+
+/// Void ratio and largest pore of lattices: `1/φ - 1` of the packing fraction, and the distance of the middle of
+/// the largest hole from the surfaces.
+#[test]
+fn voids_of_lattices() {
+    // Along an edge of these cells one element is its own neighbour; in others all are different.
+    for n in [1, 2, 4] {
+        let (centres, cell) = lattice(n, 1.0, &[[0.5; 3]]);
+        let cubic = voids_of(&centres, Sizes::All(0.5), Some(cell));
+        let (centres, cell) = lattice(n, SQRT_2, &FCC);
+        let fcc = voids_of(&centres, Sizes::All(0.5), Some(cell));
+        let (centres, cell) = lattice(n, 1.0, &[[0.5; 2]]);
+        let square = voids_of(&centres, Sizes::All(0.5), Some(cell));
+        for (voids, fraction, hole) in [
+            (cubic, PI / 6.0, 0.75_f64.sqrt() - 0.5),
+            (fcc, PI / (3.0 * SQRT_2), SQRT_2 / 2.0 - 0.5),
+            (square, PI / 4.0, 0.5_f64.sqrt() - 0.5),
+        ] {
+            let ratio = voids.void_ratio.unwrap();
+            assert!(close(ratio.min, 1.0 / fraction - 1.0, 1e-12), "{n}: {} {}", ratio.min, 1.0 / fraction);
+            assert!(
+                close(ratio.max, 1.0 / fraction - 1.0, 1e-12) && ratio.count == voids.of_each.len() as u64
+            );
+            assert!((voids.porosity - (1.0 - fraction)).abs() < 2e-3, "{n}: {}", voids.porosity);
+            let largest = voids.pores.unwrap().max;
+            assert!(largest <= hole && largest > hole - 0.03, "{n}: {largest} {hole}");
+        }
+    }
+    // The hexagonal lattice in a sheared box: one disc.
+    let cell = PeriodicBox::triclinic([0.0; 2], [[1.0, 0.0], [0.5, 0.75_f64.sqrt()]], [true; 2]).unwrap();
+    let hexagonal = voids_of(&[[0.3, 0.2]], Sizes::All(0.5), Some(cell));
+    let fraction = PI / 12.0_f64.sqrt();
+    assert!(close(hexagonal.of_each[0], 1.0 / fraction - 1.0, 1e-12), "{:?}", hexagonal.of_each);
+    assert!((hexagonal.porosity - (1.0 - fraction)).abs() < 2e-3);
+    // In open space the cells at the border are no cells.
+    let (centres, _) = lattice(4, 1.0, &[[0.5; 3]]);
+    let open = voids_of(&centres, Sizes::All(0.5), None);
+    assert_eq!((open.at_border, open.hidden), (56, 0));
+    let inside = open.void_ratio.unwrap();
+    assert!(inside.count == 8 && close(inside.max, 6.0 / PI - 1.0, 1e-12));
+}
+
+/// Cells of unlike spheres against points that go to the sphere of the least power, and distances to the nearest
+/// surface against all surfaces.
+#[test]
+fn voids_of_random_packings() {
+    fn random<const D: usize>(state: &mut u64) -> [f64; D] {
+        std::array::from_fn(|_| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1_u64 << 53) as f64
+        })
+    }
+    fn check<const D: usize>(edges: [[f64; D]; D]) {
+        const SAMPLES: usize = 40_000;
+        let mut state = 99;
+        let place = |at: [f64; D]| -> [f64; D] {
+            std::array::from_fn(|axis| (0..D).map(|edge| at[edge] * edges[edge][axis]).sum())
+        };
+        let centres: Vec<[f64; D]> = (0..25).map(|_| place(random(&mut state))).collect();
+        let radii: Vec<f64> = (0..25).map(|_| 0.1 + 0.5 * random::<1>(&mut state)[0]).collect();
+        let cell = PeriodicBox::triclinic([0.0; D], edges, [true; D]).unwrap();
+        let voids = voids_of(&centres, Sizes::Each(&radii), Some(cell));
+        let ball = |radius: f64| if D == 2 { PI * radius * radius } else { 4.0 / 3.0 * PI * radius.powi(3) };
+        let all: f64 = edges.iter().enumerate().map(|(axis, edge)| edge[axis]).product();
+        let mut counts = [0_u32; 25];
+        let (mut outside, mut sum) = (0_u32, 0.0);
+        for _ in 0..SAMPLES {
+            let at = place(random(&mut state));
+            let (mut owner, mut least, mut surface) = (0, f64::INFINITY, f64::INFINITY);
+            for (element, (centre, radius)) in centres.iter().zip(&radii).enumerate() {
+                for image in 0..3_i32.pow(D as u32) {
+                    let shift: [i32; D] =
+                        std::array::from_fn(|axis| (image / 3_i32.pow(axis as u32)) % 3 - 1);
+                    let centre = cell.displaced(centre, &shift);
+                    let square: f64 = (0..D).map(|axis| (at[axis] - centre[axis]).powi(2)).sum();
+                    surface = surface.min(square.sqrt() - radius);
+                    if square - radius * radius < least {
+                        (owner, least) = (element, square - radius * radius);
+                    }
+                }
+            }
+            counts[owner] += 1;
+            if surface > 0.0 {
+                outside += 1;
+                sum += surface;
+            }
+        }
+        let mut total = 0.0;
+        for element in 0..25 {
+            let share = f64::from(counts[element]) / SAMPLES as f64;
+            let ratio = voids.of_each[element];
+            if ratio.is_nan() {
+                assert_eq!(counts[element], 0);
+                continue;
+            }
+            let cell = (ratio + 1.0) * ball(radii[element]);
+            total += cell;
+            let error = 5.0 * (share.max(1e-5) / SAMPLES as f64).sqrt();
+            assert!((cell / all - share).abs() < error, "{D}D, {element}: {} {share}", cell / all);
+        }
+        assert!(close(total, all, 1e-10), "cells fill the box: {total} {all}");
+        let pores = voids.pores.unwrap();
+        assert!((voids.porosity - f64::from(outside) / SAMPLES as f64).abs() < 1e-2);
+        assert!((pores.mean * f64::from(outside) / sum - 1.0).abs() < 0.02, "{} {}", pores.mean, sum);
+    }
+    check([[4.0, 0.0], [1.0, 5.0]]);
+    check([[2.5, 0.0, 0.0], [0.4, 2.0, 0.0], [-0.5, 0.3, 3.0]]);
+}
