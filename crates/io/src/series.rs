@@ -82,7 +82,7 @@ impl FrameIndex {
 }
 
 impl<'a> Series<'a> {
-    /// What was found in the bytes, so that they need not be searched again.
+    /// The places of the frames in the bytes, so that they need not be searched again.
     pub fn index(&self) -> FrameIndex {
         let Self { format, promised, ref starts, .. } = *self;
         FrameIndex { format, promised, starts: Arc::clone(starts) }

@@ -94,8 +94,8 @@ fn on_network<T: Number, const D: usize, R: Send>(
     })
 }
 
-/// The analysis as JSON; the number of contacts, the cluster, whether it is a rattler, and the void ratio if voids
-/// were measured, for each element.
+/// The analysis as JSON; the number of contacts, the cluster, whether it is a rattler, and the void ratio if
+/// voids were measured, for each element.
 type Analysed<'py> = (
     String,
     Bound<'py, PyArray1<u32>>,

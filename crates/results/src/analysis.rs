@@ -13,13 +13,14 @@
 //! ```
 //!
 //! All sums run over parts of the couples of a fixed length and then over the parts, each in their order, so
-//! that the result does not depend on the number of threads. The network does not include contacts with walls: elements that rest on a wall have fewer contacts here than in the
-//! experiment.
+//! that the result does not depend on the number of threads. The network does not include contacts with walls:
+//! elements that rest on a wall have fewer contacts here than in the experiment.
 
 mod around;
 mod clusters;
 mod coordination;
 mod directions;
+mod domain_frame;
 mod error;
 mod fabric;
 mod overlaps;
@@ -113,9 +114,9 @@ pub struct Analysis {
 /// Analyses a network.
 ///
 /// # Cost
-/// Linear in the couples, some 100 ns each on one thread, and one search for the pairs of centres within the largest
-/// distance of the radial distribution, by default some 150 pairs per element in a dense packing in 3D.
-/// Memory: some 100 bytes per element and 16 per couple.
+/// Linear in the couples, some 100 ns each on one thread, and one search for the pairs of centres within the
+/// largest distance of the radial distribution, by default some 150 pairs per element in a dense packing in
+/// 3D. Memory: some 100 bytes per element and 16 per couple.
 ///
 /// # Errors
 /// [`AnalysisError`]. A result that has no meaning for the network, such as the packing fraction of points,

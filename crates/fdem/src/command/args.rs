@@ -198,8 +198,8 @@ pub(crate) struct AnalyseArguments {
     #[arg(long, value_name = "R[,BINS]", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) rdf: Option<Numbers>,
 
-    /// For `--analyse`, also measure the voids: local void ratios by radical Voronoi cells, and sizes of pores.
-    /// This takes some 20 µs for each element.
+    /// For `--analyse`, also measure the voids: local void ratios by radical Voronoi cells, and sizes of
+    /// pores. This takes some 20 µs for each element.
     #[arg(long, requires = "analyse")]
     pub(crate) voids: bool,
 

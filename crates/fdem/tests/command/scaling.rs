@@ -76,7 +76,7 @@ fn a_sliver_with_added_mass_takes_longer_steps_to_the_same_rest() {
     bench.write("later.toml", &later);
     bench
         .run(&["run", "later.toml", "--from", "scaled"])
-        .refused_with(&["scaled has [model] mass_scaling", "keep"]);
+        .refused_with(&["scaled has [model] mass_scaling", "the same mass_scaling"]);
 
     // Interrupted and resumed: the same bits.
     bench.write("short.toml", scaled(2.0 * step, "").replace("end_time = 8e-3", "end_time = 2.5e-3"));

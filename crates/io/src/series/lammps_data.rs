@@ -225,8 +225,10 @@ fn names(head: &LammpsHead, columns: Option<usize>, options: &ReadOptions) -> Re
         }
         let said = match &head.style {
             Some(style) => format!("the columns of the atom style '{style}' are not known"),
-            None => "the meaning of the columns is not given: expected an atom style, such as in 'Atoms # sphere'"
-                .into(),
+            None => {
+                "the meaning of the columns is not given: expected an atom style, such as in 'Atoms # sphere'"
+                    .into()
+            }
         };
         return broken(
             head.line,

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional
+from typing import Any, Optional, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from ._kdtree import KDTree
+
+class Points(Protocol):
+    """The parts of a tree that its nodes read."""
+
+    @property
+    def _nodes(self) -> npt.NDArray[np.int64]: ...
+    @property
+    def indices(self) -> npt.NDArray[np.intp]: ...
+    @property
+    def data(self) -> npt.NDArray[np.float64]: ...
 
 
 class Node:
@@ -34,7 +42,7 @@ class Node:
         The halves; None for a leaf.
     """
 
-    def __init__(self, tree: Optional[KDTree] = None, number: int = 0, level: int = 0) -> None:
+    def __init__(self, tree: Optional[Points] = None, number: int = 0, level: int = 0) -> None:
         self._tree, self._number, self.level = tree, number, level
         self.start_idx, self.end_idx, self._right = (0, 0, 0) if tree is None else map(int, tree._nodes[number])
         self.split_dim, self.split = -1, 0.0
@@ -90,7 +98,7 @@ class LeafNode(Node):
 class InnerNode(Node):
     """A node that has halves."""
 
-    def __init__(self, tree: KDTree, number: int = 0, level: int = 0) -> None:
+    def __init__(self, tree: Points, number: int = 0, level: int = 0) -> None:
         super().__init__(tree, number, level)
         lesser, greater = node(tree, number + 1, level + 1), node(tree, self._right, level + 1)
         self.lesser, self.greater = lesser, greater
@@ -104,6 +112,6 @@ class InnerNode(Node):
         return self.lesser
 
 
-def node(tree: KDTree, number: int, level: int) -> Node:
+def node(tree: Points, number: int, level: int) -> Node:
     """A node of a tree, with all nodes below it."""
     return InnerNode(tree, number, level) if tree._nodes[number, 2] else LeafNode(tree, number, level)

@@ -1,8 +1,8 @@
 //! Distances of points and of boxes, in the form that is compared.
 //!
 //! Nearly all questions are about Euclid's norm in a plane or in space where nothing repeats: these are
-//! compiled for themselves, with loops of a fixed length. The operations and their order are those of all other
-//! cases.
+//! compiled for themselves, with loops of a fixed length. The operations and their order are those of all
+//! other cases.
 
 use super::Norm;
 use super::norm::{Far, NearSide, along};

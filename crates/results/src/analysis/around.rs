@@ -13,7 +13,7 @@ pub(crate) struct Around<'a, const D: usize> {
 }
 
 /// Elements around a point: all that are not farther than `known`, or more.
-pub(crate) struct Near<'a, const D: usize> {
+pub(crate) struct Surroundings<'a, const D: usize> {
     numbers: &'a [u32],
     squares: &'a [f64],
     positions: &'a [[f64; D]],
@@ -31,7 +31,7 @@ pub(crate) struct Neighbour<const D: usize> {
     pub(crate) distance: f64,
 }
 
-impl<const D: usize> Near<'_, D> {
+impl<const D: usize> Surroundings<'_, D> {
     /// The elements, the nearest first.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Neighbour<D>> + '_ {
         let all = self.numbers.iter().zip(self.squares).map(|(&number, square)| Neighbour {
@@ -67,7 +67,7 @@ impl<'a, const D: usize> Around<'a, D> {
     pub(crate) fn each<T: Send>(
         &self,
         points: &[[f64; D]],
-        work: impl Fn(usize, &Near<'_, D>) -> Option<T> + Sync,
+        work: impl Fn(usize, &Surroundings<'_, D>) -> Option<T> + Sync,
     ) -> Result<Vec<T>, AnalysisError> {
         /// Number of elements around a point at first: the cells of most elements are complete with it.
         const FIRST: usize = 48;
@@ -98,7 +98,7 @@ impl<'a, const D: usize> Around<'a, D> {
                             let last = squares.last().map_or(0.0, |square| square.sqrt());
                             let known = if is_open { last } else { last.min(margin) };
                             let are_all = is_open && most == positions.len();
-                            let near = Near {
+                            let near = Surroundings {
                                 numbers,
                                 squares,
                                 positions: &positions,

@@ -10,7 +10,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 /// Number of couples or elements of a part: enough that a thread is worth its start.
 const PART: usize = 1 << 15;
 
-/// Threads that share work, and the counter of what they have handled.
+/// Threads that share work, and a counter of the couples and elements handled.
 #[derive(Clone, Debug)]
 pub(crate) struct Team<'a> {
     /// `None` if the thread of the caller does all work.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fdem_contact::{PeriodicBox, PeriodicCouple};
 
-use crate::analysis::packing::DomainFrame;
+use crate::analysis::domain_frame::DomainFrame;
 use crate::analysis::parts::Team;
 use crate::arrays::each;
 use crate::network::{Network, Space};

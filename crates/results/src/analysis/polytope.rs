@@ -5,8 +5,8 @@ pub(crate) struct Polytope {
     faces: Vec<Face>,
 }
 
-/// The part of a plane that bounds a polyhedron; `offset` is the distance of the plane from the origin, negative
-/// if the origin is beyond it.
+/// The part of a plane that bounds a polyhedron; `offset` is the distance of the plane from the origin,
+/// negative if the origin is beyond it.
 struct Face {
     offset: f64,
     /// Whether it is a wall, of those that the polyhedron began with.

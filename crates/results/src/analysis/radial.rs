@@ -7,8 +7,9 @@ use std::sync::{Mutex, PoisonError};
 use fdem_contact::{Elements, PeriodicCouple, PeriodicSearch, Rows};
 use serde::Serialize;
 
+use crate::analysis::domain_frame::DomainFrame;
 use crate::analysis::error::AnalysisError;
-use crate::analysis::packing::{DomainFrame, ball};
+use crate::analysis::packing::ball;
 use crate::analysis::parts::Team;
 use crate::analysis::placed::{Inside, Placed};
 use crate::arrays::each;

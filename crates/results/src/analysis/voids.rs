@@ -16,8 +16,8 @@ use crate::arrays::each;
 /// The length unit of the centres.
 ///
 /// # Source
-/// Radical cells: B.J. Gellatly, J.L. Finney, J. Non-Cryst. Solids 50 (1982) 313–329. Pore sizes: S. Torquato,
-/// B. Lu, J. Rubinstein, Phys. Rev. A 41 (1990) 2059–2075.
+/// Radical cells: B.J. Gellatly, J.L. Finney, J. Non-Cryst. Solids 50 (1982) 313–329. Pore sizes:
+/// S. Torquato, B. Lu, J. Rubinstein, Phys. Rev. A 41 (1990) 2059–2075.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Voids {
     /// Local void ratios: volume of the radical Voronoi cell of an element without that of the element, over

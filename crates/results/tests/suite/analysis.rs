@@ -498,8 +498,8 @@ fn voids_of<const D: usize>(
         .unwrap()
 }
 
-/// Void ratio and largest pore of lattices: `1/φ - 1` of the packing fraction, and the distance of the middle of
-/// the largest hole from the surfaces.
+/// Void ratio and largest pore of lattices: `1/φ - 1` of the packing fraction, and the distance of the middle
+/// of the largest hole from the surfaces.
 #[test]
 fn voids_of_lattices() {
     // Along an edge of these cells one element is its own neighbour; in others all are different.
@@ -539,8 +539,8 @@ fn voids_of_lattices() {
     assert!(inside.count == 8 && close(inside.max, 6.0 / PI - 1.0, 1e-12));
 }
 
-/// Cells of unlike spheres against points that go to the sphere of the least power, and distances to the nearest
-/// surface against all surfaces.
+/// Cells of unlike spheres against points that go to the sphere of the least power, and distances to the
+/// nearest surface against all surfaces.
 #[test]
 fn voids_of_random_packings() {
     fn random<const D: usize>(state: &mut u64) -> [f64; D] {
