@@ -205,6 +205,13 @@ pub enum Error {
         /// Largest number that is accepted.
         limit: f64,
     },
+    /// The periodic box is so skewed that the shifts of its couples may not fit their integers.
+    ShiftTooLarge {
+        /// Upper bound on the edges in a shift.
+        edges: f64,
+        /// Largest number that is accepted.
+        limit: f64,
+    },
     /// The periodic box is so thin that the rounding of coordinates is comparable to its size.
     UnresolvedBox {
         /// Zero-based number of the edge along which it is thin.
@@ -394,6 +401,11 @@ impl fmt::Display for Error {
                 out,
                 "element {index} is {periods:e} periods from the periodic box along edge {edge}; at most {limit:e} can be counted"
             ),
+            Self::ShiftTooLarge { edges, limit } => write!(
+                out,
+                "the periodic box is so skewed that images are up to {edges:e} of its edges away; at most {limit:e} can be \
+                 counted. Describe the same lattice by shorter edges"
+            ),
             Self::UnresolvedBox { edge, rounding } => write!(
                 out,
                 "the periodic box is too thin along edge {edge} for these coordinates: they are rounded by up to {rounding:e} \
@@ -401,9 +413,8 @@ impl fmt::Display for Error {
             ),
             Self::TooManyImages { images, limit } => write!(
                 out,
-                "the periodic box is too small or too skewed for the reach of its elements: they take {images:.3e} images; \
-                 the limit is {limit}. If its edges are skewed, describe the same lattice by short edges (minkowski_reduce of \
-                 ASE finds them)"
+                "the periodic box is too small for the reach of its elements: they take {images:.3e} images; the limit is \
+                 {limit}. Give a smaller cut-off, or check the edges of the box"
             ),
             Self::NoEdgesIn2D => {
                 write!(

@@ -214,6 +214,7 @@ pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};
 pub use periodic::buffered::PeriodicBuffered;
 pub use periodic::cell::PeriodicBox;
+pub use periodic::reduced::ReducedBox;
 pub use periodic::{DEFAULT_MAX_IMAGES, PeriodicCouple, PeriodicSearch};
 pub use real::Real;
 pub use search::Search;

@@ -44,7 +44,7 @@
 
 mod contact;
 mod vector;
-mod exact;
+pub(crate) mod exact;
 mod error;
 mod shapes;
 mod sphere;

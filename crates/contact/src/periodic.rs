@@ -4,6 +4,7 @@
 pub(crate) mod buffered;
 pub(crate) mod cell;
 mod images;
+pub(crate) mod reduced;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -53,7 +54,8 @@ const MOST_IMAGES: usize = 1 << 30;
 /// element is made; their number follows from the reach of the elements and the heights of the box. One
 /// search runs over all elements, and another one over the elements near the faces together with the images.
 /// If there are many images, a single search runs over all elements and images. Therefore the box may be
-/// sheared by any amount, and may be smaller than the elements. The search does not use the minimum image
+/// sheared by any amount, and may be smaller than the elements. A skewed box is searched by the short edges of
+/// the same lattice ([`PeriodicBox::reduced`]); shifts count the given edges. The search does not use the minimum image
 /// convention: the nearest image is only one of several contacts in a small box, and the wrong one in a
 /// sheared box.
 ///
@@ -62,6 +64,8 @@ const MOST_IMAGES: usize = 1 << 30;
 /// - `w_i`, the position of element `i` after [`PeriodicBox::wrap`]: displaced by `-n_i`, rounded once per
 ///   element, or `x_i` itself if `n_i` is 0.
 /// - `p`, [`PeriodicBox::displaced`] of `w_j` by `s`: rounded once per image, or `w_j` itself if `s` is 0.
+///
+/// In a skewed box, points are wrapped and displaced by the short edges.
 ///
 /// An axis-aligned box is displaced by the periods of its minimum corner; both corners are rounded in this
 /// way.
@@ -84,8 +88,7 @@ const MOST_IMAGES: usize = 1 << 30;
 /// # Cost
 /// Memory of the search over `n` elements, and of one over `m` images and at most `m` elements. For an edge
 /// of height `h` and a reach `r` (largest diameter plus tolerance) there are about `2 r / h` images per
-/// element: few in a large box. Tilt lowers the heights, so choose a basis of the lattice with short edges.
-/// One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
+/// element: few in a large box. One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
 /// element is outside, only elements near faces are copied. Memory per image: twice `D` coordinates, `D`
 /// integers of 4 bytes, the radius if radii differ, 8 bytes, the numbers of a filter, and the engine. If an
 /// element is outside, `D` coordinates and `D` integers for each element. Boxes no wider than two reaches are
@@ -614,7 +617,8 @@ impl<T: Real, const D: usize> Images<T, D> {
                 shift[edge] += of_i[edge] - of_j[edge];
             }
         }
-        PeriodicCouple { i, j, shift }
+        let couple = PeriodicCouple { i, j, shift };
+        self.reduced.as_ref().map_or(couple, |reduced| reduced.couple(couple))
     }
 
     /// The couple of two elements of `outer`, `i < j`, if it [is reported](Self::is_reported).

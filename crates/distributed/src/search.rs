@@ -168,6 +168,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         cell: &PeriodicBox<T, D>,
     ) -> Result<Vec<PeriodicCouple<D>>, Error> {
         self.check(ids, shapes, tolerance, Some(cell))?;
+        let reduced = cell.reduced();
+        let cell = reduced.as_ref().map_or(cell, |reduced| &reduced.cell);
         let mut found = FoundCouples::new(self.communicator, ids);
         let wrapped = ElementSet::wrapped(ids, shapes, tolerance, cell).map_err(|error| name(error, ids));
         let wrapped = agree(self.communicator, wrapped)?;
@@ -176,7 +178,12 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         let [magnitude, reach] = owned.limits;
         let lattice = agree(self.communicator, Lattice::new(cell, magnitude, reach))?;
         let ghosts = self.ghosts(&owned, Some(&lattice))?;
-        let keep = |i, j, shift| found.push(PeriodicCouple { i, j, shift });
+        let checked = reduced.map_or(Ok(()), |reduced| reduced.check_shifts(&ghosts.shifts));
+        agree(self.communicator, checked)?;
+        let keep = |i, j, shift| {
+            let couple = PeriodicCouple { i, j, shift };
+            found.push(reduced.map_or(couple, |reduced| reduced.couple(couple)));
+        };
         self.search(owned.set, ghosts, Some(&lattice), keep)?;
         self.statistics.couples = found.len();
         Ok(found.sorted(self.communicator))

@@ -32,6 +32,11 @@ pub struct Statistics<const D: usize> {
     pub couples: u64,
     /// Number of couples of an element with its own image in a periodic box.
     pub own_images: u64,
+    /// Number of couples of an element with a periodic image of another one at the same place: the packing
+    /// lists an element and its image.
+    pub repeated: u64,
+    /// The first of them.
+    pub first_repeated: Option<PeriodicCouple<D>>,
     /// Whether each element has a contact.
     touched: Vec<bool>,
     /// Largest overlap and its couple, the first one if several couples have it.
@@ -40,7 +45,14 @@ pub struct Statistics<const D: usize> {
 
 impl<const D: usize> Statistics<D> {
     fn new(elements: usize) -> Self {
-        Self { couples: 0, own_images: 0, touched: vec![false; elements], max_overlap: None }
+        Self {
+            couples: 0,
+            own_images: 0,
+            repeated: 0,
+            first_repeated: None,
+            touched: vec![false; elements],
+            max_overlap: None,
+        }
     }
 
     fn add(&mut self, couple: PeriodicCouple<D>, overlap: f64) {
@@ -54,6 +66,12 @@ impl<const D: usize> Statistics<D> {
         if self.max_overlap.as_ref().is_none_or(larger) {
             self.max_overlap = Some((overlap, couple));
         }
+    }
+
+    /// Counts an element and an image of another one at the same place.
+    fn add_repeated(&mut self, couple: PeriodicCouple<D>) {
+        self.repeated += 1;
+        self.first_repeated = Some(self.first_repeated.map_or(couple, |first| first.min(couple)));
     }
 
     /// Elements without any contact.
@@ -164,8 +182,13 @@ fn detect_in<const D: usize>(
 ) -> Result<Detection<D>, Error> {
     let elements = request.elements(space.centres)?;
     let mut statistics = Statistics::new(elements.len());
-    let add = |couple| {
+    // Images of files with few digits differ by rounding.
+    let near = space.cell.map_or(0.0, |cell| 1e-6 * cell.heights().into_iter().fold(f64::INFINITY, f64::min));
+    let add = |couple: PeriodicCouple<D>| {
         statistics.add(couple, space.overlap(request.sizes, couple));
+        if couple.shift != [0; D] && couple.i != couple.j && space.distance(couple) <= near {
+            statistics.add_repeated(couple);
+        }
         position.store(statistics.couples, Ordering::Relaxed);
     };
     let (couples, plan) = match &space.cell {

@@ -143,6 +143,17 @@ fn product(a: &[f64], b: &[f64]) -> Expansion {
     sum
 }
 
+/// The exact sum of the products of pairs, rounded at the end. Products must be far from the limits of `f64`.
+pub(crate) fn sum_of_products(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut sum = Expansion::new();
+    for (x, y) in pairs {
+        let (high, low) = two_product(x, y);
+        grow(&mut sum, low);
+        grow(&mut sum, high);
+    }
+    sum.into_iter().sum()
+}
+
 /// Adds a float to an expansion.
 fn grow(e: &mut Expansion, x: f64) {
     let mut carry = x;

@@ -173,10 +173,16 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
         couples: &mut Vec<PeriodicCouple<D>>,
     ) -> Result<Option<Reason>, Error> {
         couples.clear();
+        // Everything below counts short edges, as the search does.
+        let reduced = cell.reduced();
+        let cell = reduced.as_ref().map_or(cell, |reduced| &reduced.cell);
         // Missing while anything below can fail.
         let reference = self.reference.take();
         let updated = self.try_update(elements, cell, reference, couples).inspect_err(|_| couples.clear());
         let (reference, reason) = updated?;
+        if let Some(reduced) = reduced {
+            couples.iter_mut().for_each(|couple| *couple = reduced.couple(*couple));
+        }
         self.reference = Some((reference, *cell));
         self.updates += 1;
         self.redetections += u64::from(reason.is_some());

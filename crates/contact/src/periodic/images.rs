@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::filter::Labels;
 use crate::memory::{reserve, resize};
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
+use crate::periodic::reduced::ReducedBox;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::make_room;
@@ -47,6 +48,8 @@ pub(crate) struct Images<T, const D: usize> {
     pub(crate) owners: Vec<u32>,
     /// Number of edges by which each image is displaced from its wrapped owner.
     pub(crate) shifts: Vec<[i32; D]>,
+    /// The short edges in which `periods` and `shifts` count, if the given box is skewed.
+    pub(crate) reduced: Option<ReducedBox<T, D>>,
     /// Whether the elements occupy so little space that most are within reach of most others.
     pub(crate) compact: bool,
     chunks: Vec<Chunk<T, D>>,
@@ -126,6 +129,7 @@ impl<T: Real, const D: usize> Images<T, D> {
             radii: Vec::new(),
             owners: Vec::new(),
             shifts: Vec::new(),
+            reduced: None,
             compact: false,
             chunks: Vec::new(),
         }
@@ -150,12 +154,65 @@ impl<T: Real, const D: usize> Images<T, D> {
             + self.chunks.iter().map(chunk).sum::<usize>()
     }
 
-    /// Wraps the elements, and makes all images that may touch a wrapped element, at most `max_images`.
+    /// Wraps the elements, and makes all images that may touch a wrapped element, at most `max_images`. In a
+    /// skewed box they are those of its short edges.
     pub(crate) fn build(
         &mut self,
         elements: &Elements<'_, T, D>,
         cell: &PeriodicBox<T, D>,
         refuse_outside: bool,
+        may_be_apart: bool,
+        max_images: usize,
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        self.reduced = cell.reduced();
+        let refuse_outside = refuse_outside.then_some(cell);
+        if let Some(reduced) = self.reduced {
+            self.check_distances(elements, cell, &reduced)?;
+            self.build_in(elements, &reduced.cell, refuse_outside, may_be_apart, max_images, pool)?;
+            return reduced.check_shifts(&self.shifts);
+        }
+        self.build_in(elements, cell, refuse_outside, may_be_apart, max_images, pool)
+    }
+
+    /// Checks that the periods of all elements can be counted, in the given edges and in the short ones.
+    fn check_distances(
+        &self,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        reduced: &ReducedBox<T, D>,
+    ) -> Result<(), Error> {
+        let points = match &elements.shape {
+            Shape::Equal(equal) => equal.points(),
+            Shape::Spheres(spheres) => spheres.points(),
+            Shape::Boxes(boxes) => boxes.points(),
+        };
+        for (index, point) in points.iter().enumerate() {
+            let given = cell.fractions(point);
+            let short = reduced.cell.fractions(point);
+            if let Err(edge) = cell.periods(&given) {
+                let periods = given[edge];
+                return Err(Error::TooFarFromBox { index, edge, periods, limit: MAX_PERIODS });
+            }
+            if let Err(of_short) = reduced.cell.periods(&short) {
+                // Named by the edge of the caller along which the element is farthest.
+                let size = |edge: &usize| given[*edge].abs();
+                let repeating = (0..D).filter(|&edge| cell.periodic()[edge]);
+                let edge = repeating.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(of_short);
+                let limit = MAX_PERIODS * (given[edge] / short[of_short]).abs();
+                return Err(Error::TooFarFromBox { index, edge, periods: given[edge], limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// [`build`](Self::build) in exactly these edges. Elements outside the box `refuse_outside`, if there is
+    /// one, are refused.
+    fn build_in(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        refuse_outside: Option<&PeriodicBox<T, D>>,
         may_be_apart: bool,
         max_images: usize,
         pool: &Pool,
@@ -179,7 +236,9 @@ impl<T: Real, const D: usize> Images<T, D> {
             Shape::Boxes(boxes) => (boxes.points(), boxes.far_points(), &[]),
         };
         self.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
-        let inside = cell.fractions_within(&elements.bounds());
+        // Points inside the short edges of a skewed box may be outside the box.
+        let may_skip = self.reduced.is_none() || refuse_outside.is_none();
+        let inside = if may_skip { cell.fractions_within(&elements.bounds()) } else { None };
         let inside = inside.filter(|fractions| cell.holds(&fractions.min) && cell.holds(&fractions.max));
         let (fractions, bounds) = match inside {
             Some(fractions) => (fractions, elements.bounds()),
@@ -302,7 +361,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         &mut self,
         points: &[[T; D]],
         cell: &PeriodicBox<T, D>,
-        refuse_outside: bool,
+        refuse_outside: Option<&PeriodicBox<T, D>>,
         pool: &Pool,
     ) -> Result<(Bounds<D>, Bounds<D>), Error> {
         let n = points.len();
@@ -377,26 +436,29 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         periods: &mut [[i32; D]],
         away: &mut [u64],
         cell: &PeriodicBox<T, D>,
-        refuse_outside: bool,
+        refuse_outside: Option<&PeriodicBox<T, D>>,
     ) {
         let (mut all_fractions, mut bounds) = (Bounds::NOTHING, Bounds::NOTHING);
         (self.any_away, self.error) = (false, None);
         for (index, (point, wrapped)) in points.iter().zip(wrapped).enumerate() {
             let mut fractions = cell.fractions(point);
             *wrapped = *point;
-            if !cell.holds(&fractions) {
-                let its_periods = match cell.periods(&fractions) {
-                    Ok(periods) => periods,
-                    Err(edge) => {
-                        let periods = fractions[edge];
-                        self.error = Some(Error::TooFarFromBox { index, edge, periods, limit: MAX_PERIODS });
-                        return;
-                    }
-                };
-                if refuse_outside && let Some(edge) = outside(cell, point, &fractions) {
+            let its_periods = match cell.periods(&fractions) {
+                Ok(periods) => periods,
+                Err(edge) => {
+                    let periods = fractions[edge];
+                    self.error = Some(Error::TooFarFromBox { index, edge, periods, limit: MAX_PERIODS });
+                    return;
+                }
+            };
+            if let Some(given) = refuse_outside {
+                let fractions = given.fractions(point);
+                if let Some(edge) = outside(given, point, &fractions) {
                     self.error = Some(Error::OutsideBox { index, edge, fraction: fractions[edge] });
                     return;
                 }
+            }
+            if its_periods != [0; D] {
                 self.any_away = true;
                 away[index / 64] |= 1 << (index % 64);
                 periods[index] = its_periods;

@@ -244,6 +244,10 @@ pub(crate) fn periodic(communicator: &dyn Communicator, spread: fn(usize, usize)
         PeriodicBox::triclinic([0.3, -0.7], [[width, 0.0], [1.7 * width, width]], [true, true]).unwrap();
     across += check_periodic(communicator, &flat, &sheared, spread);
     across += check_periodic(communicator, &away, &sheared, spread);
+    let skewed =
+        PeriodicBox::triclinic([0.3, -0.7], [[width, 0.0], [97.3 * width, width]], [true, true]).unwrap();
+    across += check_periodic(communicator, &flat, &skewed, spread);
+    across += check_periodic(communicator, &away, &skewed, spread);
 
     let width = solid.points.iter().flatten().copied().fold(0.0, f64::max);
     let cube = PeriodicBox::orthogonal([0.0; 3], [width; 3], [true; 3]).unwrap();

@@ -1,18 +1,20 @@
 //! The contacts of a packing: found, counted, and written.
 
+use std::io::{self, Write};
+
 use fdem_io::Centres;
-use fdem_results::detection::{DetectionRequest, check, detect};
+use fdem_results::detection::{DetectionRequest, Statistics, check, detect};
 use fdem_results::network::{Network, Space};
 
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
 use crate::command::explain::Estimate;
 use crate::command::failure::Failure;
-use crate::command::input::{Input, refused, sizes};
+use crate::command::input::{Input, id, refused, sizes};
 use crate::command::outputs::Outputs;
 use crate::command::periodic::{periodic_box, takes_file_box};
 use crate::command::progress::Progress;
-use crate::command::summary::{Seconds, Summary};
+use crate::command::summary::{Seconds, Summary, grouped};
 use crate::command::tables::write_network;
 
 /// Finds the contacts of a packing and writes them.
@@ -22,7 +24,6 @@ pub(crate) fn treat(
     input: &Input,
     outputs: &mut Outputs,
 ) -> Result<Summary, Failure> {
-    arguments.drawings.check(input.packing.centres.len(), &input.name)?;
     match &input.packing.centres {
         Centres::Two(centres) => find(arguments, progress, input, centres, outputs),
         Centres::Three(centres) => find(arguments, progress, input, centres, outputs),
@@ -77,6 +78,25 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Detect
     })
 }
 
+/// Notes elements that are listed together with a periodic image of themselves, even with `--quiet`.
+fn note_repeated<const D: usize>(input: &Input, statistics: &Statistics<D>) {
+    let Some(couple) = statistics.first_repeated else { return };
+    let [i, j] = [couple.i, couple.j].map(|k| id(&input.packing, k as usize));
+    let others = if statistics.repeated > 1 {
+        format!(", and so do {} more pairs", grouped(statistics.repeated - 1))
+    } else {
+        String::new()
+    };
+    // Nothing can be done if it cannot be printed. The count is in the JSON summary too.
+    let _ = writeln!(
+        io::stderr(),
+        "note: {}: elements {i} and {j} have the same place in the periodic box, {:?} edges apart{others}. If the file \
+         lists elements together with their periodic images, remove the images: the search finds them itself",
+        input.name,
+        couple.shift,
+    );
+}
+
 /// Finds the couples, verifies and analyses them as requested, and writes all outputs except the summary.
 fn find<const D: usize>(
     arguments: &ContactsArguments,
@@ -94,6 +114,7 @@ fn find<const D: usize>(
         progress.step("detecting, couples", None, |position| detect(&space, &request, position));
     seconds.detect = detection;
     let found = found.map_err(|error| refused(name, packing, &error))?;
+    note_repeated(input, &found.statistics);
 
     let mut verified = None;
     if let Some(sample) = arguments.verify {

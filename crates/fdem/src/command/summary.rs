@@ -61,6 +61,10 @@ pub(crate) struct Summary {
     /// Number of couples of an element with its own image; absent if there is none.
     #[serde(skip_serializing_if = "is_zero")]
     own_images: u64,
+    /// Number of couples of an element with a periodic image of another one at the same place; absent if there
+    /// is none.
+    #[serde(skip_serializing_if = "is_zero")]
+    repeated_images: u64,
     pub(crate) mean_coordination: f64,
     /// Elements without contact.
     pub(crate) rattlers: u64,
@@ -176,6 +180,7 @@ impl Summary {
             threads: request.threads,
             couples: found.statistics.couples,
             own_images: found.statistics.own_images,
+            repeated_images: found.statistics.repeated,
             mean_coordination: found.statistics.mean_coordination(),
             rattlers: found.statistics.rattlers(),
             max_overlap: max_overlap.map(|(overlap, _)| overlap),

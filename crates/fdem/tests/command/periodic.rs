@@ -266,3 +266,46 @@ fn a_search_in_a_box_is_explained_and_not_run() {
         .run(&["contacts", "far.csv", "--explain", "--periodic", "x", "--box", "0,1,0,1"])
         .refused_with(&["far.csv", "id 7"]);
 }
+
+/// The corners of a box that repeats are one place: a file that lists two of them lists an element and its
+/// image.
+#[test]
+fn images_in_the_file_are_noted() {
+    let bench = Bench::new();
+    bench.write("twice.csv", "id,x,y\n7,0,1\n8,4,1\n9,2,2\n");
+    let options = ["contacts", "twice.csv", "--cutoff", "0.5", "--periodic", "xy", "--box", "0,4,0,4"];
+    for more in [&["--json", "s.json"][..], &["--count", "--quiet"]] {
+        let run = bench.run(&[&options[..], more].concat()).succeeds();
+        let note = "elements 7 and 8 have the same place in the periodic box, [-1, 0] edges apart. If";
+        assert!(run.stderr.contains(note), "{}", run.stderr);
+    }
+    assert_eq!(bench.json("s.json")["repeated_images"], 1);
+    bench.write("once.csv", "id,x,y\n7,0.125,1\n8,3.875,1\n9,2,2\n");
+    let run = bench.run(&[&["contacts", "once.csv"], &options[2..]].concat()).succeeds();
+    assert!(!run.stderr.contains("same place"), "{}", run.stderr);
+}
+
+/// A cube of atoms, and the same lattice by edges with a tilt of 1,000: the same couples at the same
+/// distances.
+#[test]
+fn a_skewed_cell_gives_the_couples_of_its_lattice() {
+    let bench = Bench::new();
+    let mut atoms = String::new();
+    for k in 0_u32..64 {
+        let x = |axis: u32| f64::from((k * 37 + 11) * (axis + 3) * (axis + 5) % 96) / 16.0;
+        atoms += &format!("C {} {} {}\n", x(0), x(1), x(2));
+    }
+    let file = |edges: &str| format!("64\nLattice=\"{edges}\" Properties=species:S:1:pos:R:3\n{atoms}");
+    bench.write("cube.xyz", &file("6 0 0 0 6 0 0 0 6"));
+    bench.write("skewed.xyz", &file("6 0 0 6000 6 0 3000 6000 6"));
+    let distances = |name: &str| {
+        let run = bench.run(&["contacts", name, "--cutoff", "1.5", "--verify", "64"]).succeeds();
+        let of = |row: &str| row.split(',').take(3).collect::<Vec<_>>().join(",");
+        let mut rows: Vec<String> = run.stdout.lines().skip(1).map(of).collect();
+        rows.sort();
+        rows
+    };
+    let expected = distances("cube.xyz");
+    assert!(expected.len() > 50, "{}", expected.len());
+    assert_eq!(distances("skewed.xyz"), expected);
+}

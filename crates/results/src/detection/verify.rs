@@ -35,6 +35,9 @@ fn check_periodic<const D: usize>(
     sample: usize,
 ) -> Result<usize, String> {
     let n = space.centres.len();
+    // Skewed boxes are compared in the short edges in which they are searched.
+    let reduced = cell.reduced();
+    let cell = reduced.as_ref().map_or(cell, |reduced| &reduced.cell);
     let faulty = |couple: &&PeriodicCouple<D>| {
         couple.i > couple.j || couple.j as usize >= n || (couple.i == couple.j && couple.shift <= [0; D])
     };
@@ -63,7 +66,8 @@ fn check_periodic<const D: usize>(
                 let shift = std::array::from_fn(|edge| image[edge] + of_a[edge] - of_b[edge]);
                 let is_form = i < j || shift > [0; D];
                 if is_form && touch(request, i, &a, j, &cell.displaced(&b, &image)) {
-                    touching.push(PeriodicCouple { i, j, shift });
+                    let couple = PeriodicCouple { i, j, shift };
+                    touching.push(reduced.map_or(couple, |reduced| reduced.couple(couple)));
                 }
             });
         }

@@ -83,12 +83,18 @@ fn boxes<T: FromF64>() {
             [true; 3],
         ),
         PeriodicBox::orthogonal([T::ZERO; 3], [T::from_f64(5.0); 3], [true, false, true]),
+        // Skewed: searched by other edges than these.
+        PeriodicBox::triclinic(
+            [T::ZERO; 3],
+            t([[6.0, 0.0, 0.0], [120.0, 6.0, 0.0], [0.0, -60.0, 6.0]]),
+            [true; 3],
+        ),
         // Smaller than the elements reach.
         PeriodicBox::orthogonal([T::ZERO; 3], [T::from_f64(0.9); 3], [true; 3]),
     ];
     for (k, cell) in cells.into_iter().enumerate() {
         let cell = cell.unwrap();
-        let n = if k == 3 { 5 } else { 150 };
+        let n = if k == 4 { 5 } else { 150 };
         for shape in 0..4 {
             for wraps in [false, true] {
                 let slow = walk(n, &cell, shape, Walk { step: 0.008, drift: 0.07, wraps });

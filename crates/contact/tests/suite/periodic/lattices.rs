@@ -1,9 +1,9 @@
 //! Numbers of contacts that are known without a search: lattices, and the mean of a uniform gas.
 
-use fdem_contact::{Elements, PeriodicBox, PeriodicSearch};
+use fdem_contact::{Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch};
 use fdem_scenes::random::Random;
 
-use super::{ENGINES, at, found, shapes};
+use super::{ENGINES, at, displaced, found, shapes};
 use crate::oracle::FromF64;
 
 /// The smallest cut-off whose square is at least `squared`.
@@ -128,4 +128,59 @@ fn a_uniform_gas_has_the_mean_number_of_couples() {
         // Couples of a gas are nearly independent; the bound is five standard deviations.
         assert!((couples as f64 - mean).abs() < 5.0 * mean.sqrt(), "{shape}: {couples}, expected {mean}");
     }
+}
+
+/// The same cubic lattice by edges of growing skew: the same couples, displaced by the same distances.
+#[test]
+fn a_skewed_box_has_the_couples_of_its_lattice() {
+    let mut random = Random::new(7);
+    let points: Vec<[f64; 3]> =
+        (0..60).map(|_| std::array::from_fn(|_| (random.uniform() * 6144.0).floor() / 1024.0)).collect();
+    let elements = Elements::points(&points, 1.5).unwrap();
+    let displacements = |m: f64, engine: Option<Engine>| {
+        let edges = [[6.0, 0.0, 0.0], [6.0 * m, 6.0, 0.0], [6.0 * (m / 2.0).floor(), 6.0 * m, 6.0]];
+        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
+        let mut couples = found(engine, &elements, &cell);
+        couples.sort_unstable();
+        let mut placed: Vec<(u32, u32, [i64; 3])> = Vec::new();
+        for PeriodicCouple { i, j, shift } in couples {
+            let image = displaced(&points[j as usize], &shift, &edges);
+            let apart: [f64; 3] = std::array::from_fn(|k| image[k] - points[i as usize][k]);
+            assert!(apart.iter().map(|x| x * x).sum::<f64>() <= 2.25, "{i} {j} {shift:?} at m = {m}");
+            // Coordinates are multiples of 1/1024, so all sums are exact.
+            placed.push((i, j, apart.map(|x| (x * 1024.0) as i64)));
+        }
+        placed.sort_unstable();
+        placed
+    };
+    for engine in ENGINES {
+        let cube = displacements(0.0, engine);
+        assert!(cube.len() > 60);
+        for m in [5.0, 50.0, 1000.0] {
+            assert_eq!(displacements(m, engine), cube, "m = {m}");
+        }
+    }
+}
+
+/// Atoms that touch their own images, in the form of a couple: the first nonzero number is positive.
+#[test]
+fn own_images_in_a_skewed_box_have_positive_shifts() {
+    let cell = PeriodicBox::triclinic([0.0; 2], [[1.0, 0.0], [-50.0, 1.0]], [true; 2]).unwrap();
+    let mut couples = found(None, &Elements::points(&[[0.25, 0.25]], 1.0).unwrap(), &cell);
+    couples.sort_unstable();
+    let shifts: Vec<[i32; 2]> = couples.iter().map(|couple| couple.shift).collect();
+    assert_eq!(shifts, [[1, 0], [50, 1]]);
+}
+
+/// With [`PeriodicSearch::refuse_outside`], the given box decides which elements are outside, not its short
+/// edges.
+#[test]
+fn elements_are_outside_of_the_given_box() {
+    let cell = PeriodicBox::triclinic([0.0; 2], [[1.0, 0.0], [50.0, 1.0]], [true; 2]).unwrap();
+    let mut search = PeriodicSearch::new().refuse_outside();
+    let mut refused = |point: [f64; 2]| {
+        search.couples(&Elements::points(&[point], 0.25).unwrap(), &cell, &mut Vec::new()).err()
+    };
+    assert_eq!(refused([25.5, 0.5]), None);
+    assert!(matches!(refused([0.5, 0.5]), Some(Error::OutsideBox { index: 0, edge: 0, .. })));
 }
