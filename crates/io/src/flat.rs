@@ -5,14 +5,18 @@ use crate::packing::{Centres, Packing, SimulationBox};
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+/// Coordinates along an axis are equal if they differ by no more than this share of the largest diameter: the
+/// rounding of a file in single precision.
+const SPREAD: f64 = 1e-6;
+
 impl Packing {
     /// Turns a flat packing in space into one in the plane. Returns a remark for a person if the packing was
     /// flat.
     ///
     /// LAMMPS, among others, runs two dimensions in a thin box that is periodic along z. As spheres, its
     /// discs would touch their own images. A packing of at least two elements is flat if its box is periodic
-    /// along just one axis along which all coordinates are equal and whose period is at most `diameter`, and
-    /// no edge is inclined to that axis. The other two axes are the plane, in their order.
+    /// along just one axis along which all coordinates are equal within a millionth of `diameter` and whose
+    /// period is at most `diameter`, and no edge is inclined to that axis. The other two axes are the plane, in their order.
     ///
     /// # Shapes
     /// `diameter`: the largest diameter and the tolerance, in the unit of the file.
@@ -60,7 +64,8 @@ impl Packing {
         let (Centres::Three(centres), Some(cell)) = (&self.centres, &self.cell) else { return None };
         let [first, _, ..] = centres[..] else { return None };
         let is_flat = |axis: &usize| {
-            cell.is_thin(*axis, diameter) && centres.iter().all(|centre| centre[*axis] == first[*axis])
+            let is_equal = |centre: &[f64; 3]| (centre[*axis] - first[*axis]).abs() <= SPREAD * diameter;
+            cell.is_thin(*axis, diameter) && centres.iter().all(is_equal)
         };
         let mut flat = (0..3).filter(is_flat);
         // In the cell of a crystal, one element stands for a lattice in space.
@@ -138,6 +143,14 @@ mod tests {
     }
 
     #[test]
+    fn rounding_does_not_make_a_flat_packing_thick() {
+        let edges = [[8.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut flat = packing(&[[4.0, 7.0, 0.0], [5.0, 6.0, 1e-9]], edges, [true; 3]);
+        assert!(flat.flatten(1.0).is_some());
+        assert_eq!(flat.centres, Centres::Two(vec![[4.0, 7.0], [5.0, 6.0]]));
+    }
+
+    #[test]
     fn other_packings_stay_in_space() {
         let edges = [[8.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 1.0]];
         let two = [[4.0, 7.0, 0.0], [5.0, 6.0, 0.0]];
@@ -147,7 +160,7 @@ mod tests {
             assert_eq!(packing.flatten(1.0), None, "{why}");
             assert_eq!(packing.centres.dimensions(), 3, "{why}");
         };
-        stays(&[two[0], [5.0, 6.0, 1e-9]], edges, all, "unlike coordinates");
+        stays(&[two[0], [5.0, 6.0, 1e-5]], edges, all, "unlike coordinates");
         stays(&two, edges, [true, true, false], "not periodic");
         stays(&two, [edges[0], edges[1], [0.0, 0.0, 1.5]], all, "a thick box");
         stays(&two, [edges[0], edges[1], [0.1, 0.0, 1.0]], all, "an inclined edge");

@@ -83,10 +83,11 @@ pub use compression::Compression;
 pub use error::ReadError;
 pub use kind::FileKind;
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
+pub use mesh::abaqus_include::MeshLoad;
 pub use mesh::error::{MeshError, MeshProblem};
 pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshGroup, MeshSource};
 pub use mesh::format::MeshFormat;
-pub use mesh::read_mesh;
+pub use mesh::{read_mesh, read_mesh_with};
 pub use npy::NpyRows;
 pub use options::ReadOptions;
 pub use packing::{

@@ -12,6 +12,7 @@ mod recognise;
 mod shape;
 
 mod abaqus;
+pub(crate) mod abaqus_include;
 mod abaqus_sets;
 mod abaqus_types;
 mod gmsh;
@@ -27,6 +28,7 @@ pub(crate) mod vtk_xml;
 use crate::excerpt;
 use crate::foreign::{BYTE_ORDER_MARK, FOREIGN};
 use crate::place::Place;
+use abaqus_include::MeshLoad;
 use build::Draft;
 use error::{Fault, MeshError, MeshProblem};
 use file::MeshFile;
@@ -91,6 +93,30 @@ use format::MeshFormat;
 /// # Ok::<(), fdem_io::MeshError>(())
 /// ```
 pub fn read_mesh(bytes: &[u8], name: &str) -> Result<MeshFile, MeshError> {
+    let alone = |_: &str| Err("copy its lines into this one, because one file is read".to_owned());
+    read_mesh_with(bytes, name, &mut { alone })
+}
+
+/// Like [`read_mesh`], for files that may include others: `*INCLUDE` and `INPUT=` of Abaqus.
+///
+/// `load` gives the bytes of an included file by its path, which is relative to the folder of the file that
+/// includes it, and so begins with the folder of `name`.
+///
+/// # Errors
+/// As [`read_mesh`]; also a file that cannot be read, that includes itself, or is one of more than 1000.
+///
+/// # Example
+/// ```
+/// let text = b"*Include, input=nodes.inp\n*Element, type=CPS3\n1, 1, 2, 3\n";
+/// let mut load = |path: &str| match path {
+///     "parts/nodes.inp" => Ok(b"*Node\n1, 0, 0\n2, 1, 0\n3, 0, 1\n".to_vec()),
+///     _ => Err("there is none".to_owned()),
+/// };
+/// let mesh = fdem_io::read_mesh_with(text, "parts/plate.inp", &mut load)?;
+/// assert_eq!(mesh.points[1], [1.0, 0.0, 0.0]);
+/// # Ok::<(), fdem_io::MeshError>(())
+/// ```
+pub fn read_mesh_with(bytes: &[u8], name: &str, load: &mut MeshLoad<'_>) -> Result<MeshFile, MeshError> {
     let locate = |(place, problem): Fault| MeshError { file: name.to_owned(), place, problem };
     let bare = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let Some(format) = MeshFormat::of(bytes, name) else {
@@ -103,7 +129,7 @@ pub fn read_mesh(bytes: &[u8], name: &str) -> Result<MeshFile, MeshError> {
         MeshFormat::Ply => ply::read(bare),
         MeshFormat::Vtk => vtk::read(bare),
         MeshFormat::VtkXml => vtk_xml::read(bare),
-        MeshFormat::Abaqus => abaqus::read(bare),
+        MeshFormat::Abaqus => abaqus::read(bare, name, load),
         MeshFormat::Triangles => triangles::read(bare),
     };
     draft.and_then(|draft: Draft| draft.finish(format)).map_err(locate)

@@ -72,12 +72,9 @@ pub(crate) fn read_text(
 /// The periodic box in a comment `##PERIODIC:: X Y Z` with its edges, which YADE and Woo write and read back;
 /// its corner is the origin. `None` for other lines.
 fn periodic(number: u64, line: &[u8]) -> Result<Option<SimulationBox>, ReadError> {
-    let mut words = words(line);
-    if words.next() != Some(b"##PERIODIC::") {
-        return Ok(None);
-    }
+    let Some(rest) = line.trim_ascii_start().strip_prefix(b"##PERIODIC::") else { return Ok(None) };
     let edge = |word| fast_float2::parse(word).ok().filter(|edge: &f64| edge.is_finite() && *edge > 0.0);
-    let edges: Option<Vec<f64>> = words.take(4).map(edge).collect();
+    let edges: Option<Vec<f64>> = words(rest).take(4).map(edge).collect();
     let Some(&[x, y, z]) = edges.as_deref() else {
         let problem = "expected three edges of a periodic box, all above 0, after ##PERIODIC::".to_owned();
         return Err(ReadError::Malformed { line: number, text: excerpt::line(line), problem });

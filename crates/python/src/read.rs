@@ -199,7 +199,8 @@ fn rows<V: numpy::Element, const D: usize>(py: Python<'_>, rows: Vec<[V; D]>) ->
 
 /// The nodes and elements of a mesh.
 fn read_mesh<'py>(py: Python<'py>, bytes: &[u8], name: &str) -> PyResult<Bound<'py, PyDict>> {
-    let mesh = py.detach(|| fdem_io::read_mesh(bytes, name));
+    let mut load = |path: &str| std::fs::read(path).map_err(|error| error.to_string());
+    let mesh = py.detach(|| fdem_io::read_mesh_with(bytes, name, &mut load));
     let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let found = PyDict::new(py);
     let names: Vec<_> = mesh.bodies.iter().map(|body| (body.number, body.name.clone())).collect();

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::excerpt;
+use crate::foreign::BYTE_ORDER_MARK;
+use crate::mesh::abaqus_include::{Includes, MeshLoad};
 use crate::mesh::abaqus_sets::{Member, Placement, SetKind, Sets, member, members};
 use crate::mesh::abaqus_types::{AbaqusType, element_type};
 use crate::mesh::build::{Draft, Lookup, Numbering, Raw, check_finite, corners as corners_of};
@@ -13,8 +15,7 @@ use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Keywords that create or move nodes and elements in ways that are not supported.
-const REFUSED: [&str; 10] = [
-    "INCLUDE",
+const REFUSED: [&str; 9] = [
     "NFILL",
     "NCOPY",
     "NMAP",
@@ -42,29 +43,13 @@ const SILENT: [&str; 9] = [
 /// Most nodes that `*NGEN` makes, because a short line may ask for any number.
 const GENERATED: usize = 1 << 20;
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
+/// Reads a file. `load` reads the files that it includes.
+pub(crate) fn read(bytes: &[u8], name: &str, load: &mut MeshLoad<'_>) -> Result<Draft, Fault> {
     let mut reader = AbaqusReader::default();
-    let mut cursor = Cursor::new(bytes);
     let mut block = Block::Other;
-    while let Some((place, line)) = cursor.line() {
-        if line.is_empty() || line.starts_with(b"**") {
-            continue;
-        }
-        if line.starts_with(b"*") {
-            let mut text = line.to_vec();
-            // A keyword line continues after a comma at its end.
-            while text.ends_with(b",") {
-                let Some((_, more)) = cursor.line() else { break };
-                text.extend_from_slice(more);
-            }
-            block.check_complete()?;
-            block = reader.keyword(&Keyword::new(&text), place)?;
-        } else {
-            reader.data(&mut block, line, place)?;
-        }
-    }
+    let end = reader.lines(bytes, &mut block, &mut Includes::new(name, load))?;
     block.check_complete()?;
-    reader.finish(cursor.place())
+    reader.finish(end)
 }
 
 /// A keyword line: `*NAME, KEY=VALUE, KEY`.
@@ -199,6 +184,53 @@ impl AbaqusReader {
         &mut self.parts[self.open]
     }
 
+    /// Reads the lines of a file, and of the files that it includes. Returns the place of its end.
+    fn lines(
+        &mut self,
+        bytes: &[u8],
+        block: &mut Block,
+        includes: &mut Includes<'_, '_>,
+    ) -> Result<Place, Fault> {
+        let mut cursor = Cursor::new(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
+        while let Some((place, line)) = cursor.line() {
+            if line.is_empty() || line.starts_with(b"**") {
+                continue;
+            }
+            // A line of an included file is none of the mesh file.
+            let kept = if includes.is_included() { Place::File } else { place };
+            let at_line = |(_, problem): Fault| (place, problem);
+            if !line.starts_with(b"*") {
+                self.data(block, line, kept).map_err(|fault| includes.located(at_line(fault)))?;
+                continue;
+            }
+            let mut text = line.to_vec();
+            // A keyword line continues after a comma at its end.
+            while text.ends_with(b",") {
+                let Some((_, more)) = cursor.line() else { break };
+                text.extend_from_slice(more);
+            }
+            let keyword = Keyword::new(&text);
+            let is_include = keyword.name == "INCLUDE";
+            if !is_include {
+                block.check_complete().map_err(|fault| includes.located(fault))?;
+                *block = self.keyword(&keyword, kept).map_err(|fault| includes.located(at_line(fault)))?;
+            }
+            let path = if is_include {
+                Some(keyword.need("INPUT", place).map_err(|fault| includes.located(fault))?)
+            } else {
+                keyword.get("INPUT").filter(|_| !matches!(block, Block::Other))
+            };
+            if let Some(path) = path {
+                let included = includes.open(&excerpt::field(keyword.name.as_bytes()), path);
+                let included = included.map_err(|problem| includes.located((place, problem)))?;
+                let read = self.lines(&included, block, includes);
+                includes.close();
+                read.map_err(|(_, problem)| includes.located((place, problem)))?;
+            }
+        }
+        Ok(cursor.place())
+    }
+
     /// The set of the open part with this name.
     fn set(&mut self, spelled: &str) -> u32 {
         self.sets.number(self.open, spelled)
@@ -207,10 +239,6 @@ impl AbaqusReader {
     fn keyword(&mut self, keyword: &Keyword, place: Place) -> Result<Block, Fault> {
         let fault = |problem| Err((place, problem));
         let shown = excerpt::field(keyword.name.as_bytes());
-        if let Some(file) = keyword.get("INPUT") {
-            let what = format!("*{shown}, INPUT=: the file {}", excerpt::field(file.as_bytes()));
-            return fault(unsupported(what, "copy its lines into this one, because one file is read"));
-        }
         if REFUSED.contains(&keyword.name.as_str()) {
             return fault(unsupported(format!("*{shown}"), "write nodes and elements in full"));
         }
@@ -487,8 +515,8 @@ impl AbaqusReader {
                 }
             }
         }
-        draft.groups = resolved.groups(&placements);
         draft.unused = self.unused;
+        draft.groups = resolved.groups(&placements, instanced, &mut draft.unused);
         if !self.ignored.is_empty() {
             let keywords: Vec<String> = self.ignored.iter().map(|keyword| format!("*{keyword}")).collect();
             draft.unused.push(format!("not used: {}", keywords.join(", ")));

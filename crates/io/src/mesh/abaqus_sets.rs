@@ -1,6 +1,6 @@
 //! Sets and surfaces of Abaqus: how their lines become groups of elements, nodes and facets.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::excerpt;
 use crate::mesh::build::{DraftGroup, Raw};
@@ -301,14 +301,24 @@ impl Resolved {
         Some(bodies)
     }
 
-    /// The groups: one for each name and, if there are several placements, one for each name in each.
-    pub(crate) fn groups(self, placements: &[Placement]) -> Vec<DraftGroup> {
+    /// The groups: one for each name and, if there are instances or several parts, one for each name in each.
+    /// Notes the names that several sets have.
+    pub(crate) fn groups(
+        self,
+        placements: &[Placement],
+        instanced: bool,
+        notes: &mut Vec<String>,
+    ) -> Vec<DraftGroup> {
         let mut groups: Vec<DraftGroup> = Vec::new();
         let mut known: BTreeMap<String, usize> = BTreeMap::new();
+        let mut merged: BTreeSet<usize> = BTreeSet::new();
         for ((part, name), content) in self.names.iter().zip(&self.contents) {
             let mut all = content.elements.keys().chain(content.nodes.keys()).chain(content.facets.keys());
             if all.next().is_none() {
                 continue;
+            }
+            if known.contains_key(&name.to_uppercase()) {
+                merged.insert(known[&name.to_uppercase()]);
             }
             let mut group = |name: String| {
                 *known.entry(name.to_uppercase()).or_insert_with(|| {
@@ -324,7 +334,7 @@ impl Resolved {
             };
             let whole = group(name.clone());
             let mut into = vec![(whole, None)];
-            if *part > 0 && placements.len() > 2 {
+            if *part > 0 && (instanced || placements.len() > 2) {
                 let of_part = (1..placements.len()).filter(|&at| placements[at].part == *part);
                 for at in of_part {
                     into.push((
@@ -348,6 +358,10 @@ impl Resolved {
                 group.facets.extend(facets.flat_map(|(_, facets)| facets.iter().copied()));
             }
         }
+        let named = merged.into_iter().filter_map(|index| groups[index].body.name.as_deref());
+        notes.extend(named.map(|name| {
+            format!("several sets have the name {name}: the group {name} has all of them, INSTANCE.{name} those of an instance")
+        }));
         groups
     }
 }

@@ -135,6 +135,16 @@ pub enum MeshProblem {
         /// Number of nodes.
         points: u64,
     },
+    /// A problem of a file that the mesh file includes.
+    #[error("{file}:{line}: {problem}")]
+    Included {
+        /// The path of that file.
+        file: String,
+        /// The line, counted from 1.
+        line: u64,
+        /// The problem there.
+        problem: Box<MeshProblem>,
+    },
     /// There are more nodes than 32 bits can count.
     #[error("more than 4294967295 nodes")]
     TooManyNodes,

@@ -322,6 +322,9 @@ impl<'a> VtkReader<'a> {
             return self.point_array(name, kind, rows);
         }
         let bodies = self.of == Some(Of::Cells) && names_bodies(name) && components == 1;
+        if self.of == Some(Of::Cells) && !bodies {
+            self.bodies.skip(name);
+        }
         if self.want != Want::Mesh || !bodies {
             return self.skip(components, rows, kind);
         }

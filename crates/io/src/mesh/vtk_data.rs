@@ -1,7 +1,7 @@
 //! Common parts of the legacy and the XML format of VTK: types of cells, and the data that distinguish
 //! bodies.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::excerpt;
 use crate::mesh::build::{Draft, Raw, corners};
@@ -159,25 +159,45 @@ fn corners_of(kind: i64) -> usize {
     }
 }
 
-/// Cell data that distinguish bodies.
+/// Cell data that distinguish bodies, and the names of others.
 #[derive(Debug, Default)]
-pub(crate) struct BodyData(Vec<(String, Place, Vec<i64>)>);
+pub(crate) struct BodyData {
+    bodies: Vec<(String, Place, Vec<i64>)>,
+    others: BTreeSet<String>,
+}
 
 impl BodyData {
     /// Appends the values of some cells to those of the same name.
     pub(crate) fn push(&mut self, name: &str, place: Place, values: &[i64]) {
-        match self.0.iter_mut().find(|(known, ..)| known == name) {
+        match self.bodies.iter_mut().find(|(known, ..)| known == name) {
             Some((.., known)) => known.extend_from_slice(values),
-            None => self.0.push((name.to_owned(), place, values.to_vec())),
+            None => self.bodies.push((name.to_owned(), place, values.to_vec())),
         }
+    }
+
+    /// Notes the name of cell data that are not read.
+    pub(crate) fn skip(&mut self, name: &str) {
+        self.others.insert(name.to_owned());
+    }
+
+    /// The cell data that are not used, in words.
+    fn unused(&self, used: Option<&str>) -> Option<String> {
+        let spare = self.bodies.iter().map(|(name, ..)| name).filter(|name| Some(name.as_str()) != used);
+        let names: Vec<&str> = spare.chain(&self.others).map(String::as_str).collect();
+        let help = if used.is_none() {
+            "; bodies are the values of body, gmsh:physical, CellEntityIds, ObjectId, PartId or RegionId"
+        } else {
+            ""
+        };
+        (!names.is_empty()).then(|| format!("cell data not used: {}{help}", names.join(", ")))
     }
 
     /// Sets the body of each element to that of its cell.
     pub(crate) fn apply(self, draft: &mut Draft, cells: u64) -> Result<(), Fault> {
         let rank = |name: &str| BODIES.iter().position(|known| *known == name.to_ascii_lowercase());
-        let Some((name, place, values)) = self.0.into_iter().min_by_key(|(name, ..)| rank(name)) else {
-            return Ok(());
-        };
+        let used = self.bodies.iter().min_by_key(|(name, ..)| rank(name));
+        draft.unused.extend(self.unused(used.map(|(name, ..)| name.as_str())));
+        let Some((name, place, values)) = used.cloned() else { return Ok(()) };
         if values.len() as u64 != cells {
             let problem = format!("cell data {name} has {} values for {cells} cells", values.len());
             return Err((place, malformed(problem)));

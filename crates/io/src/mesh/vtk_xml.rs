@@ -261,6 +261,7 @@ impl<'a, 'input> File<'a, 'input> {
             if !names_bodies(label)
                 || !matches!(array.attribute("NumberOfComponents"), None | Some("1" | "0"))
             {
+                bodies.skip(&name(label.as_bytes()));
                 continue;
             }
             let values = match self.array(array)? {

@@ -35,6 +35,81 @@ fn sets_are_groups_beside_the_bodies() {
     );
 }
 
+/// An assembly and its part have a set of one name, with one instance.
+#[test]
+fn sets_of_one_name_are_noted_and_apart_by_their_instance() {
+    let part = format!("*Part, name=P\n{SQUARE}*Nset, nset=base\n1, 2\n*End Part\n");
+    let assembly = "*Assembly, name=A\n*Instance, name=I, part=P\n*End Instance\n";
+    let mesh = read("a.inp", format!("{part}{assembly}*Nset, nset=BASE, instance=I\n4\n*End Assembly\n"));
+    assert_eq!((&group(&mesh, "base").nodes, &group(&mesh, "I.base").nodes), (&vec![0, 1, 3], &vec![0, 1]));
+    assert_eq!(
+        mesh.source.notes(),
+        [
+            "several sets have the name base: the group base has all of them, INSTANCE.base those of an instance"
+        ]
+    );
+    let mesh = read("a.inp", format!("{part}{assembly}*Nset, nset=top, instance=I\n4\n*End Assembly\n"));
+    assert_eq!((&group(&mesh, "top").nodes, &group(&mesh, "I.base").nodes), (&vec![3], &vec![0, 1]));
+    assert!(mesh.source.notes().is_empty());
+}
+
+#[test]
+fn included_files_are_read_in_their_place() {
+    let files = |path: &str| {
+        let text = match path {
+            "m/nodes/all.txt" => "1, 0, 0\n2, 1, 0\n*Include, input=\"more.txt\"\n",
+            "m/nodes/more.txt" => "3, 1, 1\n4, 0, 1\n",
+            "m/elements.inp" => "** two triangles\n*Element, type=CPS3, elset=all\n1, 1, 2, 3\n2, 1, 3, 4\n",
+            "m/wrong.inp" => "*Element, type=CPS3\n1, 1, 2\n",
+            "m/self.inp" => "*Include, input=../m/self.inp\n",
+            _ => return Err("there is none".to_owned()),
+        };
+        Ok(text.as_bytes().to_vec())
+    };
+    let read = |text: &str| fdem_io::read_mesh_with(text.as_bytes(), "m/a.inp", &mut { files });
+    let mesh =
+        read("*Node, input=nodes\\all.txt\n*INCLUDE, INPUT=elements.inp\n*Nset, nset=base\n1\n").unwrap();
+    assert_eq!((mesh.points.len(), &mesh.triangles.nodes), (4, &vec![[0, 1, 2], [0, 2, 3]]));
+    assert_eq!((names(&mesh), &group(&mesh, "base").nodes), (vec![Some("all")], &vec![0]));
+    for (text, message) in [
+        (
+            "*Node\n*Include, input=none.inp\n",
+            "m/a.inp:2: *INCLUDE, INPUT=: the file none.inp: there is none",
+        ),
+        ("*Include, input=wrong.inp\n", "m/a.inp:1: m/wrong.inp:2: element 1 (triangle) has 2 nodes"),
+        (
+            "*Include, input=self.inp\n",
+            "m/a.inp:1: m/self.inp:1: *INCLUDE, INPUT=: the file ../m/self.inp includes itself",
+        ),
+        ("*Include\n", "m/a.inp:1: *INCLUDE without INPUT="),
+    ] {
+        assert_eq!(read(text).unwrap_err().to_string(), message);
+    }
+}
+
+/// Values of cells that a person may have meant as bodies.
+#[test]
+fn cell_data_that_are_not_used_are_named() {
+    let cells = "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 0 1 0\n\
+        CELLS 2 8\n3 0 1 2\n3 0 2 3\nCELL_TYPES 2\n5 5\nCELL_DATA 2\nSCALARS MaterialId int 1\nLOOKUP_TABLE default\n1 2\n";
+    let notes = read("a.vtk", cells).source.notes();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(
+        notes[0].starts_with("cell data not used: MaterialId; bodies are the values of body,"),
+        "{notes:?}"
+    );
+    let bodies = "SCALARS body int 1\nLOOKUP_TABLE default\n1 2\n";
+    assert_eq!(read("a.vtk", format!("{cells}{bodies}")).source.notes(), ["cell data not used: MaterialId"]);
+    let xml = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\">\
+        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points>\
+        <Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>\
+        <DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray>\
+        <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">5</DataArray></Cells>\
+        <CellData><DataArray type=\"Float64\" Name=\"stress\" format=\"ascii\">1.5</DataArray></CellData>\
+        </Piece></UnstructuredGrid></VTKFile>";
+    assert!(read("a.vtu", xml).source.notes()[0].starts_with("cell data not used: stress;"));
+}
+
 #[test]
 fn sets_of_parts_are_in_each_instance() {
     let part = format!("*Part, name=P\n{SQUARE}*Elset, elset=low\n1\n*End Part\n");
