@@ -20,11 +20,13 @@ mod grains;
 mod mesh;
 mod network;
 pub mod outline;
+mod within;
 
 pub use error::OutlineError;
 pub use grains::{Grains, colours};
 pub use mesh::Triangles;
 pub use network::{SNAP, Tangled, add_lines};
+pub use within::lengths_inside;
 
 use outline::{Domain, Inside, Point, distance, twice_area};
 

@@ -419,7 +419,7 @@ fn foot(point: Point, a: Point, b: Point) -> (f64, Point) {
 }
 
 /// Where two lines cross each other, as places along both, 0 to 1.
-fn crossing([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Option<(f64, f64)> {
+pub(super) fn crossing([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Option<(f64, f64)> {
     let (side_a, side_b) = (twice_area(p, q, a), twice_area(p, q, b));
     let (side_p, side_q) = (twice_area(a, b, p), twice_area(a, b, q));
     let cross = (side_a > 0.0) != (side_b > 0.0) && (side_p > 0.0) != (side_q > 0.0);
@@ -427,6 +427,6 @@ fn crossing([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Option<(f64, f64)> {
 }
 
 /// The point of a line at a place along it. Points on a line along an axis have exactly its coordinate.
-fn along(a: Point, b: Point, t: f64) -> Point {
+pub(super) fn along(a: Point, b: Point, t: f64) -> Point {
     [0, 1].map(|axis| a[axis] + t * (b[axis] - a[axis]))
 }

@@ -1,68 +1,350 @@
 //! The entities of DXF files in ASCII that have corners.
+//!
+//! # Source
+//! Autodesk, "DXF Reference" (2012): group codes, `$INSUNITS`, and the arbitrary axis algorithm.
 
-/// A LINE, 3DFACE, POLYLINE or LWPOLYLINE.
-#[derive(Debug, Default)]
+use std::f64::consts::{PI, TAU};
+
+/// Angle between two corners of an arc, degrees: chords are within 0.4 % of the radius.
+const STEP: f64 = 10.0;
+
+/// Kinds of entities that are read.
+const READ: [&str; 7] = ["LINE", "3DFACE", "POLYLINE", "LWPOLYLINE", "CIRCLE", "ARC", "ELLIPSE"];
+
+/// An entity with its corners.
+#[derive(Debug)]
 pub(crate) struct Entity<'a> {
+    /// Its name in the file.
     pub(crate) kind: &'a str,
-    /// Corners, m, in order. A triangle has its last one twice.
+    /// Corners, in the unit of the file, in order. A triangle has its last one twice. Empty for kinds that
+    /// are not read.
     pub(crate) corners: Vec<[f64; 3]>,
-    /// Whether a polyline ends where it begins.
+    /// Whether the last corner is joined to the first.
     pub(crate) is_closed: bool,
-    /// Height of all corners, m, for an LWPOLYLINE.
-    elevation: f64,
 }
 
-impl Entity<'_> {
-    fn set(&mut self, corner: usize, axis: usize, value: f64) {
-        if self.corners.len() <= corner {
-            self.corners.resize(corner + 1, [0.0; 3]);
+/// The entities of a file, and its unit.
+#[derive(Debug)]
+pub(crate) struct Drawing<'a> {
+    pub(crate) entities: Vec<Entity<'a>>,
+    /// The number of `$INSUNITS`; 0 if the file has none.
+    unit: u32,
+}
+
+/// Units by their number in `$INSUNITS`, with their length in metres.
+const UNITS: [(u32, &str, f64); 15] = [
+    (1, "inches", 0.0254),
+    (2, "feet", 0.3048),
+    (3, "miles", 1609.344),
+    (4, "millimetres", 1e-3),
+    (5, "centimetres", 1e-2),
+    (6, "metres", 1.0),
+    (7, "kilometres", 1e3),
+    (8, "microinches", 2.54e-8),
+    (9, "mils", 2.54e-5),
+    (10, "yards", 0.9144),
+    (11, "angstroms", 1e-10),
+    (12, "nanometres", 1e-9),
+    (13, "micrometres", 1e-6),
+    (14, "decimetres", 0.1),
+    (21, "US survey feet", 1200.0 / 3937.0),
+];
+
+impl Drawing<'_> {
+    /// Name of the unit of the file, and its length in metres; `None` if the file has no unit.
+    ///
+    /// # Errors
+    /// A unit that is not known here.
+    pub(crate) fn unit(&self) -> Result<Option<(&'static str, f64)>, String> {
+        if self.unit == 0 {
+            return Ok(None);
         }
-        self.corners[corner][axis] = value;
-    }
-
-    fn set_last(&mut self, axis: usize, value: f64) {
-        self.set(self.corners.len().saturating_sub(1), axis, value);
+        let known = UNITS.iter().find(|(number, ..)| *number == self.unit);
+        known.map(|(_, name, length)| Some((*name, *length))).ok_or_else(|| {
+            format!(
+                "its unit, $INSUNITS {}, is not known here: say scale, the length of its unit in metres",
+                self.unit
+            )
+        })
     }
 }
 
-/// The entities of the section ENTITIES. A file is a list of pairs of rows, a group code and its value.
-pub(crate) fn entities(text: &str) -> Result<Vec<Entity<'_>>, String> {
+/// An entity, or a vertex of one, by the rows of its group codes.
+struct Raw<'a> {
+    kind: &'a str,
+    /// Group code, value, and the number of the row of the value.
+    pairs: Vec<(u32, &'a str, usize)>,
+    vertices: Vec<Raw<'a>>,
+}
+
+/// Reads a file: pairs of rows, a group code and its value. Entities are those of the section ENTITIES.
+///
+/// # Errors
+/// Names the row.
+pub(crate) fn drawing(text: &str) -> Result<Drawing<'_>, String> {
     let rows: Vec<&str> = text.lines().map(str::trim).collect();
-    let mut all = Vec::new();
-    let mut entity = Entity::default();
-    let (mut in_section, mut in_vertex) = (false, false);
+    let (mut section, mut variable, mut unit) = ("", "", 0);
+    let mut all: Vec<Raw<'_>> = Vec::new();
     for (number, pair) in rows.chunks_exact(2).enumerate() {
         let code: u32 = pair[0].parse().map_err(|_| format!("row {}: no group code", 2 * number + 1))?;
-        let value = || pair[1].parse::<f64>().map_err(|_| format!("row {}: no number", 2 * number + 2));
-        let axis = (code / 10).saturating_sub(1) as usize;
-        match (code, entity.kind) {
-            // Vertices follow their polyline.
-            (0, "POLYLINE") if pair[1] == "VERTEX" => {
-                in_vertex = true;
-                entity.corners.push([0.0; 3]);
+        let (value, row) = (pair[1], 2 * number + 2);
+        match (code, section) {
+            (2, "SECTION") => section = value,
+            (0, _) if value == "SECTION" => section = "SECTION",
+            (0, _) if value == "ENDSEC" => section = "",
+            (9, "HEADER") => variable = value,
+            (70, "HEADER") if variable == "$INSUNITS" => {
+                unit = value.parse().map_err(|_| format!("row {row}: no number of a unit"))?;
             }
-            (0, _) => {
-                let mut last = std::mem::replace(&mut entity, Entity { kind: pair[1], ..Entity::default() });
-                in_vertex = false;
-                if in_section && ["LINE", "3DFACE", "POLYLINE", "LWPOLYLINE"].contains(&last.kind) {
-                    if last.kind == "LWPOLYLINE" {
-                        last.corners.iter_mut().for_each(|corner| corner[2] = last.elevation);
-                    }
-                    all.push(last);
+            (0, "ENTITIES") => {
+                let raw = Raw { kind: value, pairs: Vec::new(), vertices: Vec::new() };
+                match all.last_mut().filter(|last| last.kind == "POLYLINE") {
+                    Some(last) if value == "VERTEX" => last.vertices.push(raw),
+                    Some(_) if value == "SEQEND" => {}
+                    _ => all.push(raw),
                 }
             }
-            (2, "SECTION") => in_section = pair[1] == "ENTITIES",
-            (10..=13 | 20..=23 | 30..=33, "LINE" | "3DFACE") => {
-                entity.set((code % 10) as usize, axis, value()?);
+            (_, "ENTITIES") => {
+                if let Some(last) = all.last_mut() {
+                    let Raw { pairs, vertices, .. } = last;
+                    let pairs = vertices.last_mut().map_or(pairs, |vertex| &mut vertex.pairs);
+                    pairs.push((code, value, row));
+                }
             }
-            (10, "LWPOLYLINE") => entity.corners.push([value()?, 0.0, 0.0]),
-            (20, "LWPOLYLINE") => entity.set_last(1, value()?),
-            (38, "LWPOLYLINE") => entity.elevation = value()?,
-            (10 | 20 | 30, "POLYLINE") if in_vertex => entity.set_last(axis, value()?),
-            (70, "LWPOLYLINE") => entity.is_closed = value()? as u32 % 2 == 1,
-            (70, "POLYLINE") if !in_vertex => entity.is_closed = value()? as u32 % 2 == 1,
             _ => {}
         }
     }
-    Ok(all)
+    let entities = all.iter().map(Raw::entity).collect::<Result<Vec<_>, _>>()?;
+    Ok(Drawing { entities, unit })
+}
+
+impl<'a> Raw<'a> {
+    /// The number of a group code, if it is there.
+    fn find(&self, code: u32) -> Result<Option<f64>, String> {
+        let pair = self.pairs.iter().find(|(known, ..)| *known == code);
+        pair.map(|(_, value, row)| value.parse().map_err(|_| format!("row {row}: no number"))).transpose()
+    }
+
+    fn number(&self, code: u32, default: f64) -> Result<f64, String> {
+        Ok(self.find(code)?.unwrap_or(default))
+    }
+
+    fn flags(&self) -> Result<u32, String> {
+        Ok(self.number(70, 0.0)? as u32)
+    }
+
+    /// The point whose x has this group code.
+    fn point(&self, code: u32) -> Result<[f64; 3], String> {
+        Ok([self.number(code, 0.0)?, self.number(code + 10, 0.0)?, self.number(code + 20, 0.0)?])
+    }
+
+    fn entity(&self) -> Result<Entity<'a>, String> {
+        let mut kind = self.kind;
+        let (mut corners, mut is_closed) = (Vec::new(), false);
+        match kind {
+            // In the space of a sheet of paper: no part of the model.
+            _ if READ.contains(&kind) && self.find(67)? == Some(1.0) => kind = "paper space",
+            "LINE" => corners.extend([self.point(10)?, self.point(11)?]),
+            "3DFACE" => corners.extend([self.point(10)?, self.point(11)?, self.point(12)?, self.point(13)?]),
+            "LWPOLYLINE" => {
+                is_closed = self.flags()? & 1 == 1;
+                corners = self.bulged(&self.flat_vertices()?, is_closed)?;
+            }
+            "POLYLINE" if self.flags()? & (16 | 64) != 0 => kind = "POLYLINE of a mesh",
+            "POLYLINE" => {
+                is_closed = self.flags()? & 1 == 1;
+                corners = self.vertices_of_polyline(is_closed)?;
+            }
+            "CIRCLE" => {
+                is_closed = true;
+                corners = self.round([0.0, TAU])?;
+            }
+            "ARC" => {
+                let [from, to] = [self.number(50, 0.0)?, self.number(51, 360.0)?].map(f64::to_radians);
+                corners = self.round([from, if to > from { to } else { to + TAU }])?;
+            }
+            "ELLIPSE" => {
+                let [from, to] = [self.number(41, 0.0)?, self.number(42, TAU)?];
+                let to = if to > from { to } else { to + TAU };
+                is_closed = to - from > TAU - 1e-9;
+                corners = self.ellipse([from, to])?;
+            }
+            _ => {}
+        }
+        Ok(Entity { kind, corners, is_closed })
+    }
+
+    /// Corners of an LWPOLYLINE, each with the bulge of the edge after it.
+    fn flat_vertices(&self) -> Result<Vec<([f64; 3], f64)>, String> {
+        let elevation = self.number(38, 0.0)?;
+        let mut vertices = Vec::new();
+        for (code, value, row) in self.pairs.iter().filter(|(code, ..)| [10, 20, 42].contains(code)) {
+            let value: f64 = value.parse().map_err(|_| format!("row {row}: no number"))?;
+            if *code == 10 {
+                vertices.push(([value, 0.0, elevation], 0.0));
+            } else if let Some((corner, bulge)) = vertices.last_mut() {
+                *(if *code == 20 { &mut corner[1] } else { bulge }) = value;
+            }
+        }
+        Ok(vertices)
+    }
+
+    fn vertices_of_polyline(&self, is_closed: bool) -> Result<Vec<[f64; 3]>, String> {
+        let mut vertices = Vec::new();
+        for vertex in &self.vertices {
+            // The frame of a spline is not on the line.
+            if vertex.flags()? & 16 == 0 {
+                vertices.push((vertex.point(10)?, vertex.number(42, 0.0)?));
+            }
+        }
+        if self.flags()? & 8 != 0 {
+            return Ok(vertices.into_iter().map(|(corner, _)| corner).collect());
+        }
+        let elevation = self.number(30, 0.0)?;
+        for (corner, _) in vertices.iter_mut().filter(|(corner, _)| corner[2] == 0.0) {
+            corner[2] = elevation;
+        }
+        self.bulged(&vertices, is_closed)
+    }
+
+    /// Corners with those of the arcs between them, in the model.
+    fn bulged(&self, vertices: &[([f64; 3], f64)], is_closed: bool) -> Result<Vec<[f64; 3]>, String> {
+        let mut corners = Vec::new();
+        for (k, &(from, bulge)) in vertices.iter().enumerate() {
+            corners.push(from);
+            let to = vertices.get(k + 1).or_else(|| vertices.first().filter(|_| is_closed));
+            let Some((to, _)) = to.filter(|_| bulge != 0.0) else { continue };
+            // A bulge is the tangent of a quarter of the angle of the arc, which turns to the left.
+            let angle = 4.0 * libm::atan(bulge);
+            let high = (1.0 - bulge * bulge) / (4.0 * bulge);
+            let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+            let centre =
+                [f64::midpoint(from[0], to[0]) - high * dy, f64::midpoint(from[1], to[1]) + high * dx];
+            let [x, y] = [from[0] - centre[0], from[1] - centre[1]];
+            let steps = steps(angle);
+            corners.extend((1..steps).map(|step| {
+                let (sine, cosine) = libm::sincos(angle * step as f64 / steps as f64);
+                [centre[0] + cosine * x - sine * y, centre[1] + sine * x + cosine * y, from[2]]
+            }));
+        }
+        self.in_model(corners)
+    }
+
+    /// Corners of a circle, or of the arc between two angles.
+    fn round(&self, [from, to]: [f64; 2]) -> Result<Vec<[f64; 3]>, String> {
+        let (centre, radius) = (self.point(10)?, self.number(40, 0.0)?);
+        let place = |angle: f64| {
+            let (sine, cosine) = libm::sincos(angle);
+            [centre[0] + radius * cosine, centre[1] + radius * sine, centre[2]]
+        };
+        self.in_model(turned([from, to]).map(place).collect())
+    }
+
+    /// Corners of an ellipse, or of its part between two parameters.
+    fn ellipse(&self, [from, to]: [f64; 2]) -> Result<Vec<[f64; 3]>, String> {
+        let (centre, long, ratio) = (self.point(10)?, self.point(11)?, self.number(40, 1.0)?);
+        let short = cross(self.normal()?, long).map(|x| ratio * x);
+        let place = |angle: f64| {
+            let (sine, cosine) = libm::sincos(angle);
+            [0, 1, 2].map(|k| centre[k] + cosine * long[k] + sine * short[k])
+        };
+        Ok(turned([from, to]).map(place).collect())
+    }
+
+    /// The direction in which an entity is extruded, of length 1.
+    fn normal(&self) -> Result<[f64; 3], String> {
+        let normal = [self.number(210, 0.0)?, self.number(220, 0.0)?, self.number(230, 1.0)?];
+        Ok(unit(normal))
+    }
+
+    /// Flat entities are in coordinates of their own plane.
+    fn in_model(&self, mut corners: Vec<[f64; 3]>) -> Result<Vec<[f64; 3]>, String> {
+        let normal = self.normal()?;
+        if normal == [0.0, 0.0, 1.0] {
+            return Ok(corners);
+        }
+        let is_steep = normal[0].abs() < 1.0 / 64.0 && normal[1].abs() < 1.0 / 64.0;
+        let along = unit(cross(if is_steep { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] }, normal));
+        let across = cross(normal, along);
+        for corner in &mut corners {
+            let [x, y, z] = *corner;
+            *corner = [0, 1, 2].map(|k| x * along[k] + y * across[k] + z * normal[k]);
+        }
+        Ok(corners)
+    }
+}
+
+/// Number of chords of an arc.
+fn steps(angle: f64) -> usize {
+    // Rounding does not add one.
+    (angle.abs().to_degrees() / STEP - 1e-9).ceil().clamp(1.0, 360.0 / STEP) as usize
+}
+
+/// Angles from one to another, without the last of a whole turn.
+fn turned([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let steps = steps(to - from);
+    let is_whole = to - from > 2.0 * PI - 1e-9;
+    (0..steps + usize::from(!is_whole)).map(move |step| from + (to - from) * step as f64 / steps as f64)
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = a.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+    a.map(|x| if length > 0.0 { x / length } else { x })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(entities: &str) -> Drawing<'static> {
+        let rows = format!("0 SECTION 2 ENTITIES {entities} 0 ENDSEC 0 EOF").replace(' ', "\n");
+        drawing(rows.leak()).expect("a drawing")
+    }
+
+    fn is_near(a: [f64; 3], b: [f64; 3]) -> bool {
+        (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12)
+    }
+
+    #[test]
+    fn round_entities_have_corners_within_their_tolerance() {
+        let of = read(
+            "0 CIRCLE 10 1 20 2 30 3 40 2 0 ARC 10 0 20 0 40 1 50 270 51 90 \
+             0 ELLIPSE 10 0 20 0 30 0 11 2 21 0 31 0 40 0.5 41 0 42 1.5707963267948966",
+        );
+        let [circle, arc, ellipse] = &of.entities[..] else { panic!("{of:?}") };
+        assert_eq!((circle.corners.len(), circle.is_closed), (36, true));
+        let is_on = |[x, y, z]: &[f64; 3]| ((x - 1.0).hypot(y - 2.0) - 2.0).abs() < 1e-12 && *z == 3.0;
+        assert!(circle.corners.iter().all(is_on));
+        assert_eq!((arc.corners.len(), arc.is_closed), (19, false));
+        assert!(is_near(arc.corners[0], [0.0, -1.0, 0.0]) && is_near(arc.corners[18], [0.0, 1.0, 0.0]));
+        assert!(is_near(arc.corners[9], [1.0, 0.0, 0.0]), "it turns to the left");
+        assert_eq!((ellipse.corners.len(), ellipse.is_closed), (10, false));
+        assert!(is_near(ellipse.corners[9], [0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn bulges_are_arcs_and_flat_entities_are_in_their_plane() {
+        let of = read(
+            "0 LWPOLYLINE 70 1 10 0 20 0 42 1 10 2 20 0 0 LWPOLYLINE 70 0 210 0 220 0 230 -1 10 1 20 2 10 3 20 4",
+        );
+        let [half, mirrored] = &of.entities[..] else { panic!("{of:?}") };
+        assert_eq!(half.corners.len(), 19, "the closing edge is straight");
+        assert!(is_near(half.corners[9], [1.0, -1.0, 0.0]), "{half:?}");
+        assert!(is_near(mirrored.corners[1], [-3.0, 4.0, 0.0]), "{mirrored:?}");
+    }
+
+    #[test]
+    fn a_mesh_and_the_frame_of_a_spline_are_no_polylines() {
+        let of = read(
+            "0 POLYLINE 70 16 0 VERTEX 10 1 20 1 0 SEQEND \
+             0 POLYLINE 70 4 0 VERTEX 10 5 20 5 70 16 0 VERTEX 10 1 20 1 0 VERTEX 10 2 20 1 0 SEQEND \
+             0 LINE 67 1 10 0 20 0 11 1 21 0 0 SPLINE 10 1 20 1",
+        );
+        let kinds: Vec<(&str, usize)> = of.entities.iter().map(|of| (of.kind, of.corners.len())).collect();
+        assert_eq!(kinds, [("POLYLINE of a mesh", 0), ("POLYLINE", 2), ("paper space", 0), ("SPLINE", 0)]);
+    }
 }

@@ -1,14 +1,14 @@
 //! The lines and polygons of joint sets: those of a list or a file. The lines that statistics give, and
 //! bodies in the plane with joints.
 
-use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, triangles};
+use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, lengths_inside, triangles};
 use fdem_mesh::{Corners, Grading};
 use fdem_scenes::random::Random;
 
 use crate::joints::polygons::{self, SpacePolygon};
 use crate::joints::polylines;
 use crate::shapes::outline::{Domain, Point};
-use crate::shapes::piece::{JointFacet, Piece};
+use crate::shapes::piece::{JointFacet, LinesInBody, Piece};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, Problem, suggestion};
 use crate::text::file::{Body, JointSet, ModelFile, Vector};
@@ -26,6 +26,8 @@ pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
     /// Polygons of each set.
     pub(crate) polygons: Vec<(&'f JointSet, Vec<SpacePolygon>)>,
+    /// Notes on the files of all sets.
+    pub(crate) notes: Vec<String>,
 }
 
 /// A line in a body.
@@ -43,7 +45,7 @@ impl<'f> JointLines<'f> {
         load: &mut Load<'_>,
         faults: &mut Vec<Fault>,
     ) -> Self {
-        let (mut sets, mut in_space) = (Vec::new(), Vec::new());
+        let (mut sets, mut in_space, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for (index, set) in file.joint_set.iter().enumerate() {
             let given = set.lines.iter().flatten().filter_map(|numbers| polylines::points(numbers));
             let chains = given
@@ -54,11 +56,17 @@ impl<'f> JointLines<'f> {
             if let Some(name) = &set.file {
                 let read = load(name).map_err(|why| format!("cannot read {name}: {why}"));
                 let read = read.and_then(|bytes| {
-                    if dimensions == 2 {
-                        lines.extend(polylines::read(&bytes, name)?);
+                    let notes_of_file = if dimensions == 2 {
+                        let read = polylines::read(&bytes, name, set.scale)?;
+                        lines.extend(read.shapes);
+                        read.notes
                     } else {
-                        polygons.extend(polygons::read(&bytes, name)?);
-                    }
+                        let read = polygons::read(&bytes, name, set.scale)?;
+                        polygons.extend(read.shapes);
+                        read.notes
+                    };
+                    let noted = |note| format!("[[joint_set]] \"{}\": {note}", set.name);
+                    notes.extend(notes_of_file.into_iter().map(noted));
                     Ok(())
                 });
                 if let Err(message) = read {
@@ -74,7 +82,7 @@ impl<'f> JointLines<'f> {
             sets.push((set, lines));
             in_space.push((set, polygons));
         }
-        Self { sets, polygons: in_space }
+        Self { sets, polygons: in_space, notes }
     }
 
     /// The lines in a body, in the coordinates in which it is meshed.
@@ -134,7 +142,7 @@ impl<'f> JointLines<'f> {
             if inner.is_empty() {
                 return Err(Problem {
                     help: Some(format!(
-                        "mark the {facet}s inside the body; in Gmsh embed the curve or surface, and give it a physical group"
+                        "mark the {facet}s inside the body: in Gmsh embed the curve or surface and give it a physical group, in Abaqus make a *SURFACE of them"
                     )),
                     ..problem(format!("the group \"{name}\" has no {facet} between two elements"))
                 });
@@ -148,7 +156,8 @@ impl<'f> JointLines<'f> {
         Ok(joints)
     }
 
-    /// Meshes a domain of a body with the joints in it. `refused`: an error of the mesher as a problem.
+    /// Meshes a domain of a body with the joints in it. Returns also the lines of each set in the body.
+    /// `refused`: an error of the mesher as a problem.
     pub(crate) fn meshed(
         &self,
         body: &Body,
@@ -156,14 +165,14 @@ impl<'f> JointLines<'f> {
         size: &Grading<2>,
         seed: u64,
         refused: impl Fn(&OutlineError) -> Problem,
-    ) -> Result<(Triangles, Vec<JointFacet>), Problem> {
+    ) -> Result<(Triangles, Vec<JointFacet>, Vec<LinesInBody>), Problem> {
         let traces = if self.sets.is_empty() { Vec::new() } else { self.in_body(body, domain)? };
         if traces.is_empty() {
             return triangles(domain, size, seed)
-                .map(|mesh| (mesh, Vec::new()))
+                .map(|mesh| (mesh, Vec::new(), Vec::new()))
                 .map_err(|error| refused(&error));
         }
-        let mut domain = domain.clone();
+        let (before, mut domain) = (domain, domain.clone());
         let lines: Vec<Line> = traces.iter().map(|trace| trace.ends).collect();
         let name = |trace: usize| traces.get(trace).map_or("", |trace| &self.sets[trace.set as usize].0.name);
         let close = |[a, b]: [usize; 2], place: Point| Problem {
@@ -192,8 +201,47 @@ impl<'f> JointLines<'f> {
             let trace = parts.get(line as usize).copied().flatten()?;
             Some(JointFacet { facet, set: traces[trace].set, trace: trace as u32 })
         });
-        let joints = joints.collect();
-        Ok((mesh, joints))
+        let joints: Vec<JointFacet> = joints.collect();
+        let lines = self.lines_in(before, &traces, (&mesh, &joints), size);
+        Ok((mesh, joints, lines))
+    }
+
+    /// The lines of each set in a domain, and how many of them the mesh does not have, because they are too
+    /// near to an outline or to other lines.
+    fn lines_in(
+        &self,
+        domain: &Domain,
+        traces: &[Trace],
+        (mesh, joints): (&Triangles, &[JointFacet]),
+        size: &Grading<2>,
+    ) -> Vec<LinesInBody> {
+        let mut left = vec![0.0; traces.len()];
+        for joint in joints {
+            let [a, b] = joint.facet.map(|node| mesh.nodes[node as usize]);
+            left[joint.trace as usize] += (a[0] - b[0]).hypot(a[1] - b[1]);
+        }
+        let mut all = Vec::new();
+        for (number, (set, _)) in (0..).zip(&self.sets) {
+            let of_set: Vec<usize> = (0..traces.len()).filter(|&trace| traces[trace].set == number).collect();
+            let ends: Vec<Line> = of_set.iter().map(|&trace| traces[trace].ends).collect();
+            // Lines of statistics lie along outlines by chance, and where bodies begin: those are no joints.
+            let inside = lengths_inside(domain, &ends, set.dip.is_none());
+            let mut lines =
+                LinesInBody { set: number, length: inside.iter().sum(), vanished: 0, vanished_length: 0.0 };
+            for ((&trace, ends), inside) in of_set.iter().zip(&ends).zip(inside) {
+                let middle = [0, 1].map(|axis| f64::midpoint(ends[0][axis], ends[1][axis]));
+                let gone = inside - left[trace];
+                // The ends of other lines are moved by less than an element.
+                if inside > 0.0 && (left[trace] == 0.0 || gone > size.at(middle)) {
+                    lines.vanished += 1;
+                    lines.vanished_length += gone;
+                }
+            }
+            if !of_set.is_empty() {
+                all.push(lines);
+            }
+        }
+        all
     }
 }
 

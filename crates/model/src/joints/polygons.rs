@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::joints::dxf::Entity;
-use crate::joints::shape_file::{self, ShapeForm, check};
+use crate::joints::shape_file::{self, ShapeForm, Shapes, check};
 
 /// Corners of a polygon in order, m.
 pub(crate) type SpacePolygon = Vec<[f64; 3]>;
@@ -13,17 +13,21 @@ const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
     row_is: "x1,y1,z1,x2,y2,z2,x3,y3,z3,…",
     columns: &["x", "y", "z"],
     entity,
+    entities: "3DFACE, closed POLYLINE and LWPOLYLINE, CIRCLE and ELLIPSE",
+    refused: &["INSERT", "3DSOLID", "BODY", "MESH", "POLYLINE of a mesh", "REGION", "SURFACE"],
+    coordinates: |polygon| polygon.as_flattened_mut(),
     geometry,
 };
 
-/// The polygons of a file.
+/// The polygons of a file. `scale`: length of the unit of the file, m, if the model says it.
 ///
 /// # Errors
 /// A message about a file that is not of polygons, or has none.
-pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<SpacePolygon>, String> {
-    let polygons = shape_file::read(bytes, name, &POLYGONS)?;
+pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<SpacePolygon>, String> {
+    let read = shape_file::read(bytes, name, scale, &POLYGONS)?;
+    let polygons = &read.shapes;
     check(name, "polygons", polygons.is_empty(), polygons.iter().flatten().flatten())?;
-    Ok(polygons)
+    Ok(read)
 }
 
 /// The corners of a list x1, y1, z1, x2, y2, z2, …; `None` if it is not that.
@@ -63,7 +67,7 @@ fn geometry(kind: &str, coordinates: &Value, polygons: &mut Vec<SpacePolygon>) -
     }
 }
 
-/// The polygon of a 3DFACE, or of a closed polyline.
+/// The polygon of a 3DFACE, or of a closed line.
 fn entity(entity: &Entity<'_>) -> Option<SpacePolygon> {
     if entity.kind != "3DFACE" && !entity.is_closed {
         return None;
@@ -78,6 +82,10 @@ fn entity(entity: &Entity<'_>) -> Option<SpacePolygon> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8], name: &str) -> Result<Vec<SpacePolygon>, String> {
+        super::read(bytes, name, None).map(|polygons| polygons.shapes)
+    }
 
     #[test]
     fn polygons_of_each_format() {

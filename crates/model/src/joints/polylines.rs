@@ -3,22 +3,31 @@
 use serde_json::Value;
 
 use crate::joints::dxf::Entity;
-use crate::joints::shape_file::{self, ShapeForm, check};
+use crate::joints::shape_file::{self, ShapeForm, Shapes, check};
 use crate::shapes::outline::Point;
 
-const POLYLINES: ShapeForm<Vec<Point>> =
-    ShapeForm { row: points, row_is: "x1,y1,x2,y2,…", columns: &["x", "y"], entity, geometry };
+const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
+    row: points,
+    row_is: "x1,y1,x2,y2,…",
+    columns: &["x", "y"],
+    entity,
+    entities: "LINE, LWPOLYLINE, POLYLINE, CIRCLE, ARC and ELLIPSE",
+    refused: &["SPLINE", "INSERT", "MLINE", "HELIX", "RAY", "XLINE"],
+    coordinates: |chain| chain.as_flattened_mut(),
+    geometry,
+};
 
-/// The lines of a file, by their two ends; a polyline is several.
+/// The lines of a file, by their two ends; a polyline is several. `scale`: length of the unit of the file, m,
+/// if the model says it.
 ///
 /// # Errors
 /// A message about a file that is not of lines, or has none.
-pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
-    let chains = shape_file::read(bytes, name, &POLYLINES)?;
+pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<[Point; 2]>, String> {
+    let Shapes { shapes: chains, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
     let lines: Vec<[Point; 2]> =
         chains.iter().flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]])).collect();
     check(name, "lines", lines.is_empty(), lines.iter().flatten().flatten())?;
-    Ok(lines)
+    Ok(Shapes { shapes: lines, notes })
 }
 
 /// The points of a list x1, y1, x2, y2, …; `None` if it is not that.
@@ -46,16 +55,57 @@ fn geometry(kind: &str, coordinates: &Value, chains: &mut Vec<Vec<Point>>) -> Re
     Ok(())
 }
 
-/// The points of a LINE or LWPOLYLINE.
+/// The points of an entity that is a line.
 fn entity(entity: &Entity<'_>) -> Option<Vec<Point>> {
     let mut chain: Vec<Point> = entity.corners.iter().map(|&[x, y, _]| [x, y]).collect();
     chain.extend(chain.first().copied().filter(|_| entity.is_closed));
-    ["LINE", "LWPOLYLINE"].contains(&entity.kind).then_some(chain)
+    (entity.kind != "3DFACE" && chain.len() > 1).then_some(chain)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
+        super::read(bytes, name, None).map(|lines| lines.shapes)
+    }
+
+    /// A drawing in millimetres with a hole, a note and a polyline of the older kind.
+    #[test]
+    fn a_drawing_has_its_unit_and_all_of_its_lines() {
+        let rows = |text: &str| text.split_whitespace().collect::<Vec<_>>().join("\n");
+        let drawing = |unit: &str, more: &str| {
+            rows(&format!(
+                "0 SECTION 2 HEADER 9 $INSUNITS 70 {unit} 0 ENDSEC 0 SECTION 2 ENTITIES \
+                 0 CIRCLE 10 0 20 0 40 500 0 TEXT 10 0 20 0 1 Hole 0 POLYLINE 70 0 66 1 10 0 20 0 \
+                 0 VERTEX 10 1000 20 0 0 VERTEX 10 1000 20 2000 0 SEQEND {more} 0 ENDSEC 0 EOF"
+            ))
+        };
+        let length = |lines: &[[Point; 2]]| -> f64 {
+            lines.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
+        };
+        let of = super::read(drawing("4", "").as_bytes(), "a.dxf", None).expect("lines");
+        assert_eq!(of.shapes.len(), 37);
+        let expected = 36.0 * libm::sin(5.0_f64.to_radians()) + 2.0;
+        assert!((length(&of.shapes) - expected).abs() < 1e-9, "{}", length(&of.shapes));
+        let notes = of.notes.join("\n");
+        for part in
+            ["a.dxf: not used: 1 TEXT;", "its unit is millimetres ($INSUNITS), so that 1 of it is 0.001 m"]
+        {
+            assert!(notes.contains(part), "{notes}");
+        }
+        let of = super::read(drawing("4", "").as_bytes(), "a.dxf", Some(0.1)).expect("lines");
+        assert!((length(&of.shapes) - 100.0 * expected).abs() < 1e-9);
+        assert_eq!(of.notes.len(), 1, "the model says the unit: {:?}", of.notes);
+        for (unit, more, part) in [
+            ("15", "", "$INSUNITS 15, is not known here: say scale"),
+            ("6", "0 SPLINE 10 1 20 1", "it has SPLINE, which is not read"),
+            ("6", "0 INSERT 2 block", "it has INSERT, which is not read"),
+        ] {
+            let message = read(drawing(unit, more).as_bytes(), "a.dxf").expect_err("refused");
+            assert!(message.contains(part), "{message}");
+        }
+    }
 
     #[test]
     fn lines_of_each_format() {

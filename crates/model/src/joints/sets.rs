@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
+use fdem_mesh::triangles::SNAP;
 use fdem_simulation::{Element, JointSet, Model, Strength};
 
 use crate::joints::lines::{has_joints, may_have_group};
@@ -117,6 +119,9 @@ impl Check<'_> {
         }
         if set.between.is_some() && set.bodies.is_some() {
             faults.push(self.fault("bodies", "\"between\" names the bodies").label("take it out"));
+        }
+        if set.scale.is_some() && set.file.is_none() {
+            faults.push(self.fault("scale", "\"scale\" is the unit of a file").label("take it out"));
         }
         if set.dip.is_none() {
             for key in STATISTICAL.into_iter().filter(|key| self.document.has(self.table, key)) {
@@ -365,6 +370,36 @@ pub(crate) fn check_groups<const D: usize, const N: usize>(
             let message = format!("[[joint_set]] \"{}\": no body has a group \"{name}\"", set.name);
             let fault = Fault::at(document.value(Table::of("joint_set", index), "group"), message);
             faults.push(fault.label("unknown group").help(suggestion(name, &known, "group")));
+        }
+    }
+}
+
+/// Share of the length of the lines of a set that may vanish without a warning: lines across corners of
+/// bodies are shorter than elements. Lines of statistics also lie by chance where others are.
+const VANISHED: [f64; 2] = [0.01, 0.05];
+
+/// Warns of lines that lie so near to an outline, or to other lines, that the mesh does not have them.
+pub(crate) fn vanished<const D: usize, const N: usize>(
+    file: &ModelFile,
+    placed: &[Placed<D, N>],
+    warnings: &mut Vec<String>,
+) {
+    for (number, set) in (0..).zip(&file.joint_set) {
+        let (mut lines, mut length, mut all) = (0, 0.0, 0.0);
+        for of in placed.iter().flat_map(|body| &body.piece.lines).filter(|of| of.set == number) {
+            lines += of.vanished;
+            length += of.vanished_length;
+            all += of.length;
+        }
+        if lines > 0 && length > VANISHED[usize::from(set.dip.is_some())] * all {
+            let noun = if lines == 1 { "line vanishes" } else { "lines vanish" };
+            warnings.push(format!(
+                "[[joint_set]] \"{}\": {} {noun}, or a part of them: {} of {} m in the bodies lie along outlines or other lines, or nearer to them than {SNAP} of mesh_size; move them or take a smaller mesh_size",
+                set.name,
+                grouped(lines as u64),
+                brief(length),
+                brief(all)
+            ));
         }
     }
 }

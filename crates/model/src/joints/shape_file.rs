@@ -1,8 +1,11 @@
 //! Files of lines or polygons: CSV, GeoJSON and DXF.
 
+use std::collections::BTreeMap;
+
+use fdem_io::numbers::{brief, grouped};
 use serde_json::Value;
 
-use crate::joints::dxf::{Entity, entities};
+use crate::joints::dxf::{Drawing, Entity, drawing};
 use crate::joints::geojson::geometries;
 
 /// Functions that turn the contents of a file into shapes of one form.
@@ -15,19 +18,45 @@ pub(crate) struct ShapeForm<T> {
     pub(crate) columns: &'static [&'static str],
     /// The shape of an entity of a DXF file; `None` for another entity.
     pub(crate) entity: fn(&Entity<'_>) -> Option<T>,
+    /// The entities that are shapes, for messages.
+    pub(crate) entities: &'static str,
+    /// Kinds of entities that have such shapes and cannot be read.
+    pub(crate) refused: &'static [&'static str],
+    /// The coordinates of a shape.
+    pub(crate) coordinates: fn(&mut T) -> &mut [f64],
     /// Adds the shapes of a geometry of a GeoJSON file by its type and its coordinates.
     pub(crate) geometry: fn(&str, &Value, &mut Vec<T>) -> Result<(), String>,
 }
 
-/// The shapes of a file, by the extension of its name.
+/// The shapes of a file.
+pub(crate) struct Shapes<T> {
+    pub(crate) shapes: Vec<T>,
+    /// Notes on how the file was read.
+    pub(crate) notes: Vec<String>,
+}
+
+/// The shapes of a file, by the extension of its name. `scale`: length of the unit of the file, m, if the
+/// model says it; else the unit of a DXF file, and metres in others.
 ///
 /// # Errors
 /// A message about a file that is not of such shapes.
-pub(crate) fn read<T>(bytes: &[u8], name: &str, form: &ShapeForm<T>) -> Result<Vec<T>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
+pub(crate) fn read<T>(
+    bytes: &[u8],
+    name: &str,
+    scale: Option<f64>,
+    form: &ShapeForm<T>,
+) -> Result<Shapes<T>, String> {
     let extension = name.rsplit_once('.').map_or("", |(_, end)| end).to_lowercase();
+    let in_file = |why: String| format!("{name}: {why}");
+    if extension == "dxf" {
+        // Names of layers may be in another encoding.
+        let text = String::from_utf8_lossy(bytes);
+        let mut shapes = of_drawing(&drawing(&text).map_err(in_file)?, scale, form).map_err(in_file)?;
+        shapes.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
+        return Ok(shapes);
+    }
+    let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not a text file"))?;
     let shapes = match extension.as_str() {
-        "dxf" => entities(text).map(|all| all.iter().filter_map(form.entity).collect()),
         "json" | "geojson" => {
             let value = serde_json::from_str(text).map_err(|error| format!("{name} is not JSON: {error}"))?;
             let mut shapes = Vec::new();
@@ -36,7 +65,60 @@ pub(crate) fn read<T>(bytes: &[u8], name: &str, form: &ShapeForm<T>) -> Result<V
         }
         _ => rows(text, form.row, (form.row_is, form.columns, "m")),
     };
-    shapes.map_err(|why| format!("{name}: {why}"))
+    let mut shapes = shapes.map_err(in_file)?;
+    scaled(&mut shapes, scale.unwrap_or(1.0), form);
+    Ok(Shapes { shapes, notes: Vec::new() })
+}
+
+fn scaled<T>(shapes: &mut [T], scale: f64, form: &ShapeForm<T>) {
+    shapes.iter_mut().flat_map(form.coordinates).for_each(|x| *x *= scale);
+}
+
+/// The shapes of a drawing.
+///
+/// # Errors
+/// An entity that has lines or faces and cannot be read; a unit that is not known.
+fn of_drawing<T>(
+    drawing: &Drawing<'_>,
+    scale: Option<f64>,
+    form: &ShapeForm<T>,
+) -> Result<Shapes<T>, String> {
+    let (mut shapes, mut notes) = (Vec::new(), Vec::new());
+    let mut unused: BTreeMap<&str, u64> = BTreeMap::new();
+    for entity in &drawing.entities {
+        if form.refused.contains(&entity.kind) {
+            return Err(format!(
+                "it has {}, which is not read: turn it into {} in the drawing program (explode it)",
+                entity.kind, form.entities
+            ));
+        }
+        match (form.entity)(entity) {
+            Some(shape) => shapes.push(shape),
+            None => *unused.entry(entity.kind).or_default() += 1,
+        }
+    }
+    if !unused.is_empty() {
+        let kinds: Vec<String> =
+            unused.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count))).collect();
+        notes.push(format!("not used: {}; {} are", kinds.join(", "), form.entities));
+    }
+    let scale = match scale {
+        Some(scale) => scale,
+        None => match drawing.unit()? {
+            None => 1.0,
+            Some((name, length)) => {
+                if length != 1.0 {
+                    notes.push(format!(
+                        "its unit is {name} ($INSUNITS), so that 1 of it is {} m; if it is not, say scale",
+                        brief(length)
+                    ));
+                }
+                length
+            }
+        },
+    };
+    scaled(&mut shapes, scale, form);
+    Ok(Shapes { shapes, notes })
 }
 
 /// One shape a row, which `of` makes of its numbers. A first row of words is a heading, which has to name

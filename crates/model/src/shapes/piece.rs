@@ -21,7 +21,9 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     pub(crate) groups: BTreeMap<String, PieceGroup<D>>,
     /// Joints of joint sets.
     pub(crate) joints: Vec<JointFacet<D>>,
-    /// Warnings about the file of the mesh.
+    /// The lines of joint sets in the body.
+    pub(crate) lines: Vec<LinesInBody>,
+    /// Warnings about the file of the mesh or of the packing, and about joints.
     pub(crate) notes: Vec<String>,
     /// The file of the mesh, the groups in it, and the differences between its elements and those of the
     /// body, one line each; empty if there is no file.
@@ -37,6 +39,19 @@ pub(crate) struct JointFacet<const D: usize = 2> {
     pub(crate) set: u32,
     /// Number of the joint in its body.
     pub(crate) trace: u32,
+}
+
+/// The lines of a joint set in a body, and how many of them the mesh does not have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LinesInBody {
+    /// Number of the joint set.
+    pub(crate) set: u32,
+    /// Length of all lines in the body, m.
+    pub(crate) length: f64,
+    /// Lines that vanish, at least for a part longer than an element.
+    pub(crate) vanished: usize,
+    /// Length that vanishes, m.
+    pub(crate) vanished_length: f64,
 }
 
 /// Elements, nodes and facets that have a name.
@@ -65,10 +80,22 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
             outline: Vec::new(),
             groups: BTreeMap::new(),
             joints: Vec::new(),
+            lines: Vec::new(),
             notes: Vec::new(),
             about_file: Vec::new(),
         }
     }
+}
+
+/// Adds notes on the file of several bodies to the first of them.
+pub(crate) fn with_notes<const D: usize, const N: usize>(
+    mut pieces: Vec<Piece<D, N>>,
+    notes: Vec<String>,
+) -> Vec<Piece<D, N>> {
+    if let Some(first) = pieces.first_mut() {
+        first.notes.extend(notes);
+    }
+    pieces
 }
 
 impl Piece {

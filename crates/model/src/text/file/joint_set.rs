@@ -35,11 +35,17 @@ pub struct JointSet {
     #[schemars(extend("x-unit" = "m"), length(min = 1))]
     pub polygons: Option<Vec<Vec<f64>>>,
     /// File with joints. In two dimensions: CSV with one line or polyline x1,y1,x2,y2,… a row, GeoJSON with
-    /// `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE` or `LWPOLYLINE`. In three dimensions:
-    /// CSV with one polygon x1,y1,z1,x2,y2,z2,… a row, GeoJSON with `Polygon` or `MultiPolygon` and heights,
-    /// or DXF with `3DFACE`, or closed `POLYLINE` or `LWPOLYLINE`. Coordinates in m.
+    /// `LineString` or `MultiLineString`, or DXF (ASCII) with `LINE`, `POLYLINE`, `LWPOLYLINE`, `CIRCLE`,
+    /// `ARC` or `ELLIPSE`. In three dimensions: CSV with one polygon x1,y1,z1,x2,y2,z2,… a row, GeoJSON with
+    /// `Polygon` or `MultiPolygon` and heights, or DXF with `3DFACE`, closed `POLYLINE` or `LWPOLYLINE`,
+    /// `CIRCLE` or `ELLIPSE`. Coordinates are in m, those of DXF in the unit of the drawing.
     #[serde(default)]
     pub file: Option<String>,
+    /// Length in metres of the unit of `file`: "1 mm" for a file in millimetres. Default: 1, or the unit
+    /// that a DXF file says (`$INSUNITS`).
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub scale: Option<f64>,
     /// Name of a group in the mesh file of a body, such as a physical group of embedded curves (in two
     /// dimensions) or surfaces (in three): its edges or faces between two elements are the joints.
     #[serde(default)]
