@@ -8,4 +8,5 @@ pub(crate) mod space;
 pub(crate) mod dimensions;
 pub(crate) mod crowded;
 pub(crate) mod sizes;
+pub(crate) mod boxes;
 pub(crate) mod build;

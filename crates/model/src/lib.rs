@@ -81,10 +81,11 @@ pub use advice::differences::Modelled;
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;
 pub use advice::preflight::{Critical, Preflight, check, steps};
+pub use bodies::boxes::BodyBox;
 pub use bodies::gmsh::stop as stop_gmsh;
 pub use fdem_mesh::Quality;
 pub use output::curves::columns;
-pub use prepare::{prepare, prepare_any, prepare_within};
+pub use prepare::{prepare, prepare_any, prepare_any_with, prepare_within};
 pub use prepared::{
     AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
     PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled, open_from_start,

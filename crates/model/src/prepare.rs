@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
 use crate::advice::{joined, plausible, scaling};
+use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
 use crate::joints::lines::JointLines;
@@ -129,8 +130,22 @@ pub fn prepare_any(
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<AnyPrepared, ModelErrors> {
+    prepare_any_with(text, name, load, memory, &mut |_| {})
+}
+
+/// Like [`prepare_any`]. `watch` sees the boxes of the bodies before they are meshed.
+///
+/// # Errors
+/// The errors of [`prepare_within`].
+pub fn prepare_any_with(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+    watch: &mut dyn FnMut(&[BodyBox]),
+) -> Result<AnyPrepared, ModelErrors> {
     let sources = Sources::gather(text, load);
-    prepare_or_faults(&sources, load, memory)
+    prepare_or_faults(&sources, load, memory, watch)
         .map_err(|faults| ModelErrors::new(name, &sources.text, faults).with_included(sources.included()))
 }
 
@@ -142,6 +157,7 @@ fn prepare_or_faults(
     sources: &Sources<'_>,
     load: &mut Load<'_>,
     memory: Option<f64>,
+    watch: &mut dyn FnMut(&[BodyBox]),
 ) -> Result<AnyPrepared, Vec<Fault>> {
     let mut document = parse(&sources.text, sources.parse())?;
     let from_library = library::resolve(&mut document);
@@ -157,17 +173,9 @@ fn prepare_or_faults(
         None if faults.is_empty() => deserialize(&document)?,
         None => return Err(faults),
     };
-    // A file that determines the dimensions is read once.
-    let mut read: Option<(String, Result<Vec<u8>, String>)> = None;
-    let dimensions = dimensions::of(&file, &mut |name| {
-        let bytes = load(name);
-        read = Some((name.to_owned(), bytes.clone()));
-        bytes
-    });
-    let mut load = |name: &str| match read.take_if(|(known, _)| known == name) {
-        Some((_, bytes)) => bytes,
-        None => load(name),
-    };
+    let mut ahead = Ahead::default();
+    let dimensions = dimensions::of(&file, &mut |name| ahead.look(name, load));
+    ahead.look_again();
     let is_news = |fault: &Fault| partial.as_ref().is_none_or(|partial| partial.is_news(fault));
 
     let mut found = Vec::new();
@@ -187,7 +195,11 @@ fn prepare_or_faults(
     initial::check(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
+    if faults.is_empty() {
+        watch(&boxes::boxes(&file, &document, &mut |name| ahead.look(name, load), &mut faults));
+    }
 
+    let mut load = |name: &str| ahead.take(name, load);
     // Included files may have parameters for other models.
     let unused = evaluated.unused.iter().filter(|(_, span)| sources.is_in_model(span));
     let warnings = unused.map(|(name, _)| format!("the parameter \"{name}\" is not used")).collect();
@@ -209,6 +221,39 @@ fn prepare_or_faults(
     } else {
         let prepared = checked.prepared(&mut load, faults, &is_news)?;
         Ok(AnyPrepared::Plane(Box::new(prepared)))
+    }
+}
+
+/// Files that are looked at before bodies are meshed, and are read once: a run keeps its files in the order
+/// in which they are read.
+#[derive(Default)]
+struct Ahead {
+    /// Name and bytes of each file, in order, and whether this look has had it.
+    files: Vec<(String, Result<Vec<u8>, String>, bool)>,
+}
+
+impl Ahead {
+    /// Begins a look at files that may have been looked at before.
+    fn look_again(&mut self) {
+        self.files.iter_mut().for_each(|(.., had)| *had = false);
+    }
+
+    fn look(&mut self, name: &str, load: &mut Load<'_>) -> Result<Vec<u8>, String> {
+        if let Some((_, bytes, had)) = self.files.iter_mut().find(|(known, _, had)| known == name && !had) {
+            *had = true;
+            return bytes.clone();
+        }
+        let bytes = load(name);
+        self.files.push((name.to_owned(), bytes.clone(), true));
+        bytes
+    }
+
+    /// The bytes of a file that was looked at, once for each look; else those that `load` gives.
+    fn take(&mut self, name: &str, load: &mut Load<'_>) -> Result<Vec<u8>, String> {
+        match self.files.iter().position(|(known, ..)| known == name) {
+            Some(first) => self.files.remove(first).1,
+            None => load(name),
+        }
     }
 }
 
@@ -304,6 +349,8 @@ impl Checked<'_> {
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
         warnings.extend(notes_of(file, &placed));
+        warnings.extend(lines.notes);
+        sets::vanished(file, &placed, &mut warnings);
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
         conditions::warnings(&model, &servos, &own, &mut warnings);

@@ -63,7 +63,7 @@ fn tell<const D: usize, const N: usize>(
     };
     if found.unmerged.0 > 0 {
         warnings.push(format!(
-            "{falls}; nodes in the place of another: {}, as at {}: they do not hold together; merge them (in Gmsh \"Coherence Mesh\", or Coherence for the geometry)",
+            "{falls}; nodes in the place of another: {}, as at {}: they do not hold together; merge them in the program that made the mesh (in Gmsh \"Coherence Mesh\", or Coherence for the geometry; in Abaqus/CAE Edit Mesh, Node, Merge)",
             grouped(found.unmerged.0 as u64),
             at(found.unmerged.1)
         ));

@@ -250,8 +250,10 @@ fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
     if body.mesh.is_some() {
         keys.push("seed");
     }
-    let copied = body.packing.as_ref().and_then(|packing| packing.copies_of.as_ref());
-    if body.mesh.is_none() && body.surface.is_none() && copied.is_none_or(|of| of.surface.is_none()) {
+    let has_file = body.packing.as_ref().is_some_and(|packing| {
+        packing.file.is_some() || packing.copies_of.as_ref().is_some_and(|of| of.surface.is_some())
+    });
+    if body.mesh.is_none() && body.surface.is_none() && !has_file {
         keys.push("scale");
     }
     if let Some(packing) = &body.packing {

@@ -80,7 +80,7 @@ impl Slivers {
 }
 
 /// Speed of a wave of compression along the axis on which it is fastest, m/s.
-fn speed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64
+pub(crate) fn speed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64
 where
     [[f64; D]; N]: Element<D, N>,
 {

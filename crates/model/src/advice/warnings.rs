@@ -12,7 +12,7 @@ use fdem_mesh::{Corners, bounds};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
-use crate::advice::{equilibrium, parts, process_zone, quasi_static};
+use crate::advice::{equilibrium, fine, parts, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
 use crate::stages::resolve::lifetime;
 use crate::text::file;
@@ -60,6 +60,7 @@ fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str,
 where
     [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
 {
+    fine::warn(ready, warnings);
     overlaps(ready, unit, warnings);
     // Ground at rest carries its weight from the beginning.
     if ready.file.initial.ground.is_none() {

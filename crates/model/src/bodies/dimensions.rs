@@ -52,13 +52,12 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
     let mut from_files = || {
         let Some(name) = file.body.iter().find_map(|body| body.mesh.as_ref()) else {
             let name = file.body.iter().find_map(|body| body.packing.as_ref()?.file.as_ref())?;
-            return Some(if packing::read_space(&load(name).ok()?, name).is_ok() { 3 } else { 2 });
+            return Some(if packing::read_space(&load(name).ok()?, name, None).is_ok() { 3 } else { 2 });
         };
         if gmsh::is_geometry(name) {
             return Some(3);
         }
-        let bytes = load(name).ok()?;
-        Some(if mesh_file::is_in_space(&bytes, name)? { 3 } else { 2 })
+        Some(if mesh_file::is_in_space(name, load)? { 3 } else { 2 })
     };
     let boundaries = || file.boundary.iter().any(is_in_space).then_some(3);
     let said = file.model.dimensions.filter(|said| [2, 3].contains(said));

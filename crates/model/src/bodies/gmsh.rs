@@ -57,8 +57,18 @@ pub(crate) fn is_geometry(name: &str) -> bool {
     GEOMETRIES.iter().any(|end| name.ends_with(end))
 }
 
+/// Size of elements that no geometry has: curves are cut only as much as they bend.
+const HUGE: f64 = 1e22;
+
+/// The box around the curves of a geometry, in metres as in [`mesh`]; `None` if Gmsh does not find them.
+pub(crate) fn bounds(bytes: &[u8], name: &str) -> Option<[[f64; 3]; 2]> {
+    let curves = mesh(bytes, name, HUGE, 1).ok()?;
+    let points = fdem_io::read_mesh(&curves, "curves.msh").ok()?.points;
+    (!points.is_empty()).then(|| fdem_mesh::bounds(points.into_iter()))
+}
+
 /// The mesh that Gmsh makes of a geometry with edges of `size` m at most, as a file. Lengths of STEP and IGES
-/// files become metres, whatever their unit.
+/// files become metres, whatever their unit. With one dimension, it is a mesh of all curves.
 ///
 /// Gmsh sees the file alone, in a separate folder: a file that includes others is not found there.
 ///
@@ -96,6 +106,10 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
         .stdin(Stdio::null())
         .stdout(output)
         .stderr(errors);
+    if dimensions == 1 {
+        // Also the curves in no physical group.
+        command.arg("-save_all");
+    }
     // Ctrl-C is for this program alone, which then stops Gmsh.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);

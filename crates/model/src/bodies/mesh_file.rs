@@ -51,10 +51,10 @@ pub(crate) fn read_flat(
     bytes: &[u8],
     (name, scale): (&str, f64),
     only: Option<&[String]>,
-    groups: &BTreeMap<String, u32>,
-    default: u32,
+    (groups, default): (&BTreeMap<String, u32>, u32),
+    load: &mut Load<'_>,
 ) -> Result<Piece, Problem> {
-    let mesh = read(bytes, name, scale)?;
+    let mesh = read(bytes, name, scale, load)?;
     check_flat(&mesh, name)?;
     let words = Words {
         group: "surface group",
@@ -80,10 +80,10 @@ pub(crate) fn read_space(
     bytes: &[u8],
     (name, scale): (&str, f64),
     only: Option<&[String]>,
-    groups: &BTreeMap<String, u32>,
-    default: u32,
+    (groups, default): (&BTreeMap<String, u32>, u32),
+    load: &mut Load<'_>,
 ) -> Result<Piece<3, 4>, Problem> {
-    let mesh = read(bytes, name, scale)?;
+    let mesh = read(bytes, name, scale, load)?;
     if mesh.tetrahedra.is_empty() {
         let found =
             if mesh.triangles.is_empty() { "has no elements" } else { "has triangles and no tetrahedra" };
@@ -114,8 +114,8 @@ pub(crate) fn read_space(
 /// The triangles of a file that has a surface. `scale`: the length of its unit, m.
 pub(crate) fn triangles(load: &mut Load<'_>, name: &str, scale: f64) -> Result<Vec<[[f64; 3]; 3]>, Problem> {
     let bytes = load(name).map_err(|why| Problem::new("surface", format!("cannot read {name}: {why}")))?;
-    let mesh =
-        read(&bytes, name, scale).map_err(|problem| Problem { key: "surface".to_owned(), ..problem })?;
+    let mesh = read(&bytes, name, scale, load)
+        .map_err(|problem| Problem { key: "surface".to_owned(), ..problem })?;
     if mesh.triangles.is_empty() {
         return Err(Problem::new("surface", format!("{name} has no triangles")));
     }
@@ -125,8 +125,9 @@ pub(crate) fn triangles(load: &mut Load<'_>, name: &str, scale: f64) -> Result<V
 
 /// Whether a file has a mesh of tetrahedra, or a surface that is in no plane z = constant; `None` if it
 /// cannot be read.
-pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> Option<bool> {
-    let mesh = read(bytes, name, 1.0).ok()?;
+pub(crate) fn is_in_space(name: &str, load: &mut Load<'_>) -> Option<bool> {
+    let bytes = load(name).ok()?;
+    let mesh = read(&bytes, name, 1.0, load).ok()?;
     let is_flat = mesh.points.windows(2).all(|pair| pair[0][2] == pair[1][2]);
     Some(!mesh.tetrahedra.is_empty() || !mesh.triangles.is_empty() && !is_flat)
 }
@@ -137,11 +138,11 @@ pub(crate) fn is_surface(name: &str) -> bool {
     [".stl", ".obj", ".stl.gz", ".obj.gz"].iter().any(|ending| name.ends_with(ending))
 }
 
-fn read(bytes: &[u8], name: &str, scale: f64) -> Result<MeshFile, Problem> {
+fn read(bytes: &[u8], name: &str, scale: f64, load: &mut Load<'_>) -> Result<MeshFile, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mut mesh =
-        fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
+    let mut mesh = fdem_io::read_mesh_with(&bytes, name, load)
+        .map_err(|error| Problem::new("mesh", error.to_string()))?;
     mesh.points.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     let too_large = |point: &[f64; 3]| point.iter().copied().find(|x| x.abs() > LARGEST);
     if let Some((number, x)) = (1_u64..).zip(&mesh.points).find_map(|(k, point)| Some((k, too_large(point)?)))

@@ -14,7 +14,7 @@ use crate::shapes::extent::{elements_of_discs, extent};
 use crate::shapes::limits::too_many;
 use crate::shapes::outline::{self, Domain};
 use crate::shapes::packing::{self, Motion, Room};
-use crate::shapes::piece::Piece;
+use crate::shapes::piece::{Piece, with_notes};
 use crate::shapes::refine::{self, grading};
 use crate::text::fault::Problem;
 use crate::text::file::{Body, Disc, Hole, ModelFile, Outline, Packing, Voronoi};
@@ -41,29 +41,30 @@ pub(crate) fn pieces(
             &bytes,
             (name, mesh_file::scale_of(body)),
             body.only.as_deref(),
-            &groups,
-            material,
+            (&groups, material),
+            load,
         )?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         piece.joints = joints.of_groups(body, &piece)?;
         return Ok(vec![piece]);
     }
     let uniform = |domain: &Domain, seed: u64, key: &'static str| {
-        let (meshed, joints) =
+        let (meshed, joints, lines) =
             joints.meshed(body, domain, &grading, seed, |error| refused(body, key, error))?;
         let materials = vec![material; meshed.elements.len()];
-        Ok(Piece { joints, ..Piece::new(meshed, materials).map_err(shape(key))? })
+        Ok(Piece { joints, lines, ..Piece::new(meshed, materials).map_err(shape(key))? })
     };
     if let Some(packing) = &body.packing {
         let copied = packing.copies_of.as_ref().map(|of| of.body(body));
         let reach = copied.as_ref().and_then(outline::reach);
-        let circles = circles(packing, reach.map(|(_, radius)| radius), load).map_err(shape("packing"))?;
+        let (circles, notes) =
+            circles((body, packing), reach.map(|(_, radius)| radius), load).map_err(shape("packing"))?;
         let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
         if let Some(message) = too_many(0.0, elements, size, None) {
             return Err(shape("packing")(message));
         }
         let mut random = Random::with_stream(packing.seed, 3);
-        return (0..)
+        let pieces: Result<Vec<Piece>, Problem> = (0..)
             .zip(circles)
             .map(|(number, circle)| {
                 let loops = match (&copied, reach) {
@@ -79,6 +80,7 @@ pub(crate) fn pieces(
                 uniform(&domain, body.seed.wrapping_add(number), "packing")
             })
             .collect();
+        return pieces.map(|pieces| with_notes(pieces, notes));
     }
     if let Some(voronoi) = &body.voronoi {
         let numbers: Vec<u32> =
@@ -160,7 +162,7 @@ fn grains(
     let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds).map_err(tell)?;
     let across = (domain.area() / voronoi.grains as f64).sqrt();
     grains.cut(domain, size.size).map_err(tell)?;
-    let (meshed, joints) = joints.meshed(body, domain, size, body.seed, |error| {
+    let (meshed, joints, lines) = joints.meshed(body, domain, size, body.seed, |error| {
         // The borders of such grains come closer to each other than the nodes on them.
         if across >= size.size {
             return tell(error.clone());
@@ -178,26 +180,28 @@ fn grains(
         let colours = colours::<2, 3>(&meshed.elements, &grain, materials.len());
         grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
     };
-    Ok(Piece { grains: grain, joints, ..Piece::new(meshed, materials).map_err(problem)? })
+    Ok(Piece { grains: grain, joints, lines, ..Piece::new(meshed, materials).map_err(problem)? })
 }
 
-/// The circles of a packing. `reach`: the radius of the shape that is copied, if one is.
+/// The circles of a packing, and notes on its file. `reach`: the radius of the shape that is copied, if one
+/// is.
 fn circles(
-    packing: &Packing,
+    (body, packing): (&Body, &Packing),
     reach: Option<f64>,
     load: &mut Load<'_>,
-) -> Result<Vec<packing::Ball<2>>, String> {
+) -> Result<(Vec<packing::Ball<2>>, Vec<String>), String> {
     if let Some(name) = &packing.file {
         let bytes = load(name).map_err(|why| format!("cannot read {name}: {why}"))?;
-        return packing::read_flat(&bytes, name);
+        return packing::read_flat(&bytes, name, body.scale);
     }
     let radius = packing.radius.or(reach.map(|radius| [radius; 2]));
     match (packing.count, radius, packing.within.as_ref().and_then(Room::new)) {
         (Some(count), Some(radius), Some(room)) => {
             packing::scatter(count, radius, &room, packing.gap, packing.seed)
+                .map(|circles| (circles, Vec::new()))
                 .map_err(|message| format!("{message}: take fewer or smaller ones, or a larger rectangle"))
         }
-        _ => Ok(Vec::new()),
+        _ => Ok((Vec::new(), Vec::new())),
     }
 }
 

@@ -18,7 +18,7 @@ use crate::joints::lines::JointLines;
 use crate::shapes::limits::{MOST, VOLUME, too_many};
 use crate::shapes::outline::{self, area};
 use crate::shapes::packing::{self, Ball, Motion, Room};
-use crate::shapes::piece::Piece;
+use crate::shapes::piece::{Piece, with_notes};
 use crate::shapes::refine::{self, grading};
 use crate::shapes::{coincident, distant};
 use crate::text::fault::Problem;
@@ -49,8 +49,8 @@ pub(crate) fn pieces(
             &bytes,
             (name, mesh_file::scale_of(body)),
             body.only.as_deref(),
-            &groups,
-            material,
+            (&groups, material),
+            load,
         )?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         piece.joints = joints.of_groups(body, &piece)?;
@@ -64,10 +64,10 @@ pub(crate) fn pieces(
     // All copies are of one file, which is read once.
     let mut known = BTreeMap::new();
     let mut load = |name: &str| known.entry(name.to_owned()).or_insert_with(|| load(name)).clone();
-    let (balls, copied) = balls(body, packing, &mut load)?;
+    let Balls { balls, copied, notes } = balls(body, packing, &mut load)?;
     let mut random = Random::with_stream(packing.seed, 3);
     let seeds = (0..).map(|number| body.seed.wrapping_add(number));
-    balls
+    let pieces: Result<Vec<Piece<3, 4>>, Problem> = balls
         .into_iter()
         .zip(seeds)
         .map(|(ball, seed)| {
@@ -86,7 +86,8 @@ pub(crate) fn pieces(
             };
             meshed(file, (&one, joints), "packing", shape, &grading)
         })
-        .collect()
+        .collect();
+    pieces.map(|pieces| with_notes(pieces, notes))
 }
 
 /// A shape, meshed.
@@ -177,7 +178,7 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
     let width = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let help = if body.surface.is_some() && width > WIDE * size {
         format!(
-            "the body is {} m wide, {} times mesh_size: if its file is in millimetres, write it in metres",
+            "the body is {} m wide, {} times mesh_size: if its file is in millimetres, say scale = \"1 mm\"",
             brief(width),
             brief((width / size).round())
         )
@@ -194,11 +195,14 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
 type Copied = (Body, [f64; 3], f64);
 
 /// The spheres of a packing, and the shape that is copied into them, if one is.
-fn balls(
-    body: &Body,
-    packing: &Packing,
-    load: &mut Load<'_>,
-) -> Result<(Vec<Ball<3>>, Option<Copied>), Problem> {
+struct Balls {
+    balls: Vec<Ball<3>>,
+    copied: Option<Copied>,
+    /// Notes on the file of the packing.
+    notes: Vec<String>,
+}
+
+fn balls(body: &Body, packing: &Packing, load: &mut Load<'_>) -> Result<Balls, Problem> {
     let problem = |message: String| Problem::new("packing", format!("[[body]] \"{}\": {message}", body.name));
     let copied = match &packing.copies_of {
         Some(of) => {
@@ -210,12 +214,12 @@ fn balls(
     };
     if let Some(name) = &packing.file {
         let bytes = load(name).map_err(|why| problem(format!("cannot read {name}: {why}")))?;
-        let balls = packing::read_space(&bytes, name).map_err(problem)?;
+        let (balls, notes) = packing::read_space(&bytes, name, body.scale).map_err(problem)?;
         let size = body.mesh_size.unwrap_or(f64::MAX);
         let elements = balls.iter().map(|(_, radius)| ball_volume(*radius) / (VOLUME * size.powi(3))).sum();
         return match too_many(0.0, elements, size, None) {
             Some(message) => Err(problem(message)),
-            None => Ok((balls, copied)),
+            None => Ok(Balls { balls, copied, notes }),
         };
     }
     let radius = packing.radius.or(copied.as_ref().map(|(.., radius)| [*radius; 2]));
@@ -227,7 +231,7 @@ fn balls(
         }
         _ => Vec::new(),
     };
-    Ok((balls, copied))
+    Ok(Balls { balls, copied, notes: Vec::new() })
 }
 
 /// A copy of a shape: turned, scaled and moved.

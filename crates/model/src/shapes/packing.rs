@@ -12,6 +12,7 @@ use fdem_scenes::random::Random;
 use crate::shapes::outline::{Point, circle};
 use crate::text::file::{Body, CopiesOf, Cylinder, Packing, PieceShape, Region, Vector};
 use crate::text::schema::LARGEST;
+use crate::text::values::length_of;
 
 /// A centre and a radius, m.
 pub(crate) type Ball<const D: usize> = ([f64; D], f64);
@@ -323,38 +324,62 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// The circles of a file.
+/// The circles of a file, and notes on how it was read. `scale`: the length of its unit, m, if the model says
+/// it.
 ///
 /// # Errors
 /// Messages of [`fdem_io::read_packing`], and about spheres, points and radii of zero.
-pub(crate) fn read_flat(bytes: &[u8], name: &str) -> Result<Vec<Ball<2>>, String> {
-    let (centres, radii) = read(bytes, name)?;
+pub(crate) fn read_flat(
+    bytes: &[u8],
+    name: &str,
+    scale: Option<f64>,
+) -> Result<(Vec<Ball<2>>, Vec<String>), String> {
+    let (centres, radii, notes) = read(bytes, name, scale)?;
     let Centres::Two(centres) = centres else {
         return Err(format!("{name} has z: a packing of discs has x, y and radius"));
     };
-    Ok(centres.into_iter().zip(radii).collect())
+    Ok((centres.into_iter().zip(radii).collect(), notes))
 }
 
-/// The spheres of a file.
+/// The spheres of a file; see [`read_flat`].
 ///
 /// # Errors
 /// Messages of [`fdem_io::read_packing`], and about circles, points and radii of zero.
-pub(crate) fn read_space(bytes: &[u8], name: &str) -> Result<Vec<Ball<3>>, String> {
-    let (centres, radii) = read(bytes, name)?;
+pub(crate) fn read_space(
+    bytes: &[u8],
+    name: &str,
+    scale: Option<f64>,
+) -> Result<(Vec<Ball<3>>, Vec<String>), String> {
+    let (centres, radii, notes) = read(bytes, name, scale)?;
     let Centres::Three(centres) = centres else {
         return Err(format!("{name} has no z: a packing of spheres has x, y, z and radius"));
     };
-    Ok(centres.into_iter().zip(radii).collect())
+    Ok((centres.into_iter().zip(radii).collect(), notes))
 }
 
-fn read(bytes: &[u8], name: &str) -> Result<(Centres, Vec<f64>), String> {
+/// Centres and radii of a file, m, and notes on how it was read.
+fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<(Centres, Vec<f64>, Vec<String>), String> {
     let mut packing = fdem_io::read_packing(bytes, name, &ReadOptions::default(), &AtomicU64::new(0))
         .map_err(|error| format!("{name}: {error}"))?;
-    let radii = packing.radii.take().ok_or_else(|| format!("{name} has no radii"))?;
-    packing.flatten(2.0 * radii.iter().copied().fold(0.0, f64::max));
+    let mut radii = packing.radii.take().ok_or_else(|| format!("{name} has no radii"))?;
     if let Some(row) = radii.iter().position(|&radius| radius <= 0.0) {
         return Err(format!("{name}: the radius of row {row} is 0"));
     }
+    let mut notes: Vec<String> = packing.source.unused_axis().into_iter().collect();
+    notes.extend(packing.flatten(2.0 * radii.iter().copied().fold(0.0, f64::max)));
+    if packing.cell.is_some_and(|cell| cell.repeats.contains(&true)) {
+        notes.push("its periodic box is not used: the bodies have no images".to_owned());
+    }
+    let scale = match (scale, packing.source.unit.as_deref()) {
+        (Some(scale), _) => scale,
+        (None, None) => 1.0,
+        (None, Some(unit)) => length_of_unit(unit, &mut notes)?,
+    };
+    let coordinates = match &mut packing.centres {
+        Centres::Two(centres) => centres.as_flattened_mut(),
+        Centres::Three(centres) => centres.as_flattened_mut(),
+    };
+    coordinates.iter_mut().chain(&mut radii).for_each(|x| *x *= scale);
     let most = |ball: &[f64], radius: f64| ball.iter().fold(radius, |most, x| most.max(x.abs()));
     let most_of_row = |row: usize| match &packing.centres {
         Centres::Two(centres) => most(&centres[row], radii[row]),
@@ -362,11 +387,25 @@ fn read(bytes: &[u8], name: &str) -> Result<(Centres, Vec<f64>), String> {
     };
     if let Some(row) = (0..radii.len()).find(|&row| most_of_row(row) > LARGEST) {
         return Err(format!(
-            "{name}: row {row} has a number of {:e}: numbers are in metres and from -{LARGEST:e} to {LARGEST:e}",
+            "{name}: row {row} has a number of {:e}: numbers are in metres, unless \"scale\" says otherwise, and from -{LARGEST:e} to {LARGEST:e}",
             most_of_row(row)
         ));
     }
-    Ok((packing.centres, radii))
+    let notes = notes.into_iter().map(|note| format!("{name}: {note}")).collect();
+    Ok((packing.centres, radii, notes))
+}
+
+/// Length in metres of the unit that the names of columns have, with a note unless it is the metre.
+fn length_of_unit(unit: &str, notes: &mut Vec<String>) -> Result<f64, String> {
+    let length = length_of(unit).or_else(|| length_of(&unit.to_lowercase())).ok_or_else(|| {
+        format!(
+            "its columns are in {unit}, which is no length known here: say scale, such as scale = \"1 mm\""
+        )
+    })?;
+    if length != 1.0 {
+        notes.push(format!("its columns are in {unit}, which is taken as {} m", brief(length)));
+    }
+    Ok(length)
 }
 
 /// The number of corners of a polygon or a polyhedron.

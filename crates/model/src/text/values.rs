@@ -465,6 +465,13 @@ pub(crate) fn dimension_of(unit: &str) -> Option<Dimension> {
     parsed.value(&mut |name, at| Err(Wrong::new(at, name))).ok()?.dimension()
 }
 
+/// Length of a unit, m; `None` for other names and for units of other quantities.
+pub(crate) fn length_of(unit: &str) -> Option<f64> {
+    let (found, power) = units::find(unit)?;
+    let is_length = power == 1 && Some(found.dimension) == dimension_of("m");
+    is_length.then(|| format!("{}e{}", found.factor, found.tens).parse().ok()).flatten()
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 mod tests;

@@ -48,6 +48,25 @@ fn lines_of_a_list_are_edges_with_their_clipped_length() {
     assert_eq!([set.strength.cohesion, set.strength.tensile], [0.0; 2]);
 }
 
+/// A line nearer to an outline than 0.35 of the mesh size cannot be an edge: the warning names its length.
+#[test]
+fn lines_near_an_outline_vanish_with_a_warning() {
+    let warned = |lines: &str| -> Option<String> {
+        let warnings = right(&with(&format!("lines = [{lines}]\n"))).warnings;
+        warnings.into_iter().find(|warning| warning.contains("vanish"))
+    };
+    let across = "[0, 0.25, 1, 0.25]";
+    assert_eq!(warned(across), None);
+    let near = warned(&format!("{across}, [0.2, 0.001, 0.8, 0.001]")).unwrap();
+    for part in ["\"bedding\": 1 line vanishes", "0.6 of 1.6 m in the bodies"] {
+        assert!(near.contains(part), "{near}");
+    }
+    let along = warned(&format!("{across}, [0, 0, 0.5, 0]")).unwrap();
+    assert!(along.contains("1 line vanishes") && along.contains("0.5 of 1.5 m"), "{along}");
+    let twice = warned(&format!("{across}, [-1, 0.25, 0.5, 0.25], [0, 9, 1, 9]")).unwrap();
+    assert!(twice.contains("1 line vanishes") && twice.contains("0.5 of 1.5 m"), "{twice}");
+}
+
 #[test]
 fn a_body_that_is_turned_and_moved_has_its_joints_where_they_are_asked_for() {
     let moved = SMALL.replacen("mesh_size", "angle = 20\ntranslate = [3, 4]\nmesh_size", 1);

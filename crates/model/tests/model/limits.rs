@@ -35,7 +35,7 @@ fn sizes_that_have_no_room_are_refused_before_anything_is_cut() {
         "rectangle = { min = [0, 0], max = [1, 1], holes = [{ centre = [0, 0], radius = 1e25 }] }\nmesh_size = 0.1",
         "disc = { radius = 1e29 }\nmesh_size = 0.1",
         "ring = { radius = 1e30, inner_radius = 1e29 }\nmesh_size = 1",
-        "voronoi = { outline = { polygon = { points = [[0, 0], [1, 0], [1, 1e18], [0, 1e18]] } }, grains = 50 }\nmesh_size = 0.1",
+        "voronoi = { outline = { polygon = { points = [[0, 0], [1, 0], [1, 1e18], [0, 1e18]] } }, grains = 50 }\nfine = true\nmesh_size = 0.1",
         "packing = { count = 1000, radius = [1e28, 1e29], within = { min = [0, 0], max = [1, 1] } }\nmesh_size = 0.1",
         "packing = { count = 1000000, radius = [0.9, 1], within = { min = [0, 0], max = [1e4, 1e4] } }\nmesh_size = 0.1",
     ] {
@@ -45,16 +45,19 @@ fn sizes_that_have_no_room_are_refused_before_anything_is_cut() {
 
 #[test]
 fn outlines_that_fill_little_of_their_box_take_no_memory_for_the_rest() {
-    let thin = "ring = { radius = 50, inner_radius = 49.99 }\nmesh_size = 0.01";
+    let thin = "ring = { radius = 50, inner_radius = 49.99 }\nfine = true\nmesh_size = 0.01";
     let elements = right(&with_shape(thin)).quality.elements;
     assert!((60_000..120_000).contains(&elements), "{elements}");
-    let spire = "voronoi = { outline = { polygon = { points = [[0, 0], [1e-6, 0], [100, 100]] } }, grains = 50 }\nmesh_size = 0.1";
+    let spire = "voronoi = { outline = { polygon = { points = [[0, 0], [1e-6, 0], [100, 100]] } }, grains = 50 }\nfine = true\nmesh_size = 0.1";
     refused(&with_shape(spire), "the outline is too thin for grains");
     let needle = spire.replace("[100, 100]", "[1e18, 1e18]").replace("mesh_size = 0.1", "mesh_size = 1e15");
     refused(&with_shape(&needle), "are nearer to each other than a billionth of the shape");
     // Edges that go from the bottom to the top are in all rows in which points are looked up.
     let comb: Vec<String> = (0..4000).map(|k| format!("[{}, {}]", k, k % 2)).collect();
-    let comb = format!("polygon = {{ points = [{}, [4000, 3], [-1, 3]] }}\nmesh_size = 1", comb.join(", "));
+    let comb = format!(
+        "polygon = {{ points = [{}, [4000, 3], [-1, 3]] }}\nfine = true\nmesh_size = 1",
+        comb.join(", ")
+    );
     assert!(right(&with_shape(&comb)).quality.elements > 4000);
 }
 
@@ -152,4 +155,48 @@ fn wrong_values_are_told_before_large_bodies_are_meshed() {
     assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
     // The estimate of its elements is also that of a polyhedron that is too large.
     refused(&text.replace("mesh_size = 0.004", "mesh_size = 1e-5"), "a mesh size of 1e-5 m gives about");
+}
+
+/// A wrong unit gives a mesh size far below the width of the body.
+#[test]
+fn a_mesh_size_far_below_the_width_of_a_body_has_to_be_meant() {
+    let with = |body: &str| {
+        format!(
+            "[model]\nend_time = 1e-6\n[[body]]\nname = \"bar\"\nmaterial = \"rock\"\n{body}\n[[material]]\nname = \"rock\"\n\
+             density = 2500\nyoungs_modulus = 1e10\npoissons_ratio = 0.2\n"
+        )
+    };
+    let cube = "v 0 0 0\nv 300 0 0\nv 300 300 0\nv 0 300 0\nv 0 0 300\nv 300 0 300\nv 300 300 300\nv 0 300 300\n\
+        f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    let mut seen = Vec::new();
+    let mut prepared = |text: &str| {
+        seen.clear();
+        let mut loads = 0;
+        let mut load = |_: &str| {
+            loads += 1;
+            Ok(cube.as_bytes().to_vec())
+        };
+        let mut watch = |boxes: &[fdem_model::BodyBox]| seen.extend(boxes.iter().map(ToString::to_string));
+        let prepared = fdem_model::prepare_any_with(text, "m.toml", &mut load, None, &mut watch);
+        (prepared.map(|_| ()).map_err(|errors| errors.to_string()), seen.clone(), loads)
+    };
+    let bar = "rectangle = { min = [0, 0], max = [1, 0.002] }\nmesh_size = 0.001";
+    let (refused, seen, _) = prepared(&with(bar));
+    let message = refused.unwrap_err();
+    for part in ["\"bar\" is 1 x 0.002 m wide, 1000 times its mesh_size of 0.001 m", "fine = true"] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(!message.contains("scale"), "{message}");
+    assert_eq!(seen, ["bar: 1 x 0.002 m, from [0, 0], mesh_size 0.001 m"]);
+    assert_eq!(prepared(&with(&format!("{bar}\nfine = true"))).0, Ok(()));
+    let surface = "surface = \"cube.obj\"\nmesh_size = 0.1";
+    let (refused, ..) = prepared(&with(surface));
+    let message = refused.unwrap_err();
+    assert!(
+        message.contains("is 300 x 300 x 300 m wide, 3000 times") && message.contains("say scale"),
+        "{message}"
+    );
+    let (right, seen, loads) = prepared(&with(&format!("{surface}\nscale = \"1 mm\"")));
+    assert_eq!((right, loads), (Ok(()), 1), "the file is read once");
+    assert_eq!(seen, ["bar: 0.3 x 0.3 x 0.3 m, from [0, 0, 0], mesh_size 0.1 m"]);
 }

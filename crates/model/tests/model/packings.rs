@@ -187,6 +187,40 @@ fn a_file_with_z_is_a_packing_of_spheres() {
     wrong("{ file = \"discs.csv\", shape = \"sphere\" }", "discs.csv has no z: a packing of spheres");
 }
 
+/// A packing in millimetres is not taken as one in metres, and the model has the notes of `fdem contacts`.
+#[test]
+fn the_file_of_a_packing_has_a_unit_and_notes() {
+    let read = |file: &str, keys: &str| {
+        let text = format!(
+            "[model]\nend_time = 1e-3\n[[body]]\nname = \"heap\"\nmaterial = \"stone\"\nmesh_size = 0.2\npacking = {{ file = \"a.csv\" }}\n{keys}{STONE}"
+        );
+        let prepared = prepare_any(&text, "m.toml", &mut |_| Ok(file.as_bytes().to_vec()), None);
+        prepared.map_err(|errors| errors.to_string())
+    };
+    let area = |file: &str, keys: &str| match read(file, keys) {
+        Ok(AnyPrepared::Plane(prepared)) => (measures(&prepared)[0], prepared.warnings),
+        Ok(AnyPrepared::Space(_)) => panic!("it is not flat"),
+        Err(errors) => panic!("{errors}"),
+    };
+    let discs = "x,y,radius\n0,0,500\n2000,0,400\n";
+    let with_unit = discs.replace("x,y,radius", "x [mm],y [mm],radius [mm]");
+    for (file, keys) in [(discs, "scale = \"1 mm\"\n"), (&with_unit, ""), (&with_unit, "scale = 0.001\n")] {
+        let (area, warnings) = area(file, keys);
+        assert!((0.7..0.786).contains(&area), "{keys}: {area}");
+        let noted = warnings.iter().any(|warning| warning.contains("in mm, which is taken as 0.001 m"));
+        assert_eq!(noted, keys.is_empty(), "{warnings:?}");
+        assert!(!warnings.iter().any(|warning| warning.contains("scale changes nothing")), "{warnings:?}");
+    }
+    let (_, warnings) = area("x,y,zz,radius\n0,0,1,0.5\n2,0,1,0.4\n", "");
+    assert!(warnings.iter().any(|warning| warning.contains("a.csv: column zz is not used")), "{warnings:?}");
+    let (_, warnings) = area("##PERIODIC:: 9 9 0.5\n1 1 0.1 0.5\n3 1 0.1 0.5\n", "");
+    for part in ["a.csv: read in 2D", "its periodic box is not used"] {
+        assert!(warnings.iter().any(|warning| warning.contains(part)), "{part}: {warnings:?}");
+    }
+    let errors = read(&with_unit.replace("mm", "furlong"), "").err().unwrap_or_default();
+    assert!(errors.contains("in furlong, which is no length known here"), "{errors}");
+}
+
 #[test]
 fn packings_in_space_that_cannot_be_are_refused() {
     let within = "within = { min = [0, 0, 0], max = [1, 1, 1] }";

@@ -272,7 +272,8 @@ fn the_sharp_corner_of_a_face_that_makes_angles_poor_is_named() {
     let prepared = space(&body(
         "polyhedron = { points = [[0.522, 0.965, 0.087], [0.429, 0.428, 0.799], [0.439, 0.878, 0.492], [0.413, 0.421, 0.781], [0.113, 0.217, 0.403], [0.957, 0.834, 0.85]] }\nmesh_size = 0.3",
     ));
-    let [warning] = &prepared.warnings[..] else { panic!("it has one warning") };
+    let [warning, fine] = &prepared.warnings[..] else { panic!("{:?}", prepared.warnings) };
+    assert!(fine.contains("times shorter than theirs"), "{fine}");
     assert!(warning.contains("\"b\" has a face that ends in an angle of 0."), "{warning}");
 }
 

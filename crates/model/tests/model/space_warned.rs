@@ -123,10 +123,11 @@ fn parts_of_a_mesh_that_share_only_an_edge_or_a_node_are_warned_of() {
 
 #[test]
 fn a_surface_that_gives_too_many_elements_is_refused_at_its_mesh_size() {
-    let refused = |width: f64, size: f64| {
-        any("", &format!("surface = \"a.stl\"\nmesh_size = {size}"), &cubes(width, &[[0.0; 3]])).unwrap_err()
+    let refused = |width: f64, size: f64, more: &str| {
+        let body = format!("surface = \"a.stl\"\nmesh_size = {size}\n{more}");
+        any("", &body, &cubes(width, &[[0.0; 3]])).unwrap_err()
     };
-    let fine = refused(1.0, 1.0 / 200.0);
+    let fine = refused(1.0, 1.0 / 200.0, "");
     for part in [
         "m.toml:8:",
         "a mesh size of 0.005 m gives about 8e7 elements; the most are 20,000,000",
@@ -135,8 +136,9 @@ fn a_surface_that_gives_too_many_elements_is_refused_at_its_mesh_size() {
         assert!(fine.contains(part), "{part} is not in {fine}");
     }
     assert!(!fine.contains("millimetres"), "{fine}");
-    let coarse = refused(100.0, 0.005);
-    for part in ["about 8e13 elements", "the body is 100 m wide, 20000 times mesh_size", "millimetres"] {
+    assert!(refused(100.0, 0.005, "").contains("100 x 100 x 100 m wide, 20000 times its mesh_size"));
+    let coarse = refused(100.0, 0.005, "fine = true");
+    for part in ["about 8e13 elements", "the body is 100 m wide, 20000 times mesh_size", "scale = \"1 mm\""] {
         assert!(coarse.contains(part), "{part} is not in {coarse}");
     }
 }
@@ -287,4 +289,51 @@ fn a_shape_that_cannot_be_has_one_error() {
     let body = "extrusion = { outline = { sphere = { radius = 1 } }, to = 1 }\nmesh_size = 0.5";
     let error = any("", body, "").map(|_| ()).unwrap_err();
     assert!(error.lines().count() == 1 && !error.contains("inf"), "{error}");
+}
+
+/// A surface has its facets in the mesh: a patch of fine ones makes all of the run slow.
+#[test]
+fn a_fine_patch_of_a_surface_has_a_warning_with_its_cost() {
+    let cube = |patch: f64, squares: usize| {
+        let mut text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".to_owned();
+        let at = |k: usize| 0.5 + patch * (k as f64 / squares as f64 - 0.5);
+        for (y, x) in (0..=squares).flat_map(|y| (0..=squares).map(move |x| (y, x))) {
+            text += &format!("v {} {} 1\n", at(x), at(y));
+        }
+        text += "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        let corner = |x: usize, y: usize| 9 + x + (squares + 1) * y;
+        for (y, x) in (0..squares).flat_map(|y| (0..squares).map(move |x| (y, x))) {
+            let [a, b, c, d] = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]].map(|[x, y]| corner(x, y));
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+        // Fans around the patch, from the corners of the cube.
+        for k in 0..squares {
+            let last = squares - k;
+            let sides = [
+                (5, [k, 0], [k + 1, 0]),
+                (6, [squares, k], [squares, k + 1]),
+                (7, [last, squares], [last - 1, squares]),
+                (8, [0, last], [0, last - 1]),
+            ];
+            for (outer, [x, y], [u, v]) in sides {
+                text += &format!("f {outer} {} {}\n", corner(u, v), corner(x, y));
+            }
+        }
+        let ends = [[squares, 0], [squares, squares], [0, squares], [0, 0]].map(|[x, y]| corner(x, y));
+        for ([a, b], end) in [[5, 6], [6, 7], [7, 8], [8, 5]].into_iter().zip(ends) {
+            text += &format!("f {a} {b} {end}\n");
+        }
+        text
+    };
+    let warned = |file: &str| {
+        let prepared = space("", "surface = \"a.obj\"\nmesh_size = 0.3", file);
+        prepared.warnings.into_iter().find(|warning| warning.contains("facets of its surface"))
+    };
+    let warning = warned(&cube(1e-3, 4)).unwrap();
+    for part in
+        ["half of the elements of the body \"b\"", "times shorter than theirs", "below a tenth of mesh_size"]
+    {
+        assert!(warning.contains(part), "{warning}");
+    }
+    assert_eq!(warned(&cube(0.4, 2)), None);
 }

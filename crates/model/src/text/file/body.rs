@@ -58,13 +58,18 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
+    /// Whether a `mesh_size` below 1/500 of the width of the body is meant. Without, it is refused: it is more
+    /// often a wrong unit.
+    #[serde(default)]
+    pub fine: bool,
     /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that
     /// `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges,
     /// .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
     pub mesh: Option<String>,
-    /// Length in metres of the unit of `mesh` or `surface`: "1 mm" for a file in millimetres. Not for STEP
-    /// and IGES files, which say their unit. Default: 1.
+    /// Length in metres of the unit of `mesh`, `surface` or the `file` of a packing: "1 mm" for a file in
+    /// millimetres. Not for STEP and IGES files, which say their unit. Default: 1, or the unit that the
+    /// columns of a packing name.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub scale: Option<f64>,
@@ -410,8 +415,9 @@ pub struct Packing {
     /// Seed of the packing: another seed gives another packing. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// File with x, y, in three dimensions z, and radius of each body, m, instead of `count`, `radius` and
-    /// `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
+    /// File with x, y, in three dimensions z, and radius of each body, instead of `count`, `radius` and
+    /// `within`: any format that `fdem contacts` reads. It is in metres, unless its columns name a unit or
+    /// `scale` of the body says otherwise. Its path is relative to the model file.
     #[serde(default)]
     pub file: Option<String>,
 }
