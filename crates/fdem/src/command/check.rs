@@ -12,7 +12,10 @@ use crate::command::memory;
 use crate::command::output::{is_device, print};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
-use fdem_model::{AnyPrepared, Drawing, ModelErrors, Preflight, Setting, prepare_any, schema, with_values};
+use fdem_io::numbers::grouped;
+use fdem_model::{
+    AnyPrepared, BodyBox, Drawing, ModelErrors, Preflight, Setting, prepare_any_with, schema, with_values,
+};
 
 /// Largest model file, bytes. The check against the schema and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;
@@ -26,7 +29,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let Some(path) = &arguments.model else {
         return Err(Failure::Unusable("no model file is given".to_owned()));
     };
-    match (preflight(path, arguments.ranks, &arguments.set), arguments.json) {
+    match (preflight(path, arguments), arguments.json) {
         (Ok(preflight), false) => print(&preflight.to_string()),
         (Ok(preflight), true) => {
             let text = serde_json::to_string_pretty(&preflight)
@@ -81,15 +84,33 @@ impl Problem {
     }
 }
 
-/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. `ranks`: number of
-/// ranks to divide the run among, if given.
-fn preflight(path: &Path, ranks: Option<usize>, set: &[(String, Setting)]) -> Result<Preflight, Problem> {
+/// Boxes of bodies that are printed.
+const BOXES: usize = 6;
+
+/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. Prints the boxes of
+/// the bodies before they are meshed.
+fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Problem> {
     let name = display_name(path);
-    let text = read_text(path).and_then(|text| with_settings(text, path, set)).map_err(Problem::Other)?;
+    let ranks = arguments.ranks;
+    let text = read_text(path).and_then(|text| with_settings(text, path, &arguments.set));
+    let text = text.map_err(Problem::Other)?;
+    let mut printed = Ok(());
+    let mut watch = |boxes: &[BodyBox]| {
+        let mut lines: Vec<String> =
+            boxes.iter().take(BOXES).map(|body| format!("box              {body}\n")).collect();
+        if boxes.len() > BOXES {
+            lines.push(format!("                 and {} more\n", grouped((boxes.len() - BOXES) as u64)));
+        }
+        if !arguments.json && !lines.is_empty() {
+            printed = print(&lines.concat());
+        }
+    };
     let mut load = inputs_of(path);
     let progress = Progress::new(false);
-    let (prepared, _) =
-        progress.step("meshing the model", None, |_| prepare_any(&text, &name, &mut load, memory::free()));
+    let (prepared, _) = progress.step("meshing the model", None, |_| {
+        prepare_any_with(&text, &name, &mut load, memory::free(), &mut watch)
+    });
+    printed.map_err(Problem::Other)?;
     let prepared = prepared.map_err(Problem::Model)?;
     let (preflight, _) = progress.step("preparing the run", None, |_| match &prepared {
         AnyPrepared::Plane(prepared) => Preflight::with_ranks(prepared, ranks),

@@ -56,6 +56,9 @@ pub(crate) struct FileOf {
     pub(crate) bodies_from: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) left_out: Option<LeftOut>,
+    /// Differences between the file and the elements, one sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) notes: Vec<String>,
 }
 
 /// Elements of a mesh that are not compared.
@@ -128,6 +131,7 @@ impl fmt::Display for MeshSummary {
                 _ => format!("{} to {}", grouped(first.into()), grouped(last.into())),
             };
             line("  bodies", format!("{numbers}: {}", file.bodies_from))?;
+            file.notes.iter().try_for_each(|note| line("  note", note.clone()))?;
         }
         line("elements", format!("{} in {}D", grouped(self.elements as u64), self.dimensions))?;
         line("bodies", grouped(self.bodies as u64))?;

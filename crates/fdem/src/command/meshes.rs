@@ -8,7 +8,7 @@ use fdem_contact::discretised::{
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
-use fdem_io::{Centres, Table, Values};
+use fdem_io::{Centres, MeshFormat, MeshGroup, Table, Values};
 use fdem_results::network::Sizes;
 use fdem_results::picture::MeshDrawing;
 
@@ -106,7 +106,9 @@ fn read(
 ) -> Result<BodyFile, Failure> {
     let name = opened.name.clone();
     if opened.is_mesh() {
-        let (mesh, reading) = progress.step("reading", None, |_| fdem_io::read_mesh(&opened.bytes, &name));
+        let mut load = |path: &str| std::fs::read(path).map_err(|error| error.to_string());
+        let (mesh, reading) =
+            progress.step("reading", None, |_| fdem_io::read_mesh_with(&opened.bytes, &name, &mut load));
         seconds.read += opened.seconds + reading;
         let mesh = mesh.map_err(|error| Failure::Unusable(error.to_string()))?;
         if mesh.triangles.is_empty() && mesh.tetrahedra.is_empty() {
@@ -129,6 +131,22 @@ fn read(
             "{name}: discs in 2D can only be compared within one file; several files need spheres in 3D"
         ))),
     }
+}
+
+/// Differences between a mesh and its file, and sets that are no bodies because they overlap.
+fn notes_of(mesh: &fdem_io::MeshFile) -> Vec<String> {
+    let mut notes = mesh.source.notes();
+    let is_solid = !mesh.tetrahedra.is_empty();
+    let elements = |group: &MeshGroup| if is_solid { group.tetrahedra.len() } else { group.triangles.len() };
+    let whole = if is_solid { mesh.tetrahedra.len() } else { mesh.triangles.len() };
+    let sets = mesh.groups.iter().filter(|group| elements(group) > 0);
+    let names: Vec<&str> = sets.clone().filter_map(|group| group.name.as_deref()).collect();
+    // One set of all elements is no other body.
+    let has_parts = sets.clone().any(|group| elements(group) < whole);
+    if mesh.source.format == MeshFormat::Abaqus && mesh.bodies.len() == 1 && has_parts {
+        notes.push(format!("the element sets {} overlap: the elements are one body", names.join(", ")));
+    }
+    notes
 }
 
 /// Elements of all files with one numbering, in the order of the files. Meshes and spheres are stored
@@ -286,6 +304,7 @@ impl MeshTask<'_> {
                         first_body: model.body_count,
                         bodies_from: "each sphere".to_owned(),
                         left_out: None,
+                        notes: Vec::new(),
                     });
                     model.body_count += n;
                 }
@@ -595,6 +614,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
             first_body,
             bodies_from: mesh.source.bodies_from.to_string(),
             left_out: Some(left_out),
+            notes: notes_of(mesh),
         });
         Ok(())
     }

@@ -52,9 +52,12 @@ impl SeriesTable {
         let columns = *self.shifts.get_or_insert(shifts);
         // Without a periodic box, shifts are zero, and any number of columns holds them.
         if shifts != columns && shifts != 0 {
+            let difference = match columns {
+                0 => "its box is periodic, and that of the first frame is not".to_owned(),
+                _ => format!("it is in {D}D, and the first frame is in {columns}D"),
+            };
             return Err(Failure::Unusable(format!(
-                "frame {}: its box has other periodic edges than that of the first frame, or another dimension: one table cannot hold both. Put \
-                 {PLACE} into the name of the output, or give --periodic",
+                "frame {}: {difference}: one table cannot hold both. Put {PLACE} into the name of the output, or give --periodic none",
                 packing.frame.index
             )));
         }

@@ -28,6 +28,29 @@ fn a_dump_in_two_dimensions_is_flat() {
     assert_eq!(run.stdout, "i,j,distance,overlap\n3,4,0.8000000000000007,0.1999999999999993\n");
 }
 
+/// Frames of two and of three dimensions have other columns of shifts.
+#[test]
+fn frames_in_2d_and_in_3d_are_not_in_one_table() {
+    let bench = Bench::new();
+    let thick =
+        THREE_DISCS.replace("-0.5 0.5", "-5 5").replace("3 1 9 4 0", "3 1 9 4 1").replace("100", "200");
+    bench.write("a.dump", format!("{THREE_DISCS}{thick}"));
+    let run = bench.run(&["contacts", "a.dump", "--frames", "all", "-o", "a.csv"]);
+    run.refused_with(&["frame 1: it is in 3D, and the first frame is in 2D", "{frame}"]);
+}
+
+/// The line of a periodic box needs its three edges.
+#[test]
+fn a_periodic_box_without_edges_is_refused() {
+    let bench = Bench::new();
+    for line in ["##PERIODIC::", "##PERIODIC:: ", "##PERIODIC::2 3", "  ##PERIODIC:: 2 3 x"] {
+        bench.write("a.txt", format!("{line}\n0 0 0 0.5\n1 1 1 0.5\n"));
+        bench.run(&["contacts", "a.txt"]).refused_with(&["expected three edges of a periodic box"]);
+    }
+    bench.write("a.txt", "##PERIODIC::2 3 4\n0.1 1 1 0.5\n1.9 1 1 0.5\n");
+    assert_eq!(bench.run(&["contacts", "a.txt", "--count"]).succeeds().stdout, "1\n");
+}
+
 /// Any axis, and any format with a box.
 #[test]
 fn a_thin_axis_may_be_any() {

@@ -284,3 +284,21 @@ fn drum_with_walls() {
     let farthest = rows.iter().map(|[r, x, _, z]| r + x.hypot(*z)).fold(0.0, f64::max);
     assert_eq!(format!("{farthest:.7}"), "0.0999995");
 }
+
+/// Sets that overlap are no bodies; the summary says so, and how elements were cut.
+#[test]
+fn the_summary_has_notes_on_mesh_files() {
+    let bench = Bench::new();
+    let nodes = "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 0, 2\n";
+    bench.write("nodes.inp", nodes);
+    let elements = "*Element, type=CPS4\n1, 1, 2, 3, 4\n*Element, type=CPS3\n2, 4, 3, 5\n*Elset, elset=whole\n1, 2\n*Elset, elset=upper\n2\n";
+    bench.write("a.inp", format!("*Include, input=nodes.inp\n{elements}"));
+    let run = bench.run(&["contacts", "a.inp", "--json", "a.json"]).succeeds();
+    for part in [
+        "  note           1 quadrilateral is cut into triangles",
+        "  note           the element sets whole, upper overlap: the elements are one body",
+    ] {
+        assert!(run.stderr.contains(part), "{}", run.stderr);
+    }
+    assert_eq!(bench.json("a.json")["files"][0]["notes"].as_array().map(Vec::len), Some(2));
+}

@@ -264,7 +264,11 @@ fn a_run_without_a_checkpoint_is_told_how_to_start_again() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
     fs::remove_file(bench.path("run/checkpoint")).unwrap();
-    bench.run(&["resume", "-q", "run"]).refused_with(&["before its first checkpoint", "fdem run --force"]);
+    bench.run(&["resume", "-q", "run"]).refused_with(&[
+        "the file was deleted",
+        "before its first checkpoint",
+        "fdem run --force",
+    ]);
     bench.run(&["run", "crash.toml", "-q", "--force", "-o", "run"]).succeeds();
 }
 

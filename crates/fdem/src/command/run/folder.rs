@@ -320,7 +320,7 @@ fn without_checkpoint(path: &Path) -> Failure {
     let folder = display_name(path);
     if path.join(SUMMARY).exists() && path.join(MODEL).exists() {
         return Failure::Unusable(format!(
-            "the run in {folder} ended before its first checkpoint, and cannot continue: start it again with `fdem run --force`"
+            "the run in {folder} has no checkpoint, and cannot continue: either the file was deleted, or the run ended before its first checkpoint. Restore it from a copy, or start the run again with `fdem run --force`"
         ));
     }
     Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it"))
