@@ -26,8 +26,7 @@ use crate::error::ModelError;
 use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
 use crate::joint_sets::common_set;
-use crate::joints::joint::JointAxes;
-pub(crate) use crate::joints::joint::{Joint, JointState};
+pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
 use crate::joints::stress_level::{Slopes, StressLevel, Weakest};
 use crate::joints::whole::{JointBatch, Link};
 use crate::lanes::LANES;
@@ -70,9 +69,9 @@ pub(crate) struct MovingJoint<const D: usize> {
     /// Time and modes of its failure.
     broken: Option<(f64, [f64; 2])>,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
-    measure: f64,
+    pub(crate) measure: f64,
     /// Codes of its corners on side 0 and on side 1.
-    corners: [[u32; D]; 2],
+    pub(crate) corners: [[u32; D]; 2],
 }
 
 wire!([const D: usize] MovingJoint<D> { joint, forces, broken, measure, corners });

@@ -1,7 +1,9 @@
-//! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions.
+//! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets.
 //!
 //! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
 //! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
+
+pub(crate) mod joints;
 
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
@@ -93,6 +95,20 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the
     /// pressure and energy of a gas, J, of the cavity of the boundary with this name.
     Cavity(String),
+    /// Mean opening and slip now, m, and mean normal and shear stress at the beginning of the last step, Pa,
+    /// tension positive, of the joints of the set with this name, weighted by their undeformed length or
+    /// area.
+    ///
+    /// Opening and slip of a joint are those of the corners of its two sides, and its stresses are those of
+    /// its two elements, half and half, on the plane half way between the sides: in every state of the joint,
+    /// also after it has handed over to contact. In two dimensions slip and shear stress are positive if each
+    /// side moves to the left, as seen from the other; in three they are magnitudes. The values are not
+    /// numbers if the set has no joints.
+    JointSet(String),
+    /// Length, m, in two dimensions, or area, m², in three, of all joints past their strength, whether they
+    /// soften or are broken, and the same with the damage of each joint as a factor. Joints that are open from
+    /// the beginning are left out.
+    Softening,
 }
 
 impl<const D: usize, const N: usize> Probe<D, N>
@@ -111,6 +127,9 @@ where
             Self::Cavity(_) => {
                 vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
             }
+            Self::JointSet(_) => joints::COLUMNS.to_vec(),
+            Self::Softening if D == 2 => vec![("softening_length", "m"), ("damaged_length", "m")],
+            Self::Softening => vec![("softening_area", "m²"), ("damaged_area", "m²")],
         }
     }
 
@@ -137,6 +156,8 @@ where
             }
             Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
             Self::Cavity(name) => Self::Cavity(name.clone()),
+            Self::JointSet(name) => Self::JointSet(name.clone()),
+            Self::Softening => Self::Softening,
             Self::Reaction(nodes) => {
                 Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect())
             }
@@ -152,10 +173,21 @@ where
         }
     }
 
-    /// Whether the values are those at the beginning of the last step, and are known only after the first
-    /// one.
+    /// Whether values, all or some, are those at the beginning of the last step, and are known only after the
+    /// first one.
     pub fn follows_a_step(&self) -> bool {
-        matches!(self, Self::Stress(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Cavity(_))
+        match self {
+            Self::Stress(_)
+            | Self::ContactForce(_)
+            | Self::Reaction(_)
+            | Self::Cavity(_)
+            | Self::JointSet(_) => true,
+            Self::Strain(_)
+            | Self::Velocity(_)
+            | Self::PointVelocity(_)
+            | Self::Gauge { .. }
+            | Self::Softening => false,
+        }
     }
 
     /// Number of sums.
@@ -168,6 +200,9 @@ where
             Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => D,
             // The last counts the cavities of this name: 0 in a stage that has none.
             Self::Cavity(_) => 6,
+            // The last is that of the lengths or areas.
+            Self::JointSet(_) => 5,
+            Self::Softening => 2,
         }
     }
 
@@ -191,8 +226,9 @@ where
                 // l² - l₀² without the loss of digits in a difference.
                 vec![dot(plus(span, plus(span, moved)), moved) / (before * (before + now))]
             }
-            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => sums,
+            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Softening => sums,
             Self::Cavity(_) => (0..5).map(mean).collect(),
+            Self::JointSet(_) => (0..4).map(mean).collect(),
         }
     }
 }
@@ -274,6 +310,8 @@ where
                     add(&[pressure, volume, area, work, stored, 1.0], 1.0);
                 }
             }
+            Probe::Softening => self.damaged_lengths(|lengths| add(&lengths, 1.0)),
+            Probe::JointSet(name) => self.each_joint_of(name, |terms| add(&terms, 1.0)),
             Probe::Reaction(nodes) => {
                 let applied = self.actions.applied(self.solid());
                 let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));
@@ -365,6 +403,8 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::ContactForce(bodies) => (5_u8, bodies.clone()).put(out),
             Self::Reaction(nodes) => (6_u8, nodes.clone()).put(out),
             Self::Cavity(name) => (7_u8, name.clone()).put(out),
+            Self::JointSet(name) => (8_u8, name.clone()).put(out),
+            Self::Softening => 9_u8.put(out),
         }
     }
 
@@ -380,7 +420,9 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             }
             5 => Self::ContactForce(<[Vec<u32>; 2]>::take(bytes)),
             6 => Self::Reaction(Vec::take(bytes)),
-            _ => Self::Cavity(String::take(bytes)),
+            7 => Self::Cavity(String::take(bytes)),
+            8 => Self::JointSet(String::take(bytes)),
+            _ => Self::Softening,
         }
     }
 }

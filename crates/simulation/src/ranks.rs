@@ -9,7 +9,8 @@
 //! order of those of the whole model. `links.rs` has the messages of a step. `spread.rs` divides the nodes
 //! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of
 //! other ranks, and when the work is not even. `piece.rs` has the transferred data, and `assemble.rs` makes a
-//! part of it. `gather.rs` has the whole for results and checkpoints. `forecast.rs` predicts all this for a
+//! part of it. `gather.rs` has the whole for results and checkpoints, and `separated.rs`
+//! joints whose two sides are on different ranks. `forecast.rs` predicts all this for a
 //! number of ranks, without them.
 
 mod assemble;
@@ -20,4 +21,5 @@ pub(crate) mod leader;
 pub(crate) mod links;
 pub(crate) mod part;
 mod piece;
+mod separated;
 mod spread;

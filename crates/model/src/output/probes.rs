@@ -1,5 +1,5 @@
 //! Histories of probes: stress, strain and velocity at points and in regions, strain gauges, forces between
-//! bodies, reactions of groups.
+//! bodies, reactions of groups, joint sets.
 
 use std::collections::BTreeSet;
 
@@ -24,6 +24,7 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("contact_force", history.contact_force.is_some()),
         ("reaction", history.reaction.is_some()),
         ("cavity", history.cavity.is_some()),
+        ("joint_set", history.joint_set.is_some()),
         ("energy", history.energy),
         ("crack_length", history.crack_length),
     ]
@@ -35,13 +36,14 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
 
 /// Whether a history is that of a probe.
 pub(crate) fn is_probe(history: &History) -> bool {
-    let keys = ["stress", "strain", "velocity", "gauge", "contact_force", "reaction", "cavity"];
+    let keys = ["stress", "strain", "velocity", "gauge", "contact_force", "reaction", "cavity", "joint_set"];
     quantities(history).first().is_some_and(|key| keys.contains(key))
 }
 
 /// Whether the key `body` restricts a probe.
 pub(crate) fn takes_body(history: &History) -> bool {
-    is_probe(history) && history.contact_force.is_none() && history.cavity.is_none()
+    let keys = [&history.cavity, &history.joint_set];
+    is_probe(history) && history.contact_force.is_none() && keys.iter().all(|key| key.is_none())
 }
 
 /// The key of a stress, strain or velocity, and where it is measured.
@@ -193,6 +195,9 @@ where
         if let Some(name) = &history.cavity {
             return self.cavity(name);
         }
+        if let Some(name) = &history.joint_set {
+            return self.joint_set(name);
+        }
         self.reaction(history.reaction.as_deref().unwrap_or(""))
     }
 
@@ -271,6 +276,16 @@ where
         }
         let help = suggestion(name, &all, "boundary with cavity = true");
         Err(("cavity", format!("there is no cavity \"{name}\""), Some(help)))
+    }
+
+    /// The joints of a set.
+    fn joint_set(&self, name: &str) -> Result<Probe<D, N>, ProbeFault> {
+        let all: Vec<&str> = self.file.joint_set.iter().map(|set| set.name.as_str()).collect();
+        if all.contains(&name) {
+            return Ok(Probe::JointSet(name.to_owned()));
+        }
+        let help = suggestion(name, &all, "[[joint_set]]");
+        Err(("joint_set", format!("there is no joint set \"{name}\""), Some(help)))
     }
 
     /// The reaction of a group of nodes.

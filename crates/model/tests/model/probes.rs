@@ -164,3 +164,27 @@ fn curves_are_of_columns_that_there_are() {
         assert!(parts.iter().all(|part| list.contains(part)), "{keys}: {list}");
     }
 }
+
+/// A model with a joint set, and a history of this joint set.
+fn with_joints(history: &str) -> String {
+    with(&format!(
+        "[[joint_set]]\nname = \"fault\"\nlines = [[0, 0.25, 1, 0.25]]\nfriction_angle = 30\n[[history]]\nname = \"h\"\n{history}\n"
+    ))
+}
+
+#[test]
+fn a_joint_set_is_a_probe() {
+    let prepared = right(&with_joints("joint_set = \"fault\""));
+    assert_eq!(prepared.probes, [Probe::JointSet("fault".to_owned())]);
+    let names = fdem_model::columns(&prepared.histories, &prepared.probes);
+    assert_eq!(names, ["h opening [m]", "h slip [m]", "h normal_stress [Pa]", "h shear_stress [Pa]"]);
+    for (history, part) in [
+        ("joint_set = \"falt\"", "there is no joint set \"falt\""),
+        ("joint_set = \"falt\"", "did you mean \"fault\"?"),
+        ("joint_set = \"fault\"\nbody = \"block\"", "\"body\" goes with"),
+        ("joint_set = \"fault\"\nstress = \"mean\"", "is of one quantity"),
+    ] {
+        let errors = read(&with_joints(history)).unwrap_err().to_string();
+        assert!(errors.contains(part), "{history}: {part:?} is not in\n{errors}");
+    }
+}

@@ -200,12 +200,7 @@ impl<const D: usize> Joint<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = JointAxes::of::<N>(self.ends_at(position));
-        let mut mean = [0.0; D];
-        for [a, b] in frame.ends {
-            add(&mut mean, frame.components(minus(b, a)), 1.0 / D as f64);
-        }
-        mean
+        JointAxes::of::<N>(self.ends_at(position)).mean_gap()
     }
 
     /// Updates the joint and its forces. Returns the work since the last pass and, if the joint broke, the
@@ -336,11 +331,11 @@ impl<const D: usize> Joint<D> {
 }
 
 /// Position and direction of a joint.
-pub(super) struct JointAxes<const D: usize> {
+pub(crate) struct JointAxes<const D: usize> {
     /// Positions of the nodes of each end, m.
     pub(super) ends: [[Point<D>; 2]; D],
     /// Unit vectors: the outward normal of side 0, and directions along the joint.
-    pub(super) axes: Matrix<D>,
+    pub(crate) axes: Matrix<D>,
 }
 
 impl<const D: usize> JointAxes<D> {
@@ -354,13 +349,22 @@ impl<const D: usize> JointAxes<D> {
 
     /// The axes of a joint with these positions of the nodes of its ends, m.
     #[inline]
-    fn of<const N: usize>(ends: [[Point<D>; 2]; D]) -> Self
+    pub(crate) fn of<const N: usize>(ends: [[Point<D>; 2]; D]) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         // The facet half way between the two sides, in twice its size.
         let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a[axis] + b[axis]));
         Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }
+    }
+
+    /// Mean opening and sliding of the ends, m: across the joint, then along it.
+    pub(crate) fn mean_gap(&self) -> [f64; D] {
+        let mut mean = [0.0; D];
+        for [a, b] in self.ends {
+            add(&mut mean, self.components(minus(b, a)), 1.0 / D as f64);
+        }
+        mean
     }
 
     /// Components of a vector across the joint and along it.

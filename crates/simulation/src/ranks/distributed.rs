@@ -299,6 +299,11 @@ where
     /// Measures quantities of the whole run now: see [`Simulation::measure`].
     pub fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
         let mut sums: Vec<Vec<Sum>> = probes.iter().map(|probe| self.run.sums(probe)).collect();
+        for (probe, sums) in probes.iter().zip(&mut sums) {
+            if let Probe::JointSet(name) = probe {
+                self.run.add_separated(name, &self.links, sums);
+            }
+        }
         self.links.add_up(&mut sums.iter_mut().flatten().collect::<Vec<_>>());
         probes.iter().zip(sums).map(|(probe, sums)| probe.values(&sums)).collect()
     }

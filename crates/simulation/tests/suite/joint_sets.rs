@@ -31,7 +31,7 @@ fn cut(set: JointSet) -> Model {
 
 /// Two halves of this height with a joint between them at y = 0.1, with the given number of elements along
 /// the joint.
-fn halves(set: JointSet, height: f64, count: usize) -> Model {
+pub(crate) fn halves(set: JointSet, height: f64, count: usize) -> Model {
     let mesh = rectangle([0.0, 0.1 - height], [0.2, 0.1 + height], count, 4);
     let held = Boundary {
         name: "below".to_owned(),
@@ -56,7 +56,7 @@ fn top(model: &Model) -> Vec<u32> {
     nodes_where(&model.mesh, |[_, y]| y > most - 1e-9)
 }
 
-fn top_edges(model: &Model) -> Vec<[u32; 2]> {
+pub(crate) fn top_edges(model: &Model) -> Vec<[u32; 2]> {
     top(model).windows(2).map(|pair| [pair[1], pair[0]]).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Probes: known states give known values, and ranks change no bit.
 
 use crate::common::*;
+use crate::joint_sets::{halves, open, top_edges};
 use fdem_distributed::{Communicator, threads};
 use fdem_simulation::*;
 
@@ -288,4 +289,190 @@ fn a_crash_is_measured_the_same_on_ranks_and_after_a_resume() {
 #[test]
 fn stressed_blocks_are_measured_the_same_on_ranks() {
     let _ = same_on_ranks!(crate::stress::shaken(Insertion::Adaptive), 2, 3, &[1, 99, 150]);
+}
+
+/// Advances to a time, s.
+fn to(run: &mut Simulation, time: f64) {
+    run.advance(((time - run.time()) / run.time_step()).ceil() as u64).expect("steps");
+}
+
+/// Two halves with a joint between them: a pressure on the upper one, Pa, and a velocity of it along x, m/s.
+fn sheared(set: JointSet, pressure: f64, speed: f64) -> Model {
+    let mut model = halves(set, 0.02, 10);
+    model.plane = Plane::Strain;
+    let edges = top_edges(&model);
+    let moved = nodes_where(&model.mesh, |[_, y]| y > 0.101);
+    let boundary =
+        |name: &str, target, load, schedule| Boundary { name: name.to_owned(), target, load, schedule };
+    model.boundaries.push(boundary(
+        "pressure",
+        Target::Facets(edges),
+        Load::Pressure(pressure),
+        Schedule::Ramp(3e-4),
+    ));
+    model.boundaries.push(boundary(
+        "shear",
+        Target::Nodes(moved),
+        Load::Velocity([Some(speed), None]),
+        Schedule::Table(vec![[1e-3, 0.0], [2e-3, 1.0]]),
+    ));
+    model
+}
+
+/// Direct shear of a joint set: in each state of its joints, whole, softening, broken, and handed over to
+/// contact, the probe gives the pressure, the traction of the boundary that shears, and the travel of the
+/// upper half. That goes to the right as seen from the lower half, which is negative.
+#[test]
+fn direct_shear_of_a_joint_set_is_measured_in_each_state() {
+    let strength =
+        Strength { cohesion: 1e6, tensile: 0.5e6, friction: 0.6, energy_i: 50.0, energy_ii: 600.0, ..rock() };
+    let stiffness = [4e11, 1e11];
+    let [normal, shear] = stiffness.map(Some);
+    let set = JointSet {
+        strength,
+        residual_friction: 0.4,
+        normal_stiffness: normal,
+        shear_stiffness: shear,
+        ..open(0.0)
+    };
+    let pressure = 2e6;
+    let model = sheared(set, pressure, 0.5);
+    let corner = top_edges(&model)[3][0];
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let probe = [Probe::JointSet("bedding".to_owned())];
+    assert_eq!(probe[0].columns()[1], ("slip", "m"));
+    to(&mut run, 9e-4);
+    let [opening, slip, normal, _] = run.measure(&probe)[0][..] else { panic!("4 values") };
+    assert!((normal / -pressure - 1.0).abs() < 0.01, "{normal}");
+    assert!((opening / (-pressure / stiffness[0]) - 1.0).abs() < 0.02, "{opening}");
+    assert!(slip.abs() < 1e-3 * opening.abs(), "{slip}");
+    // Sums over the samples in each state. The halves swing when the joints break.
+    let mut sums = [[0.0; 4]; 4];
+    while run.time() < 2.2e-2 {
+        run.advance(100).expect("steps");
+        let [opening, slip, normal, shear] = run.measure(&probe)[0][..] else { panic!("4 values") };
+        let cracks = run.snapshot().cracks;
+        let broken = cracks.iter().filter(|crack| crack.time.is_some()).count();
+        let state = match (cracks.len(), broken) {
+            (0, _) => 0,
+            (_, 10) if slip.abs() > 0.4 * 0.02 => 3,
+            (_, 10) => 2,
+            _ => 1,
+        };
+        let traction = run.force(0).expect("a boundary")[0] / 0.2;
+        let ([travel, _], _) = run.node(corner).expect("a node");
+        let at = format!("{state} at {}: {opening} {slip} {normal} {shear} {traction} {travel}", run.time());
+        assert!((slip + travel).abs() < 0.02 * travel.abs() + 5e-6, "{at}");
+        assert!(opening.abs() < 3e-5, "{at}");
+        let [damaged, weighted] = run.measure(&[Probe::Softening])[0][..] else { panic!("2 values") };
+        let expected = [0, 1].map(|k| {
+            let of = |crack: &Crack| crack.measure * if k == 0 { 1.0 } else { crack.damage };
+            cracks.iter().map(of).sum::<f64>()
+        });
+        assert!((damaged - expected[0]).abs() < 1e-12 && (weighted - expected[1]).abs() < 1e-12, "{at}");
+        let terms = [1.0, normal, shear, traction];
+        sums[state].iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+    }
+    for (state, [count, normal, shear, traction]) in sums.into_iter().enumerate() {
+        let means = [normal, shear, traction].map(|sum| sum / count);
+        assert!(count > 3.0, "{state}: {sums:?}");
+        assert!((means[0] / -pressure - 1.0).abs() < 0.02, "{state}: {means:?}");
+        assert!((means[1] - means[2]).abs() < 0.01 * pressure, "{state}: {means:?}");
+        assert!(state < 2 || (means[1] / (-0.4 * pressure) - 1.0).abs() < 0.03, "{state}: {means:?}");
+    }
+}
+
+/// Moves the part above a joint set that is open away from the rest, without stress, and asserts that the
+/// probe gives its path.
+macro_rules! parts_along {
+    ($model:expr, $dimensions:literal, $middle:expr, $velocity:expr, $expected:expr) => {{
+        let mut run = Simulation::new($model, 2).expect("a model");
+        run.advance(1).expect("a step");
+        let snapshot = run.snapshot();
+        let above = |nodes: &[u32]| {
+            nodes.iter().map(|&node| snapshot.positions[node as usize][$dimensions - 1]).fold(0.0, f64::max)
+                > $middle
+        };
+        let nodes: std::collections::BTreeSet<u32> =
+            snapshot.elements.iter().filter(|nodes| above(&nodes[..])).flatten().copied().collect();
+        let nodes: Vec<u32> = nodes.into_iter().collect();
+        let before = run.time();
+        run.set_velocities(&nodes, &vec![$velocity; nodes.len()]).expect("velocities");
+        run.advance(500).expect("steps");
+        let found =
+            run.measure(&[Probe::JointSet("bedding".to_owned()), Probe::JointSet("other".to_owned())]);
+        for (found, expected) in found[0].iter().zip($expected) {
+            let expected = expected * (run.time() - before);
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        assert!(found[0][2..].iter().all(|stress| stress.abs() < 1e-3), "{found:?}");
+        assert!(found[1].iter().all(|value| value.is_nan()), "{found:?}");
+    }};
+}
+
+#[test]
+fn sides_of_a_joint_set_that_part_are_measured_after_any_travel() {
+    let set = JointSet { open: true, ..open(0.5) };
+    let model = Model { boundaries: Vec::new(), ..halves(set.clone(), 0.1, 4) };
+    parts_along!(model, 2, 0.1 + 1e-9, [3.0, 5.0], [5.0, -3.0]);
+    let mesh = crate::space::cuboid([0.0; 3], [0.2; 3], [2, 2, 2]);
+    let on = |node: &u32| (mesh.nodes[*node as usize][2] - 0.1).abs() < 1e-9;
+    let faces = mesh.elements.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, b, d], [a, c, d], [b, c, d]]);
+    let faces: Vec<[u32; 3]> = faces.filter(|face| face.iter().all(on)).collect();
+    let mut model = Model { materials: vec![granite()], joint_sets: vec![set], mesh, ..Model::default() };
+    assert_eq!(model.add_joints(0, &faces), 8);
+    parts_along!(model, 3, 0.1 + 1e-9, [3.0, 4.0, 7.0], [7.0, 5.0]);
+}
+
+/// Means over joint sets are the same on ranks to the last bit, also after the two sides of joints have moved
+/// to different ranks, and after a resume.
+#[test]
+fn joint_sets_are_measured_the_same_on_ranks() {
+    let mut crash = crate::joint_sets::crash(Insertion::Adaptive);
+    crash.joint_sets[1].name = "cross".to_owned();
+    let mut parted = halves(JointSet { open: true, ..open(0.5) }, 0.1, 8);
+    parted.velocities =
+        parted.mesh.nodes.iter().map(|[_, y]| [0.0, if *y > 0.1001 { 60.0 } else { 0.0 }]).collect();
+    parted.materials[0].damping = 0.1;
+    for (model, parts, least) in [(crash, [1, 299, 900], -1.0), (parted, [1, 499, 1500], 1e-3)] {
+        let named = |set: &JointSet| Probe::JointSet(set.name.clone());
+        let sets = model.joint_sets.iter().map(named);
+        let probes = &sets.chain([Probe::Softening]).collect::<Vec<_>>();
+        let mut whole = Simulation::new(model.clone(), 2).expect("a model");
+        let mut expected = Vec::new();
+        for steps in parts {
+            whole.advance(steps).expect("steps");
+            expected.push(whole.measure(probes));
+        }
+        assert!(expected[2].iter().flatten().all(|value| value.is_finite()), "{expected:?}");
+        let most = expected[2].iter().map(|values| values[0]).fold(0.0, f64::max);
+        assert!(most > least, "{expected:?}");
+        // The lengths of the joints of a set that is open from the beginning do not count.
+        let [damaged, weighted] = expected[2][model.joint_sets.len()][..] else { panic!("2 values") };
+        let broken: f64 = whole.crack_lengths().iter().sum();
+        let is_open = model.joint_sets[0].open;
+        assert!(if is_open {
+            damaged == 0.0
+        } else {
+            damaged > weighted && weighted > broken && broken > 0.0
+        });
+        for size in [1, 2, 3, 5] {
+            threads::run(size, |communicator: &dyn Communicator| {
+                if communicator.rank() > 0 {
+                    return follow(communicator, 1).expect("threads");
+                }
+                let run = Simulation::new(model.clone(), 1).expect("a model");
+                let mut run = Leader::new(communicator, run, 1).expect("threads");
+                for (steps, expected) in parts.iter().zip(&expected) {
+                    run.advance(*steps).expect("steps");
+                    assert_eq!(run.measure(probes), *expected, "{size} ranks, step {}", run.steps());
+                }
+            });
+        }
+        let mut first = Simulation::new(model.clone(), 1).expect("a model");
+        first.advance(parts.iter().sum::<u64>() - 7).expect("steps");
+        let mut resumed = Simulation::resume(model, first.state(), 3).expect("a state");
+        resumed.advance(7).expect("steps");
+        assert_eq!(resumed.measure(probes), expected[2]);
+    }
 }

@@ -99,7 +99,7 @@ pub enum Mean {
 }
 
 /// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `stress`, `strain`,
-/// `velocity`, `gauge`, `contact_force`, `reaction`, `energy` and `crack_length`.
+/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `energy` and `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
@@ -151,6 +151,10 @@ pub struct History {
     /// pressure, J, and energy of a gas in it, J.
     #[serde(default)]
     pub cavity: Option<String>,
+    /// Name of a `[[joint_set]]`: mean opening and slip of its joints, m, and mean normal and shear stress on
+    /// them, Pa, tension positive, weighted by length or area, in every state of the joints.
+    #[serde(default)]
+    pub joint_set: Option<String>,
     /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
