@@ -617,8 +617,10 @@ impl<T: Real, const D: usize> Images<T, D> {
                 shift[edge] += of_i[edge] - of_j[edge];
             }
         }
-        let couple = PeriodicCouple { i, j, shift };
-        self.reduced.as_ref().map_or(couple, |reduced| reduced.couple(couple))
+        if let Some(reduced) = &self.reduced {
+            shift = reduced.shift_of_couple([i, j], &shift);
+        }
+        PeriodicCouple { i, j, shift }
     }
 
     /// The couple of two elements of `outer`, `i < j`, if it [is reported](Self::is_reported).

@@ -181,8 +181,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         let checked = reduced.map_or(Ok(()), |reduced| reduced.check_shifts(&ghosts.shifts));
         agree(self.communicator, checked)?;
         let keep = |i, j, shift| {
-            let couple = PeriodicCouple { i, j, shift };
-            found.push(reduced.map_or(couple, |reduced| reduced.couple(couple)));
+            let shift = reduced.map_or(shift, |reduced| reduced.shift_of_couple([i, j], &shift));
+            found.push(PeriodicCouple { i, j, shift });
         };
         self.search(owned.set, ghosts, Some(&lattice), keep)?;
         self.statistics.couples = found.len();

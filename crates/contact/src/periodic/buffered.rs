@@ -181,7 +181,9 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
         let updated = self.try_update(elements, cell, reference, couples).inspect_err(|_| couples.clear());
         let (reference, reason) = updated?;
         if let Some(reduced) = reduced {
-            couples.iter_mut().for_each(|couple| *couple = reduced.couple(*couple));
+            for PeriodicCouple { i, j, shift } in couples.iter_mut() {
+                *shift = reduced.shift_of_couple([*i, *j], shift);
+            }
         }
         self.reference = Some((reference, *cell));
         self.updates += 1;

@@ -2,7 +2,6 @@
 
 use crate::error::Error;
 use crate::narrow::exact::sum_of_products;
-use crate::periodic::PeriodicCouple;
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
 use crate::real::Real;
 
@@ -42,15 +41,15 @@ impl<T: Real, const D: usize> ReducedBox<T, D> {
         })
     }
 
-    /// The couple of a search in the short edges, with its shift in the given edges.
+    /// The shift of a couple of a search in the short edges, as given edges.
     ///
-    /// An element that touches its own image is given in the form of [`PeriodicCouple`].
+    /// The shift between an element and its own image has the sign of [`PeriodicCouple`]'s.
+    ///
+    /// [`PeriodicCouple`]: crate::PeriodicCouple
     #[inline]
-    pub fn couple(&self, short: PeriodicCouple<D>) -> PeriodicCouple<D> {
-        let PeriodicCouple { i, j, .. } = short;
-        let shift = self.shift(&short.shift);
-        let shift = if i == j && shift < [0; D] { shift.map(i32::wrapping_neg) } else { shift };
-        PeriodicCouple { i, j, shift }
+    pub fn shift_of_couple(&self, [i, j]: [u32; 2], short: &[i32; D]) -> [i32; D] {
+        let shift = self.shift(short);
+        if i == j && shift < [0; D] { shift.map(i32::wrapping_neg) } else { shift }
     }
 
     /// Checks that the shifts of couples with images at these short edges fit their integers. Both elements

@@ -66,8 +66,8 @@ fn check_periodic<const D: usize>(
                 let shift = std::array::from_fn(|edge| image[edge] + of_a[edge] - of_b[edge]);
                 let is_form = i < j || shift > [0; D];
                 if is_form && touch(request, i, &a, j, &cell.displaced(&b, &image)) {
-                    let couple = PeriodicCouple { i, j, shift };
-                    touching.push(reduced.map_or(couple, |reduced| reduced.couple(couple)));
+                    let shift = reduced.map_or(shift, |reduced| reduced.shift_of_couple([i, j], &shift));
+                    touching.push(PeriodicCouple { i, j, shift });
                 }
             });
         }
