@@ -45,8 +45,8 @@ use format::MeshFormat;
 ///   solids.
 /// - OBJ. Bodies are the objects, or the groups if there are no objects.
 /// - PLY, ASCII and binary: vertices, faces, edges. One body.
-/// - VTK, the legacy format (ASCII, binary), unstructured grids and poly data; VTU and VTP (ASCII, base64,
-///   appended, zlib). Bodies are the values of the first of these cell data that exists, in any capitals:
+/// - VTK, the legacy format (ASCII, binary), unstructured grids, poly data and structured points, whose cells
+///   are quadrilaterals or hexahedra; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the values of the first of these cell data that exists, in any capitals:
 ///   `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`, `ObjectId`, `PartId`, `RegionId`.
 /// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies
 ///   are the instances, otherwise the parts, otherwise the sets named by `*ELEMENT`, otherwise those of
@@ -60,7 +60,9 @@ use format::MeshFormat;
 /// diagonal if only that lies inside; if the quadrilateral is not flat, this choice determines its shape.
 /// Polygons are cut into triangles; pyramids, wedges and hexahedra are cut into tetrahedra by the same rule
 /// of the smallest node, so that neighbours agree on their common face. Of elements of second order the
-/// corners are taken. Elements of one node are counted but not kept, and so are cohesive elements.
+/// corners are taken. Elements of one node are counted but not kept. Cohesive elements without thickness
+/// become segments or triangles, and the nodes of their two sides become one; those with a thickness are
+/// counted but not kept.
 ///
 /// # Shapes
 /// `bytes`: a whole file. `name`: the name of the file, for messages and for its extension.

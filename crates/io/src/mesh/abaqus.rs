@@ -11,7 +11,6 @@ use crate::mesh::build::{Draft, Lookup, Numbering, Raw, check_finite, corners as
 use crate::mesh::cursor::{Cursor, float, integer, name};
 use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::mesh::file::{BodiesFrom, MeshBody};
-use crate::mesh::shape::Shape;
 use crate::place::Place;
 
 /// Keywords that create or move nodes and elements in ways that are not supported.
@@ -42,6 +41,9 @@ const SILENT: [&str; 9] = [
 
 /// Most nodes that `*NGEN` makes, because a short line may ask for any number.
 const GENERATED: usize = 1 << 20;
+
+/// Cohesive elements are without thickness up to this part of their length: files have few digits.
+const THICK: f64 = 1e-5;
 
 /// Reads a file. `load` reads the files that it includes.
 pub(crate) fn read(bytes: &[u8], name: &str, load: &mut MeshLoad<'_>) -> Result<Draft, Fault> {
@@ -148,8 +150,21 @@ struct AbaqusPart {
     elements: Vec<Raw>,
     /// For each element, the set named by `*ELEMENT`.
     named: Vec<Option<u32>>,
-    /// Numbers of cohesive elements, which are left out.
-    cohesive: Vec<u64>,
+    /// Cohesive elements, in ascending order of their elements; at the end those without thickness.
+    cohesive: Vec<Cohesive>,
+    /// For each node, one before it at the other side of a cohesive element, or itself; empty if there are
+    /// no cohesive elements.
+    merged: Vec<u32>,
+    /// Numbers of cohesive elements with a thickness, which are left out.
+    left_out: Vec<u64>,
+}
+
+/// A cohesive element: the first side is an element, and each of its nodes has one on the other side.
+struct Cohesive {
+    /// Index of the element.
+    element: usize,
+    /// Node numbers of the other side, in the order of the first.
+    opposite: Vec<i64>,
 }
 
 struct Instance {
@@ -352,7 +367,7 @@ impl AbaqusReader {
             Block::Nodes { set } => self.node(*set, &fields, place),
             Block::Between { set, known } => self.between(*set, known, &fields).map_err(bad),
             Block::Elements { kind, set, pending } => {
-                let (AbaqusType { shape, nodes: count }, set) = (*kind, *set);
+                let (AbaqusType { shape, nodes: count, opposite }, set) = (*kind, *set);
                 let numbers =
                     fields.iter().map(|field| integer(field)).collect::<Result<Vec<_>, _>>().map_err(bad)?;
                 let (mut element, nodes) = match (pending.take(), &numbers[..]) {
@@ -376,7 +391,7 @@ impl AbaqusReader {
                 if element.found < count {
                     if !line.ends_with(b",") {
                         let (number, found) = (element.number, element.found);
-                        let name = shape.map_or("cohesive element", Shape::name);
+                        let name = if opposite.is_some() { "cohesive element" } else { shape.name() };
                         return Err(bad(format!("element {number} ({name}) has {found} nodes")));
                     }
                     *pending = Some(element);
@@ -387,14 +402,14 @@ impl AbaqusReader {
                     self.sets.add_next((set, SetKind::Elements), number, place);
                 }
                 let open = self.open;
-                let Some(shape) = shape else {
-                    self.part().cohesive.push(number);
-                    return Ok(());
-                };
-                if count > shape.nodes() {
+                if count > shape.nodes() && opposite.is_none() {
                     *self.second_order.entry(open).or_default() += 1;
                 }
                 let part = self.part();
+                if let Some(opposite) = opposite {
+                    let opposite = opposite.iter().map(|&at| nodes[at]).collect();
+                    part.cohesive.push(Cohesive { element: part.elements.len(), opposite });
+                }
                 part.elements.push(Raw { shape, place, number, body: 0, nodes });
                 part.named.push(set);
                 Ok(())
@@ -459,6 +474,9 @@ impl AbaqusReader {
 
     fn finish(mut self, end: Place) -> Result<Draft, Fault> {
         self.part();
+        for part in &mut self.parts {
+            part.close_cohesive()?;
+        }
         let parts = &self.parts;
         let (instanced, several) = (!self.instances.is_empty(), parts.len() > 1);
         if several && instanced {
@@ -493,6 +511,7 @@ impl AbaqusReader {
             let mut placement = place_part(&parts[part], shift, number, &mut draft)?;
             (placement.name, placement.part) = (name.to_owned(), part);
             draft.cohesive_elements += placement.left_out.len() as u64;
+            draft.cohesive_facets += parts[part].cohesive.len() as u64;
             draft.second_order += self.second_order.get(&part).copied().unwrap_or(0);
             placements.push(placement);
         }
@@ -604,6 +623,55 @@ impl AbaqusPart {
         self.name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(name))
     }
 
+    /// Makes the two sides of cohesive elements without thickness one, and takes out those with a thickness.
+    fn close_cohesive(&mut self) -> Result<(), Fault> {
+        if self.cohesive.is_empty() {
+            return Ok(());
+        }
+        let lookup = Lookup::new(Numbering::Own(self.numbers.clone()), self.points.len(), &self.places)?;
+        self.merged = (0..self.points.len() as u32).collect();
+        let mut is_thick = vec![false; self.elements.len()];
+        for cohesive in std::mem::take(&mut self.cohesive) {
+            let raw = &self.elements[cohesive.element];
+            let sides = [&raw.nodes[..cohesive.opposite.len()], &cohesive.opposite];
+            let nodes = |side: &[i64]| lookup.nodes(raw, side).map_err(|problem| (raw.place, problem));
+            let [one, other] = [nodes(sides[0])?, nodes(sides[1])?];
+            let apart = |a: u32, b: u32| {
+                let [a, b] = [a, b].map(|node| self.points[node as usize]);
+                (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+            };
+            let length = one.iter().map(|&node| apart(node, one[0])).fold(0.0, f64::max);
+            if one.iter().zip(&other).any(|(&a, &b)| apart(a, b) > THICK * length) {
+                is_thick[cohesive.element] = true;
+                continue;
+            }
+            for (&a, &b) in one.iter().zip(&other) {
+                let [first_a, first_b] = [a, b].map(|node| first_of(&self.merged, node));
+                let first = first_a.min(first_b);
+                for node in [a, b, first_a, first_b] {
+                    self.merged[node as usize] = first;
+                }
+            }
+            self.cohesive.push(cohesive);
+        }
+        for node in 0..self.merged.len() as u32 {
+            self.merged[node as usize] = first_of(&self.merged, node);
+        }
+        let thick = self.elements.iter().zip(&is_thick).filter(|(_, is_thick)| **is_thick);
+        self.left_out = thick.map(|(raw, _)| raw.number).collect();
+        let mut kept = is_thick.iter().map(|is_thick| !is_thick);
+        self.elements.retain(|_| kept.next().unwrap_or(true));
+        let mut kept = is_thick.iter().map(|is_thick| !is_thick);
+        self.named.retain(|_| kept.next().unwrap_or(true));
+        self.left_out.sort_unstable();
+        Ok(())
+    }
+
+    /// The node that stands for a node: the first of those that are one.
+    fn merged(&self, node: u32) -> u32 {
+        self.merged.get(node as usize).copied().unwrap_or(node)
+    }
+
     fn shown(&self) -> String {
         name(self.name.as_deref().unwrap_or("").as_bytes())
     }
@@ -628,13 +696,20 @@ fn place_part(part: &AbaqusPart, shift: [f64; 3], body: u32, draft: &mut Draft) 
     for raw in &part.elements {
         let corners = &raw.nodes[..raw.shape.nodes()];
         let nodes = lookup.nodes(raw, corners).map_err(|problem| (raw.place, problem))?;
-        let nodes: Vec<i64> = nodes.into_iter().map(|node| i64::from(node) + base).collect();
+        let nodes: Vec<i64> = nodes.into_iter().map(|node| i64::from(part.merged(node)) + base).collect();
         draft.elements.push(Raw { body, nodes: corners_of(&nodes), ..*raw });
     }
-    let numbered = |(&number, index): (&i64, u32)| Some((u64::try_from(number).ok()?, index));
-    let mut nodes: Vec<(u64, u32)> = part.numbers.iter().zip(base as u32..).filter_map(numbered).collect();
+    let numbered =
+        |(&number, index): (&i64, u32)| Some((u64::try_from(number).ok()?, part.merged(index) + base as u32));
+    let mut nodes: Vec<(u64, u32)> = part.numbers.iter().zip(0..).filter_map(numbered).collect();
     nodes.sort_unstable();
-    let mut left_out = part.cohesive.clone();
-    left_out.sort_unstable();
-    Ok(Placement { name: String::new(), part: 0, elements, nodes, left_out })
+    Ok(Placement { name: String::new(), part: 0, elements, nodes, left_out: part.left_out.clone() })
+}
+
+/// Follows nodes that stand for others to the first.
+fn first_of(merged: &[u32], mut node: u32) -> u32 {
+    while merged[node as usize] != node {
+        node = merged[node as usize];
+    }
+    node
 }

@@ -5,9 +5,11 @@ use crate::mesh::shape::Shape;
 /// An element type: its shape, and its number of nodes, of which the corners come first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AbaqusType {
-    /// `None` for cohesive elements, which are left out.
-    pub(crate) shape: Option<Shape>,
+    /// The shape; for cohesive elements that of each of the two sides.
+    pub(crate) shape: Shape,
     pub(crate) nodes: usize,
+    /// For cohesive elements, the node of the other side that belongs to each node of the first.
+    pub(crate) opposite: Option<&'static [usize]>,
 }
 
 /// Families of element types, with their numbers of nodes.
@@ -86,8 +88,13 @@ const FAMILIES: [(&str, Shape, usize); 72] = [
     ("ROTARYI", Shape::Point, 1),
 ];
 
-/// Families of cohesive elements, with their numbers of nodes.
-const COHESIVE: [(&str, usize); 4] = [("COH2D4", 4), ("COHAX4", 4), ("COH3D6", 6), ("COH3D8", 8)];
+/// Families of cohesive elements: the shape of a side, and the nodes opposite to those of the first side.
+const COHESIVE: [(&str, Shape, &[usize]); 4] = [
+    ("COH2D4", Shape::Segment, &[3, 2]),
+    ("COHAX4", Shape::Segment, &[3, 2]),
+    ("COH3D6", Shape::Triangle, &[3, 4, 5]),
+    ("COH3D8", Shape::Quadrilateral, &[4, 5, 6, 7]),
+];
 
 /// The element type of a name: a family, and letters for the formulation.
 pub(crate) fn element_type(name: &str) -> Option<AbaqusType> {
@@ -96,7 +103,13 @@ pub(crate) fn element_type(name: &str) -> Option<AbaqusType> {
         formulation.is_some_and(|letters| letters.bytes().all(|byte| byte.is_ascii_alphabetic()))
     };
     let solid = FAMILIES.iter().find(|(family, ..)| is_of(family));
-    let solid = solid.map(|&(_, shape, nodes)| AbaqusType { shape: Some(shape), nodes });
-    let cohesive = || COHESIVE.iter().find(|(family, _)| is_of(family));
-    solid.or_else(|| cohesive().map(|&(_, nodes)| AbaqusType { shape: None, nodes }))
+    let solid = solid.map(|&(_, shape, nodes)| AbaqusType { shape, nodes, opposite: None });
+    let cohesive = || COHESIVE.iter().find(|(family, ..)| is_of(family));
+    solid.or_else(|| {
+        cohesive().map(|&(_, shape, opposite)| AbaqusType {
+            shape,
+            nodes: 2 * opposite.len(),
+            opposite: Some(opposite),
+        })
+    })
 }

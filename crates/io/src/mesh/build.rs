@@ -64,8 +64,10 @@ pub(crate) struct Draft {
     pub(crate) collapsed_facets: u64,
     /// Number of elements whose nodes on edges, on faces and inside were not collected.
     pub(crate) second_order: u64,
-    /// Number of cohesive elements, which were not collected.
+    /// Number of cohesive elements with a thickness, which were not collected.
     pub(crate) cohesive_elements: u64,
+    /// Number of cohesive elements without thickness, which were collected as facets.
+    pub(crate) cohesive_facets: u64,
     /// Parts of the file that were not collected, in words.
     pub(crate) unused: Vec<String>,
 }
@@ -86,6 +88,7 @@ impl Draft {
             collapsed_facets: 0,
             second_order: 0,
             cohesive_elements: 0,
+            cohesive_facets: 0,
             unused: Vec::new(),
         }
     }
@@ -137,6 +140,7 @@ impl Draft {
                 cut_solids: 0,
                 second_order: self.second_order,
                 cohesive_elements: self.cohesive_elements,
+                cohesive_facets: self.cohesive_facets,
                 unused: self.unused,
             },
         };

@@ -120,8 +120,11 @@ pub struct MeshSource {
     /// Number of elements of second order. Their nodes on edges, on faces and inside are among the points,
     /// but in no element.
     pub second_order: u64,
-    /// Number of cohesive elements, which are not in the mesh.
+    /// Number of cohesive elements with a thickness, which are not in the mesh.
     pub cohesive_elements: u64,
+    /// Number of cohesive elements without thickness. Each is in the mesh as a segment, or as one or two
+    /// triangles, between elements that share its nodes.
+    pub cohesive_facets: u64,
     /// Parts of the file that are not in the mesh, in words.
     pub unused: Vec<String>,
 }
@@ -152,9 +155,15 @@ impl MeshSource {
             ),
             (
                 self.cohesive_elements,
+                "cohesive element with a thickness",
+                "cohesive elements with a thickness",
+                "left out",
+            ),
+            (
+                self.cohesive_facets,
                 "cohesive element",
                 "cohesive elements",
-                "left out: joints take their place",
+                "without thickness: the two sides share nodes, and a joint set with group = SET gives them a law",
             ),
         ];
         let counted =

@@ -1,4 +1,4 @@
-//! Legacy VTK: unstructured grids and poly data, ASCII and binary.
+//! Legacy VTK: unstructured grids, poly data and structured points, ASCII and binary.
 
 use crate::column_values::ColumnValues;
 use crate::excerpt;
@@ -6,7 +6,8 @@ use crate::mesh::build::{Draft, Numbering};
 use crate::mesh::cursor::{Cursor, Endian, NumberKind, integer, name, words};
 use crate::mesh::error::{Fault, malformed, unsupported};
 use crate::mesh::vtk_data::{
-    BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
+    BodyData, CellList, HEXAHEDRON, POLY_LINE, POLY_VERTEX, POLYGON, QUADRILATERAL, STRIP, names_bodies,
+    whole,
 };
 use crate::mesh::vtk_points::{PointCloud, is_time};
 use crate::place::Place;
@@ -18,7 +19,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
 /// Whether there are cells other than vertices.
 pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
     let reader = VtkReader::new(bytes, Want::Cells)?.read_all()?;
-    Ok(reader.sections.iter().any(|(list, _)| list.has_cells()))
+    Ok(reader.raster.is_some() || reader.sections.iter().any(|(list, _)| list.has_cells()))
 }
 
 /// The points with their data, regardless of cells.
@@ -88,6 +89,69 @@ struct VtkReader<'a> {
     /// Number of cells or points of the following data.
     rows: usize,
     bodies: BodyData,
+    /// The grid of structured points.
+    raster: Option<Raster>,
+}
+
+/// A grid of structured points along the axes, whose cells are pixels or voxels.
+struct Raster {
+    /// Number of points along each axis.
+    points: [i64; 3],
+    origin: [f64; 3],
+    spacing: [f64; 3],
+}
+
+impl Default for Raster {
+    fn default() -> Self {
+        Self { points: [1; 3], origin: [0.0; 3], spacing: [1.0; 3] }
+    }
+}
+
+impl Raster {
+    /// Adds the points to the draft. Returns the cells: quadrilaterals if one axis has a single point,
+    /// otherwise hexahedra. None if two axes have a single point.
+    fn add(&self, draft: &mut Draft) -> Result<CellList, Fault> {
+        let [nx, ny, nz] = self.points;
+        let index = |[i, j, k]: [i64; 3]| i + nx * (j + ny * k);
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    let at = [i, j, k];
+                    let point =
+                        std::array::from_fn(|axis| self.origin[axis] + self.spacing[axis] * at[axis] as f64);
+                    draft.push_point(point, Place::File, index(at))?;
+                }
+            }
+        }
+        let thick: Vec<usize> = (0..3).filter(|&axis| self.points[axis] > 1).collect();
+        // Offsets of the corners from the first, around each side.
+        let along = |axis: usize| [0, 1, 2].map(|other| i64::from(other == axis));
+        let sum = |axes: &[usize]| {
+            axes.iter().map(|&axis| along(axis)).fold([0; 3], |sum, step| [0, 1, 2].map(|k| sum[k] + step[k]))
+        };
+        let (corners, kind) = match thick[..] {
+            [a, b] => (vec![sum(&[]), sum(&[a]), sum(&[a, b]), sum(&[b])], QUADRILATERAL),
+            [a, b, c] => {
+                let side = [sum(&[]), sum(&[a]), sum(&[a, b]), sum(&[b])];
+                let other = side.map(|corner| [0, 1, 2].map(|k| corner[k] + along(c)[k]));
+                (side.into_iter().chain(other).collect(), HEXAHEDRON)
+            }
+            _ => return Ok(CellList::default()),
+        };
+        let mut list = CellList::default();
+        for k in 0..(nz - 1).max(1) {
+            for j in 0..(ny - 1).max(1) {
+                for i in 0..(nx - 1).max(1) {
+                    let nodes =
+                        corners.iter().map(|corner| index([i + corner[0], j + corner[1], k + corner[2]]));
+                    list.connectivity.extend(nodes);
+                    list.ends.push(list.connectivity.len() as i64);
+                    list.types.push(kind);
+                }
+            }
+        }
+        Ok(list)
+    }
 }
 
 impl<'a> VtkReader<'a> {
@@ -105,6 +169,7 @@ impl<'a> VtkReader<'a> {
             of: None,
             rows: 0,
             bodies: BodyData::default(),
+            raster: None,
         })
     }
 
@@ -120,12 +185,19 @@ impl<'a> VtkReader<'a> {
         match keyword.as_slice() {
             b"DATASET" => {
                 let kind = self.cursor.word("the kind of data set")?;
-                if !kind.eq_ignore_ascii_case(b"UNSTRUCTURED_GRID") && !kind.eq_ignore_ascii_case(b"POLYDATA")
+                if kind.eq_ignore_ascii_case(b"STRUCTURED_POINTS") && self.want != Want::Points {
+                    self.raster = Some(Raster::default());
+                } else if !kind.eq_ignore_ascii_case(b"UNSTRUCTURED_GRID")
+                    && !kind.eq_ignore_ascii_case(b"POLYDATA")
                 {
                     let what = format!("the data set {}", excerpt::field(kind));
-                    return self.cursor.fault(unsupported(what, "UNSTRUCTURED_GRID and POLYDATA are read"));
+                    let help = "UNSTRUCTURED_GRID and POLYDATA are read, and STRUCTURED_POINTS as a mesh";
+                    return self.cursor.fault(unsupported(what, help));
                 }
                 Ok(())
+            }
+            b"DIMENSIONS" | b"ORIGIN" | b"SPACING" | b"ASPECT_RATIO" if self.raster.is_some() => {
+                self.raster_keyword(&keyword)
             }
             b"POINTS" => self.points(),
             b"CELLS" => self.cells(0, None),
@@ -152,6 +224,33 @@ impl<'a> VtkReader<'a> {
             }
             other => self.data(other),
         }
+    }
+
+    /// A keyword of structured points.
+    fn raster_keyword(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+        let mut raster = self.raster.take().unwrap_or_default();
+        if keyword == b"DIMENSIONS" {
+            let mut points = 1_i64;
+            for count in &mut raster.points {
+                *count = self.cursor.word_integer("number of points along an axis")?;
+                points = if *count < 1 { i64::MAX } else { points.saturating_mul(*count) };
+            }
+            // A file has a value for each cell or point, of at least one bit.
+            if points > 8 * self.cursor.rest().len() as i64 {
+                let [x, y, z] = raster.points;
+                return self.cursor.bad(format!(
+                    "DIMENSIONS {x} {y} {z} do not fit the file, which has {} more bytes",
+                    self.cursor.rest().len()
+                ));
+            }
+        } else {
+            let values = if keyword == b"ORIGIN" { &mut raster.origin } else { &mut raster.spacing };
+            for value in values {
+                *value = self.cursor.word_float("coordinate of structured points")?;
+            }
+        }
+        self.raster = Some(raster);
+        Ok(())
     }
 
     fn points(&mut self) -> Result<(), Fault> {
@@ -453,6 +552,9 @@ impl<'a> VtkReader<'a> {
 
     fn finish(mut self) -> Result<Draft, Fault> {
         let mut number = 0;
+        if let Some(raster) = &self.raster {
+            self.sections[0].0 = raster.add(&mut self.draft)?;
+        }
         for (list, place) in &self.sections {
             list.add(&mut self.draft, number, 0, place.unwrap_or(Place::File))?;
             number += list.ends.len() as u64;

@@ -34,6 +34,8 @@ pub(crate) const POLY_VERTEX: i64 = 2;
 pub(crate) const POLY_LINE: i64 = 4;
 pub(crate) const STRIP: i64 = 6;
 pub(crate) const POLYGON: i64 = 7;
+pub(crate) const QUADRILATERAL: i64 = 9;
+pub(crate) const HEXAHEDRON: i64 = 12;
 
 impl CellList {
     /// Whether there are cells other than vertices.

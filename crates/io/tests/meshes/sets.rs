@@ -147,11 +147,54 @@ fn nodes_are_made_between_others() {
 }
 
 #[test]
-fn cohesive_elements_are_left_out() {
+fn cohesive_elements_with_a_thickness_are_left_out() {
     let text = "*Element, type=COH2D4, elset=glue\n5, 4, 3, 2, 1\n*Elset, elset=some\n1, 5\n";
     let mesh = read("a.inp", format!("{SQUARE}{text}"));
     assert_eq!((mesh.triangles.len(), &group(&mesh, "some").triangles), (2, &vec![0]));
-    assert_eq!(mesh.source.notes(), ["1 cohesive element is left out: joints take their place"]);
+    assert_eq!(mesh.source.notes(), ["1 cohesive element with a thickness is left out"]);
+}
+
+/// Two squares with nodes of their own along their common side.
+#[test]
+fn cohesive_elements_without_thickness_join_their_sides() {
+    let text = "*Node\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,1,1\n6,0,1\n7,1,2\n8,0,2\n*Nset, nset=upper\n5, 7\n\
+                *Element, type=CPE3, elset=rock\n1,1,2,3\n2,1,3,4\n3,6,5,7\n4,6,7,8\n\
+                *Element, type=COH2D4, elset=glue\n5,4,3,5,6\n*Elset, elset=both\n4, 5\n";
+    let mesh = read("a.inp", text);
+    assert_eq!(mesh.triangles.nodes, [[0, 1, 2], [0, 2, 3], [3, 2, 6], [3, 6, 7]]);
+    assert_eq!(mesh.segments.nodes, [[3, 2]]);
+    assert_eq!(mesh.bodies[mesh.segments.bodies[0] as usize].name.as_deref(), Some("glue"));
+    assert_eq!(group(&mesh, "upper").nodes, [2, 6]);
+    assert_eq!((&group(&mesh, "both").triangles, &group(&mesh, "both").segments), (&vec![3], &vec![0]));
+    assert_eq!(
+        mesh.source.notes(),
+        [
+            "1 cohesive element is without thickness: the two sides share nodes, and a joint set with group = SET \
+          gives them a law"
+        ]
+    );
+}
+
+/// Two cubes: the common face is cut as those of the two cubes are.
+#[test]
+fn cohesive_elements_between_solids_fit_them() {
+    let mut nodes = String::new();
+    for (first, low) in [(1, 0.0), (11, 1.0)] {
+        for k in 0..8 {
+            let [x, y] = [[0, 0], [1, 0], [1, 1], [0, 1]][k % 4];
+            nodes += &format!("{}, {x}, {y}, {}\n", first + k, low + (k / 4) as f64);
+        }
+    }
+    let text = format!(
+        "*Node\n{nodes}*Element, type=C3D8, elset=rock\n1,1,2,3,4,5,6,7,8\n2,11,12,13,14,15,16,17,18\n\
+         *Element, type=COH3D8, elset=glue\n3,5,6,7,8,11,12,13,14\n"
+    );
+    let mesh = read("a.inp", text);
+    assert_eq!((mesh.tetrahedra.len(), mesh.triangles.len()), (12, 2));
+    for face in &mesh.triangles.nodes {
+        let has_face = |nodes: &&[u32; 4]| face.iter().all(|node| nodes.contains(node));
+        assert_eq!(mesh.tetrahedra.nodes.iter().filter(has_face).count(), 2, "{face:?}");
+    }
 }
 
 /// A cube of 8 corners, with the 12 nodes on its edges as a second order element has them.
@@ -248,4 +291,34 @@ fn parts_of_partitioned_entities_have_their_groups() {
     // Without groups, bodies are the entities that the parts are of.
     let mesh = read("a.msh", text.replace(" 0 0 0 1 1 0 1 1 0\n", " 0 0 0 1 1 0 0 0\n"));
     assert_eq!((crate::body_numbers(&mesh), mesh.source.bodies_from), (vec![Some(1)], BodiesFrom::Entities));
+}
+
+/// Pixels and voxels are cells; cell data give their bodies.
+#[test]
+fn structured_points_are_pixels_and_voxels() {
+    let file = |dimensions: &str, data: &str| {
+        format!(
+            "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {dimensions}\nORIGIN 1 2 0\n\
+             SPACING 0.5 2 3\n{data}"
+        )
+    };
+    let data = "CELL_DATA 2\nSCALARS body int 1\nLOOKUP_TABLE default\n7 9\n";
+    let mesh = read("a.vtk", file("3 2 1", data));
+    assert_eq!((mesh.dimensions, mesh.points.len(), mesh.triangles.len()), (2, 6, 4));
+    assert_eq!((mesh.points[0], mesh.points[5]), ([1.0, 2.0, 0.0], [2.0, 4.0, 0.0]));
+    assert_eq!(mesh.bodies.iter().map(|body| body.number).collect::<Vec<_>>(), [Some(7), Some(9)]);
+    let mesh = read("a.vtk", file("2 2 3", data));
+    assert_eq!((mesh.tetrahedra.len(), mesh.source.cut_solids), (12, 2));
+    let volume = |nodes: &[u32; 4]| {
+        let [a, b, c, d] = nodes.map(|node| mesh.points[node as usize]);
+        let [u, v, w] = [b, c, d].map(|corner| [0, 1, 2].map(|axis| corner[axis] - a[axis]));
+        (u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0])
+            + u[2] * (v[0] * w[1] - v[1] * w[0]))
+            / 6.0
+    };
+    assert!((mesh.tetrahedra.nodes.iter().map(volume).sum::<f64>() - 6.0).abs() < 1e-12);
+    let error = fails("a.vtk", file("1000 1000 1000", data));
+    assert!(error.to_string().contains("DIMENSIONS 1000 1000 1000 do not fit the file"), "{error}");
+    let error = fails("a.vtk", file("3 1 1", ""));
+    assert!(error.to_string().contains("no element that is read"), "{error}");
 }
