@@ -9,6 +9,7 @@ use std::ops::Range;
 use fdem_mesh::{Corners, bounds, sorted};
 use fdem_simulation::{Element, Subset, Target};
 
+use crate::joints::lines::is_between_groups;
 use crate::prepared::{Joints, Prepared, Quantity};
 use crate::shapes::placed::{self, Placed};
 use crate::text::document::{Document, Table};
@@ -56,7 +57,10 @@ impl<const D: usize> Bonds<D> {
             else {
                 continue;
             };
-            let [ones, others] = [one, other].map(|name| placed::named(placed, file, name));
+            if is_between_groups(set, file) {
+                continue;
+            }
+            let [ones, others] = [one, other].map(|name| placed::fitting(placed, file, name));
             for &body in ones.iter().chain(&others) {
                 outsides.entry(body).or_insert_with(|| Outside::of(&placed[body]));
             }

@@ -9,6 +9,7 @@ use crate::joints::polygons::{self, SpacePolygon};
 use crate::joints::polylines;
 use crate::shapes::outline::{Domain, Point};
 use crate::shapes::piece::{JointFacet, LinesInBody, Piece};
+use crate::shapes::placed::{fits, may_fit_body};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, Problem, suggestion};
 use crate::text::file::{Body, JointSet, ModelFile, Vector};
@@ -24,6 +25,8 @@ type Line = [Point; 2];
 /// joints follow from the place of a body.
 pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
+    /// For each set, whether its joints are between groups of mesh files.
+    between_groups: Vec<bool>,
     /// Polygons of each set.
     pub(crate) polygons: Vec<(&'f JointSet, Vec<SpacePolygon>)>,
     /// Notes on the files of all sets.
@@ -82,7 +85,8 @@ impl<'f> JointLines<'f> {
             sets.push((set, lines));
             in_space.push((set, polygons));
         }
-        Self { sets, polygons: in_space, notes }
+        let between_groups = file.joint_set.iter().map(|set| is_between_groups(set, file)).collect();
+        Self { sets, between_groups, polygons: in_space, notes }
     }
 
     /// The lines in a body, in the coordinates in which it is meshed.
@@ -125,9 +129,28 @@ impl<'f> JointLines<'f> {
         let mut joints: Vec<JointFacet<D>> = Vec::new();
         let facet = if D == 2 { "edge" } else { "face" };
         for (number, (set, _)) in (0..).zip(&self.sets) {
-            let Some(name) = set.group.as_ref().filter(|_| may_have_group(set, body)) else { continue };
             let problem =
                 |message: String| Problem::new("mesh", format!("[[joint_set]] \"{}\": {message}", set.name));
+            let twice = |inner: &[[u32; D]], joints: &[JointFacet<D>]| {
+                let other = joints.iter().find(|joint| inner.binary_search(&joint.facet).is_ok())?;
+                let other = &self.sets[other.set as usize].0.name;
+                Some(problem(format!("it has {facet}s of the [[joint_set]] \"{other}\"")))
+            };
+            if let Some([one, other]) = set.between.as_deref()
+                && self.between_groups[number as usize]
+            {
+                let inner = piece.facets_between(|name| fits(one, name), |name| fits(other, name));
+                if let Some(problem) = twice(&inner, &joints) {
+                    return Err(problem);
+                }
+                joints.extend(inner.into_iter().map(|facet| JointFacet {
+                    facet,
+                    set: number,
+                    trace: number,
+                }));
+                continue;
+            }
+            let Some(name) = set.group.as_ref().filter(|_| may_have_group(set, body)) else { continue };
             let Some(group) = piece.groups.get(name) else {
                 if set.bodies.is_none() {
                     continue;
@@ -147,9 +170,8 @@ impl<'f> JointLines<'f> {
                     ..problem(format!("the group \"{name}\" has no {facet} between two elements"))
                 });
             }
-            if let Some(other) = joints.iter().find(|joint| inner.binary_search(&joint.facet).is_ok()) {
-                let other = &self.sets[other.set as usize].0.name;
-                return Err(problem(format!("it has {facet}s of the [[joint_set]] \"{other}\"")));
+            if let Some(problem) = twice(&inner, &joints) {
+                return Err(problem);
             }
             joints.extend(inner.into_iter().map(|facet| JointFacet { facet, set: number, trace: number }));
         }
@@ -272,6 +294,14 @@ pub(crate) fn has_joints(set: &JointSet, body: &Body) -> bool {
 /// Whether joints of a set may be a group of the mesh file of a body.
 pub(crate) fn may_have_group(set: &JointSet, body: &Body) -> bool {
     set.group.is_some() && body.mesh.is_some() && is_named(set, body)
+}
+
+/// Whether the joints of a set are between groups of mesh files: `between` names no bodies, and there are
+/// mesh files.
+pub(crate) fn is_between_groups(set: &JointSet, file: &ModelFile) -> bool {
+    let names_body = |name: &String| may_fit_body(file, name);
+    set.between.as_ref().is_some_and(|names| !names.iter().any(names_body))
+        && file.body.iter().any(|body| body.mesh.is_some())
 }
 
 fn is_named(set: &JointSet, body: &Body) -> bool {

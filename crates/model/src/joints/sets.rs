@@ -7,7 +7,7 @@ use fdem_mesh::Corners;
 use fdem_mesh::triangles::SNAP;
 use fdem_simulation::{Element, JointSet, Model, Strength};
 
-use crate::joints::lines::{has_joints, may_have_group};
+use crate::joints::lines::{has_joints, is_between_groups, may_have_group};
 use crate::joints::planes::PERSISTENT;
 use crate::joints::{polygons, polylines};
 use crate::prepared::Joints;
@@ -262,7 +262,7 @@ impl Check<'_> {
             }
         }
         for (place, name) in self.set.between.iter().flatten().enumerate() {
-            if !placed::is_body(self.file, name) {
+            if !placed::may_fit_body(self.file, name) && !is_between_groups(set, self.file) {
                 let span = self.document.entry(self.table, "between", place);
                 faults.push(
                     Fault::at(span, format!("there is no body \"{name}\""))
@@ -361,6 +361,9 @@ pub(crate) fn check_groups<const D: usize, const N: usize>(
     faults: &mut Vec<Fault>,
 ) {
     for (index, set) in file.joint_set.iter().enumerate() {
+        if is_between_groups(set, file) {
+            check_between(set, (index, document), placed, faults);
+        }
         let Some(name) = &set.group else { continue };
         let bodies = placed.iter().filter(|body| may_have_group(set, &file.body[body.table]));
         let known: BTreeSet<&str> =
@@ -404,6 +407,30 @@ pub(crate) fn vanished<const D: usize, const N: usize>(
     }
 }
 
+/// Reports names and patterns of `between` that no group of elements has.
+fn check_between<const D: usize, const N: usize>(
+    set: &file::JointSet,
+    (index, document): (usize, &Document<'_>),
+    placed: &[Placed<D, N>],
+    faults: &mut Vec<Fault>,
+) {
+    let groups = placed.iter().flat_map(|body| &body.piece.groups);
+    let known: BTreeSet<&str> =
+        groups.filter(|(_, group)| !group.elements.is_empty()).map(|(name, _)| name.as_str()).collect();
+    for (place, name) in set.between.iter().flatten().enumerate() {
+        if !known.iter().any(|group| placed::fits(name, group)) {
+            let span = document.entry(Table::of("joint_set", index), "between", place);
+            let message = format!(
+                "[[joint_set]] \"{}\": there is no body and no group of elements \"{name}\"",
+                set.name
+            );
+            let known: Vec<&str> = known.iter().copied().collect();
+            faults
+                .push(Fault::at(span, message).label("unknown name").help(suggestion(name, &known, "group")));
+        }
+    }
+}
+
 /// Puts the joints of all bodies into the model. Returns how many each set has. A set without joints is a
 /// fault, unless it is `optional`, or its joints are between bodies, which come later.
 pub(crate) fn put<const D: usize, const N: usize>(
@@ -429,11 +456,17 @@ where
         }
         let name = model.joint_sets[number as usize].name.clone();
         let set = &file.joint_set[number as usize];
-        if facets.is_empty() && set.between.is_none() && !set.optional {
+        let between_groups = is_between_groups(set, file);
+        if facets.is_empty() && (set.between.is_none() || between_groups) && !set.optional {
             let span = document.value(Table::of("joint_set", number as usize), "name");
             let message = format!("[[joint_set]] \"{name}\" has no joint in any body");
-            let help = "its lines or planes miss the bodies, lie along their outlines or other joints, or are short; \
-                        with optional = true a set may be without joints";
+            let help = if between_groups {
+                "no element of the first group shares an edge or face with one of the second; groups whose elements \
+                 have nodes of their own do not touch"
+            } else {
+                "its lines or planes miss the bodies, lie along their outlines or other joints, or are short; \
+                        with optional = true a set may be without joints"
+            };
             faults.push(Fault::at(span, message).label("no joint").help(help));
         } else if !facets.is_empty() {
             model.add_joints(number, &facets);

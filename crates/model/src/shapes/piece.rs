@@ -186,6 +186,45 @@ where
         inner
     }
 
+    /// The facets between an element of a group whose name is accepted by `one`, and an element of another
+    /// group whose name is accepted by `other`. An element of both groups is on neither side.
+    pub(crate) fn facets_between(
+        &self,
+        one: impl Fn(&str) -> bool,
+        other: impl Fn(&str) -> bool,
+    ) -> Vec<[u32; D]> {
+        // For each element, the numbers of its groups, and whether they are of the one and of the other.
+        let mut groups_of: Vec<Vec<u32>> = vec![Vec::new(); self.elements.len()];
+        let mut sides = Vec::new();
+        for (name, group) in &self.groups {
+            let accepted = [one(name), other(name)];
+            if accepted != [false; 2] {
+                for &element in &group.elements {
+                    groups_of[element as usize].push(sides.len() as u32);
+                }
+                sides.push(accepted);
+            }
+        }
+        let is_between = |a: u32, b: u32| {
+            let [of_a, of_b] = [a, b].map(|element| &groups_of[element as usize]);
+            let only_a = of_a.iter().filter(|group| !of_b.contains(group));
+            let only_b: Vec<u32> = of_b.iter().copied().filter(|group| !of_a.contains(group)).collect();
+            only_a.map(|&group| sides[group as usize]).any(|[is_one, is_other]| {
+                let partner = |group: &u32| {
+                    let [as_one, as_other] = sides[*group as usize];
+                    is_one && as_other || is_other && as_one
+                };
+                only_b.iter().any(partner)
+            })
+        };
+        let facets = sorted_facets::<D, N>(&self.elements);
+        let shared = facets.chunk_by(|a, b| a.0 == b.0).filter_map(|alike| match alike {
+            [(facet, a), (_, b)] if is_between(*a, *b) => Some(*facet),
+            _ => None,
+        });
+        shared.collect()
+    }
+
     /// The corners of an element.
     pub(crate) fn corners(&self, element: &[u32; N]) -> [[f64; D]; N] {
         element.map(|node| self.nodes[node as usize])

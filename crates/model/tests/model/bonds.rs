@@ -274,3 +274,16 @@ fn bonds_that_make_no_sense_are_refused() {
         }
     }
 }
+
+/// A pattern means every body whose name fits it.
+#[test]
+fn bodies_are_bonded_by_a_pattern() {
+    let length = |between: &str| {
+        let text = BLOCKS.replace("[\"lower\", \"upper\"]", between);
+        flat(&text).joint_sets[0].length
+    };
+    assert_eq!(length("[\"*er\", \"*er\"]"), length("[\"lower\", \"upper\"]"));
+    let text = BLOCKS.replace("[\"lower\", \"upper\"]", "[\"lower\", \"u*x\"]");
+    let told = read(&text).unwrap_err().to_string();
+    assert!(told.contains("there is no body \"u*x\""), "{told}");
+}

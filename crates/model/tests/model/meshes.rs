@@ -293,6 +293,55 @@ fn a_group_of_edges_inside_a_mesh_file_is_a_joint_set() {
     }
 }
 
+/// Three grains of two triangles each, in one row; the first two are also a set.
+const GRAINS: &str = "*Node\n1,0,0\n2,1,0\n3,2,0\n4,3,0\n5,0,1\n6,1,1\n7,2,1\n8,3,1\n\
+    *Element, type=CPE3\n1,1,2,6\n2,1,6,5\n3,2,3,7\n4,2,7,6\n5,3,4,8\n6,3,8,7\n\
+    *Elset, elset=poly1\n1,2\n*Elset, elset=poly2\n3,4\n*Elset, elset=poly3\n5,6\n*Elset, elset=left\n1,2,3,4\n";
+
+#[test]
+fn grains_of_a_mesh_file_are_joined_by_a_pattern() {
+    let text = |between: &str| {
+        with_shape(&format!(
+            "mesh = \"a.inp\"\n[[joint_set]]\nname = \"grains\"\nfriction_angle = 30\nbetween = {between}"
+        ))
+    };
+    let mut load = |_: &str| Ok(GRAINS.as_bytes().to_vec());
+    for (between, facets, length) in [
+        (r#"["poly*", "poly*"]"#, 2, 2.0),
+        (r#"["poly1", "poly*"]"#, 1, 1.0),
+        (r#"["left", "poly3"]"#, 1, 1.0),
+        (r#"["*", "poly3"]"#, 1, 1.0),
+    ] {
+        let prepared = fdem_model::prepare(&text(between), "model.toml", &mut load).unwrap();
+        let set = &prepared.joint_sets[0];
+        assert_eq!((set.facets, set.length), (facets, Some(length)), "{between}");
+    }
+    for (between, part) in [
+        (r#"["poly*", "cell*"]"#, "there is no body and no group of elements \"cell*\""),
+        (r#"["poly1", "poly3"]"#, "has no joint in any body"),
+        (r#"["left", "poly1"]"#, "has no joint in any body"),
+    ] {
+        let told = fdem_model::prepare(&text(between), "model.toml", &mut load).unwrap_err().to_string();
+        let told = told.split_whitespace().filter(|word| *word != "|").collect::<Vec<_>>().join(" ");
+        assert!(told.contains(part), "{told}");
+    }
+}
+
+/// Two squares with nodes of their own along their common side, and a cohesive element between them.
+const GLUED: &str = "*Node\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,1,1\n6,0,1\n7,1,2\n8,0,2\n\
+    *Element, type=CPE3, elset=rock\n1,1,2,3\n2,1,3,4\n3,6,5,7\n4,6,7,8\n\
+    *Element, type=COH2D4, elset=glue\n5,4,3,5,6\n";
+
+#[test]
+fn cohesive_elements_of_a_mesh_file_are_a_joint_set() {
+    let mut load = |_: &str| Ok(GLUED.as_bytes().to_vec());
+    let text =
+        with_shape("mesh = \"a.inp\"\n[[joint_set]]\nname = \"glue\"\nfriction_angle = 30\ngroup = \"glue\"");
+    let prepared = fdem_model::prepare(&text, "model.toml", &mut load).unwrap();
+    let set = &prepared.joint_sets[0];
+    assert_eq!((set.joints, set.facets, set.length), (1, 1, Some(1.0)));
+}
+
 #[test]
 fn bodies_are_turned_about_their_middle_and_then_moved() {
     let text = with_shape(

@@ -53,7 +53,9 @@ pub struct JointSet {
     pub group: Option<String>,
     /// Names of two bodies that are bonded, such as bricks by mortar: their common edges or faces are the
     /// joints. The name of a body with `repeat`, or of a packing, means all of its copies, and the same name
-    /// twice means every two of them. The meshes have to fit together: common sides have the same nodes.
+    /// twice means every two of them. The meshes have to fit together: common sides have the same nodes. If
+    /// there is no body of these names, they are groups of elements of mesh files, such as grains. In a name,
+    /// `*` stands for any text: `["poly*", "poly*"]`.
     #[serde(default)]
     #[schemars(length(min = 2, max = 2))]
     pub between: Option<Vec<String>>,
