@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::columns::{MOST_COLUMNS, Role};
 use crate::compression::Compression;
 use crate::excerpt;
+use crate::numbers;
 use crate::packing_format::PackingFormat;
 use crate::place::Place;
 
@@ -275,6 +276,20 @@ pub enum ReadError {
         /// Lower bound on the number of bytes.
         bytes: u64,
     },
+    /// The content of a compressed file exceeds a limit.
+    #[error(
+        "{compression}-compressed content of {} MB or more: the limit is {} MB",
+        numbers::grouped(bytes.div_ceil(1_000_000)),
+        numbers::grouped(limit / 1_000_000)
+    )]
+    TooLarge {
+        /// How it is compressed.
+        compression: Compression,
+        /// Lower bound on the number of bytes, as the file states it or as far as it was decompressed.
+        bytes: u64,
+        /// Largest number of bytes that is accepted.
+        limit: u64,
+    },
     /// A compressed file cannot be unpacked.
     #[error(
         "{compression}-compressed data, damaged or cut off after {unpacked} decompressed bytes: {problem}"
@@ -369,6 +384,7 @@ impl ReadError {
             | Self::NpySize { .. }
             | Self::OutOfMemory { .. }
             | Self::NoMemory { .. }
+            | Self::TooLarge { .. }
             | Self::Packed { .. }
             | Self::Broken { .. }
             | Self::NoFrame { .. }

@@ -98,7 +98,7 @@ pub use place::Place;
 pub use read::read;
 pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::{FrameIndex, Series, read_packing};
-pub use unpack::unpack;
+pub use unpack::{unpack, unpack_within};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
     Spool, Table, Values, write_csv, write_csv_header, write_csv_rows, write_graphml, write_node_link,

@@ -55,10 +55,40 @@ pub fn unpack(
     bytes: Cow<'_, [u8]>,
     wanted: impl Fn(&[u8]) -> bool,
 ) -> Result<(Cow<'_, [u8]>, Option<Compression>), ReadError> {
+    unpack_within(bytes, u64::MAX, wanted)
+}
+
+/// [`unpack`] with a limit on the number of decompressed bytes.
+///
+/// The size that a file states, as gzip does at its end and zstd in its header, is compared with the limit
+/// before memory is taken. A file that states less than it holds is refused when its content exceeds the
+/// limit.
+///
+/// # Errors
+/// Those of [`unpack`], and [`ReadError::TooLarge`].
+///
+/// # Example
+/// ```
+/// use fdem_io::{ReadError, unpack_within};
+///
+/// // 28 B5 2F FD starts a frame of zstd, whose header states 1,000,000 bytes.
+/// let frame = b"\x28\xb5\x2f\xfd\xa0\x40\x42\x0f\x00";
+/// let error = unpack_within(frame.as_slice().into(), 1000, |_| true).unwrap_err();
+/// assert!(matches!(error, ReadError::TooLarge { bytes: 1_000_000, limit: 1000, .. }));
+/// ```
+pub fn unpack_within(
+    bytes: Cow<'_, [u8]>,
+    limit: u64,
+    wanted: impl Fn(&[u8]) -> bool,
+) -> Result<(Cow<'_, [u8]>, Option<Compression>), ReadError> {
     let Some(compression) = Compression::of(&bytes) else { return Ok((bytes, None)) };
-    let mut out = Unpacked { bytes: Vec::new(), compression, wanted, tried: false };
+    let mut out = Unpacked { bytes: Vec::new(), compression, wanted, tried: false, limit };
     match compression {
         Compression::Gzip => {
+            // The size of the last member, modulo 2^32.
+            if let Some(size) = bytes.last_chunk::<4>() {
+                out.check_limit(u64::from(u32::from_le_bytes(*size)))?;
+            }
             out.take(&mut MultiGzDecoder::new(&*bytes))?;
         }
         Compression::Zstd => zstd(&bytes, &mut out)?,
@@ -72,6 +102,8 @@ struct Unpacked<W> {
     compression: Compression,
     wanted: W,
     tried: bool,
+    /// Most bytes.
+    limit: u64,
 }
 
 impl<W: Fn(&[u8]) -> bool> Unpacked<W> {
@@ -92,7 +124,13 @@ impl<W: Fn(&[u8]) -> bool> Unpacked<W> {
             if read == 0 {
                 return Ok(true);
             }
+            self.check_limit(self.bytes.len() as u64)?;
         }
+    }
+
+    fn check_limit(&self, bytes: u64) -> Result<(), ReadError> {
+        let &Self { compression, limit, .. } = self;
+        if bytes > limit { Err(ReadError::TooLarge { compression, bytes, limit }) } else { Ok(()) }
     }
 
     fn damaged(&self, problem: impl Into<String>) -> ReadError {
@@ -109,6 +147,8 @@ fn zstd<W: Fn(&[u8]) -> bool>(mut rest: &[u8], out: &mut Unpacked<W>) -> Result<
         }
         let decoder = StreamingDecoder::new_with_max_window_size(rest, MOST_WINDOW);
         let mut decoder = decoder.map_err(|error| out.damaged(error.to_string()))?;
+        // 0 if the header states no size.
+        out.check_limit((out.bytes.len() as u64).saturating_add(decoder.decoder.content_size()))?;
         if !out.take(&mut decoder)? {
             return Ok(());
         }

@@ -232,7 +232,7 @@ pub(crate) struct LabelArguments {
     /// place and direction of the contact. x is along the last axis of the array; the origin is the centre of
     /// the first pixel or voxel.
     #[arg(long, conflicts_with_all = [
-        "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
+        "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "max_memory", "engine", "bodies", "periodic", "limits", "edges",
         "origin", "explain", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
@@ -322,6 +322,12 @@ pub(crate) struct InputArguments {
     /// Skip lines that cannot be read and report them, instead of stopping at the first.
     #[arg(long)]
     pub(crate) skip_bad_lines: bool,
+
+    /// Most memory that a compressed FILE may take, with its elements: bytes, or a number with kB, MB, GB or
+    /// TB, such as `8GB` [default: three quarters of the memory of the machine, or of the limit of the
+    /// process].
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    pub(crate) max_memory: Option<u64>,
 
     /// Number the elements by data row even if the file has a column of ids. (`--columns` without `id` has
     /// the same effect.)
@@ -594,6 +600,23 @@ fn positive(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above zero")) }
 }
 
+/// Reads a number of bytes, with or without a unit.
+fn memory(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+    let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "t" | "tb" => 1e12,
+        "kib" => 1024.0,
+        "mib" => 1_048_576.0,
+        "gib" => 1_073_741_824.0,
+        unit => return Err(format!("'{unit}' is no unit of memory: say kB, MB, GB or TB")),
+    };
+    positive(digits.trim_end()).map(|number| (number * unit) as u64)
+}
+
 fn number(text: &str) -> Result<f64, String> {
     match f64::from_str(text) {
         Ok(value) if value.is_finite() => Ok(value),
@@ -677,6 +700,15 @@ mod tests {
         assert_eq!(positive("0"), Err("'0' is not above zero".to_owned()));
         assert_eq!(length("nan"), Err("'nan' is not a finite number".to_owned()));
         assert_eq!(length("0,5"), Err("'0,5' has a decimal comma: use a point".to_owned()));
+    }
+
+    #[test]
+    fn sizes_of_memory_are_read() {
+        assert_eq!(memory("1500"), Ok(1500));
+        assert_eq!(memory("1.5GB"), Ok(1_500_000_000));
+        assert_eq!(memory("2 gib"), Ok(2_147_483_648));
+        assert_eq!(memory("0"), Err("'0' is not above zero".to_owned()));
+        assert_eq!(memory("1pb"), Err("'pb' is no unit of memory: say kB, MB, GB or TB".to_owned()));
     }
 
     #[test]

@@ -33,7 +33,8 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let progress = Progress::new(arguments.quiet);
     let outputs = Outputs::open(arguments)?;
 
-    let opened = input::open(&arguments.input.file, arguments.input.format, &progress)?;
+    let opened =
+        input::open(&arguments.input.file, arguments.input.format, arguments.input.max_memory, &progress)?;
     if opened.is_mesh() || !arguments.more.is_empty() {
         return meshes::run(arguments, opened, &progress, outputs);
     }

@@ -8,14 +8,16 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_contact::Error;
+use fdem_io::numbers::grouped;
 use fdem_io::{
-    Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack,
+    Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack_within,
 };
 use fdem_results::network::Sizes;
 
 use crate::command::args::InputArguments;
 use crate::command::failure::{Failure, display_name};
 use crate::command::frames::{Frames, Selection};
+use crate::command::memory;
 use crate::command::output::is_stdout;
 use crate::command::progress::{Position, Progress};
 
@@ -142,16 +144,25 @@ fn largest_diameter(arguments: &InputArguments, packing: &Packing) -> Option<f64
 }
 
 /// Opens and decompresses the file, or standard input for `-`. A `format` overrides the content and the name.
+/// `max_memory`: the option of this name, if it is given.
 pub(crate) fn open(
     file: &Path,
     format: Option<PackingFormat>,
+    max_memory: Option<u64>,
     progress: &Progress,
 ) -> Result<Opened, Failure> {
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
     let (opened, seconds) = progress.step("opening, bytes", None, |position| {
         let bytes = read_bytes(file, &name, position)?;
         let wanted = |start: &[u8]| !is_rubbish(start, bytes.len() as u64, &name);
-        let unpacked = match unpack((&bytes).into(), wanted).map_err(|error| unreadable(&name, &error))? {
+        let most = max_memory.or_else(memory::default_limit);
+        // The elements take about as much as the text of their rows.
+        let limit = most.map_or(u64::MAX, |most| most.saturating_sub(bytes.len() as u64) / 2);
+        let unpacked = unpack_within((&bytes).into(), limit, wanted).map_err(|error| match error {
+            ReadError::TooLarge { compression, bytes, .. } => too_large(&name, compression, bytes, most),
+            error => unreadable(&name, &error),
+        })?;
+        let unpacked = match unpacked {
             (_, None) => None,
             (unpacked, Some(_)) => Some(unpacked.into_owned()),
         };
@@ -166,6 +177,18 @@ pub(crate) fn open(
     Ok(Opened { name, bytes, kind, seconds, remarks: RefCell::default() })
 }
 
+/// The failure for content that takes more memory than is allowed.
+fn too_large(name: &str, compression: Compression, content: u64, most: Option<u64>) -> Failure {
+    let megabytes = |bytes: u64| grouped(bytes.div_ceil(1_000_000));
+    Failure::Unusable(format!(
+        "{name}: the content of this {compression} file has {} MB or more; with its elements it may take {} MB of memory, \
+         and {} MB are allowed: --max-memory SIZE allows more",
+        megabytes(content),
+        megabytes(content.saturating_mul(2)),
+        megabytes(most.unwrap_or(u64::MAX)),
+    ))
+}
+
 /// File name without the extension of its compression.
 fn bare_name(name: &str) -> &str {
     [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
@@ -173,7 +196,8 @@ fn bare_name(name: &str) -> &str {
 
 /// Opens and reads a file of one frame, or the selected frame.
 pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<Input, Failure> {
-    understand(open(&arguments.file, arguments.format, progress)?, arguments, progress)
+    let opened = open(&arguments.file, arguments.format, arguments.max_memory, progress)?;
+    understand(opened, arguments, progress)
 }
 
 /// Like [`read`], for a file that is open.

@@ -1,4 +1,4 @@
-//! Free memory, on systems that report it.
+//! Memory of the machine, on systems that report it.
 
 use std::fs;
 
@@ -14,6 +14,19 @@ pub(crate) fn free() -> Option<f64> {
         (Some(machine), Some(process)) => Some(machine.min(process)),
         (machine, process) => machine.or(process),
     }
+}
+
+/// Three quarters of the memory of the machine, or of the limit of the process or its group if that is lower,
+/// bytes. `None` on systems that do not report it.
+pub(crate) fn default_limit() -> Option<u64> {
+    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| kilobytes(&text, "MemTotal:"));
+    let limits = fs::read_to_string("/proc/self/limits").ok();
+    let process = limits.as_deref().and_then(address_space);
+    // `max` if the group has no limit.
+    let group =
+        fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
+    let least = [machine, process, group].into_iter().flatten().reduce(f64::min)?;
+    Some((0.75 * least) as u64)
 }
 
 /// Value of a line such as `MemAvailable:   123 kB`, bytes.

@@ -37,7 +37,12 @@ pub(crate) fn run(
     let mut seconds = Seconds::default();
     let mut files = vec![read(arguments, first, progress, &mut seconds)?];
     for file in &arguments.more {
-        files.push(read(arguments, input::open(file, None, progress)?, progress, &mut seconds)?);
+        files.push(read(
+            arguments,
+            input::open(file, None, arguments.input.max_memory, progress)?,
+            progress,
+            &mut seconds,
+        )?);
     }
     if files.iter().all(|file| matches!(file.content, Content::Mesh(_))) {
         let of_spheres = [

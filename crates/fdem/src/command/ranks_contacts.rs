@@ -222,15 +222,17 @@ fn scatter(
         agree(communicator, Ok(()))?;
         return Ok(receive(&communicator.receive(0)));
     }
-    let opened = input::open(&arguments.input.file, arguments.input.format, progress).and_then(|opened| {
-        if opened.is_mesh() {
-            return Err(Failure::Unusable(format!(
-                "{} is a mesh: several ranks search packings",
-                opened.name
-            )));
-        }
-        input::understand(opened, &arguments.input, progress)
-    });
+    let opened =
+        input::open(&arguments.input.file, arguments.input.format, arguments.input.max_memory, progress)
+            .and_then(|opened| {
+                if opened.is_mesh() {
+                    return Err(Failure::Unusable(format!(
+                        "{} is a mesh: several ranks search packings",
+                        opened.name
+                    )));
+                }
+                input::understand(opened, &arguments.input, progress)
+            });
     let input = agree(communicator, opened)?;
     let all = input.packing.centres.len() as u64;
     for rank in 1..communicator.size() {

@@ -215,15 +215,18 @@ fn more_than_2_to_the_32_couples_for_the_memory() {
     assert_eq!(bench.files(), ["heap.csv"]);
 }
 
-/// A report of too many elements is refused before the work, not after.
+/// A small file with much content is refused before memory is taken for it.
 #[test]
-fn a_report_of_too_many_elements() {
+fn compressed_content_beyond_the_memory() {
     let bench = Bench::new();
-    bench.run(&["generate", "lattice", "-n", "1000001", "-o", "in.npy"]).succeeds();
-    bench
-        .run(&["contacts", "in.npy", "-o", "out.csv", "--report", "out.html"])
-        .refused_with(&["in.npy: 1000001 elements are too many for a report"]);
-    assert_eq!(bench.files(), ["in.npy"]);
+    let rows = format!("x,y,r\n{}", "1,1,1\n".repeat(1 << 19));
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    std::io::Write::write_all(&mut packed, rows.as_bytes()).unwrap();
+    bench.write("in.csv.gz", packed.finish().unwrap());
+    let run = bench.run(&["contacts", "in.csv.gz", "--max-memory", "5MB", "--count"]);
+    run.refused_with(&["in.csv.gz: the content of this gzip file has 4 MB", "8 MB", "--max-memory"]);
+    bench.run(&["contacts", "in.csv.gz", "--max-memory", "5", "--count"]).refused_with(&["1 MB are allowed"]);
+    assert_eq!(bench.files(), ["in.csv.gz"]);
 }
 
 /// Coordinates whose extent is no number any more.

@@ -11,7 +11,7 @@ use std::sync::atomic::AtomicU64;
 
 use fdem_io::{
     Centres, Compression, FileKind, Format, Packing, PackingFormat, ReadError, ReadOptions, Series,
-    SimulationBox, read_packing, unpack,
+    SimulationBox, read_packing, unpack, unpack_within,
 };
 use formats::{CENTRES, FILES, RADII, gzip, npz, vtu, zstd};
 
@@ -401,6 +401,24 @@ fn compressed_files_are_unpacked_whole_or_refused() {
     }
     let skippable = [b"\x50\x2a\x4d\x18\x03\0\0\0abc".to_vec(), zstd(b"x,y\n0,1\n")].concat();
     assert_eq!(unpack(skippable.into(), |_| true).unwrap().0.as_ref(), b"x,y\n0,1\n");
+}
+
+/// Text of 8 MB in a few kB: refused by the size that the file states, and while it is unpacked.
+#[test]
+fn content_beyond_a_limit_is_refused() {
+    let text = "x,y\n0,1\n".repeat(1 << 20);
+    let text = text.as_bytes();
+    let within = |bytes: &[u8], limit| {
+        unpack_within(Cow::Owned(bytes.to_vec()), limit, |_| true).map(|(bytes, _)| bytes.len())
+    };
+    for packed in [gzip(text), zstd(text)] {
+        assert_eq!(within(&packed, text.len() as u64).unwrap(), text.len());
+        let error = within(&packed, text.len() as u64 - 1).unwrap_err();
+        assert!(matches!(error, ReadError::TooLarge { .. }), "{error}");
+    }
+    // A second member states less than both hold.
+    let error = within(&[gzip(text), gzip(b"0,2\n")].concat(), 1 << 20).unwrap_err();
+    assert_eq!(error.to_string(), "gzip-compressed content of 2 MB or more: the limit is 1 MB");
 }
 
 /// Zeros are compressed to a thousandth of their size.
