@@ -11,18 +11,6 @@ use crate::command::failure::Failure;
 use crate::command::input::{Input, id};
 use crate::command::output::Output;
 
-impl DrawingArguments {
-    /// Refuses a report of too many elements before the search.
-    pub(crate) fn check(&self, elements: usize, name: &str) -> Result<(), Failure> {
-        if self.report.is_some() && elements > report::MOST_ELEMENTS {
-            let error =
-                PictureError::TooMany { what: "elements", found: elements, most: report::MOST_ELEMENTS };
-            return Err(failed(name, &error));
-        }
-        Ok(())
-    }
-}
-
 /// Files of the drawings, opened before the search.
 pub(crate) struct Drawings {
     picture: Option<(Form, Output)>,

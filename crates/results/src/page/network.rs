@@ -15,11 +15,12 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use fdem_contact::{Couple, PeriodicCouple};
 use fdem_io::numbers::{brief, grouped};
 use serde_json::json;
 
 use crate::analysis::Radial;
-use crate::network::{Network, Sizes};
+use crate::network::{Couples, Network, Sizes, Space};
 use crate::page::{PageParts, STYLE, escape, rows};
 use crate::picture::camera::outline;
 use crate::picture::colour::{ALONE, HEAT, SEA};
@@ -27,10 +28,16 @@ use crate::picture::furniture::{Counts, counts};
 use crate::picture::scene::Scene;
 use crate::picture::{Bodies, Caption, PictureError, bodies, g_of_r, panels, preview, room};
 
-/// Largest number in a report: with more, a browser would run out of memory.
-pub const MOST_ELEMENTS: usize = 1_000_000;
+/// Largest number of elements that a page of a network shows: of more, the part nearest to the middle.
+pub const SHOWN_ELEMENTS: usize = 250_000;
 
-/// Largest number in a report: with more, a browser would run out of memory.
+/// Largest number of contacts that a page of a network shows: with more, fewer elements are shown.
+pub const SHOWN_CONTACTS: usize = 2_000_000;
+
+/// Largest number of bodies of any shape in a report: with more, a browser would run out of memory.
+pub const MOST_BODIES: usize = 1_000_000;
+
+/// Largest number of their contacts in a report: with more, a browser would run out of memory.
 pub const MOST_CONTACTS: usize = 5_000_000;
 
 const PAGE: &str = include_str!("network/page.html");
@@ -62,9 +69,12 @@ pub struct NetworkReport<'a, const D: usize> {
 ///
 /// Values of single elements and contacts are shown with all digits of their 64 bits.
 ///
+/// Of more than [`SHOWN_ELEMENTS`] elements, or more than [`SHOWN_CONTACTS`] contacts, the page shows the
+/// elements nearest to the middle and the contacts between them, and says so. The radial distribution is that of
+/// all elements.
+///
 /// # Errors
-/// [`PictureError::TooMany`] for more than [`MOST_ELEMENTS`] or [`MOST_CONTACTS`], and those of
-/// [`crate::picture::png()`].
+/// Those of [`crate::picture::png()`].
 ///
 /// # Panics
 /// If a couple was not found among these elements, or the number of ids is not that of the elements.
@@ -90,24 +100,132 @@ pub struct NetworkReport<'a, const D: usize> {
 /// ```
 pub fn html<const D: usize>(report: &NetworkReport<'_, D>) -> Result<String, PictureError> {
     let NetworkReport { network, caption, ids, facts } = *report;
-    let too_many = |what, found, most| Err(PictureError::TooMany { what, found, most });
-    let (elements, contacts) = (network.space.centres.len(), network.couples.len());
-    if elements > MOST_ELEMENTS {
-        return too_many("elements", elements, MOST_ELEMENTS);
-    }
-    if contacts > MOST_CONTACTS {
-        return too_many("contacts", contacts, MOST_CONTACTS);
-    }
+    let elements = network.space.centres.len();
     if let Some(ids) = ids {
         assert_eq!(ids.len(), elements, "every element has an id");
     }
+    let radial = || g_of_r(&network);
+    if elements <= SHOWN_ELEMENTS && network.couples.len() <= SHOWN_CONTACTS {
+        return whole_page(report, radial);
+    }
+    // Places, ranks and counts of all elements.
+    room::check(elements * (8 * D + 24))?;
+    let part = Part::of(&network, [SHOWN_ELEMENTS, SHOWN_CONTACTS]);
+    let shown = format!(
+        "the {} of {} elements that are nearest to the middle, with the {} contacts between them, in the view, the \
+         table and the plots but g(r); elements at the edge of this part lack contacts. The rows of this summary are of \
+         all elements",
+        grouped(part.numbers.len() as u64),
+        grouped(elements as u64),
+        grouped(part.couples.len() as u64),
+    );
+    let mut told = vec![("shown", shown.as_str())];
+    told.extend(facts);
+    let names: Vec<i64> = part
+        .numbers
+        .iter()
+        .map(|&number| ids.map_or(i64::from(number), |ids| ids[number as usize]))
+        .collect();
+    let sizes = if let Sizes::Each(_) = network.sizes { Sizes::Each(&part.radii) } else { network.sizes };
+    let space = Space { centres: &part.centres, cell: network.space.cell };
+    let shown = Network { space, sizes, couples: &part.couples };
+    whole_page(&NetworkReport { network: shown, caption, ids: Some(&names), facts: &told }, radial)
+}
+
+/// The page of all elements of a report. `radial` is called once the elements can be drawn.
+fn whole_page<const D: usize>(
+    report: &NetworkReport<'_, D>,
+    radial: impl FnOnce() -> Result<Radial, String>,
+) -> Result<String, PictureError> {
+    let NetworkReport { network, caption, ids, facts } = *report;
+    let (elements, contacts) = (network.space.centres.len(), network.couples.len());
     let picture = room::of_pixels(room::LARGEST_PAGE, 1.0);
     room::check(room::of_scene(&network) + picture + page_bytes::<D>(elements, contacts))?;
     let scene = Scene::new(&network, &caption)?;
     // Ids that are numbers from 0 are not stored.
     let ids = ids.filter(|ids| ids.iter().enumerate().any(|(index, &id)| id != index.cast_signed() as i64));
     let data = data(&scene, &network, ids);
-    page(&scene, &g_of_r(&network), facts, data)
+    page(&scene, &radial(), facts, data)
+}
+
+/// The elements of a network that are nearest to its middle, and the contacts between them.
+struct Part<const D: usize> {
+    /// Numbers of the elements in the network, ascending.
+    numbers: Vec<u32>,
+    centres: Vec<[f64; D]>,
+    /// Radii, if each element has its own.
+    radii: Vec<f64>,
+    /// Couples by the numbers in the part.
+    couples: Couples<D>,
+}
+
+impl<const D: usize> Part<D> {
+    /// A part of at most `most` elements and contacts, whose outline has the shape of that of the network.
+    fn of(network: &Network<'_, D>, [most_elements, most_contacts]: [usize; 2]) -> Self {
+        let space = &network.space;
+        let places: Vec<[f64; D]> = match &space.cell {
+            None => space.centres.to_vec(),
+            Some(cell) => {
+                (0..space.centres.len() as u32).map(|element| space.wrapped(cell, element).0).collect()
+            }
+        };
+        let mut limits = [[f64::INFINITY, f64::NEG_INFINITY]; D];
+        for place in &places {
+            for ([low, high], x) in limits.iter_mut().zip(place) {
+                (*low, *high) = (low.min(*x), high.max(*x));
+            }
+        }
+        // The distance from the middle over that of the outline in this direction; it ascends with the rank.
+        let distance = |element: &u32| {
+            let place = &places[*element as usize];
+            (0..D)
+                .map(|axis| {
+                    let [low, high] = limits[axis];
+                    let half = (high - low) / 2.0;
+                    if half > 0.0 { ((place[axis] - low) / half - 1.0).abs() } else { 0.0 }
+                })
+                .fold(0.0, f64::max)
+        };
+        let mut ranked: Vec<u32> = (0..places.len() as u32).collect();
+        ranked.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
+        let mut rank = vec![0_u32; ranked.len()];
+        for (at, &element) in (0..).zip(&ranked) {
+            rank[element as usize] = at;
+        }
+        // A contact is in every part that has the outer of its two elements.
+        let mut outer = vec![0_usize; ranked.len()];
+        for couple in network.couples.iter() {
+            outer[rank[couple.i as usize].max(rank[couple.j as usize]) as usize] += 1;
+        }
+        let contacts = outer.iter().scan(0, |sum: &mut usize, count| {
+            *sum += count;
+            Some(*sum)
+        });
+        let count = contacts.take(most_elements).take_while(|contacts| *contacts <= most_contacts).count();
+
+        let mut numbers = ranked;
+        numbers.truncate(count);
+        numbers.sort_unstable();
+        let is_in = |element: u32| (rank[element as usize] as usize) < count;
+        let own = |element: u32| numbers.partition_point(|&number| number < element) as u32;
+        let couples = network.couples.iter().filter(|couple| is_in(couple.i) && is_in(couple.j));
+        let couples = match network.couples {
+            Couples::Plain(_) => {
+                Couples::Plain(couples.map(|couple| Couple::new(own(couple.i), own(couple.j))).collect())
+            }
+            Couples::Periodic(_) => Couples::Periodic(
+                couples
+                    .map(|couple| PeriodicCouple { i: own(couple.i), j: own(couple.j), ..couple })
+                    .collect(),
+            ),
+        };
+        let centres = numbers.iter().map(|&number| space.centres[number as usize]).collect();
+        let radii = match network.sizes {
+            Sizes::Each(radii) => numbers.iter().map(|&number| radii[number as usize]).collect(),
+            _ => Vec::new(),
+        };
+        Self { numbers, centres, radii, couples }
+    }
 }
 
 /// Contents of a report of bodies of any shape.
@@ -129,7 +247,8 @@ pub struct BodiesReport<'a> {
 /// Writes the report of bodies as HTML: meshes, spheres with walls, or bodies of an image.
 ///
 /// # Errors
-/// Like [`html`]; [`PictureError::TooMany`] also for more than [`crate::picture::MOST_FACETS`] triangles.
+/// Like [`html`]; [`PictureError::TooMany`] for more than [`MOST_BODIES`], [`MOST_CONTACTS`] or
+/// [`crate::picture::MOST_FACETS`] triangles.
 ///
 /// # Panics
 /// If the number of ids is not that of the bodies, the length of a column is not the number of contacts, or
@@ -161,7 +280,7 @@ pub struct BodiesReport<'a> {
 pub fn bodies_html(report: &BodiesReport<'_>) -> Result<String, PictureError> {
     let BodiesReport { bodies, caption, ids, columns, facts } = *report;
     let counts =
-        [("bodies", bodies.centres.len(), MOST_ELEMENTS), ("contacts", bodies.joints.len(), MOST_CONTACTS)];
+        [("bodies", bodies.centres.len(), MOST_BODIES), ("contacts", bodies.joints.len(), MOST_CONTACTS)];
     if let Some((what, found, most)) = counts.into_iter().find(|(_, found, most)| found > most) {
         return Err(PictureError::TooMany { what, found, most });
     }
@@ -371,8 +490,6 @@ fn plots(scene: &Scene, radial: &Result<Radial, String>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::{Couples, Space};
-    use fdem_contact::Couple;
 
     fn page(title: &str, facts: &[(&str, &str)]) -> String {
         let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
@@ -409,20 +526,35 @@ mod tests {
         }
     }
 
+    /// A row of discs, each of which touches the next.
     #[test]
-    fn too_many_are_refused() {
-        let centres = vec![[0.0, 0.0]; MOST_ELEMENTS + 1];
+    fn a_part_is_the_middle_with_its_contacts() {
+        let centres: Vec<[f64; 2]> = (0..11).map(|k| [f64::from(k), 0.0]).collect();
+        let radii: Vec<f64> = (0..11).map(|k| 0.5 + f64::from(k) / 100.0).collect();
+        let couples = Couples::Plain((0..10).map(|k| Couple::new(k, k + 1)).collect());
+        let space = Space { centres: &centres, cell: None };
+        let network = Network { space, sizes: Sizes::Each(&radii), couples: &couples };
+        // Places, ranks and counts of all elements.
+    room::check(elements * (8 * D + 24))?;
+    let part = Part::of(&network, [5, 100]);
+        assert_eq!(part.numbers, [3, 4, 5, 6, 7]);
+        assert_eq!((part.centres[0], part.radii[0]), ([3.0, 0.0], 0.53));
+        assert_eq!(part.couples, Couples::Plain((0..4).map(|k| Couple::new(k, k + 1)).collect()));
+        assert_eq!(Part::of(&network, [11, 2]).numbers, [4, 5, 6]);
+    }
+
+    #[test]
+    fn a_page_of_very_many_shows_a_part_and_says_so() {
+        let centres: Vec<[f64; 2]> = (0..=SHOWN_ELEMENTS).map(|k| [k as f64, 0.0]).collect();
         let couples = Couples::Plain(vec![]);
         let network = Network {
             space: Space { centres: &centres, cell: None },
-            sizes: Sizes::All(0.5),
+            sizes: Sizes::All(0.25),
             couples: &couples,
         };
-        let report = NetworkReport { network, caption: Caption::default(), ids: None, facts: &[] };
-        let error = html(&report).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "1000001 elements are too many for a report, which shows up to 1000000"
-        );
+        let facts = [("elements", "250,001")];
+        let page =
+            html(&NetworkReport { network, caption: Caption::default(), ids: None, facts: &facts }).unwrap();
+        assert!(page.contains("the 250,000 of 250,001 elements that are nearest to the middle"));
     }
 }
