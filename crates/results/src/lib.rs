@@ -31,6 +31,7 @@
 //! | spheres and discs by pixel, the distributions | `src/picture/raster.rs`, `src/picture/flat.rs`, `src/picture/plots.rs` |
 //! | the report: its numbers, its page, its view | `src/page/network.rs`, `src/page/network/page.html`, `src/page/network/view.js` |
 //! | pictures of meshes in a plane | `src/picture/mesh.rs` |
+//! | pictures of models before a run | `src/overview.rs`; its marks: `crates/fdem/src/command/check/picture.rs` |
 //! | pictures of bodies of meshes, walls and images | `src/picture/bodies.rs`, `crates/fdem/src/command/shapes.rs` |
 //! | a field: key, name, unit, sign, colours, value | `src/fields/table.rs`; the input of its value: `src/fields/state.rs` |
 //! | results, plots and pictures | `src/run/vtk.rs`, `src/run/history.rs`, `src/run/plots.rs`, `src/run/pictures.rs` |
@@ -53,9 +54,11 @@ pub mod picture;
 mod fields;
 mod run;
 mod space;
+mod overview;
 pub mod page;
 
 pub use fields::{Field, Place, QUANTITIES, Quantity, QuantityValues, Range, Span};
+pub use overview::{BodyGroup, ModelDrawing, ModelMark, ModelPoint};
 pub use page::run::MOST_FRAMES;
 pub use page::run::flat::{MOST_ELEMENTS, Report, SAMPLE};
 pub use page::run::space::SpaceReport;

@@ -21,7 +21,7 @@ pub(crate) mod flat;
 pub(crate) mod furniture;
 pub(crate) mod drawing;
 pub(crate) mod letters;
-mod mesh;
+pub(crate) mod mesh;
 mod plots;
 pub(crate) mod raster;
 pub(crate) mod room;

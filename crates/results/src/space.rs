@@ -15,7 +15,7 @@ mod opened;
 mod pictures;
 mod section;
 mod shell;
-mod view;
+pub(crate) mod view;
 
 pub use frame::{MOST_INSIDE, SpaceFrame};
 pub use pictures::{Cut, Show, SpacePictures};

@@ -99,9 +99,9 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// tension positive, of the joints of the set with this name, weighted by their undeformed length or
     /// area.
     ///
-    /// Opening and slip of a joint are those of the corners of its two sides, and its stresses are those of
-    /// its two elements, half and half, on the plane half way between the sides: in every state of the joint,
-    /// also after it has handed over to contact. In two dimensions slip and shear stress are positive if each
+    /// The corners of the two sides of a joint give its opening and slip. Its stresses are the mean of its two
+    /// elements, on the plane half way between the sides. This holds in every state of the joint, also after
+    /// it has handed over to contact. In two dimensions slip and shear stress are positive if each
     /// side moves to the left, as seen from the other; in three they are magnitudes. The values are not
     /// numbers if the set has no joints.
     JointSet(String),

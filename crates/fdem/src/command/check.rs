@@ -1,5 +1,7 @@
 //! `fdem check` reports errors, warnings and estimates of a model before it runs.
 
+mod picture;
+
 use std::fs::{self, File};
 use std::io::{IsTerminal, Read};
 use std::path::Path;
@@ -9,7 +11,7 @@ use serde_json::{Value, json};
 use crate::command::args::CheckArguments;
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
-use crate::command::output::{is_device, print};
+use crate::command::output::{Output, is_device, print, refuse_to_overwrite};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
 use fdem_io::numbers::grouped;
@@ -29,6 +31,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let Some(path) = &arguments.model else {
         return Err(Failure::Unusable("no model file is given".to_owned()));
     };
+    refuse_to_overwrite(&[("the model", Some(path)), ("--picture", arguments.picture.as_ref())])?;
     match (preflight(path, arguments), arguments.json) {
         (Ok(preflight), false) => print(&preflight.to_string()),
         (Ok(preflight), true) => {
@@ -87,13 +90,15 @@ impl Problem {
 /// Boxes of bodies that are printed.
 const BOXES: usize = 6;
 
-/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. Prints the boxes of
-/// the bodies before they are meshed.
+/// Reads, checks and meshes a model file, and draws it if a picture is requested. Paths in the file are
+/// relative to its folder. Prints the boxes of the bodies before they are meshed.
 fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Problem> {
     let name = display_name(path);
-    let ranks = arguments.ranks;
-    let text = read_text(path).and_then(|text| with_settings(text, path, &arguments.set));
-    let text = text.map_err(Problem::Other)?;
+    let CheckArguments { set, ranks, picture, picture_width, .. } = arguments;
+    let text = read_text(path).and_then(|text| with_settings(text, path, set)).map_err(Problem::Other)?;
+    // A folder that cannot be written is an error before the mesh.
+    let output = picture.as_deref().map(|file| Output::open(Some(file)).map(|output| (file, output)));
+    let output = output.transpose().map_err(Problem::Other)?;
     let mut printed = Ok(());
     let mut watch = |boxes: &[BodyBox]| {
         let mut lines: Vec<String> =
@@ -112,9 +117,16 @@ fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Probl
     });
     printed.map_err(Problem::Other)?;
     let prepared = prepared.map_err(Problem::Model)?;
+    if let Some((file, mut output)) = output {
+        let (drawn, _) = progress
+            .step("drawing the model", None, |_| picture::draw(&prepared, &name, file, *picture_width));
+        let bytes = drawn
+            .map_err(|error| Problem::Other(Failure::Unusable(format!("{}: {error}", display_name(file)))))?;
+        output.write(|out| out.write_all(&bytes)).and_then(|()| output.commit()).map_err(Problem::Other)?;
+    }
     let (preflight, _) = progress.step("preparing the run", None, |_| match &prepared {
-        AnyPrepared::Plane(prepared) => Preflight::with_ranks(prepared, ranks),
-        AnyPrepared::Space(prepared) => Preflight::with_ranks(prepared, ranks),
+        AnyPrepared::Plane(prepared) => Preflight::with_ranks(prepared, *ranks),
+        AnyPrepared::Space(prepared) => Preflight::with_ranks(prepared, *ranks),
     });
     preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))
 }

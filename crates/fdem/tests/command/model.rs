@@ -36,6 +36,99 @@ fn joints_in_space_are_told_with_their_number_faces_and_area() {
     bench.run(&["check", "model.toml"]).refused_with(&["model.toml:16", "needs a dip_direction"]);
 }
 
+/// A block with a fault, a boundary, histories and stages, which `check` draws.
+const DRAWN: &str = r#"[model]
+end_time = 1e-3
+[[body]]
+name = "block"
+material = "rock"
+rectangle = { min = [0, 0], max = [1, 0.5] }
+mesh_size = 0.1
+[[body]]
+name = "lid"
+material = "rock"
+rectangle = { min = [0, 0.5], max = [1, 0.6] }
+mesh_size = 0.1
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.25
+[[joint_set]]
+name = "fault"
+lines = [[0.2, 0.1, 0.8, 0.4]]
+friction_angle = 30
+[[boundary]]
+name = "floor"
+body = "block"
+side = "bottom"
+velocity = [0, 0]
+[[history]]
+name = "middle"
+stress = [0.5, 0.25]
+[[history]]
+name = "long gauge"
+gauge = [[0.1, 0.25], [0.9, 0.25]]
+[[stage]]
+name = "rest"
+duration = 5e-4
+[[stage]]
+name = "open"
+excavate = ["lid"]
+"#;
+
+#[test]
+fn a_model_is_drawn_before_its_run() {
+    let bench = Bench::new();
+    bench.write("model.toml", DRAWN);
+    let run = bench.run(&["check", "model.toml", "--picture", "model.svg"]).succeeds();
+    assert!(run.stdout.contains("bodies           2: block, lid"), "{}", run.stdout);
+    let svg = bench.read("model.svg");
+    for part in ["block", "lid", "fault", "floor", "middle", "long gauge", "rest", "open: removes lid"] {
+        assert!(svg.contains(&format!(">{part}</text>")), "{part} is not in\n{svg}");
+    }
+    let path = |class: &str| {
+        let rest = svg.split(&format!("class=\"{class}\" d=\"")).nth(1).unwrap();
+        rest.split('"').next().unwrap().to_owned()
+    };
+    // Ten edges along the floor, at one height.
+    let floor = path("boundary");
+    assert_eq!(floor.matches('M').count(), 10, "{floor}");
+    let heights: std::collections::BTreeSet<&str> =
+        floor.split(['M', 'L']).filter_map(|point| point.split(' ').nth(1)).collect();
+    assert_eq!(heights.len(), 1, "{floor}");
+    assert!(path("joints").matches('M').count() >= 6, "{}", path("joints"));
+    // The marker of a point on the picture and in the legend: one and two points, and two rows.
+    assert_eq!(svg.matches("<circle").count(), 5);
+    bench.run(&["check", "model.toml", "--picture", "model.png", "--picture-width", "600"]).succeeds();
+    let png = std::fs::read(bench.path("model.png")).unwrap();
+    assert_eq!(&png[16..20], 600_u32.to_be_bytes());
+    bench.run(&["check", "model.toml", "--picture", "model.jpg"]).refused_with(&[".svg or .png"]);
+    bench.run(&["check", "model.toml", "--picture", "no/folder.svg"]).refused_with(&["there is no folder"]);
+    bench.write("model.svg", DRAWN);
+    bench.run(&["check", "model.svg", "--picture", "model.svg"]).refused_with(&["is the same file"]);
+    assert_eq!(bench.read("model.svg"), DRAWN);
+}
+
+/// In three dimensions the surface is an image, with the outlines of joints above it.
+#[test]
+fn a_model_in_space_is_drawn_before_its_run() {
+    let bench = Bench::new();
+    let model = "[model]\nend_time = 1e-3\n[[body]]\nname = \"block\"\nmaterial = \"rock\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n\
+                 [[material]]\nname = \"rock\"\ndensity = 2700\nyoungs_modulus = 30e9\npoissons_ratio = 0.25\n\
+                 [[joint_set]]\nname = \"bedding\"\nfriction_angle = 30\ndip = 0\ndip_direction = 0\nspacing = 0.4\norigin = [0, 0, 0.3]\n\
+                 [[boundary]]\nname = \"roof\"\nbody = \"block\"\nside = \"top\"\npressure = 1e5\n";
+    bench.write("model.toml", model);
+    bench.run(&["check", "model.toml", "--picture", "model.svg"]).succeeds();
+    let svg = bench.read("model.svg");
+    for part in ["block", "bedding", "roof"] {
+        assert!(svg.contains(&format!(">{part}</text>")), "{part} is not in the legend");
+    }
+    assert!(svg.contains("data:image/png;base64,") && svg.contains("class=\"joints\" d=\"M"));
+    bench.run(&["check", "model.toml", "--picture", "model.png"]).succeeds();
+    assert!(std::fs::read(bench.path("model.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
 #[test]
 fn a_model_that_is_there_is_replaced_only_if_that_is_asked_for() {
     let bench = Bench::new();

@@ -14,7 +14,7 @@ use crate::picture::svg::{Anchor, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{drawing, encode};
 
-const MARGIN: f64 = 24.0;
+pub(crate) const MARGIN: f64 = 24.0;
 
 /// Largest size of the drawing; `NARROWEST` is the width that the parts below it need.
 const MOST: [f64; 2] = [900.0, 860.0];
@@ -24,7 +24,7 @@ const NARROWEST: f64 = 520.0;
 const MOST_TRIANGLES: usize = 300_000;
 
 /// Colours of the bodies in turn. They are pale so that contacts are prominent.
-const BODIES: [Rgb; 8] = [
+pub(crate) const BODIES: [Rgb; 8] = [
     [200, 220, 240],
     [222, 213, 238],
     [203, 230, 214],
@@ -103,17 +103,18 @@ pub fn mesh_png(
 }
 
 /// Layout of the drawing.
-struct MeshLayout {
+pub(crate) struct MeshLayout {
     low: [f64; 2],
     high: [f64; 2],
-    scale: f64,
+    /// Units of the drawing per unit of length.
+    pub(crate) scale: f64,
     /// Size of the drawing without the parts around it.
-    area: [f64; 2],
+    pub(crate) area: [f64; 2],
     size: [f64; 2],
 }
 
 impl MeshLayout {
-    fn new(drawing: &MeshDrawing<'_>) -> Result<Self, PictureError> {
+    pub(crate) fn new(drawing: &MeshDrawing<'_>) -> Result<Self, PictureError> {
         if drawing.triangles.len() > MOST_TRIANGLES {
             let found = drawing.triangles.len();
             return Err(PictureError::TooMany { what: "triangles", found, most: MOST_TRIANGLES });
@@ -142,7 +143,7 @@ impl MeshLayout {
         Ok(Self { low, high, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
     }
 
-    fn on_paper(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn on_paper(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         // Centres a drawing that is narrower than its area.
         let gap = (self.area[0] - (self.high[0] - self.low[0]) * self.scale) / 2.0;
         [MARGIN + gap + (x - self.low[0]) * self.scale, HEAD + (self.high[1] - y) * self.scale]
@@ -164,21 +165,7 @@ impl MeshLayout {
         );
         let mut svg = Svg::new(width, height, &format!("Contacts of {}", caption.title), &description);
         svg.background();
-        svg.put(format_args!(r#"<g stroke="{}" stroke-width="0.5" stroke-linejoin="round">"#, hex(EDGE)));
-        for (nodes, &body) in drawing.triangles.iter().zip(drawing.bodies) {
-            let [a, b, c] = nodes.map(|node| self.on_paper(drawing.points[node as usize]));
-            svg.put(format_args!(
-                r#"<polygon points="{:.2},{:.2} {:.2},{:.2} {:.2},{:.2}" fill="{}"/>"#,
-                a[0],
-                a[1],
-                b[0],
-                b[1],
-                c[0],
-                c[1],
-                hex(BODIES[body as usize % BODIES.len()])
-            ));
-        }
-        svg.put(format_args!("</g>"));
+        self.triangles(drawing, &mut svg);
         self.outlines(drawing, &mut svg);
         let overlap = drawing.contacts.iter().any(|contact| contact.overlap > 0.0);
         let value = |contact: &BodyContact<2>| if overlap { contact.overlap } else { contact.shared };
@@ -218,8 +205,27 @@ impl MeshLayout {
 }
 
 impl MeshLayout {
+    /// Draws the triangles in the colours of their bodies.
+    pub(crate) fn triangles(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
+        svg.put(format_args!(r#"<g stroke="{}" stroke-width="0.5" stroke-linejoin="round">"#, hex(EDGE)));
+        for (nodes, &body) in drawing.triangles.iter().zip(drawing.bodies) {
+            let [a, b, c] = nodes.map(|node| self.on_paper(drawing.points[node as usize]));
+            svg.put(format_args!(
+                r#"<polygon points="{:.2},{:.2} {:.2},{:.2} {:.2},{:.2}" fill="{}"/>"#,
+                a[0],
+                a[1],
+                b[0],
+                b[1],
+                c[0],
+                c[1],
+                hex(BODIES[body as usize % BODIES.len()])
+            ));
+        }
+        svg.put(format_args!("</g>"));
+    }
+
     /// Draws the outlines of the bodies: edges that belong to only one triangle of a body.
-    fn outlines(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
+    pub(crate) fn outlines(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
         let mut edges: Vec<(u32, [u32; 2])> = Vec::with_capacity(3 * drawing.triangles.len());
         let mut area = 0.0;
         for (nodes, &body) in drawing.triangles.iter().zip(drawing.bodies) {

@@ -93,7 +93,7 @@ pub(crate) struct SpaceCamera {
 
 impl SpaceCamera {
     /// Returns a point in pixels from the upper left corner, and towards the eye.
-    fn place(&self, point: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.view.turned(point);
         [
             self.size[0] / 2.0 + (x - self.middle[0]) * self.scale,

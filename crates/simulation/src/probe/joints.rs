@@ -1,8 +1,8 @@
 //! Means over the joints of a set: opening, slip, and the stresses on it.
 //!
-//! A joint is known for the whole run, also after it has handed over to contact. Its opening and slip are
-//! those of the corners of its two sides, and its stresses those of its two elements, so that they have one
-//! meaning in every state of the joint.
+//! A joint is known for the whole run, also after it has handed over to contact. Opening and slip come from
+//! the corners of its two sides, and stresses from its two elements, so that they have one meaning in every
+//! state of the joint.
 
 use fdem_distributed::wire;
 

@@ -45,7 +45,8 @@ impl DrawingArguments {
     }
 }
 
-fn drawing(text: &str) -> Result<PathBuf, String> {
+/// The file of a picture, whose ending gives the format.
+pub(crate) fn drawing(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if has_extension(&path, "svg") || has_extension(&path, "png") {
         return Ok(path);

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use fdem_results::Field;
 
+use crate::command::args::drawings::drawing;
 use crate::command::templates::TEMPLATES;
 use fdem_model::{Setting, library};
 
@@ -53,7 +54,9 @@ pub(crate) struct MaterialsArguments {
 /// Check a model without running it: print all errors of the file, or else its mesh, time step, run time,
 /// memory, and warnings.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fdem check model.toml --ranks 64")]
+#[command(
+    after_help = "Examples:\n  fdem check model.toml --picture model.png\n  fdem check model.toml --ranks 64"
+)]
 pub(crate) struct CheckArguments {
     /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
     #[arg(value_name = "MODEL", required_unless_present = "schema")]
@@ -73,8 +76,17 @@ pub(crate) struct CheckArguments {
     #[arg(long, value_name = "RANKS", allow_negative_numbers = true, value_parser = ranks)]
     pub(crate) ranks: Option<usize>,
 
+    /// Also draw the model: bodies by colour, joint sets, boundaries and histories at points, with a legend
+    /// that names them and lists the stages. Nothing is simulated.
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
+    pub(crate) picture: Option<PathBuf>,
+
+    /// Width of a PNG picture in pixels [default: twice the width of an SVG].
+    #[arg(long, value_name = "PIXELS", requires = "picture", value_parser = clap::value_parser!(u32).range(200..=10_000))]
+    pub(crate) picture_width: Option<u32>,
+
     /// Print the JSON schema of model files, for editors: keys, descriptions, types, ranges, defaults.
-    #[arg(long, conflicts_with_all = ["model", "json", "ranks", "set"])]
+    #[arg(long, conflicts_with_all = ["model", "json", "ranks", "set", "picture"])]
     pub(crate) schema: bool,
 }
 
