@@ -54,10 +54,10 @@ const MOST_IMAGES: usize = 1 << 30;
 /// element is made; their number follows from the reach of the elements and the heights of the box. One
 /// search runs over all elements, and another one over the elements near the faces together with the images.
 /// If there are many images, a single search runs over all elements and images. Therefore the box may be
-/// sheared by any amount, and may be smaller than the elements. A skewed box is searched by the short edges of
-/// the same lattice ([`PeriodicBox::reduced`]); shifts count the given edges. The search does not use the minimum image
-/// convention: the nearest image is only one of several contacts in a small box, and the wrong one in a
-/// sheared box.
+/// sheared by any amount, and may be smaller than the elements. A skewed box is searched by the short edges
+/// of the same lattice ([`PeriodicBox::reduced`]); shifts count the given edges. The search does not use the
+/// minimum image convention: the nearest image is only one of several contacts in a small box, and the wrong
+/// one in a sheared box.
 ///
 /// # When do two elements touch?
 /// The comparison is that of [`Elements`], closed, in the type `T`, between two rounded points:
@@ -88,11 +88,12 @@ const MOST_IMAGES: usize = 1 << 30;
 /// # Cost
 /// Memory of the search over `n` elements, and of one over `m` images and at most `m` elements. For an edge
 /// of height `h` and a reach `r` (largest diameter plus tolerance) there are about `2 r / h` images per
-/// element: few in a large box. One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
-/// element is outside, only elements near faces are copied. Memory per image: twice `D` coordinates, `D`
-/// integers of 4 bytes, the radius if radii differ, 8 bytes, the numbers of a filter, and the engine. If an
-/// element is outside, `D` coordinates and `D` integers for each element. Boxes no wider than two reaches are
-/// searched by testing elements against elements and images, at most `n (n + m)` tests.
+/// element: few in a large box. One pass over the elements finds those outside or near a face. If the edges
+/// lie along the axes and no element is outside, only elements near faces are copied. Memory per image: twice
+/// `D` coordinates, `D` integers of 4 bytes, the radius if radii differ, 8 bytes, the numbers of a filter,
+/// and the engine. If an element is outside, `D` coordinates and `D` integers for each element. Boxes no
+/// wider than two reaches are searched by testing elements against elements and images, at most `n (n + m)`
+/// tests.
 ///
 /// # Source
 /// The ghost images of M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids", Oxford 1987,

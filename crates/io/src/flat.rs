@@ -16,7 +16,8 @@ impl Packing {
     /// LAMMPS, among others, runs two dimensions in a thin box that is periodic along z. As spheres, its
     /// discs would touch their own images. A packing of at least two elements is flat if its box is periodic
     /// along just one axis along which all coordinates are equal within a millionth of `diameter` and whose
-    /// period is at most `diameter`, and no edge is inclined to that axis. The other two axes are the plane, in their order.
+    /// period is at most `diameter`, and no edge is inclined to that axis. The other two axes are the plane,
+    /// in their order.
     ///
     /// # Shapes
     /// `diameter`: the largest diameter and the tolerance, in the unit of the file.

@@ -46,7 +46,8 @@ use format::MeshFormat;
 /// - OBJ. Bodies are the objects, or the groups if there are no objects.
 /// - PLY, ASCII and binary: vertices, faces, edges. One body.
 /// - VTK, the legacy format (ASCII, binary), unstructured grids, poly data and structured points, whose cells
-///   are quadrilaterals or hexahedra; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the values of the first of these cell data that exists, in any capitals:
+///   are quadrilaterals or hexahedra; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the values of
+///   the first of these cell data that exists, in any capitals:
 ///   `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`, `ObjectId`, `PartId`, `RegionId`.
 /// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies
 ///   are the instances, otherwise the parts, otherwise the sets named by `*ELEMENT`, otherwise those of

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! All sums run over parts of the couples of a fixed length and then over the parts, each in their order, so
-//! that the result does not depend on the number of threads. The network does not include contacts with walls:
-//! elements that rest on a wall have fewer contacts here than in the experiment.
+//! that the result does not depend on the number of threads. The network does not include contacts with
+//! walls: elements that rest on a wall have fewer contacts here than in the experiment.
 
 mod around;
 mod clusters;

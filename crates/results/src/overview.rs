@@ -64,7 +64,7 @@ pub struct BodyGroup {
 pub struct ModelMark<const D: usize> {
     /// Name in the legend.
     pub name: String,
-    /// Its facets, by their nodes.
+    /// The facets, by their nodes.
     pub facets: Vec<[u32; D]>,
     /// Its nodes, ascending, if it has no facets. Outer facets all of whose nodes are in the list are drawn
     /// as facets.

@@ -99,15 +99,15 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// tension positive, of the joints of the set with this name, weighted by their undeformed length or
     /// area.
     ///
-    /// The corners of the two sides of a joint give its opening and slip. Its stresses are the mean of its two
-    /// elements, on the plane half way between the sides. This holds in every state of the joint, also after
-    /// it has handed over to contact. In two dimensions slip and shear stress are positive if each
-    /// side moves to the left, as seen from the other; in three they are magnitudes. The values are not
-    /// numbers if the set has no joints.
+    /// The corners of the two sides of a joint give its opening and slip. Its stresses are the mean of its
+    /// two elements, on the plane half way between the sides. This holds in every state of the joint, also
+    /// after it has handed over to contact. In two dimensions slip and shear stress are positive if each side
+    /// moves to the left, as seen from the other; in three they are magnitudes. The values are not numbers if
+    /// the set has no joints.
     JointSet(String),
     /// Length, m, in two dimensions, or area, m², in three, of all joints past their strength, whether they
-    /// soften or are broken, and the same with the damage of each joint as a factor. Joints that are open from
-    /// the beginning are left out.
+    /// soften or are broken, and the same with the damage of each joint as a factor. Joints that are open
+    /// from the beginning are left out.
     Softening,
 }
 

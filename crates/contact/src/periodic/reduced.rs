@@ -7,8 +7,8 @@ use crate::real::Real;
 
 /// A box is skewed if short edges lower the number of images of a large reach by more than this factor.
 ///
-/// Sheared boxes of simulations and primitive cells of crystals stay far below it; their couples and the order
-/// of these are those of the given edges.
+/// Sheared boxes of simulations and primitive cells of crystals stay far below it; their couples and the
+/// order of these are those of the given edges.
 const SKEWED: f64 = 32.0;
 
 /// Largest number of given edges in a short edge.

@@ -61,8 +61,8 @@ pub(crate) struct Summary {
     /// Number of couples of an element with its own image; absent if there is none.
     #[serde(skip_serializing_if = "is_zero")]
     own_images: u64,
-    /// Number of couples of an element with a periodic image of another one at the same place; absent if there
-    /// is none.
+    /// Number of couples of an element with a periodic image of another one at the same place; absent if
+    /// there is none.
     #[serde(skip_serializing_if = "is_zero")]
     repeated_images: u64,
     pub(crate) mean_coordination: f64,

@@ -14,7 +14,7 @@ const READ: [&str; 7] = ["LINE", "3DFACE", "POLYLINE", "LWPOLYLINE", "CIRCLE", "
 /// An entity with its corners.
 #[derive(Debug)]
 pub(crate) struct Entity<'a> {
-    /// Its name in the file.
+    /// The kind of entity, by its name in the file.
     pub(crate) kind: &'a str,
     /// Corners, in the unit of the file, in order. A triangle has its last one twice. Empty for kinds that
     /// are not read.
@@ -25,7 +25,7 @@ pub(crate) struct Entity<'a> {
 
 /// The entities of a file, and its unit.
 #[derive(Debug)]
-pub(crate) struct Drawing<'a> {
+pub(crate) struct DxfDrawing<'a> {
     pub(crate) entities: Vec<Entity<'a>>,
     /// The number of `$INSUNITS`; 0 if the file has none.
     unit: u32,
@@ -50,7 +50,7 @@ const UNITS: [(u32, &str, f64); 15] = [
     (21, "US survey feet", 1200.0 / 3937.0),
 ];
 
-impl Drawing<'_> {
+impl DxfDrawing<'_> {
     /// Name of the unit of the file, and its length in metres; `None` if the file has no unit.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ struct Raw<'a> {
 ///
 /// # Errors
 /// Names the row.
-pub(crate) fn drawing(text: &str) -> Result<Drawing<'_>, String> {
+pub(crate) fn drawing(text: &str) -> Result<DxfDrawing<'_>, String> {
     let rows: Vec<&str> = text.lines().map(str::trim).collect();
     let (mut section, mut variable, mut unit) = ("", "", 0);
     let mut all: Vec<Raw<'_>> = Vec::new();
@@ -115,7 +115,7 @@ pub(crate) fn drawing(text: &str) -> Result<Drawing<'_>, String> {
         }
     }
     let entities = all.iter().map(Raw::entity).collect::<Result<Vec<_>, _>>()?;
-    Ok(Drawing { entities, unit })
+    Ok(DxfDrawing { entities, unit })
 }
 
 impl<'a> Raw<'a> {
@@ -300,7 +300,7 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    fn read(entities: &str) -> Drawing<'static> {
+    fn read(entities: &str) -> DxfDrawing<'static> {
         let rows = format!("0 SECTION 2 ENTITIES {entities} 0 ENDSEC 0 EOF").replace(' ', "\n");
         drawing(rows.leak()).expect("a drawing")
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use fdem_io::numbers::{brief, grouped};
 use serde_json::Value;
 
-use crate::joints::dxf::{Drawing, Entity, drawing};
+use crate::joints::dxf::{DxfDrawing, Entity, drawing};
 use crate::joints::geojson::geometries;
 
 /// Functions that turn the contents of a file into shapes of one form.
@@ -79,7 +79,7 @@ fn scaled<T>(shapes: &mut [T], scale: f64, form: &ShapeForm<T>) {
 /// # Errors
 /// An entity that has lines or faces and cannot be read; a unit that is not known.
 fn of_drawing<T>(
-    drawing: &Drawing<'_>,
+    drawing: &DxfDrawing<'_>,
     scale: Option<f64>,
     form: &ShapeForm<T>,
 ) -> Result<Shapes<T>, String> {

@@ -42,8 +42,8 @@ where
         }
     }
 
-    /// Visits the lengths or areas of the damaged joints that this rank counts, without and with the damage as
-    /// a factor. Joints that are open from the beginning are left out.
+    /// Visits the lengths or areas of the damaged joints that this rank counts, without and with the damage
+    /// as a factor. Joints that are open from the beginning are left out.
     pub(crate) fn damaged_lengths(&self, mut visit: impl FnMut([f64; 2])) {
         let loose = self.part.iter().flat_map(|part| &part.loose_joints);
         let loose = loose.map(|moving| (moving.corners[0], moving.measure, 1.0));

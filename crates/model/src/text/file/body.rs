@@ -58,8 +58,8 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
-    /// Whether a `mesh_size` below 1/500 of the width of the body is meant. Without, it is refused: it is more
-    /// often a wrong unit.
+    /// Whether a `mesh_size` below 1/500 of the width of the body is meant. Without, it is refused: it is
+    /// more often a wrong unit.
     #[serde(default)]
     pub fine: bool,
     /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that
