@@ -168,7 +168,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         self.reduced = cell.reduced();
         let refuse_outside = refuse_outside.then_some(cell);
         if let Some(reduced) = self.reduced {
-            self.check_distances(elements, cell, &reduced)?;
+            Self::check_distances(elements, cell, &reduced)?;
             self.build_in(elements, &reduced.cell, refuse_outside, may_be_apart, max_images, pool)?;
             return reduced.check_shifts(&self.shifts);
         }
@@ -177,7 +177,6 @@ impl<T: Real, const D: usize> Images<T, D> {
 
     /// Checks that the periods of all elements can be counted, in the given edges and in the short ones.
     fn check_distances(
-        &self,
         elements: &Elements<'_, T, D>,
         cell: &PeriodicBox<T, D>,
         reduced: &ReducedBox<T, D>,

@@ -141,7 +141,7 @@ fn orthogonal<const D: usize>(vector: [f64; D], directions: &[[f64; D]]) -> Opti
             rest = std::array::from_fn(|axis| rest[axis] - along * direction[axis]);
         }
         let height = norm(&rest);
-        if !(height > 0.0) {
+        if height.is_nan() || height <= 0.0 {
             return None;
         }
         rest = rest.map(|x| x / height);
@@ -172,7 +172,7 @@ impl<const D: usize> Lattice<D> {
             let mut order = repeating.to_vec();
             order.sort_by(|&a, &b| self.square(b).total_cmp(&self.square(a)).then(a.cmp(&b)));
             for (place, &edge) in order.iter().enumerate() {
-                is_shorter = self.shorten(edge, &order[place + 1..])?;
+                is_shorter = self.shorten(edge, &order[place + 1..]);
                 if is_shorter {
                     break;
                 }
@@ -190,9 +190,9 @@ impl<const D: usize> Lattice<D> {
 
     /// Replaces `edge` by its shortest sum with whole numbers of the `others`, at most two and no longer than
     /// it, the longer one first. Returns whether it became shorter.
-    fn shorten(&mut self, edge: usize, others: &[usize]) -> Option<bool> {
+    fn shorten(&mut self, edge: usize, others: &[usize]) -> bool {
         let near = match *others {
-            [] => return Some(false),
+            [] => return false,
             [other] => [(other, self.projection(edge, other)), (other, 0.0)],
             [longer, shorter, ..] => {
                 // Coordinates of the projection on the plane of both: two equations in the products.
@@ -200,9 +200,9 @@ impl<const D: usize> Lattice<D> {
                 let product = |a: usize, b: usize| dot(&self.edges[a], &self.edges[b]);
                 let (ab, ea, eb) = (product(longer, shorter), product(edge, longer), product(edge, shorter));
                 let determinant = aa * bb - ab * ab;
-                if !(determinant > 1e-9 * aa * bb) {
+                if determinant.is_nan() || determinant <= 1e-9 * aa * bb {
                     // Nearly parallel: they are shortened first.
-                    return Some(false);
+                    return false;
                 }
                 [(longer, (ea * bb - eb * ab) / determinant), (shorter, (eb * aa - ea * ab) / determinant)]
             }
@@ -228,7 +228,7 @@ impl<const D: usize> Lattice<D> {
         if let Some((combination, sum, _)) = best {
             (self.combination[edge], self.edges[edge]) = (combination, sum);
         }
-        Some(best.is_some())
+        best.is_some()
     }
 
     fn projection(&self, edge: usize, on: usize) -> f64 {
