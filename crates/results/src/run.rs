@@ -34,7 +34,7 @@ pub(crate) mod unit;
 mod vtk;
 
 pub use animation::{Animation, AnimationError, SpaceAnimation};
-pub use curves::{CurveFigures, HistoryCurve};
+pub use curves::{CurveFigures, CurvePoint, HistoryCurve};
 pub use emission::{BValue, Break, Clustering, Event, breaks, events, events_csv, magnitude_frequency};
 pub use fdem_io::pvd;
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};

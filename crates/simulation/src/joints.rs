@@ -677,7 +677,9 @@ impl<const D: usize> Joints<D> {
             counted.map(|joint| joint.elastic(solid)).collect::<Sum>()
         });
         let mut all = Sum::default();
-        chunks.iter().for_each(|chunk| all.add_sum(chunk));
+        for chunk in &chunks {
+            all.add_sum(chunk);
+        }
         all
     }
 

@@ -114,7 +114,7 @@ fn a_model_is_drawn_before_its_run() {
 #[test]
 fn a_model_in_space_is_drawn_before_its_run() {
     let bench = Bench::new();
-    let model = "[model]\nend_time = 1e-3\n[[body]]\nname = \"block\"\nmaterial = \"rock\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5\n\
+    let model = "[model]\nend_time = 1e-3\n[[body]]\nname = \"block\"\nmaterial = \"rock\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.25\n\
                  [[material]]\nname = \"rock\"\ndensity = 2700\nyoungs_modulus = 30e9\npoissons_ratio = 0.25\n\
                  [[joint_set]]\nname = \"bedding\"\nfriction_angle = 30\ndip = 0\ndip_direction = 0\nspacing = 0.4\norigin = [0, 0, 0.3]\n\
                  [[boundary]]\nname = \"roof\"\nbody = \"block\"\nside = \"top\"\npressure = 1e5\n";

@@ -1,5 +1,7 @@
 //! Sets of mesh files, and elements that are cut.
 
+use std::fmt::Write;
+
 use fdem_io::{BodiesFrom, MeshFile, MeshGroup};
 
 use crate::{fails, names, read};
@@ -182,7 +184,7 @@ fn cohesive_elements_between_solids_fit_them() {
     for (first, low) in [(1, 0.0), (11, 1.0)] {
         for k in 0..8 {
             let [x, y] = [[0, 0], [1, 0], [1, 1], [0, 1]][k % 4];
-            nodes += &format!("{}, {x}, {y}, {}\n", first + k, low + (k / 4) as f64);
+            writeln!(nodes, "{}, {x}, {y}, {}", first + k, low + (k / 4) as f64).unwrap();
         }
     }
     let text = format!(

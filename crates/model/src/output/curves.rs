@@ -106,6 +106,45 @@ pub(crate) fn curves<const D: usize>(
             columns.find(document.value(table, key), name, faults).unwrap_or_default().0
         };
         let (x, y) = (column("x", &curve.x), column("y", &curve.y));
+        let softening = curve.softening.as_deref().map(|name| column("softening", name));
+        let lateral: Vec<String> =
+            curve.lateral.iter().flatten().map(|name| column("lateral", name)).collect();
+        let strain = |name: &str| name.is_empty() || name.ends_with("[m/m]");
+        if let Some(other) = lateral.iter().find(|name| !strain(name)) {
+            faults.push(
+                Fault::at(
+                    document.value(table, "lateral"),
+                    format!("\"lateral\" is strains, and \"{other}\" is none"),
+                )
+                .help("take the strain of a gauge, or a component of the mean strain"),
+            );
+        } else if !lateral.is_empty() && curve.length.is_none() && !strain(&x) {
+            faults.push(
+                Fault::at(
+                    document.value(table, "x"),
+                    format!("\"lateral\" goes with a strain, and \"{x}\" is none"),
+                )
+                .help("divide a displacement by the length of the specimen: length = …"),
+            );
+        } else if !lateral.is_empty() && lateral.len() != D - 1 {
+            let (wanted, found) = (D - 1, lateral.len());
+            faults.push(Fault::at(
+                document.value(table, "lateral"),
+                format!("a volumetric strain in {D} dimensions has {wanted} lateral strains, not {found}"),
+            ));
+        }
+        let cracked = softening.iter().filter(|name| !name.is_empty() && !name.contains(" softening_"));
+        for other in cracked {
+            faults.push(
+                Fault::at(
+                    document.value(table, "softening"),
+                    format!(
+                        "\"softening\" is a column of joints past their strength, and \"{other}\" is none"
+                    ),
+                )
+                .help("take the softening_length or softening_area of a history with softening = true"),
+            );
+        }
         for (key, given, name, unit) in [("length", curve.length, &x, "[m]"), ("area", curve.area, &y, "[N]")]
         {
             if given.is_some() && !name.is_empty() && !name.ends_with(unit) {
@@ -118,7 +157,8 @@ pub(crate) fn curves<const D: usize>(
                 );
             }
         }
-        curves.push(HistoryCurve { name: curve.name.clone(), x, y, length: curve.length, area: curve.area });
+        let (length, area) = (curve.length, curve.area);
+        curves.push(HistoryCurve { name: curve.name.clone(), x, y, length, area, softening, lateral });
     }
     curves
 }

@@ -25,6 +25,7 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("reaction", history.reaction.is_some()),
         ("cavity", history.cavity.is_some()),
         ("joint_set", history.joint_set.is_some()),
+        ("softening", history.softening),
         ("energy", history.energy),
         ("crack_length", history.crack_length),
     ]
@@ -36,14 +37,14 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
 
 /// Whether a history is that of a probe.
 pub(crate) fn is_probe(history: &History) -> bool {
-    let keys = ["stress", "strain", "velocity", "gauge", "contact_force", "reaction", "cavity", "joint_set"];
-    quantities(history).first().is_some_and(|key| keys.contains(key))
+    let others = ["node", "force", "energy", "crack_length"];
+    quantities(history).first().is_some_and(|key| !others.contains(key))
 }
 
 /// Whether the key `body` restricts a probe.
 pub(crate) fn takes_body(history: &History) -> bool {
-    let keys = [&history.cavity, &history.joint_set];
-    is_probe(history) && history.contact_force.is_none() && keys.iter().all(|key| key.is_none())
+    let keys = ["stress", "strain", "velocity", "gauge", "reaction"];
+    quantities(history).first().is_some_and(|key| keys.contains(key))
 }
 
 /// The key of a stress, strain or velocity, and where it is measured.
@@ -197,6 +198,9 @@ where
         }
         if let Some(name) = &history.joint_set {
             return self.joint_set(name);
+        }
+        if history.softening {
+            return Ok(Probe::Softening);
         }
         self.reaction(history.reaction.as_deref().unwrap_or(""))
     }

@@ -188,3 +188,27 @@ fn a_joint_set_is_a_probe() {
         assert!(errors.contains(part), "{history}: {part:?} is not in\n{errors}");
     }
 }
+
+#[test]
+fn curves_with_softening_joints_and_lateral_strains() {
+    let histories = "[[history]]\nname = \"a\"\ngauge = [[0.1, 0.25], [0.9, 0.25]]\n[[history]]\nname = \"l\"\ngauge = [[0.5, 0.1], [0.5, 0.4]]\n[[history]]\nname = \"push\"\ncontact_force = [\"upper\", \"block\"]\n[[history]]\nname = \"c\"\nsoftening = true\n";
+    let curve =
+        |keys: &str| with(&format!("{histories}[[curve]]\nname = \"test\"\ny = \"push fy\"\n{keys}\n"));
+    let prepared =
+        right(&curve("x = \"a strain\"\nsoftening = \"c softening_length\"\nlateral = [\"l strain\"]"));
+    assert_eq!(prepared.probes[3], Probe::Softening);
+    let found = &prepared.curves[0];
+    assert_eq!(found.softening.as_deref(), Some("c softening_length [m]"));
+    assert_eq!(found.lateral, ["l strain [m/m]"]);
+    for (keys, part) in [
+        ("x = \"a strain\"\nlateral = [\"push fx\"]", "\"lateral\" is strains, and \"push fx [N]\" is none"),
+        ("x = \"time\"\nlateral = [\"l strain\"]", "\"lateral\" goes with a strain"),
+        ("x = \"a strain\"\nlateral = [\"l strain\", \"a strain\"]", "has 1 lateral strains, not 2"),
+        ("x = \"a strain\"\nsoftening = \"c damaged_length\"", "\"c damaged_length [m]\" is none"),
+        ("x = \"a strain\"\nsoftening = \"c soft\"", "no column \"c soft\""),
+    ] {
+        let errors = read(&curve(keys)).unwrap_err();
+        let list = errors.to_string();
+        assert!(errors.faults.len() == 1 && list.contains(part), "{keys}: {part:?} is not in\n{list}");
+    }
+}

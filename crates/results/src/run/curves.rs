@@ -1,4 +1,10 @@
-//! Curves of one column of a history over another, with their peak and their modulus.
+//! Curves of one column of a history over another: peak, modulus, and the stresses at which cracks initiate
+//! and damage a specimen in compression.
+//!
+//! The definitions of the latter two are those of C. D. Martin and N. A. Chandler, The progressive fracture of
+//! Lac du Bonnet granite, Int. J. Rock Mech. Min. Sci. Geomech. Abstr. 31 (1994) 643-659: cracks initiate where
+//! the first ones grow, here where the first joints pass their strength; the crack-damage stress is where the
+//! volumetric strain turns from contraction to dilation.
 
 use crate::run::chart::{Axis, Chart, Curve};
 use crate::run::history::History;
@@ -23,6 +29,21 @@ pub struct HistoryCurve {
     pub length: Option<f64>,
     /// Area by which a force upwards is divided, m²: it becomes a stress.
     pub area: Option<f64>,
+    /// Column of the length or area of joints past their strength, with its unit.
+    pub softening: Option<String>,
+    /// Columns of the strains across the axis, with their units.
+    pub lateral: Vec<String>,
+}
+
+/// A point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Value across.
+    pub x: f64,
+    /// Value upwards.
+    pub y: f64,
+    /// Time, s.
+    pub time: f64,
 }
 
 /// Figures of a curve.
@@ -40,6 +61,12 @@ pub struct CurveFigures {
     /// the first time that the curve rises through these. `None` if fewer than three rows are there, or if
     /// nothing changes across.
     pub modulus: Option<f64>,
+    /// The first row in which more joints are past their strength than in the first row: crack initiation.
+    /// `None` if no joint is, or if the curve has no such column.
+    pub initiation: Option<CurvePoint>,
+    /// The row up to the peak in which the volume is smallest, where contraction turns to dilation: crack
+    /// damage. `None` if the volume shrinks up to the peak, or if the curve has no lateral strains.
+    pub damage: Option<CurvePoint>,
     /// Units across and upwards.
     pub units: [String; 2],
 }
@@ -103,14 +130,44 @@ impl HistoryCurve {
             .filter(|(row, (_, y))| *row < risen && sign * **y >= SLOPE[0] * most)
             .map(|(_, (x, y))| [*x, *y])
             .collect();
+        let point = |row: usize| CurvePoint {
+            x: across[row],
+            y: up[row],
+            time: time.get(row).copied().unwrap_or(f64::NAN),
+        };
         Some(CurveFigures {
             name: self.name.clone(),
             peak: up[row],
             at: across[row],
-            time: time.get(row).copied().unwrap_or(f64::NAN),
+            time: point(row).time,
             modulus: slope(&branch),
+            initiation: self.initiation(history).map(point),
+            damage: self.smallest_volume(history, &across[..=row]).map(point),
             units: [x, y],
         })
+    }
+
+    /// The first row in which more joints are past their strength than in the first row.
+    fn initiation(&self, history: &History) -> Option<usize> {
+        let damaged = history.column(self.softening.as_ref()?)?;
+        let first = damaged.first()?;
+        damaged.iter().position(|length| length > first)
+    }
+
+    /// The row in which the volume is smallest, unless that is the last one. `across`: the axial strains up
+    /// to the peak, of which the last one has the sign of a contraction.
+    fn smallest_volume(&self, history: &History, across: &[f64]) -> Option<usize> {
+        let lateral: Vec<_> = self.lateral.iter().map(|name| history.column(name)).collect::<Option<_>>()?;
+        let last = across.len().checked_sub(1).filter(|_| !lateral.is_empty())?;
+        let sign = across[last].signum();
+        let mut smallest: Option<(usize, f64)> = None;
+        for (row, axial) in across.iter().enumerate() {
+            let contraction = sign * (axial + lateral.iter().map(|strain| strain[row]).sum::<f64>());
+            if smallest.is_none_or(|(_, most)| contraction > most) {
+                smallest = Some((row, contraction));
+            }
+        }
+        smallest.map(|(row, _)| row).filter(|row| *row < last)
     }
 
     /// Plots the curve, positive at its peak: a test in compression rises to the right.
@@ -233,6 +290,41 @@ mod tests {
         let plot = stress.plot(&history).unwrap();
         assert_eq!(plot.name, "curve_test_1__load");
         assert!(plot.svg.contains("MPa") && plot.svg.contains("−top fy"), "{}", plot.svg);
+    }
+
+    /// A test in compression: cracks initiate at 40 of 100 MPa, and the lateral strain, 0.2 of the axial one
+    /// and then growing with the square of the excess, takes over at 75 MPa.
+    #[test]
+    fn cracks_initiate_and_damage_a_specimen() {
+        let mut text = Vec::new();
+        let names = ["a strain [m/m]", "s syy [Pa]", "l strain [m/m]", "c softening_length [m]"];
+        let mut writer = HistoryWriter::new(&mut text, 2, &names.map(str::to_owned)).unwrap();
+        let lateral = |load: f64| 0.2 * load + 0.8 / 70.0 * (load - 40.0).max(0.0).powi(2);
+        for load in 0..=110_u8 {
+            let load = f64::from(load);
+            let stress = if load <= 100.0 { load } else { 200.0 - load };
+            let damaged = 0.5 + if load >= 40.0 { load - 39.0 } else { 0.0 };
+            let values = vec![-1e-5 * load, -1e6 * stress, 1e-5 * lateral(load), damaged];
+            writer.row(&Row { time: 1e-3 * load, values, ..Row::default() }).unwrap();
+        }
+        let history = History::read(&text).unwrap();
+        let curve = HistoryCurve {
+            x: names[0].to_owned(),
+            y: names[1].to_owned(),
+            softening: Some(names[3].to_owned()),
+            lateral: vec![names[2].to_owned()],
+            ..curve()
+        };
+        let figures = curve.figures(&history).unwrap();
+        assert_eq!(figures.peak, -100e6);
+        assert_eq!(figures.initiation.unwrap(), CurvePoint { x: -1e-5 * 40.0, y: -40e6, time: 1e-3 * 40.0 });
+        assert_eq!(figures.damage.map(|point| point.y), Some(-75e6));
+        // A lateral strain that does not grow: the volume shrinks up to the peak.
+        let elastic = HistoryCurve { lateral: vec!["step".to_owned()], ..curve.clone() };
+        assert_eq!(elastic.figures(&history).unwrap().damage, None);
+        let none = HistoryCurve { softening: None, lateral: Vec::new(), ..curve };
+        let figures = none.figures(&history).unwrap();
+        assert_eq!((figures.initiation, figures.damage), (None, None));
     }
 
     #[test]

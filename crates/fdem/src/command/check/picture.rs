@@ -63,7 +63,7 @@ impl<const D: usize> PictureParts<D> {
             }
         });
         Self {
-            title: if prepared.title.is_empty() { name.to_owned() } else { prepared.title.clone() },
+            title: if prepared.title.is_empty() { file_name(name) } else { prepared.title.clone() },
             bodies: groups(prepared),
             joints: joints(prepared),
             boundaries: boundaries.collect(),
@@ -76,6 +76,11 @@ impl<const D: usize> PictureParts<D> {
         let Self { title, bodies, joints, boundaries, points, stages } = self;
         ModelDrawing { title, mesh, bodies, joints, boundaries, points, notes: stages }
     }
+}
+
+/// The name of a file without its folder.
+fn file_name(name: &str) -> String {
+    Path::new(name).file_name().map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
 }
 
 /// Bodies with one colour and one row of the legend.

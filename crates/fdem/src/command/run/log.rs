@@ -5,7 +5,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{CurveFigures, Fragments, Inertia};
+use fdem_results::{CurveFigures, CurvePoint, Fragments, Inertia};
 use serde_json::{Value, json};
 
 use crate::command::failure::Failure;
@@ -222,6 +222,8 @@ pub(crate) fn curve(figures: &CurveFigures) -> Value {
         "time_of_peak": figures.time,
         "modulus": figures.modulus,
         "modulus_unit": figures.modulus_unit(),
+        "crack_initiation": figures.initiation.map(curve_point),
+        "crack_damage": figures.damage.map(curve_point),
     })
 }
 
@@ -248,14 +250,29 @@ pub(crate) fn inertia_in_words(inertia: &Inertia) -> String {
     )
 }
 
+fn curve_point(CurvePoint { x, y, time }: CurvePoint) -> Value {
+    json!({ "x": x, "y": y, "time": time })
+}
+
 /// A curve in the summary.
 pub(crate) fn curve_in_words(figures: &CurveFigures) -> String {
-    let CurveFigures { name, peak, at, time, modulus, units: [x, y] } = figures;
+    let CurveFigures { name, peak, at, time, modulus, initiation, damage, units: [x, y] } = figures;
     let modulus = match modulus {
         Some(modulus) => {
             format!("modulus {} {} from 10 to 50 % of it", brief(*modulus), figures.modulus_unit())
         }
         None => "no modulus: too few rows from 10 to 50 % of it".to_owned(),
     };
-    format!("{name}: peak {} {y} at {} {x}, {} s; {modulus}", brief(*peak), brief(*at), brief(*time))
+    let points = [("cracks initiate", initiation), ("crack damage", damage)].map(|(event, point)| {
+        point.map_or_else(String::new, |CurvePoint { y: value, .. }| {
+            format!("; {event} at {} {y}, {:.0} % of the peak", brief(value), 100.0 * value / peak)
+        })
+    });
+    let [initiation, damage] = points;
+    format!(
+        "{name}: peak {} {y} at {} {x}, {} s; {modulus}{initiation}{damage}",
+        brief(*peak),
+        brief(*at),
+        brief(*time)
+    )
 }

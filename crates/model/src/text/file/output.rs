@@ -99,7 +99,8 @@ pub enum Mean {
 }
 
 /// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `stress`, `strain`,
-/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `energy` and `crack_length`.
+/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `softening`, `energy` and
+/// `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
@@ -155,6 +156,10 @@ pub struct History {
     /// them, Pa, tension positive, weighted by length or area, in every state of the joints.
     #[serde(default)]
     pub joint_set: Option<String>,
+    /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken, and
+    /// the same with the damage of each joint as a factor.
+    #[serde(default)]
+    pub softening: bool,
     /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
@@ -193,4 +198,14 @@ pub struct Curve {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m²"))]
     pub area: Option<f64>,
+    /// Column of a history with `softening = true`, such as "cracks softening_length": the summary gives the
+    /// value upwards at which cracks initiate, where the first joints soften.
+    #[serde(default)]
+    pub softening: Option<String>,
+    /// Columns of the strains across the axis of a test in compression, one in two dimensions and two in
+    /// three: their sum and the strain `x` is the volumetric strain, and the summary gives the crack-damage
+    /// stress, at which it turns from contraction to dilation.
+    #[serde(default)]
+    #[schemars(length(min = 1, max = 2))]
+    pub lateral: Option<Vec<String>>,
 }
