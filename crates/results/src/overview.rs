@@ -245,7 +245,7 @@ impl ModelDrawing<'_, 3, 4> {
         let groups = self.group_of_body();
         let mut marked: BTreeMap<[u32; 3], Rgb> = BTreeMap::new();
         for (boundary, colour) in self.coloured_boundaries() {
-            let facets = self.facets_of(boundary, &page.outer).0;
+            let facets = Self::facets_of(boundary, &page.outer).0;
             marked.extend(facets.into_iter().map(|facet| (sorted(facet), colour)));
         }
         // An edge at which two facets of the surface with other directions or colours meet is a line.
@@ -344,7 +344,7 @@ where
     }
 
     /// The facets of a boundary, and its nodes on the surface that are on none of these.
-    fn facets_of(&self, mark: &ModelMark<D>, outer: &OuterFacets<D>) -> (Vec<[u32; D]>, Vec<u32>) {
+    fn facets_of(mark: &ModelMark<D>, outer: &OuterFacets<D>) -> (Vec<[u32; D]>, Vec<u32>) {
         if !mark.facets.is_empty() {
             return (mark.facets.clone(), Vec::new());
         }
@@ -468,7 +468,7 @@ where
         let outer = if self.boundaries.is_empty() { OuterFacets::new() } else { self.outer_facets() };
         svg.put(format_args!(r#"<g fill="none" stroke-linecap="round">"#));
         for (boundary, colour) in self.coloured_boundaries() {
-            let (facets, rest) = self.facets_of(boundary, &outer);
+            let (facets, rest) = Self::facets_of(boundary, &outer);
             let on_surface = |facet: &&[u32; D]| D == 2 || !outer.contains_key(&sorted(**facet));
             let facets: Vec<[u32; D]> = facets.iter().filter(on_surface).copied().collect();
             let path = path(&lines(&facets), at);

@@ -292,8 +292,8 @@ mod tests {
         assert!(plot.svg.contains("MPa") && plot.svg.contains("−top fy"), "{}", plot.svg);
     }
 
-    /// A test in compression: cracks initiate at 40 of 100 MPa, and the lateral strain, 0.2 of the axial one
-    /// and then growing with the square of the excess, takes over at 75 MPa.
+    /// A test in compression: cracks initiate at 40 % of the peak, and the lateral strain, 0.2 of the axial one
+    /// and then growing with the square of the excess, takes over at 75 %.
     #[test]
     fn cracks_initiate_and_damage_a_specimen() {
         let mut text = Vec::new();
