@@ -587,10 +587,10 @@ mod tests {
         };
         let outer = drawing.outer_facets();
         assert_eq!(outer.len(), 6, "the common face is inside");
-        let found = drawing.facets_of(&named("", vec![], vec![0, 1, 2, 4]), &outer);
+        let found = ModelDrawing::facets_of(&named("", vec![], vec![0, 1, 2, 4]), &outer);
         let facets: Vec<[u32; 3]> = found.0.into_iter().map(sorted).collect();
         assert_eq!((facets, found.1), (vec![[0, 1, 2], [1, 2, 4]], vec![]));
-        assert_eq!(drawing.facets_of(&named("", vec![], vec![0, 4]), &outer), (vec![], vec![0, 4]));
+        assert_eq!(ModelDrawing::facets_of(&named("", vec![], vec![0, 4]), &outer), (vec![], vec![0, 4]));
         // Two faces have the outline of a quadrilateral.
         assert_eq!(lines(&[[0, 1, 2], [1, 2, 4]]), [[0, 1], [0, 2], [1, 4], [2, 4]]);
         assert_eq!(lines(&[[3, 2], [2, 3], [0, 2]]), [[0, 2], [2, 3]]);

@@ -1,7 +1,7 @@
 //! Whether elements resolve the process zone of a crack, in tension and in shear.
 //!
-//! The zone in which a crack softens is about E' G/f² long, with the energy and the strength of its mode: G_I
-//! and the tensile strength, or G_II and the cohesion. With fewer than three elements in it the strength
+//! The zone in which a crack softens is about E' G/f² long, with the energy and the strength of its mode: the
+//! tensile strength and `G_I`, or the cohesion and `G_II`. With fewer than three elements in it the strength
 //! depends on the mesh: it is too high. Cracks in shear decide where something presses on the rock.
 
 use fdem_io::numbers::brief;
@@ -124,7 +124,7 @@ fn warning<const D: usize, const N: usize>(
     // The size, without the scatter, of the elements that are too large.
     let usual = sorted[((1.0 - FEW) * sorted.len() as f64) as usize] / SCATTER;
     // The number of elements grows with the power D of the ratio of sizes, that of steps with the ratio.
-    let longer = (usual / most).powi(D as i32 + 1);
+    let longer = (usual / most).powi(if D == 2 { 3 } else { 4 });
     let remedy = if longer <= LONGEST {
         format!("take elements of {} m", brief(most))
     } else {

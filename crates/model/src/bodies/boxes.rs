@@ -8,7 +8,7 @@ use crate::bodies::{gmsh, mesh_file, space};
 use crate::shapes::extent::extent;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{Body, ModelFile};
+use crate::text::file::{Body, ModelFile, Vector};
 use crate::text::included::Load;
 
 /// Width of a body over its mesh size that nobody means without saying so.
@@ -29,7 +29,7 @@ pub struct BodyBox {
 
 impl BodyBox {
     fn new<const D: usize>(body: &Body, [low, high]: [[f64; D]; 2], mesh_size: f64) -> Self {
-        let by = body.translate.as_ref().map_or([0.0; D], |by| by.components());
+        let by = body.translate.as_ref().map_or([0.0; D], Vector::components);
         let moved = |corner: [f64; D]| (0..D).map(|axis| corner[axis] + by[axis]).collect();
         Self { name: body.name.clone(), low: moved(low), high: moved(high), mesh_size }
     }

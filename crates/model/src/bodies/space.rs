@@ -64,7 +64,7 @@ pub(crate) fn pieces(
     // All copies are of one file, which is read once.
     let mut known = BTreeMap::new();
     let mut load = |name: &str| known.entry(name.to_owned()).or_insert_with(|| load(name)).clone();
-    let Balls { balls, copied, notes } = balls(body, packing, &mut load)?;
+    let SpherePacking { balls, copied, notes } = balls(body, packing, &mut load)?;
     let mut random = Random::with_stream(packing.seed, 3);
     let seeds = (0..).map(|number| body.seed.wrapping_add(number));
     let pieces: Result<Vec<Piece<3, 4>>, Problem> = balls
@@ -195,14 +195,14 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
 type Copied = (Body, [f64; 3], f64);
 
 /// The spheres of a packing, and the shape that is copied into them, if one is.
-struct Balls {
+struct SpherePacking {
     balls: Vec<Ball<3>>,
     copied: Option<Copied>,
     /// Notes on the file of the packing.
     notes: Vec<String>,
 }
 
-fn balls(body: &Body, packing: &Packing, load: &mut Load<'_>) -> Result<Balls, Problem> {
+fn balls(body: &Body, packing: &Packing, load: &mut Load<'_>) -> Result<SpherePacking, Problem> {
     let problem = |message: String| Problem::new("packing", format!("[[body]] \"{}\": {message}", body.name));
     let copied = match &packing.copies_of {
         Some(of) => {
@@ -219,7 +219,7 @@ fn balls(body: &Body, packing: &Packing, load: &mut Load<'_>) -> Result<Balls, P
         let elements = balls.iter().map(|(_, radius)| ball_volume(*radius) / (VOLUME * size.powi(3))).sum();
         return match too_many(0.0, elements, size, None) {
             Some(message) => Err(problem(message)),
-            None => Ok(Balls { balls, copied, notes }),
+            None => Ok(SpherePacking { balls, copied, notes }),
         };
     }
     let radius = packing.radius.or(copied.as_ref().map(|(.., radius)| [*radius; 2]));
@@ -231,7 +231,7 @@ fn balls(body: &Body, packing: &Packing, load: &mut Load<'_>) -> Result<Balls, P
         }
         _ => Vec::new(),
     };
-    Ok(Balls { balls, copied, notes: Vec::new() })
+    Ok(SpherePacking { balls, copied, notes: Vec::new() })
 }
 
 /// A copy of a shape: turned, scaled and moved.

@@ -198,7 +198,7 @@ pub struct Curve {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m²"))]
     pub area: Option<f64>,
-    /// Column of a history with `softening = true`, such as "cracks softening_length": the summary gives the
+    /// Column of a history with `softening = true`, such as `"cracks softening_length"`: the summary gives the
     /// value upwards at which cracks initiate, where the first joints soften.
     #[serde(default)]
     pub softening: Option<String>,
