@@ -1,5 +1,7 @@
 //! Boxes that repeat, threads, and predictions before a search.
 
+use std::fmt::Write;
+
 use crate::Bench;
 
 /// A disc at each end of a box of 4 by 4, one in the middle that is two periods up, touching nothing.
@@ -293,11 +295,11 @@ fn a_skewed_cell_gives_the_couples_of_its_lattice() {
     let mut atoms = String::new();
     for k in 0_u32..64 {
         let x = |axis: u32| f64::from((k * 37 + 11) * (axis + 3) * (axis + 5) % 96) / 16.0;
-        atoms += &format!("C {} {} {}\n", x(0), x(1), x(2));
+        writeln!(atoms, "C {} {} {}", x(0), x(1), x(2)).unwrap();
     }
     let file = |edges: &str| format!("64\nLattice=\"{edges}\" Properties=species:S:1:pos:R:3\n{atoms}");
-    bench.write("cube.xyz", &file("6 0 0 0 6 0 0 0 6"));
-    bench.write("skewed.xyz", &file("6 0 0 6000 6 0 3000 6000 6"));
+    bench.write("cube.xyz", file("6 0 0 0 6 0 0 0 6"));
+    bench.write("skewed.xyz", file("6 0 0 6000 6 0 3000 6000 6"));
     let distances = |name: &str| {
         let run = bench.run(&["contacts", name, "--cutoff", "1.5", "--verify", "64"]).succeeds();
         let of = |row: &str| row.split(',').take(3).collect::<Vec<_>>().join(",");

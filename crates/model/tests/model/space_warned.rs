@@ -1,5 +1,7 @@
 //! Settings that may not be meant in three dimensions, and refusals there before they cost minutes.
 
+use std::fmt::Write;
+
 use fdem_model::{AnyPrepared, Preflight, Prepared, prepare_any};
 
 const STONE: &str =
@@ -298,13 +300,13 @@ fn a_fine_patch_of_a_surface_has_a_warning_with_its_cost() {
         let mut text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".to_owned();
         let at = |k: usize| 0.5 + patch * (k as f64 / squares as f64 - 0.5);
         for (y, x) in (0..=squares).flat_map(|y| (0..=squares).map(move |x| (y, x))) {
-            text += &format!("v {} {} 1\n", at(x), at(y));
+            writeln!(text, "v {} {} 1", at(x), at(y)).unwrap();
         }
         text += "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         let corner = |x: usize, y: usize| 9 + x + (squares + 1) * y;
         for (y, x) in (0..squares).flat_map(|y| (0..squares).map(move |x| (y, x))) {
             let [a, b, c, d] = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]].map(|[x, y]| corner(x, y));
-            text += &format!("f {a} {b} {c} {d}\n");
+            writeln!(text, "f {a} {b} {c} {d}").unwrap();
         }
         // Fans around the patch, from the corners of the cube.
         for k in 0..squares {
@@ -316,12 +318,12 @@ fn a_fine_patch_of_a_surface_has_a_warning_with_its_cost() {
                 (8, [0, last], [0, last - 1]),
             ];
             for (outer, [x, y], [u, v]) in sides {
-                text += &format!("f {outer} {} {}\n", corner(u, v), corner(x, y));
+                writeln!(text, "f {outer} {} {}", corner(u, v), corner(x, y)).unwrap();
             }
         }
         let ends = [[squares, 0], [squares, squares], [0, squares], [0, 0]].map(|[x, y]| corner(x, y));
         for ([a, b], end) in [[5, 6], [6, 7], [7, 8], [8, 5]].into_iter().zip(ends) {
-            text += &format!("f {a} {b} {end}\n");
+            writeln!(text, "f {a} {b} {end}").unwrap();
         }
         text
     };
