@@ -3,7 +3,7 @@
 mod picture;
 
 use std::fs::{self, File};
-use std::io::{IsTerminal, Read};
+use std::io::{IsTerminal, Read, Write};
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -99,23 +99,22 @@ fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Probl
     // A folder that cannot be written is an error before the mesh.
     let output = picture.as_deref().map(|file| Output::open(Some(file)).map(|output| (file, output)));
     let output = output.transpose().map_err(Problem::Other)?;
-    let mut printed = Ok(());
-    let mut watch = |boxes: &[BodyBox]| {
+    let watch = &mut |boxes: &[BodyBox]| {
         let mut lines: Vec<String> =
             boxes.iter().take(BOXES).map(|body| format!("box              {body}\n")).collect();
         if boxes.len() > BOXES {
             lines.push(format!("                 and {} more\n", grouped((boxes.len() - BOXES) as u64)));
         }
-        if !arguments.json && !lines.is_empty() {
-            printed = print(&lines.concat());
+        if !arguments.json {
+            // Standard output has the summary, and nothing if the model is refused.
+            let _ = std::io::stderr().write_all(lines.concat().as_bytes());
         }
     };
     let mut load = inputs_of(path);
     let progress = Progress::new(false);
     let (prepared, _) = progress.step("meshing the model", None, |_| {
-        prepare_any_with(&text, &name, &mut load, memory::free(), &mut watch)
+        prepare_any_with(&text, &name, &mut load, memory::free(), watch)
     });
-    printed.map_err(Problem::Other)?;
     let prepared = prepared.map_err(Problem::Model)?;
     if let Some((file, mut output)) = output {
         let (drawn, _) = progress

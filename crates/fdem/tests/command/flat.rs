@@ -35,7 +35,7 @@ fn frames_in_2d_and_in_3d_are_not_in_one_table() {
     let thick =
         THREE_DISCS.replace("-0.5 0.5", "-5 5").replace("3 1 9 4 0", "3 1 9 4 1").replace("100", "200");
     bench.write("a.dump", format!("{THREE_DISCS}{thick}"));
-    let run = bench.run(&["contacts", "a.dump", "--frames", "all", "-o", "a.csv"]);
+    let run = bench.run(&["contacts", "a.dump", "--frames", "::", "-o", "a.csv"]);
     run.refused_with(&["frame 1: it is in 3D, and the first frame is in 2D", "{frame}"]);
 }
 

@@ -1,10 +1,10 @@
 //! Curves of one column of a history over another: peak, modulus, and the stresses at which cracks initiate
 //! and damage a specimen in compression.
 //!
-//! The definitions of the latter two are those of C. D. Martin and N. A. Chandler, The progressive fracture of
-//! Lac du Bonnet granite, Int. J. Rock Mech. Min. Sci. Geomech. Abstr. 31 (1994) 643-659: cracks initiate where
-//! the first ones grow, here where the first joints pass their strength; the crack-damage stress is where the
-//! volumetric strain turns from contraction to dilation.
+//! The definitions of the latter two are those of C. D. Martin and N. A. Chandler, The progressive fracture
+//! of Lac du Bonnet granite, Int. J. Rock Mech. Min. Sci. Geomech. Abstr. 31 (1994) 643-659: cracks initiate
+//! where the first ones grow, here where the first joints pass their strength; the crack-damage stress is
+//! where the volumetric strain turns from contraction to dilation.
 
 use crate::run::chart::{Axis, Chart, Curve};
 use crate::run::history::History;
@@ -292,8 +292,8 @@ mod tests {
         assert!(plot.svg.contains("MPa") && plot.svg.contains("−top fy"), "{}", plot.svg);
     }
 
-    /// A test in compression: cracks initiate at 40 % of the peak, and the lateral strain, 0.2 of the axial one
-    /// and then growing with the square of the excess, takes over at 75 %.
+    /// A test in compression: cracks initiate at 40 % of the peak, and the lateral strain, 0.2 of the axial
+    /// one and then growing with the square of the excess, takes over at 75 %.
     #[test]
     fn cracks_initiate_and_damage_a_specimen() {
         let mut text = Vec::new();

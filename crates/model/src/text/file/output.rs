@@ -156,8 +156,8 @@ pub struct History {
     /// them, Pa, tension positive, weighted by length or area, in every state of the joints.
     #[serde(default)]
     pub joint_set: Option<String>,
-    /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken, and
-    /// the same with the damage of each joint as a factor.
+    /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken,
+    /// and the same with the damage of each joint as a factor.
     #[serde(default)]
     pub softening: bool,
     /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
@@ -198,8 +198,8 @@ pub struct Curve {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m²"))]
     pub area: Option<f64>,
-    /// Column of a history with `softening = true`, such as `"cracks softening_length"`: the summary gives the
-    /// value upwards at which cracks initiate, where the first joints soften.
+    /// Column of a history with `softening = true`, such as `"cracks softening_length"`: the summary gives
+    /// the value upwards at which cracks initiate, where the first joints soften.
     #[serde(default)]
     pub softening: Option<String>,
     /// Columns of the strains across the axis of a test in compression, one in two dimensions and two in
