@@ -24,6 +24,12 @@ const OUTSIDE: f64 = 0.25;
 /// Components of a stress in the plane, which has one across it, and in space.
 const STRESS: [&[&str]; 2] = [&["sxx", "syy", "szz", "sxy"], &["sxx", "syy", "szz", "sxy", "syz", "sxz"]];
 
+/// Measures of softening joints in the plane and in space.
+const SOFTENING: [[(&str, &str); 2]; 2] = [
+    [("softening_length", "m"), ("damaged_length", "m")],
+    [("softening_area", "m²"), ("damaged_area", "m²")],
+];
+
 /// Components of a strain in the plane and in space.
 const STRAIN: [&[&str]; 2] = [&["exx", "eyy", "exy"], &["exx", "eyy", "ezz", "exy", "eyz", "exz"]];
 
@@ -128,8 +134,7 @@ where
                 vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
             }
             Self::JointSet(_) => joints::COLUMNS.to_vec(),
-            Self::Softening if D == 2 => vec![("softening_length", "m"), ("damaged_length", "m")],
-            Self::Softening => vec![("softening_area", "m²"), ("damaged_area", "m²")],
+            Self::Softening => SOFTENING[D - 2].to_vec(),
         }
     }
 

@@ -291,6 +291,8 @@ where
     for group in piece.groups.values_mut() {
         group.elements.sort_unstable();
         group.elements.dedup();
+        group.facets.sort_by_key(|&facet| sorted(facet));
+        group.facets.dedup_by_key(|facet| sorted(*facet));
     }
     piece
         .groups

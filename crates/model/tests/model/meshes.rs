@@ -310,7 +310,7 @@ fn grains_of_a_mesh_file_are_joined_by_a_pattern() {
         (r#"["poly*", "poly*"]"#, 2, 2.0),
         (r#"["poly1", "poly*"]"#, 1, 1.0),
         (r#"["left", "poly3"]"#, 1, 1.0),
-        (r#"["*", "poly3"]"#, 1, 1.0),
+        (r#"["p*1", "poly2"]"#, 1, 1.0),
     ] {
         let prepared = fdem_model::prepare(&text(between), "model.toml", &mut load).unwrap();
         let set = &prepared.joint_sets[0];
@@ -340,6 +340,8 @@ fn cohesive_elements_of_a_mesh_file_are_a_joint_set() {
     let prepared = fdem_model::prepare(&text, "model.toml", &mut load).unwrap();
     let set = &prepared.joint_sets[0];
     assert_eq!((set.joints, set.facets, set.length), (1, 1, Some(1.0)));
+    let about = &prepared.about_files;
+    assert!(about.iter().any(|line| line == "  glue: 1 line"), "{about:?}");
 }
 
 #[test]

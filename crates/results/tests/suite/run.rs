@@ -460,7 +460,7 @@ fn plots_show_every_column_with_its_unit() {
         ]
     );
     let svg = |name: &str| &plots.iter().find(|plot| plot.name == name).unwrap().svg;
-    assert_eq!(svg("energies").matches("class=\"curve\"").count(), 8);
+    assert_eq!(svg("energies").matches("class=\"curve\"").count(), 9);
     assert!(svg("energies").contains("energy (mJ)") && svg("energies").contains("time (ms)"));
     assert!(svg("crack_growth").contains("length (mm)"));
     assert!(svg("load_displacement").contains("(kN)") && svg("load_displacement").contains("gap (µm)"));
