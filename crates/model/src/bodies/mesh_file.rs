@@ -185,6 +185,29 @@ struct Parts<'a, const D: usize, const N: usize> {
     words: Words,
 }
 
+/// Checks that the file has the groups that a model names. `known`: the names of its groups.
+fn check_wanted(
+    (name, only, groups): (&str, Option<&[String]>, &BTreeMap<String, u32>),
+    known: &[&str],
+    words: &Words,
+) -> Result<(), Problem> {
+    for (key, wanted) in only
+        .into_iter()
+        .flatten()
+        .map(|wanted| ("only".to_owned(), wanted))
+        .chain(groups.keys().map(|wanted| (format!("groups.{wanted}"), wanted)))
+    {
+        if !known.contains(&wanted.as_str()) {
+            return Err(Problem {
+                key,
+                message: format!("{name} has no {} \"{wanted}\"", words.group),
+                help: Some(advice(wanted, &known, words)),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// The elements, facets and groups of a file as a body.
 fn piece<const D: usize, const N: usize>(
     mesh: &MeshFile,
@@ -204,20 +227,7 @@ where
     known.extend(with_elements.map(|(label, _)| label.as_str()));
     known.sort_unstable();
     known.dedup();
-    for (key, wanted) in only
-        .into_iter()
-        .flatten()
-        .map(|wanted| ("only".to_owned(), wanted))
-        .chain(groups.keys().map(|wanted| (format!("groups.{wanted}"), wanted)))
-    {
-        if !known.contains(&wanted.as_str()) {
-            return Err(Problem {
-                key,
-                message: format!("{name} has no {} \"{wanted}\"", words.group),
-                help: Some(advice(wanted, &known, words)),
-            });
-        }
-    }
+    check_wanted((name, only, groups), &known, words)?;
     let (taken, given) = chosen(parts, (&labels, &further), (name, only, groups))?;
     let mut piece = Piece::default();
     let mut turned = (0, 0);
