@@ -201,7 +201,7 @@ fn check_wanted(
             return Err(Problem {
                 key,
                 message: format!("{name} has no {} \"{wanted}\"", words.group),
-                help: Some(advice(wanted, &known, words)),
+                help: Some(advice(wanted, known, words)),
             });
         }
     }
