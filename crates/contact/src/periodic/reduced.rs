@@ -76,7 +76,7 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
     /// A box counts as skewed if its short edges lower the product of `1 / height` over the periodic edges to
     /// less than a 32nd: in a cubic lattice, from a tilt of 32 edges on. [`PeriodicSearch`] and all other
     /// searches in a periodic box use the short edges of such a box, and give shifts in the given ones.
-    /// A lattice whose short edges take more than 2^24 of the given ones is left as it is.
+    /// Short edges take at most 2^24 of each given one; a lattice that needs more is reduced in part or not.
     ///
     /// # Source
     /// Greedy reduction, which in two and three dimensions ends with edges of smallest length: P.Q. Nguyen,
@@ -163,8 +163,8 @@ impl<const D: usize> Lattice<D> {
         Self { given, edges: given, combination: std::array::from_fn(one) }
     }
 
-    /// Shortens the `repeating` edges until none can be shortened by whole numbers of the others. `None` if
-    /// this takes too many given edges or steps.
+    /// Shortens the `repeating` edges until none can be shortened by whole numbers of the others, or only
+    /// with too many given edges. `None` if this takes too many steps.
     fn reduce(&mut self, repeating: &[usize]) -> Option<()> {
         for _ in 0..MAX_STEPS {
             let mut is_shorter = false;
