@@ -283,7 +283,7 @@ pub enum ReadError {
         numbers::grouped(limit / 1_000_000)
     )]
     TooLarge {
-        /// How it is compressed.
+        /// The compression of the file.
         compression: Compression,
         /// Lower bound on the number of bytes, as the file states it or as far as it was decompressed.
         bytes: u64,
@@ -295,7 +295,7 @@ pub enum ReadError {
         "{compression}-compressed data, damaged or cut off after {unpacked} decompressed bytes: {problem}"
     )]
     Packed {
-        /// How it is compressed.
+        /// The compression of the file.
         compression: Compression,
         /// Number of bytes that were decompressed.
         unpacked: u64,

@@ -65,7 +65,7 @@ pub fn unpack(
 /// limit.
 ///
 /// # Errors
-/// Those of [`unpack`], and [`ReadError::TooLarge`].
+/// The errors of [`unpack`]; [`ReadError::TooLarge`].
 ///
 /// # Example
 /// ```

@@ -24,6 +24,14 @@ pub struct Mesh<const D: usize = 2, const N: usize = 3> {
     pub materials: Vec<u32>,
 }
 
+impl<const D: usize, const N: usize> Mesh<D, N> {
+    /// Centroid of an element, m.
+    pub fn centroid(&self, element: usize) -> [f64; D] {
+        let nodes = self.elements[element].map(|node| self.nodes[node as usize]);
+        std::array::from_fn(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / N as f64)
+    }
+}
+
 /// Least and largest coordinates; infinite the wrong way round without points.
 pub fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> [[f64; D]; 2] {
     let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];

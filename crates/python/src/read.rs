@@ -31,11 +31,7 @@ pub(crate) fn read<'py>(
     let frames = Frames::new(py, bytes, name.to_owned(), format, columns, bodies, skip_bad_lines);
     let frames = match frames {
         Err(Unopened::Mesh(bytes)) if frame.is_none() => return Ok(("mesh", read_mesh(py, &bytes, name)?)),
-        Err(Unopened::Mesh(_)) => {
-            let error = "this is a mesh: it has no columns, bodies or frames to choose";
-            return Err(PyValueError::new_err(format!("{name}: {error}")));
-        }
-        frames => frames?,
+        frames => frames.map_err(|unopened| unopened.refused(name, CHOICES))?,
     };
     let count = frames.__len__();
     let frame = match frame {
@@ -60,6 +56,9 @@ pub(crate) struct Frames {
     options: ReadOptions,
 }
 
+/// Parts of a packing that a mesh does not have.
+const CHOICES: &str = "columns, bodies or frames to choose";
+
 /// Why there are no frames.
 enum Unopened {
     /// The content is a mesh: these are its bytes.
@@ -67,11 +66,12 @@ enum Unopened {
     Refused(PyErr),
 }
 
-impl From<Unopened> for PyErr {
-    fn from(unopened: Unopened) -> Self {
-        match unopened {
-            Unopened::Mesh(_) => PyValueError::new_err("this is a mesh: it has no frames"),
-            Unopened::Refused(error) => error,
+impl Unopened {
+    /// The error of the file `name`. `has_no`: the parts that a mesh does not have.
+    fn refused(self, name: &str, has_no: &str) -> PyErr {
+        match self {
+            Self::Mesh(_) => PyValueError::new_err(format!("{name}: this is a mesh: it has no {has_no}")),
+            Self::Refused(error) => error,
         }
     }
 }
@@ -98,10 +98,8 @@ impl Frames {
         let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unread)?.0.into_owned();
         let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
         if format.is_none() && matches!(FileKind::of(&bytes, bare).map_err(unread)?, FileKind::Mesh(_)) {
-            if has_choices {
-                return Err(refused("this is a mesh: it has no columns, bodies or frames to choose"));
-            }
-            return Err(Unopened::Mesh(bytes));
+            let mesh = Unopened::Mesh(bytes);
+            return Err(if has_choices { Unopened::Refused(mesh.refused(&name, CHOICES)) } else { mesh });
         }
         let index = py.detach(|| Series::open(&bytes, bare, format).map(|series| series.index()));
         let index = index.map_err(unread)?;
@@ -125,12 +123,8 @@ impl Frames {
         bodies: Option<String>,
         skip_bad_lines: bool,
     ) -> PyResult<Self> {
-        match Self::new(py, bytes, name.clone(), format, columns, bodies, skip_bad_lines) {
-            Err(Unopened::Mesh(_)) => {
-                Err(PyValueError::new_err(format!("{name}: this is a mesh: it has no frames")))
-            }
-            frames => Ok(frames?),
-        }
+        let frames = Self::new(py, bytes, name.clone(), format, columns, bodies, skip_bad_lines);
+        frames.map_err(|unopened| unopened.refused(&name, "frames"))
     }
 
     fn __len__(&self) -> usize {

@@ -158,10 +158,10 @@ pub fn analyse<const D: usize>(
 /// pass, for a display of its progress.
 ///
 /// # Errors
-/// As [`analyse`].
+/// The errors of [`analyse`].
 ///
 /// # Panics
-/// As [`analyse`].
+/// Where [`analyse`] panics.
 pub fn analyse_counted<const D: usize>(
     network: &Network<'_, D>,
     options: &Options<D>,

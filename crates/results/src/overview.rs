@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use fdem_io::numbers::grouped;
-use fdem_mesh::{Corners, sorted, sorted_facets};
+use fdem_mesh::{Corners, bounds, sorted, sorted_facets};
 use fdem_simulation::Mesh;
 
 use crate::picture::colour::{Rgb, hex};
@@ -167,7 +167,8 @@ impl ModelDrawing<'_> {
         let mut svg = self.sheet(size, layout.area, true);
         layout.triangles(&MeshDrawing { bodies: &colours, ..mesh }, &mut svg);
         layout.outlines(&mesh, &mut svg);
-        self.overlay(&mut svg, &|place| layout.on_paper(place));
+        let outer = if self.boundaries.is_empty() { OuterFacets::new() } else { self.outer_facets() };
+        self.overlay(&mut svg, &outer, &|place| layout.on_paper(place));
         let (factor, unit) = prefixed("m", 150.0 / layout.scale);
         let foot = HEAD + layout.area[1] + 12.0;
         furniture::scale_bar(&mut svg, &format!(" {unit}"), [MARGIN, foot], layout.scale / factor);
@@ -185,8 +186,12 @@ impl ModelDrawing<'_, 3, 4> {
     pub fn svg(&self) -> Result<String, PictureError> {
         let page = self.page()?;
         let layer = self.layer(&page, scale(None, page.size[0])?);
-        let mut svg = self.sheet(page.size, page.area, true);
-        svg.image(layer.at, page.area, &encode::file(layer.size.map(|side| side as u32), &layer.pixels)?);
+        let mut svg = self.sheet(page.size, page.camera.size, true);
+        svg.image(
+            layer.at,
+            page.camera.size,
+            &encode::file(layer.size.map(|side| side as u32), &layer.pixels)?,
+        );
         self.above(&page, &mut svg);
         Ok(svg.finish())
     }
@@ -200,44 +205,25 @@ impl ModelDrawing<'_, 3, 4> {
         let page = self.page()?;
         let scale = scale(width, page.size[0])?;
         // The layer has the background.
-        let mut svg = self.sheet(page.size, page.area, false);
+        let mut svg = self.sheet(page.size, page.camera.size, false);
         self.above(&page, &mut svg);
         encode::png(&svg.finish(), &[self.layer(&page, scale)], scale)
     }
 
     fn page(&self) -> Result<SpacePage, PictureError> {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for (index, node) in self.mesh.nodes.iter().enumerate() {
-            if !node.iter().all(|x| x.is_finite()) {
-                return Err(PictureError::NotFinite { index });
-            }
-            for axis in 0..3 {
-                (low[axis], high[axis]) = (low[axis].min(node[axis]), high[axis].max(node[axis]));
-            }
+        let nodes = &self.mesh.nodes;
+        if let Some(index) = nodes.iter().position(|node| !node.iter().all(|x| x.is_finite())) {
+            return Err(PictureError::NotFinite { index });
         }
-        if self.mesh.nodes.is_empty() {
-            (low, high) = ([0.0; 3], [1.0; 3]);
-        }
+        let [low, high] = if nodes.is_empty() { [[0.0; 3], [1.0; 3]] } else { bounds(nodes.iter().copied()) };
         let view = SpaceView::between(low, high, 0.0);
-        let ends = view.extent();
-        let extent = ends.map(|[low, high]| high - low);
-        if !extent.iter().all(|side| side.is_finite()) {
-            return Err(PictureError::TooWide);
-        }
-        let fits = |axis: usize| {
-            if extent[axis] > 0.0 { (SPACE[axis] - 2.0 * EDGE) / extent[axis] } else { f64::MAX }
-        };
-        let scale = fits(0).min(fits(1));
-        let scale = if scale < f64::MAX { scale } else { 1.0 };
-        let area = [SPACE[0], (extent[1] * scale + 2.0 * EDGE).round().min(SPACE[1])];
-        let middle = [0, 1, 2].map(|axis| ends[axis][0] + extent[axis] / 2.0);
+        let camera = SpaceCamera::fitting(view, SPACE, SPACE[0], EDGE)?;
         let outer = self.outer_facets();
         if outer.len() > MOST_FACETS {
             let found = outer.len();
             return Err(PictureError::TooMany { what: "faces on the surface", found, most: MOST_FACETS });
         }
-        let camera = SpaceCamera { view, middle, scale, size: area, zoom: 1.0 };
-        Ok(SpacePage { camera, area, size: self.size(area), outer })
+        Ok(SpacePage { camera, size: self.size(camera.size), outer })
     }
 
     /// The surface of the bodies, in the colours of bodies and boundaries.
@@ -276,24 +262,18 @@ impl ModelDrawing<'_, 3, 4> {
             closed: true,
             ..SpaceScene::default()
         };
-        let size = page.area.map(|side| (side * zoom).round() as usize);
-        let camera = SpaceCamera {
-            scale: page.camera.scale * zoom,
-            size: page.area.map(|side| side * zoom),
-            zoom,
-            ..page.camera
-        };
-        let pixels = raster::draw(size, &drawing::solid(&scene, &camera, None));
+        let size = page.camera.size.map(|side| (side * zoom).round() as usize);
+        let pixels = raster::draw(size, &drawing::solid(&scene, &page.camera.zoomed(zoom), None));
         Layer { at: [MARGIN, HEAD], size, pixels }
     }
 
     /// Draws all that is above the surface.
     fn above(&self, page: &SpacePage, svg: &mut Svg) {
-        self.overlay(svg, &|point| {
+        self.overlay(svg, &page.outer, &|point| {
             let [x, y, _] = page.camera.place(point);
             [x + MARGIN, y + HEAD]
         });
-        let foot = HEAD + page.area[1] + 12.0;
+        let foot = HEAD + page.camera.size[1] + 12.0;
         furniture::axes(svg, [MARGIN + 36.0, foot + 30.0], &page.camera.view.triad());
         let (factor, unit) = prefixed("m", 150.0 / page.camera.scale);
         let at = [MARGIN + 90.0, foot];
@@ -304,7 +284,6 @@ impl ModelDrawing<'_, 3, 4> {
 /// Layout of a picture in three dimensions.
 struct SpacePage {
     camera: SpaceCamera,
-    area: [f64; 2],
     size: [f64; 2],
     outer: OuterFacets<3>,
 }
@@ -461,14 +440,14 @@ where
         }
     }
 
-    /// Draws boundaries, joint sets and points. `place`: the place of a point, m, on the paper. Facets of
-    /// boundaries in three dimensions are those of the surface below.
-    fn overlay(&self, svg: &mut Svg, place: &dyn Fn([f64; D]) -> [f64; 2]) {
+    /// Draws boundaries, joint sets and points. `outer`: outer facets, not needed without boundaries;
+    /// `place`: the place of a point, m, on the paper. Facets of boundaries in three dimensions are those of
+    /// the surface below.
+    fn overlay(&self, svg: &mut Svg, outer: &OuterFacets<D>, place: &dyn Fn([f64; D]) -> [f64; 2]) {
         let at = |node: u32| place(self.mesh.nodes[node as usize]);
-        let outer = if self.boundaries.is_empty() { OuterFacets::new() } else { self.outer_facets() };
         svg.put(format_args!(r#"<g fill="none" stroke-linecap="round">"#));
         for (boundary, colour) in self.coloured_boundaries() {
-            let (facets, rest) = Self::facets_of(boundary, &outer);
+            let (facets, rest) = Self::facets_of(boundary, outer);
             let on_surface = |facet: &&[u32; D]| D == 2 || !outer.contains_key(&sorted(**facet));
             let facets: Vec<[u32; D]> = facets.iter().filter(on_surface).copied().collect();
             let path = path(&lines(&facets), at);

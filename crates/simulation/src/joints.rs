@@ -195,6 +195,17 @@ struct Tip {
     together: Box<[u32]>,
 }
 
+/// The results of a pass over all joints.
+#[derive(Debug)]
+pub(crate) struct Pulling {
+    /// The joints that broke, ascending.
+    pub(crate) broken: Vec<u32>,
+    /// Work done against all joints since the last pass, J.
+    pub(crate) work: Sum,
+    /// Elastic energy of the joints that are counted, J, if it is asked for.
+    pub(crate) elastic: Option<Sum>,
+}
+
 impl<const D: usize> Joints<D> {
     /// Finds the strength of each facet, with its scatter. Inserts no joints yet.
     pub(crate) fn new<const N: usize>(model: &Model<D, N>, topology: &Topology<D, N>, share: &Share) -> Self
@@ -533,15 +544,16 @@ impl<const D: usize> Joints<D> {
         Ok(())
     }
 
-    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke,
-    /// ascending, and the work done against all joints since the last pass, J.
+    /// Updates all joints and their forces from the positions of the nodes. `energies`: whether to compute
+    /// their elastic energy.
     pub(crate) fn pull<const N: usize>(
         &mut self,
         solid: &Solid<D, N>,
         step: f64,
         time: f64,
+        energies: bool,
         team: &Team,
-    ) -> (Vec<u32>, Sum)
+    ) -> Pulling
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -598,7 +610,8 @@ impl<const D: usize> Joints<D> {
             self.breaks.extend(breaks);
             self.breaks.sort_unstable_by_key(|broken| broken.joint);
         }
-        (broken, work)
+        let elastic = energies.then(|| self.elastic(solid, team));
+        Pulling { broken, work, elastic }
     }
 
     /// Adds the force of the joints on a corner of an element.

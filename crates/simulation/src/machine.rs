@@ -17,7 +17,7 @@ use std::fmt;
 
 use crate::contacts::{Contacts, Touching};
 use crate::error::Stop;
-use crate::joints::Joints;
+use crate::joints::{Joints, Pulling};
 use crate::model::Model;
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, Selected};
@@ -45,9 +45,8 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// Returns the first inverted element, with its ratio of deformed to undeformed area or volume.
     fn deform(&mut self, step: f64) -> Option<(u32, f64)>;
 
-    /// Computes the forces of all joints at a time, s. Returns the joints that broke, ascending, and the work
-    /// against all joints since the last step.
-    fn pull(&mut self, step: f64, time: f64) -> (Vec<u32>, Sum);
+    /// Computes the forces of all joints at a time, s. `energies`: whether to compute their elastic energy.
+    fn pull(&mut self, step: f64, time: f64, energies: bool) -> Pulling;
 
     /// Finds the couples of elements that may touch.
     fn detect(&mut self, topology: &Topology<D, N>) -> Result<(), Stop>;

@@ -19,7 +19,7 @@ mod other_machine;
 
 use crate::action::{Event, Scene};
 use crate::error::Stop;
-use crate::machine::Columns;
+use crate::joints::Pulling;
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, Selected};
 use crate::peers::{Peers, StepReport};
@@ -95,11 +95,10 @@ where
     fn pull(&mut self, energies: bool) -> Vec<u32> {
         let mut clock = Clock::new();
         let (step, time) = (self.scales.time_step, self.time());
-        let (broken, work) = self.machine.pull(step, time);
+        let Pulling { broken, work, elastic } = self.machine.pull(step, time, energies);
         self.totals.cohesive.add_sum(&work);
-        if energies {
-            let Columns { solid, joints, .. } = self.machine.columns();
-            self.joint_elastic = joints.elastic(solid, &self.team);
+        if let Some(elastic) = elastic {
+            self.joint_elastic = elastic;
         }
         clock.read(&mut self.timings.joints);
         broken

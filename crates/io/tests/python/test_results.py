@@ -164,7 +164,7 @@ def test_the_history_is_a_table(folder):
         names = text.readline()
     assert names.startswith("step,time,kinetic,") and '"upper platen, force y [N]"' in names
     rows = np.genfromtxt(folder / "history.csv", delimiter=",", skip_header=1)
-    assert rows.shape == (1001, 21)
+    assert rows.shape == (1001, 22)
     assert (np.diff(rows[:, 1]) > 0).all() and not np.isnan(rows).any()
     stored = rows[:, 2:8].sum(axis=1)
     assert np.allclose(stored - rows[:, 8], rows[:, 9], rtol=0, atol=1e-12)

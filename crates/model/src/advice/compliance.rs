@@ -1,4 +1,4 @@
-//! How much softer joints make a body that has them on all facets from the beginning.
+//! The loss of stiffness of a body that has joints on all facets from the beginning.
 //!
 //! A joint with the stiffness k opens and slides by T/k under the traction T. Under a uniform stress σ along
 //! an axis, the joints of a volume V add the strain

@@ -2,14 +2,14 @@
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
-use fdem_simulation::{Element, Model};
+use fdem_simulation::Element;
 
 use crate::advice::ready::Ready;
 use crate::advice::slivers::{Slivers, speed};
 use crate::shapes::placed::Placed;
 use crate::text::file::Body;
 
-/// How much shorter fine elements make the time step, at least, if they are worth a warning.
+/// Least ratio of the time steps, without and with the fine elements, that is worth a warning.
 const SHORTER: f64 = 10.0;
 
 /// Share of `mesh_size` below which an edge of a surface is fine.
@@ -46,7 +46,7 @@ where
     warnings.push(format!(
         "element {finest} at [{}] is {} m high, and half of the elements of the body \"{}\" {} m or more: it makes the time step \
          about {} times shorter than theirs; {}",
-        centre(model, finest),
+        model.mesh.centroid(finest as usize).map(brief).join(", "),
         brief(height(finest)),
         body.name,
         brief(*median),
@@ -59,12 +59,6 @@ where
 fn meant(body: &Body) -> f64 {
     let Some(size) = body.mesh_size else { return 1.0 };
     body.refine.iter().map(|place| place.size / size).fold(1.0, f64::min)
-}
-
-fn centre<const D: usize, const N: usize>(model: &Model<D, N>, element: u32) -> String {
-    let corners = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
-    let middle = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
-    (0..D).map(|axis| brief(middle(axis))).collect::<Vec<_>>().join(", ")
 }
 
 /// Names the fine facets of a surface, which the mesh has as they are.

@@ -21,7 +21,7 @@ const WIDE: f64 = 0.8;
 /// Part of the length of a body that is its end.
 const END: f64 = 0.02;
 
-/// How a load breaks a body: it pulls at it, splits it, or presses on a whole side.
+/// The way in which a load breaks a body: it pulls at it, splits it, or presses on a whole side.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Failure {
     Pulled,

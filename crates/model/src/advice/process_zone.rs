@@ -16,7 +16,8 @@ const IN_ZONE: f64 = 3.0;
 /// A tenth more than a third of the zone is the scatter of a mesh whose size is the limit.
 const SCATTER: f64 = 1.1;
 
-/// How many times as long a run may become by finer elements that are proposed.
+/// Largest ratio of the time of a run with the finer elements that are proposed to that with the present
+/// ones.
 const LONGEST: f64 = 1000.0;
 
 /// Elements, as a share of all, that may be larger than a third of the zone.
@@ -52,24 +53,20 @@ const SHEAR: Mode = Mode {
     result: "strength in compression",
 };
 
-/// Edges of the elements of a material.
-#[derive(Clone, Default)]
-struct Edges {
-    /// Mean edge of each element, m.
-    of_elements: Vec<f64>,
-}
-
 /// Adds a warning for each material and mode whose elements are larger than a third of the zone.
 pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    let mut of_materials = vec![Edges::default(); model.materials.len()];
+    // Mean edge of each element, m.
+    let mut of_materials = vec![Vec::new(); model.materials.len()];
     for (nodes, &material) in model.mesh.elements.iter().zip(&model.mesh.materials) {
         let edges = edges(&nodes.map(|node| model.mesh.nodes[node as usize]));
-        of_materials[material as usize].of_elements.push(edges.iter().sum::<f64>() / edges.len() as f64);
+        of_materials[material as usize].push(edges.iter().sum::<f64>() / edges.len() as f64);
     }
-    for (material, edges) in of_materials.iter().enumerate() {
-        warnings.extend(warning(model, material, edges, &TENSION));
-        if is_pressed(model, material) {
-            warnings.extend(warning(model, material, edges, &SHEAR));
+    let is_loaded = model.boundaries.iter().any(|boundary| presses(boundary, model));
+    for (material, mut edges) in of_materials.into_iter().enumerate() {
+        edges.sort_by(f64::total_cmp);
+        warnings.extend(warning(model, material, &edges, &TENSION));
+        if is_loaded || is_pressed(model, material) {
+            warnings.extend(warning(model, material, &edges, &SHEAR));
         }
     }
 }
@@ -106,16 +103,15 @@ fn zone<const D: usize, const N: usize>(
     whole.into_iter().chain(on_bedding).min_by(|one, other| one[0].total_cmp(&other[0]))
 }
 
+/// The warning of a material and a mode. `sorted`: mean edges of its elements, m, ascending.
 fn warning<const D: usize, const N: usize>(
     model: &Model<D, N>,
     material: usize,
-    Edges { of_elements }: &Edges,
+    sorted: &[f64],
     mode: &Mode,
 ) -> Option<String> {
     let [zone, energy] = zone(model, material, mode)?;
     let most = zone / IN_ZONE;
-    let mut sorted = of_elements.clone();
-    sorted.sort_by(f64::total_cmp);
     let large = sorted.len() - sorted.partition_point(|mean| *mean <= SCATTER * most);
     if large as f64 <= FEW * sorted.len() as f64 {
         return None;
@@ -141,7 +137,7 @@ fn warning<const D: usize, const N: usize>(
     Some(format!(
         "{large} of {} elements of \"{}\" are larger than a third of its fracture process zone{} ({} = {} m; the largest has edges of {} m): \
          {} will depend on the mesh; {remedy}",
-        of_elements.len(),
+        sorted.len(),
         model.materials[material].name,
         mode.place,
         mode.formula,
@@ -151,8 +147,8 @@ fn warning<const D: usize, const N: usize>(
     ))
 }
 
-/// Whether a material may fail under pressure: boundaries press on the model from outside, or the stress in
-/// the ground or by weight is not small beside its cohesion.
+/// Whether a material may fail under the stress in the ground or under weight, which are not small beside its
+/// cohesion.
 fn is_pressed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> bool {
     let Some(strength) = model.materials[material].strength else { return false };
     // A compression of this size crushes the wall of a hole.
@@ -162,5 +158,5 @@ fn is_pressed<const D: usize, const N: usize>(model: &Model<D, N>, material: usi
         .map(|axis| model.materials[material].density * model.gravity[axis].abs() * (high[axis] - low[axis]))
         .sum();
     let in_ground = model.stresses.iter().any(|stress| (0..D).any(|axis| stress[axis][axis] < -least));
-    in_ground || weight > least || model.boundaries.iter().any(|boundary| presses(boundary, model))
+    in_ground || weight > least
 }

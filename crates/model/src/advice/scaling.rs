@@ -170,12 +170,10 @@ fn heaviest<const D: usize, const N: usize>(prepared: &Prepared<D, N>, factors: 
     let largest = (0..factors.len()).max_by(|&a, &b| factors[a].total_cmp(&factors[b]).then(b.cmp(&a)));
     let element = largest.unwrap_or_default();
     let body = prepared.bodies.iter().find(|body| body.elements.contains(&(element as u32)));
-    let nodes = prepared.model.mesh.elements[element].map(|node| prepared.model.mesh.nodes[node as usize]);
-    let centre = |axis: usize| nodes.iter().map(|node| node[axis]).sum::<f64>() / N as f64;
     format!(
         "element {element} of \"{}\" at [{}], {} times its own",
         body.map_or("", |body| &body.name),
-        (0..D).map(|axis| brief(centre(axis))).collect::<Vec<_>>().join(", "),
+        prepared.model.mesh.centroid(element).map(brief).join(", "),
         brief(factors[element])
     )
 }

@@ -51,9 +51,7 @@ impl Slivers {
         if jump(count) < SHORTER {
             return None;
         }
-        let corners = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
-        let centre = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
-        let at = (0..D).map(centre).collect();
+        let at = model.mesh.centroid(element as usize).to_vec();
         let others = times[count..].iter().map(|time| time.1).fold(f64::INFINITY, f64::min);
         let mut elements: Vec<u32> = times[..count].iter().map(|time| time.2).collect();
         elements.sort_unstable();

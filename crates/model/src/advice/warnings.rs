@@ -301,12 +301,11 @@ where
     }
     let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
     for ([body, _], (common, [one, other], _)) in inside {
-        let at: [f64; D] = middle(ready.model, *one);
         warnings.push(format!(
             "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} at the beginning, most of all elements {one} and {other} near {}: they will be driven apart",
             name(*body),
             brief(*common),
-            place(&at)
+            place(&ready.model.mesh.centroid(*one as usize))
         ));
     }
     let largest = between.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(a.0)));
@@ -351,12 +350,6 @@ where
         }
     }
     numbers
-}
-
-/// Centroid of an element.
-fn middle<const D: usize, const N: usize>(model: &Model<D, N>, element: u32) -> [f64; D] {
-    let nodes = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
-    std::array::from_fn(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / N as f64)
 }
 
 fn place(at: &[f64]) -> String {

@@ -229,13 +229,9 @@ where
     fn elements(&self) -> Result<Vec<u32>, ProbeFault> {
         let limits = self.history.limits.as_ref();
         let inside = |element: u32| {
-            let nodes = self.mesh.elements[element as usize];
+            let centroid = self.mesh.centroid(element as usize);
             limits.is_none_or(|limits| {
-                (0..D).all(|axis| {
-                    let centre = nodes.iter().map(|&node| self.mesh.nodes[node as usize][axis]).sum::<f64>()
-                        / N as f64;
-                    limits[axis] <= centre && centre <= limits[D + axis]
-                })
+                (0..D).all(|axis| limits[axis] <= centroid[axis] && centroid[axis] <= limits[D + axis])
             })
         };
         let of_body = |&body: &usize| {

@@ -258,10 +258,8 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
                 continue;
             }
             let mut any = false;
-            for (nodes, there) in mesh.elements.iter().zip(&mut there) {
-                let sum =
-                    |axis: usize| nodes.iter().map(|&node| mesh.nodes[node as usize][axis]).sum::<f64>();
-                if *there && is_within::<D>(limits, std::array::from_fn(|axis| sum(axis) / N as f64)) {
+            for (element, there) in there.iter_mut().enumerate() {
+                if *there && is_within(limits, mesh.centroid(element)) {
                     (*there, any) = (false, true);
                 }
             }

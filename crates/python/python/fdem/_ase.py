@@ -204,7 +204,7 @@ class NewPrimitiveNeighborList:
     Attributes
     ----------
     nupdates : int
-        How often the list was built.
+        The number of times that the list was built.
     pair_first, pair_second : array [m], int64
         The atoms of each pair.
     offset_vec : array [m, 3], int64

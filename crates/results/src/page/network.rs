@@ -69,12 +69,12 @@ pub struct NetworkReport<'a, const D: usize> {
 ///
 /// Values of single elements and contacts are shown with all digits of their 64 bits.
 ///
-/// Of more than [`SHOWN_ELEMENTS`] elements, or more than [`SHOWN_CONTACTS`] contacts, the page shows the
-/// elements nearest to the middle and the contacts between them, and says so. The radial distribution is that
-/// of all elements.
+/// If there are more than [`SHOWN_ELEMENTS`] elements, or more than [`SHOWN_CONTACTS`] contacts, the page
+/// shows the elements nearest to the middle and the contacts between them, with a note. The radial
+/// distribution is that of all elements.
 ///
 /// # Errors
-/// Those of [`crate::picture::png()`].
+/// The errors of [`crate::picture::png()`].
 ///
 /// # Panics
 /// If a couple was not found among these elements, or the number of ids is not that of the elements.

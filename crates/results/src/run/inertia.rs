@@ -3,7 +3,7 @@
 use crate::run::history::History;
 use crate::run::loads::loading;
 
-/// How slow a run was at the peak of its load.
+/// The share of inertia in the peak load of a run.
 ///
 /// In tests of a specimen between platens, a kinetic energy of 1 % of the strain energy at the peak means a
 /// strength that is some 5 % too high: the book has the measurements.

@@ -1,6 +1,7 @@
 //! Triangles of a picture: the visible parts of facets, sections and cracks, their light and their lines.
 
 use crate::arrays::each;
+use crate::picture::PictureError;
 use crate::picture::colour::{Rgb, mix};
 use crate::picture::raster::{Paint, Stroke, Triangle};
 use crate::run::frame::CrackKind;
@@ -92,6 +93,38 @@ pub(crate) struct SpaceCamera {
 }
 
 impl SpaceCamera {
+    /// A camera whose picture is at most `most` units of the drawing wide and high, and at least `narrowest`
+    /// wide, with the visible parts at least `edge` from its sides.
+    ///
+    /// # Errors
+    /// [`PictureError::TooWide`].
+    pub(crate) fn fitting(
+        view: SpaceView,
+        most: [f64; 2],
+        narrowest: f64,
+        edge: f64,
+    ) -> Result<Self, PictureError> {
+        let ends = view.extent();
+        let extent = ends.map(|[low, high]| high - low);
+        if !extent.iter().all(|side| side.is_finite()) {
+            return Err(PictureError::TooWide);
+        }
+        let fits = |axis: usize| {
+            if extent[axis] > 0.0 { (most[axis] - 2.0 * edge) / extent[axis] } else { f64::INFINITY }
+        };
+        let scale = fits(0).min(fits(1));
+        let scale = if scale.is_normal() { scale } else { 1.0 };
+        let side = |axis: usize| (extent[axis] * scale + 2.0 * edge).min(most[axis]);
+        let size = [side(0).max(narrowest).round(), side(1).round()];
+        let middle = [0, 1, 2].map(|axis| ends[axis][0] + extent[axis] / 2.0);
+        Ok(Self { view, middle, scale, size, zoom: 1.0 })
+    }
+
+    /// The same picture with this many pixels per unit of the drawing.
+    pub(crate) fn zoomed(&self, zoom: f64) -> Self {
+        Self { scale: self.scale * zoom, size: self.size.map(|side| side * zoom), zoom, ..*self }
+    }
+
     /// Returns a point in pixels from the upper left corner, and towards the eye.
     pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.view.turned(point);

@@ -138,7 +138,7 @@ impl SpacePictures<'_> {
         svg.background();
         let layer = self.layer(&page, &scene, scale(None, page.size[0])?);
         let png = encode::file(layer.size.map(|side| side as u32), &layer.pixels)?;
-        svg.image([MARGIN, HEAD], page.area, &png);
+        svg.image([MARGIN, HEAD], page.camera.size, &png);
         self.surroundings(&page, frame, &mut svg);
         Ok(svg.finish())
     }
@@ -172,20 +172,9 @@ impl SpacePictures<'_> {
     }
 
     fn page(&self) -> Result<SpaceLayout, PictureError> {
-        let ends = self.view.extent();
-        let extent = ends.map(|[low, high]| high - low);
-        if !extent.iter().all(|side| side.is_finite()) {
-            return Err(PictureError::TooWide);
-        }
-        let fits = |axis: usize| {
-            if extent[axis] > 0.0 { (MOST[axis] - 2.0 * EDGE) / extent[axis] } else { f64::INFINITY }
-        };
-        let scale = fits(0).min(fits(1));
-        let scale = if scale.is_normal() { scale } else { 1.0 };
-        let side = |axis: usize| (extent[axis] * scale + 2.0 * EDGE).min(MOST[axis]);
-        let area = [side(0).max(NARROWEST).round(), side(1).round()];
-        let middle = [0, 1, 2].map(|axis| ends[axis][0] + extent[axis] / 2.0);
-        Ok(SpaceLayout { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
+        let camera = SpaceCamera::fitting(self.view, MOST, NARROWEST, EDGE)?;
+        let [width, height] = camera.size;
+        Ok(SpaceLayout { camera, size: [width + 2.0 * MARGIN, HEAD + height + FOOT] })
     }
 
     fn sheet(&self, page: &SpaceLayout, frame: &SpaceFrame) -> Svg {
@@ -285,14 +274,8 @@ impl SpacePictures<'_> {
 
     /// Draws a scene as pixels.
     fn layer(&self, page: &SpaceLayout, scene: &SpaceScene, scale: f64) -> Layer {
-        let size = page.area.map(|side| (side * scale).round() as usize);
-        let camera = SpaceCamera {
-            view: self.view,
-            middle: page.middle,
-            scale: page.scale * scale,
-            size: page.area.map(|side| side * scale),
-            zoom: scale,
-        };
+        let size = page.camera.size.map(|side| (side * scale).round() as usize);
+        let camera = page.camera.zoomed(scale);
         let cut = self.cut.and_then(|cut| cut.plane(&self.view));
         let layers = match self.show {
             Show::Solid => drawing::solid(scene, &camera, cut),
@@ -303,13 +286,13 @@ impl SpacePictures<'_> {
 
     /// Draws the title, the axes, the scale bar, the legend of the cracks and the colour bar.
     fn surroundings(&self, page: &SpaceLayout, frame: &SpaceFrame, svg: &mut Svg) {
-        let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
+        let (title, size) = fitting(self.title, page.camera.size[0], OF_TITLES, true);
         svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
-        let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
+        let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.camera.size[1] + 12.0);
         furniture::axes(svg, [MARGIN + 36.0, foot + 30.0], &self.view.triad());
-        let (factor, unit) = prefixed("m", 150.0 / page.scale);
-        furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN + 90.0, foot], page.scale / factor);
+        let (factor, unit) = prefixed("m", 150.0 / page.camera.scale);
+        furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN + 90.0, foot], page.camera.scale / factor);
         let legend = [MARGIN + 262.0, foot];
         match self.show {
             Show::Cracks => crack_legend(svg, legend, frame.areas),
@@ -338,11 +321,8 @@ impl SpacePictures<'_> {
 
 /// Layout of a picture.
 struct SpaceLayout {
-    /// Point in the middle of the area: to the right, upwards and to the eye, m.
-    middle: [f64; 3],
-    /// Units of the drawing per metre.
-    scale: f64,
-    area: [f64; 2],
+    /// The camera of a picture with one pixel per unit of the drawing.
+    camera: SpaceCamera,
     size: [f64; 2],
 }
 

@@ -2,6 +2,7 @@
 
 use crate::contacts::Touching;
 use crate::error::Stop;
+use crate::joints::Pulling;
 use crate::machine::{Columns, Machine};
 use crate::model::Model;
 use crate::motion::nodes::{self, Motion};
@@ -34,9 +35,9 @@ where
         self.columns.solid.deform(step, &self.team)
     }
 
-    fn pull(&mut self, step: f64, time: f64) -> (Vec<u32>, Sum) {
+    fn pull(&mut self, step: f64, time: f64, energies: bool) -> Pulling {
         let Columns { solid, joints, .. } = &mut self.columns;
-        joints.pull(solid, step, time, &self.team)
+        joints.pull(solid, step, time, energies, &self.team)
     }
 
     fn detect(&mut self, topology: &Topology<D, N>) -> Result<(), Stop> {

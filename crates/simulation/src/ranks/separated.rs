@@ -52,22 +52,24 @@ where
             (side.map(|corner| self.topology.code_of_corner(corner)), joint.measure, joint.damage())
         });
         for (side, measure, damage) in here.chain(loose).filter(|(.., damage)| *damage > 0.0) {
-            let element = self.topology.element(side[0] / N as u32);
-            let set = element.and_then(|element| self.model.set_of(element, place_in_element::<D, N>(&side)));
-            if !set.is_some_and(|set| self.model.joint_sets[set as usize].open) {
+            if !self.set_of_side(side).is_some_and(|set| self.model.joint_sets[set as usize].open) {
                 visit([measure, damage * measure]);
             }
         }
     }
 
+    /// The joint set on a side, given by its codes, of an element that this rank knows.
+    fn set_of_side(&self, side: [u32; D]) -> Option<u32> {
+        let element = self.topology.element(side[0] / N as u32)?;
+        self.model.set_of(element, place_in_element::<D, N>(&side))
+    }
+
     /// The separated joints of a set that this rank counts.
     fn separated_joints(&self, name: &str) -> Vec<SeparatedJoint<D>> {
         let set = self.joint_set(name);
+        // The rank that counts a joint knows the element on its first side.
         let of_set = |joint: &SeparatedJoint<D>| {
-            // The rank that counts a joint knows the element on its first side.
-            let side = joint.corners[0];
-            let element = self.topology.element(side[0] / N as u32);
-            let of = element.and_then(|element| self.model.set_of(element, place_in_element::<D, N>(&side)));
+            let of = self.set_of_side(joint.corners[0]);
             of.is_some() && of == set
         };
         let loose = self.part.iter().flat_map(|part| &part.loose_joints);
