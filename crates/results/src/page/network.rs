@@ -145,7 +145,10 @@ fn whole_page<const D: usize>(
     // Ids that are numbers from 0 are not stored.
     let ids = ids.filter(|ids| ids.iter().enumerate().any(|(index, &id)| id != index.cast_signed() as i64));
     let data = data(&scene, &network, ids);
-    page(&scene, &radial(), facts, data)
+    let radial = radial();
+    // The threads of the analysis have heaps of their own, which may keep address space.
+    room::check(picture)?;
+    page(&scene, &radial, facts, data)
 }
 
 /// The elements of a network that are nearest to its middle, and the contacts between them.
