@@ -7,7 +7,8 @@
 //!
 //! # The bond
 //! A joint that opens has a traction along the vector of its opening `g` and sliding `s`. With ω the angle
-//! between that vector and the normal, its strength and the energy of its unit of area are
+//! between that vector and the normal of the plane that the joint represents, its own or one near it
+//! (`joints/plane.rs`), its strength and the energy of its unit of area are
 //!
 //! ```text
 //! 1/S² = cos²ω/f_t² + sin²ω/c²,    G = G_I cos ω + G_II sin⁸ω,
@@ -74,7 +75,10 @@ const DILATES: f64 = 0.05;
 
 /// Parameters of one joint. Parameters of sliding are in the variables that the head of this file explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct JointLaw {
+pub(crate) struct JointLaw<const D: usize = 2> {
+    /// Unit normal of the plane that the joint represents, across the joint and along it. The mode of an
+    /// opening is measured from it.
+    pub(crate) normal: [f64; D],
     /// Penalty stiffness, Pa/m.
     pub(crate) penalty: f64,
     pub(crate) tensile: f64,
@@ -101,7 +105,7 @@ pub(crate) struct TooLittle {
     pub(crate) sliding: bool,
 }
 
-impl JointLaw {
+impl<const D: usize> JointLaw<D> {
     /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Fails if this
     /// work alone exceeds a fracture energy. `length`: length of the joint, m.
     ///
@@ -136,6 +140,7 @@ impl JointLaw {
                 Err(TooLittle { least, sliding: mode == 1 })
             }
             None => Ok(Self {
+                normal: across(),
                 penalty,
                 tensile: strength.tensile,
                 cohesion: strength.cohesion,
@@ -177,15 +182,16 @@ impl JointLaw {
 
     /// A vector with its part along the joint multiplied by a factor.
     #[inline]
-    fn scaled<const D: usize>(mut vector: [f64; D], factor: f64) -> [f64; D] {
+    fn scaled(mut vector: [f64; D], factor: f64) -> [f64; D] {
         vector[1..].iter_mut().for_each(|component| *component *= factor);
         vector
     }
 
     /// The law of a joint that represents a plane at an angle to it: the strengths are those at which that
     /// plane fails, the energies those of its area.
-    pub(crate) fn on(&self, JointPlane { excess, area }: JointPlane) -> Self {
+    pub(crate) fn on(&self, JointPlane { excess, area, normal }: JointPlane<D>) -> Self {
         Self {
+            normal,
             tensile: self.tensile / excess,
             cohesion: self.cohesion / excess,
             critical: self.critical.map(|length| length * excess * area),
@@ -198,13 +204,21 @@ impl JointLaw {
     #[inline(always)]
     fn least(&self, friction: f64) -> f64 {
         let lower = if self.tensile < self.cohesion { self.tensile } else { self.cohesion };
-        if friction > 0.0 { self.cohesion + friction } else { lower }
+        if friction > 0.0 { self.least_pressed() + friction } else { lower }
+    }
+
+    /// A traction, Pa, that the bond of a whole joint holds in any sliding.
+    #[inline(always)]
+    pub(crate) fn least_pressed(&self) -> f64 {
+        // Sliding along a joint may open a plane at an angle to it.
+        let opens = self.normal[0] != 1.0 && self.tensile < self.cohesion;
+        if opens { self.tensile } else { self.cohesion }
     }
 
     /// Traction, Pa, of a whole joint at an opening and sliding from where it has none, m, and whether it
     /// stays whole. There is no branch, so that many joints can be computed side by side.
     #[inline(always)]
-    pub(crate) fn of_whole<const D: usize>(&self, mut bond: [f64; D]) -> ([f64; D], bool) {
+    pub(crate) fn of_whole(&self, mut bond: [f64; D]) -> ([f64; D], bool) {
         let opening = bond[0];
         let pressure = self.penalty * if opening < 0.0 { -opening } else { 0.0 };
         bond[0] = if opening > 0.0 { opening } else { 0.0 };
@@ -213,6 +227,15 @@ impl JointLaw {
         let mut traction = bond.map(|length| self.penalty * length);
         traction[0] = if pressure == 0.0 { traction[0] } else { -pressure };
         (traction, holds)
+    }
+
+    /// Squares of the cosine and of the sine of the angle of a vector to the normal of the plane. `squared`: the
+    /// square of its length.
+    #[inline]
+    fn shares(&self, bond: [f64; D], squared: f64) -> [f64; 2] {
+        let across = dot(bond, self.normal);
+        let aside = minus(bond, self.normal.map(|x| across * x));
+        [across * across / squared, dot(aside, aside) / squared]
     }
 
     /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of
@@ -252,18 +275,28 @@ pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) ->
 
 /// The plane that a joint represents.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct JointPlane {
+#[serde(bound(serialize = "[f64; D]: serde::Serialize", deserialize = "[f64; D]: serde::Deserialize<'de>"))]
+pub(crate) struct JointPlane<const D: usize = 2> {
     /// Use of the strength on the plane over that on the joint, at least 1.
     pub(crate) excess: f64,
     /// Area of the projection of the joint on the plane over that of the joint.
     pub(crate) area: f64,
+    /// The normal of the plane, of unit length: across the joint and along it.
+    pub(crate) normal: [f64; D],
 }
 
-wire!([] JointPlane { excess, area });
+wire!([const D: usize] JointPlane<D> { excess, area, normal });
 
-impl JointPlane {
+/// The normal of a joint, by its components across the joint and along it.
+pub(crate) fn across<const D: usize>() -> [f64; D] {
+    std::array::from_fn(|axis| if axis == 0 { 1.0 } else { 0.0 })
+}
+
+impl<const D: usize> JointPlane<D> {
     /// The plane of the joint itself.
-    pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
+    pub(crate) fn own() -> Self {
+        Self { excess: 1.0, area: 1.0, normal: across() }
+    }
 }
 
 /// History of one end of a joint. Openings, slidings and tractions are vectors: first across the joint, then
@@ -292,7 +325,7 @@ impl<const D: usize> Default for Memory<D> {
 impl<const D: usize> Memory<D> {
     /// History of a joint that is inserted where this traction acts: the joint begins with this traction,
     /// limited by its strength.
-    pub(crate) fn under(law: &JointLaw, traction: [f64; D]) -> Self {
+    pub(crate) fn under(law: &JointLaw<D>, traction: [f64; D]) -> Self {
         let traction = JointLaw::scaled(traction, 1.0 / law.shear);
         let (normal, tangential) = (traction[0], along(traction));
         let mut held = if law.tensile == 0.0 && normal > 0.0 {
@@ -303,7 +336,7 @@ impl<const D: usize> Memory<D> {
             held
         } else if normal > 0.0 {
             let squared = dot(traction, traction);
-            let squares = [normal * normal, dot(tangential, tangential)].map(|x| x / squared);
+            let squares = law.shares(traction, squared);
             let [strength, _] = law.in_direction(squares);
             let share = (strength / squared.sqrt()).min(1.0);
             traction.map(|x| share * x)
@@ -328,13 +361,13 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Elastic energy, J/m², before any opening or sliding.
-    pub(crate) fn stored(&self, law: &JointLaw) -> f64 {
+    pub(crate) fn stored(&self, law: &JointLaw<D>) -> f64 {
         0.5 * law.penalty * dot(self.origin, self.origin)
     }
 
     /// Elastic energy, J/m², at the opening and sliding of the last [`Memory::traction`]: of the bond, of
     /// pressure and of the spring of friction.
-    pub(crate) fn elastic(&self, law: &JointLaw, gap: [f64; D]) -> f64 {
+    pub(crate) fn elastic(&self, law: &JointLaw<D>, gap: [f64; D]) -> f64 {
         let gap = JointLaw::scaled(gap, law.shear);
         let mut bond = minus(gap, self.origin);
         let opening = bond[0];
@@ -357,7 +390,7 @@ impl<const D: usize> Memory<D> {
 
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
     #[inline]
-    pub(crate) fn traction(&mut self, law: &JointLaw, gap: [f64; D]) -> [f64; D] {
+    pub(crate) fn traction(&mut self, law: &JointLaw<D>, gap: [f64; D]) -> [f64; D] {
         // Most joints have one stiffness.
         if law.shear != 1.0 {
             let gap = JointLaw::scaled(gap, law.shear);
@@ -372,7 +405,7 @@ impl<const D: usize> Memory<D> {
     /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the
     /// sliding, so that it has no history: nothing is written.
     #[inline]
-    fn of_whole(&self, law: &JointLaw, gap: [f64; D]) -> Option<[f64; D]> {
+    fn of_whole(&self, law: &JointLaw<D>, gap: [f64; D]) -> Option<[f64; D]> {
         if !self.is_whole(law) {
             return None;
         }
@@ -382,7 +415,7 @@ impl<const D: usize> Memory<D> {
 
     /// Whether it has not softened, and [`JointLaw::of_whole`] is its law until it does.
     #[inline]
-    pub(crate) fn is_whole(&self, law: &JointLaw) -> bool {
+    pub(crate) fn is_whole(&self, law: &JointLaw<D>) -> bool {
         self.stiffness == 1.0 && law.tensile != 0.0 && law.cohesion != 0.0
     }
 
@@ -393,7 +426,7 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Traction of any joint.
-    fn of_any(&mut self, law: &JointLaw, gap: [f64; D]) -> [f64; D] {
+    fn of_any(&mut self, law: &JointLaw<D>, gap: [f64; D]) -> [f64; D] {
         let opening = gap[0] - self.origin[0];
         // Without tensile strength nothing holds while the joint is open.
         if law.tensile == 0.0 && opening > 0.0 {
@@ -450,7 +483,7 @@ impl<const D: usize> Memory<D> {
     /// Loads the bond by a vector of opening and sliding. `friction`: the part of the shear strength of a
     /// whole joint that pressure adds, Pa.
     #[inline]
-    fn load(&mut self, law: &JointLaw, bond: [f64; D], friction: f64) {
+    fn load(&mut self, law: &JointLaw<D>, bond: [f64; D], friction: f64) {
         let squared = dot(bond, bond);
         if squared == 0.0 || self.stiffness == 0.0 {
             return;
@@ -460,9 +493,13 @@ impl<const D: usize> Memory<D> {
         if whole && law.penalty * law.penalty * squared <= least * least {
             return;
         }
-        let sliding = along(bond);
-        let squares = [bond[0] * bond[0] / squared, dot(sliding, sliding) / squared];
+        let squares = law.shares(bond, squared);
         let [strength, critical] = law.in_direction(squares);
+        // Pressure adds friction to a whole joint, in whichever direction of its plane it slides.
+        let held = strength + friction;
+        if whole && friction > 0.0 && law.penalty * law.penalty * squared <= held * held {
+            return;
+        }
         let damage = (squared.sqrt() - strength / law.penalty) / critical;
         self.soften(law, damage, squares, [strength, critical]);
         if whole && self.stiffness < 1.0 {
@@ -473,7 +510,7 @@ impl<const D: usize> Memory<D> {
     /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness
     /// to that of the damage in the direction in which the bond has this strength, Pa, and this critical
     /// length, m. A stiffness that fell more in another direction does not rise again.
-    fn soften(&mut self, law: &JointLaw, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
+    fn soften(&mut self, law: &JointLaw<D>, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
         let (before, damage) = (self.damage(), damage.min(1.0));
         if damage > before {
             for (part, share) in self.damages.iter_mut().zip(shares) {
@@ -503,7 +540,7 @@ pub(crate) mod tests {
     };
 
     fn law(elastic: bool, opening: CriticalOpening) -> JointLaw {
-        JointLaw::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
+        JointLaw::<2>::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
     }
 
     /// Work on a path of openings (`axis` 0) or slidings (`axis` 1), with the other component constant.
@@ -614,12 +651,51 @@ pub(crate) mod tests {
         }
     }
 
+    /// A joint that represents a plane at 60° to it is loaded by a tension across that plane. It has the
+    /// strength of its projection and takes the energy of that, and the whole of its damage is by opening,
+    /// although its own sides slide more than they open.
+    #[test]
+    fn a_joint_of_a_plane_at_an_angle_has_the_law_of_its_projection() {
+        let (sin, cos) = 60.0_f64.to_radians().sin_cos();
+        let plane = JointPlane { excess: 1.0 / cos, area: cos, normal: [cos, sin] };
+        let law = law(false, CriticalOpening::Exact).on(plane);
+        let traction = [cos, sin].map(|part| cos * ROCK.tensile * part);
+        let mut memory = Memory::under(&law, traction);
+        let found = memory.traction(&law, [0.0; 2]);
+        assert!((0..2).all(|axis| (found[axis] - traction[axis]).abs() < 1.0), "{found:?}");
+        let path = steps(0.0, 6e-5).map(|size| [size * cos, size * sin]);
+        let dissipated = work_along(&law, &mut memory, path);
+        assert!((dissipated / (ROCK.energy_i * cos) - 1.0).abs() < 1e-3, "{dissipated}");
+        let [opening, sliding] = memory.damages;
+        assert!(memory.damage() == 1.0 && sliding < 1e-9 * opening, "{:?}", memory.damages);
+    }
+
+    /// Sliding under pressure, a whole joint of a plane at an angle holds at least its friction beside its
+    /// bond, and softens only beyond.
+    #[test]
+    fn pressure_adds_friction_to_a_joint_of_any_plane() {
+        let (sin, cos) = 50.0_f64.to_radians().sin_cos();
+        let plane = JointPlane { excess: 1.0 / cos, area: cos, normal: [cos, sin] };
+        let law = law(false, CriticalOpening::Exact).on(plane);
+        let (pressure, mut memory) = (2e6, Memory::<2>::default());
+        let [strength, _] = law.in_direction([sin * sin, cos * cos]);
+        let mut peak = 0.0_f64;
+        for sliding in steps(0.0, 1e-6) {
+            peak = peak.max(memory.traction(&law, [-pressure / law.penalty, sliding])[1]);
+        }
+        assert!((peak / (strength + 0.3 * pressure) - 1.0).abs() < 1e-3, "{peak} {strength}");
+        assert!(memory.damage() > 0.0);
+    }
+
     /// No path gives energy back that was not put in: the work on any path from the origin and back to no
     /// traction is not negative.
     #[test]
     fn no_path_creates_energy() {
         for (seed, elastic) in (0..200).map(|k| (k, k % 2 == 0)) {
             let law = law(elastic, CriticalOpening::Exact);
+            let (sin, cos) = (1.3 * crate::random::uniform(seed, 5000)).sin_cos();
+            let aslant = JointPlane { excess: 1.0 / cos, area: cos, normal: [cos, sin] };
+            let law = if seed % 3 == 0 { law.on(aslant) } else { law };
             let mut memory = Memory::<2>::default();
             let random = |k: u64| 2.0 * crate::random::uniform(seed, k) - 1.0;
             // From point to point, small and large, opening, closing and sliding both ways.
@@ -692,7 +768,8 @@ pub(crate) mod tests {
     #[test]
     fn an_open_joint_has_friction_and_nothing_else() {
         let open = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..ROCK };
-        let law = JointLaw::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+        let law =
+            JointLaw::<2>::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, [1e-5, 1e-5]), [0.0; 2]);
         assert_eq!(memory.damage(), 1.0);
@@ -707,7 +784,7 @@ pub(crate) mod tests {
     fn one_strength_may_be_zero() {
         let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };
         let law =
-            JointLaw::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+            JointLaw::<2>::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, [0.0, 2e-7]), [0.0, 2e6]);
         assert_eq!(memory.traction(&law, [1e-7, 2e-7])[0], 0.0);
@@ -715,7 +792,8 @@ pub(crate) mod tests {
         memory.traction(&law, [1e-3, 0.0]);
         assert_eq!(memory.damage(), 1.0);
         let tensile = Strength { cohesion: 0.0, energy_ii: 0.0, ..ROCK };
-        let law = JointLaw::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
+        let law =
+            JointLaw::<2>::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
         let mut memory = Memory::<2>::default();
         assert_eq!(memory.traction(&law, [0.5e-7, 0.0]), [0.5e6, 0.0]);
         assert_eq!(memory.traction(&law, [0.5e-7, 1e-8])[1], 0.0);
@@ -724,11 +802,11 @@ pub(crate) mod tests {
     #[test]
     fn too_little_fracture_energy_is_refused() {
         let brittle = Strength { energy_i: 0.04, ..ROCK };
-        let refused = JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        let refused = JointLaw::<2>::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
         assert_eq!(refused, Err(TooLittle { least: 0.05, sliding: false }));
-        assert!(JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_ok());
+        assert!(JointLaw::<2>::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_ok());
         let brittle = Strength { energy_ii: 0.4, ..ROCK };
-        let refused = JointLaw::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        let refused = JointLaw::<2>::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
         assert_eq!(refused, Err(TooLittle { least: 0.45, sliding: true }));
     }
 }

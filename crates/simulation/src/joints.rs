@@ -351,7 +351,7 @@ impl<const D: usize> Joints<D> {
         facet: u32,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) -> Result<Option<JointLaw>, ModelError>
+    ) -> Result<Option<JointLaw<D>>, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -378,8 +378,8 @@ impl<const D: usize> Joints<D> {
     fn put<const N: usize>(
         &mut self,
         facet: u32,
-        law: JointLaw,
-        plane: JointPlane,
+        law: JointLaw<D>,
+        plane: JointPlane<D>,
         topology: &Topology<D, N>,
         model: &Model<D, N>,
         share: &Share,

@@ -108,6 +108,19 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         reach: f64,
     ) -> [([f64; D], f64); 3];
 
+    /// The largest principal stress, Pa, and the unit normal of the plane across it: by components across the
+    /// facet, positive, and along it. `None` for edges of triangles, which are seldom more than 30° from that
+    /// plane, so that their joints need no other normal.
+    fn tension_across(facet: &[Point<D>; D], stress: &Matrix<D>) -> Option<(f64, [f64; D])>;
+
+    /// The unit normal of a cut through several facets, and directions along it. `facet`: one of them; `sum`:
+    /// the sum of their normals, each times its area. In two dimensions the axes of the facet.
+    fn cut_axes(facet: &[Point<D>; D], sum: Point<D>) -> Matrix<D>;
+
+    /// Share of its area with which a facet with this unit normal holds a cut: its projection on the plane of
+    /// the cut, and nothing if it faces backwards. In two dimensions 1.
+    fn projection(facet: Point<D>, cut: Point<D>) -> f64;
+
     /// A stress as the components `[xx, yy, zz, xy, yz, xz]`, Pa. `out_of_plane`: zz in two dimensions.
     fn in_tensor(stress: &Matrix<D>, out_of_plane: f64) -> [f64; 6];
 

@@ -414,6 +414,21 @@ const CASES: &[Case] = &[
         source: "energy of a gas without exchange of heat, p V/(γ - 1)",
         run: cavity::gas,
     },
+    Case {
+        number: 41,
+        name: "free crack in space, in tension",
+        what: "A notched plate of tetrahedra, in plane strain, is pulled until it is in two. Its crack chooses its surface along the faces. It grows at the K of the same crack on a flat joint set, and dissipates \
+               the fracture energy times its projected area, though sliding costs ten times as much as opening.",
+        source: COHESIVE,
+        run: space::free_crack::tension,
+    },
+    Case {
+        number: 41,
+        name: "free crack in space, in bending",
+        what: "The same plate as a beam on three lines.",
+        source: COHESIVE,
+        run: space::free_crack::bending,
+    },
 ];
 
 /// All cases, in the order of the ladder.

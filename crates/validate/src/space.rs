@@ -8,6 +8,7 @@ pub(super) mod cavity;
 pub(super) mod compression;
 pub(super) mod debris;
 pub(super) mod disc;
+pub(super) mod free_crack;
 pub(super) mod hertz;
 pub(super) mod hole;
 pub(super) mod impact;

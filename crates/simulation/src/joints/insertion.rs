@@ -16,21 +16,22 @@
 //! At the end of an edge crack one more facet parts the two sides of a vertex. In space the front of a crack
 //! is a line: at a vertex on it several faces must part together, and each of them alone is held by the
 //! others. There the facet whose strength is used most gives a plane, and all facets between the elements on
-//! its two sides are one cut, with one traction.
+//! its two sides are one cut, with one traction. The cut is a staircase, so that its area is that of the sum
+//! of the vectors of its facets, and each facet takes a share by its projection.
 
 use crate::cohesive::{JointPlane, Memory, use_of};
-use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
+use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
 use crate::joints::stress_level::{SUSPECT, StressLevel, nears};
 use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, VertexSplit, measure_of};
 use crate::lanes::LANES;
-use crate::model::{Insertion, Model};
+use crate::model::{Insertion, Model, Strength};
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology};
-use crate::vector::{Point, dot, minus, unit};
+use crate::vector::{Matrix, Point, add, dot, minus, unit};
 
 /// The data of a run that insertion reads.
 #[derive(Clone, Copy)]
@@ -162,17 +163,38 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// The plane that a joint on a facet would represent. The facets of an interface lie in the plane that is
-    /// weak.
-    fn plane<const N: usize>(&self, facet: u32, solid: &Solid<D, N>, topology: &Topology<D, N>) -> JointPlane
+    /// The strength of a facet that a plane near it may have in its place: the facets of an interface lie in
+    /// the plane that is weak.
+    fn strength_of_planes(&self, facet: u32) -> Option<Strength> {
+        let of_interface = self.of_interface.get(self.class[facet as usize] as usize) == Some(&true);
+        self.strength(facet).filter(|_| !of_interface)
+    }
+
+    /// The plane that a joint on a facet would represent.
+    fn plane<const N: usize>(
+        &self,
+        facet: u32,
+        solid: &Solid<D, N>,
+        topology: &Topology<D, N>,
+    ) -> JointPlane<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let sides = &topology.facets[facet as usize];
-        let of_interface = self.of_interface.get(self.class[facet as usize] as usize) == Some(&true);
-        let strength = self.strength(facet).filter(|_| !of_interface);
-        strength.map_or(JointPlane::OWN, |strength| {
-            plane_near::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength)
+        self.strength_of_planes(facet).map_or(JointPlane::own(), |strength| {
+            plane_of::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength)
+        })
+    }
+
+    /// Use of the strength on a plane near a facet over that on the facet, at least 1.
+    fn excess<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> f64
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let InsertionData { solid, topology, .. } = state;
+        let sides = &topology.facets[facet as usize];
+        self.strength_of_planes(facet).map_or(1.0, |strength| {
+            plane_near::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength).excess
         })
     }
 
@@ -198,13 +220,13 @@ impl<const D: usize> Joints<D> {
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let InsertionData { solid, topology, .. } = state;
+        let InsertionData { topology, .. } = state;
         for facet in topology.facet_of[element as usize].into_iter().filter(|&facet| facet != NONE) {
             let [first, _] = topology.facets[facet as usize].elements();
             if first != element && self.near[first as usize] == StressLevel::Failing {
                 continue;
             }
-            if breaks(self.used(facet, state), || self.plane(facet, solid, topology)) {
+            if breaks(self.used(facet, state), || self.excess(facet, state)) {
                 failing.push(facet);
             }
         }
@@ -285,17 +307,17 @@ impl<const D: usize> Joints<D> {
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let InsertionData { solid, topology, .. } = state;
+        let InsertionData { topology, .. } = state;
         let Some(&facet) = cut.first() else { return };
         let mut groups = Vec::new();
         let holds = |other| !cut.contains(&other) && self.of_facet[other as usize] == NONE;
         topology.groups(vertex, holds, &mut groups);
         let fan = Fan { vertex, groups: &groups, joints: self, state };
-        let area = cut.iter().map(|&facet| part_of(facet, state)).sum();
-        let held = fan.held_by(fan.groups_beside(facet), area);
-        let traction = components(held, solid, &topology.facets[facet as usize]);
+        let sides = fan.groups_beside(facet);
+        let (held, axes) = fan.held_by(facet, sides, cut);
+        let traction = axes.map(|axis| dot(held, axis));
         let used = self.strength(facet).map_or(0.0, |strength| use_of(&strength, traction));
-        if breaks(used, || self.plane(facet, solid, topology)) {
+        if breaks(used, || self.excess(facet, state)) {
             failing.extend(cut);
         }
     }
@@ -326,7 +348,9 @@ impl<const D: usize> Joints<D> {
             for (facet, corner) in topology.facets_around(vertex).filter(owned) {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
-                    let traction = fan.held_by(sides, 0.0);
+                    let (held, axes) = fan.held_by(facet, sides, &[]);
+                    let share = <[[f64; D]; N]>::projection(fan.normal(facet, sides), axes[0]);
+                    let traction = held.map(|x| share * x);
                     begin.push((facet, components(traction, solid, &topology.facets[facet as usize])));
                 }
             }
@@ -452,9 +476,11 @@ where
         groups.len()
     }
 
-    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the parts of the closed
-    /// joints between the two groups at the vertex, and on `more`, m or m², besides.
-    fn held_by(&self, sides: [u32; 2], more: f64) -> Point<D> {
+    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]` across their cut, and the axes of the
+    /// cut: its unit normal, out of `sides[0]`, and directions along it. The cut consists of the closed joints
+    /// between the two groups at the vertex, among them `facet`, and of the facets `more`; each counts by its
+    /// projection on the plane of the cut.
+    fn held_by(&self, facet: u32, sides: [u32; 2], more: &[u32]) -> (Point<D>, Matrix<D>) {
         let InsertionData { solid, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
@@ -466,22 +492,35 @@ where
             }
             mass[side] += solid.element(corner as usize / N).corner_mass(model);
         }
-        let mut width = more;
-        for (facet, _) in topology.facets_around(self.vertex) {
-            if self.joints.of_facet[facet as usize] != NONE && self.closed(facet) {
-                let beside = self.groups_beside(facet);
-                if beside == sides || beside == [sides[1], sides[0]] {
-                    width += part_of(facet, self.state);
-                }
-            }
-        }
+        let closed = topology.facets_around(self.vertex).map(|(other, _)| other).filter(|&other| {
+            let beside = self.groups_beside(other);
+            self.joints.of_facet[other as usize] != NONE
+                && self.closed(other)
+                && (beside == sides || beside == [sides[1], sides[0]])
+        });
+        let parts: Vec<(Point<D>, f64)> = (more.iter().copied().chain(closed))
+            .map(|other| (self.normal(other, sides), part_of(other, self.state)))
+            .collect();
+        let mut sum = [0.0; D];
+        parts.iter().for_each(|(normal, part)| add(&mut sum, *normal, *part));
+        let axes = <[[f64; D]; N]>::cut_axes(&side(solid, &topology.facets[facet as usize]), sum);
+        let width: f64 =
+            parts.iter().map(|(normal, part)| part * <[[f64; D]; N]>::projection(*normal, axes[0])).sum();
         // Gravity accelerates both sides equally, so it cancels. With added mass it cancels at rest, because
         // the masses are the true ones here.
         let share = mass[0] / (mass[0] + mass[1]);
-        std::array::from_fn(|axis| {
+        let held = std::array::from_fn(|axis| {
             let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];
             held / (width * solid.thickness)
-        })
+        });
+        (held, axes)
+    }
+
+    /// The unit normal of a facet, out of group `sides[0]`.
+    fn normal(&self, facet: u32, sides: [u32; 2]) -> Point<D> {
+        let InsertionData { solid, topology, .. } = self.state;
+        let normal = unit(<[[f64; D]; N]>::facet_normal(&side(solid, &topology.facets[facet as usize])));
+        if self.groups_beside(facet)[0] == sides[0] { normal } else { normal.map(|x| -x) }
     }
 }
 

@@ -3,7 +3,7 @@
 use fdem_distributed::wire::Wire;
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{JointLaw, JointPlane, Memory};
+use crate::cohesive::{JointLaw, JointPlane, Memory, across};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Facet;
@@ -37,17 +37,17 @@ pub(crate) enum JointState {
 /// A joint on the facet between two elements.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "[f64; D]: Serialize, [Memory<D>; D]: Serialize, [bool; D]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
+    serialize = "[f64; D]: Serialize, JointPlane<D>: Serialize, [Memory<D>; D]: Serialize, [bool; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, JointPlane<D>: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
 ))]
 pub(crate) struct Joint<const D: usize = 2> {
     /// Number of its facet; in a saved run the code of the facet.
     pub(crate) facet: u32,
     pub(crate) state: JointState,
     /// The plane that the joint represents.
-    pub(crate) plane: JointPlane,
+    pub(crate) plane: JointPlane<D>,
     #[serde(skip, default = "no_law")]
-    pub(crate) law: JointLaw,
+    pub(crate) law: JointLaw<D>,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     #[serde(skip)]
     pub(crate) measure: f64,
@@ -112,8 +112,9 @@ impl<const D: usize> Wire for Joint<D> {
     }
 }
 
-fn no_law() -> JointLaw {
+fn no_law<const D: usize>() -> JointLaw<D> {
     JointLaw {
+        normal: across(),
         penalty: 0.0,
         tensile: 0.0,
         cohesion: 0.0,
@@ -132,7 +133,12 @@ fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
 
 impl<const D: usize> Joint<D> {
     /// A joint that nothing has loaded yet. Its nodes are found by [`find_nodes`](Self::find_nodes).
-    pub(super) fn new(facet: u32, law: JointLaw, plane: JointPlane, [measure, length]: [f64; 2]) -> Self {
+    pub(super) fn new(
+        facet: u32,
+        law: JointLaw<D>,
+        plane: JointPlane<D>,
+        [measure, length]: [f64; 2],
+    ) -> Self {
         Self {
             facet,
             state: JointState::Holding,

@@ -64,7 +64,7 @@ impl<const D: usize> Joints<D> {
         self.forces.reserve_exact(facets.len());
         for &facet in &facets {
             if let Some(law) = self.law(facet, model, topology)? {
-                self.put(facet, law, JointPlane::OWN, topology, model, &Share::default());
+                self.put(facet, law, JointPlane::own(), topology, model, &Share::default());
             }
         }
         Ok(facets)

@@ -4,7 +4,7 @@
 //! such a joint, a quarter of the whole record, and its tractions have no branch, unlike those of joints that
 //! soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
 
-use crate::cohesive::JointLaw;
+use crate::cohesive::{JointLaw, across};
 use crate::joints::joint::{Joint, JointState};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
@@ -64,13 +64,14 @@ impl<const D: usize> Link<D> {
         } else {
             JointCase::Whole
         };
-        let JointLaw { penalty, tensile, cohesion, friction, .. } = joint.law;
+        let JointLaw { penalty, tensile, friction, .. } = joint.law;
         let share = joint.share(thickness);
         Self {
             nodes: joint.nodes,
             penalty,
             tensile,
-            cohesion,
+            // A batch takes the plane of each joint for its own.
+            cohesion: joint.law.least_pressed(),
             friction,
             share,
             open: joint.open,
@@ -242,6 +243,7 @@ fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut JointBatch<D>, 
     let (apart, rate) = (row(&batch.apart[end], lane), row(&batch.rates[end], lane));
     let (origin, before) = (row(&batch.origins[end], lane), row(&batch.forces[end], lane));
     let law = JointLaw {
+        normal: across(),
         penalty: batch.penalty.get(lane),
         tensile: batch.tensile.get(lane),
         cohesion: batch.cohesion.get(lane),

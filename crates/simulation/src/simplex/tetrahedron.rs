@@ -125,6 +125,22 @@ impl Simplex<3, 4> for Tetrahedron {
         plane::tractions_near(&Self::axes(facet).map(unit), stress, friction, reach)
     }
 
+    fn tension_across(facet: &[Point<3>; 3], stress: &Matrix<3>) -> Option<(f64, [f64; 3])> {
+        let axes = Self::axes(facet).map(unit);
+        let (values, vectors) = eigen::values_and_vectors(*stress);
+        let most = (1..3).fold(0, |best, k| if values[k] > values[best] { k } else { best });
+        let normal = axes.map(|axis| dot(vectors[most], axis));
+        Some((values[most], if normal[0] < 0.0 { normal.map(|x| -x) } else { normal }))
+    }
+
+    fn cut_axes(_: &[Point<3>; 3], sum: Point<3>) -> Matrix<3> {
+        plane::axes_around(unit(sum))
+    }
+
+    fn projection(facet: Point<3>, cut: Point<3>) -> f64 {
+        dot(facet, cut).max(0.0)
+    }
+
     fn in_tensor(&[[xx, xy, xz], [_, yy, yz], [.., zz]]: &Matrix<3>, _: f64) -> [f64; 6] {
         [xx, yy, zz, xy, yz, xz]
     }

@@ -8,7 +8,7 @@ mod potential;
 use crate::lanes::Available;
 use crate::moduli::{Moduli, Plane};
 use crate::simplex::{Interactions, Shapes, Simplex, Triangle};
-use crate::vector::{Matrix, Point, cross, dot, length, minus};
+use crate::vector::{Matrix, Point, cross, dot, length, minus, unit};
 
 impl Simplex<2, 3> for Triangle {
     type Scratch = potential::TriangleScratch;
@@ -110,6 +110,18 @@ impl Simplex<2, 3> for Triangle {
         reach: f64,
     ) -> [([f64; 2], f64); 3] {
         plane::tractions_near(minus(*b, *a), stress, friction, reach)
+    }
+
+    fn tension_across(_: &[Point; 2], _: &Matrix) -> Option<(f64, [f64; 2])> {
+        None
+    }
+
+    fn cut_axes(facet: &[Point; 2], _: Point) -> Matrix {
+        Self::axes(facet).map(unit)
+    }
+
+    fn projection(_: Point, _: Point) -> f64 {
+        1.0
     }
 
     #[inline]

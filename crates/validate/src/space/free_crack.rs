@@ -1,0 +1,279 @@
+//! A crack in space that chooses its surface through an unstructured mesh, and the same crack on a flat joint
+//! set.
+//!
+//! The specimen is a plate with a notch through its thickness, held so that its thickness does not change. Its
+//! ends are pulled by a growing traction, or it is bent on three lines. The toughness is seen in the load under
+//! which the crack grows, the energy in the work that its joints have taken. A joint that takes the opening of
+//! an aslant face for sliding needs up to 2.8 times the energy; sliding costs ten times as much as opening here.
+
+use fdem_simulation::{Model, Simulation};
+use rayon::prelude::*;
+
+use super::bodies::{advance, advance_to, force, start};
+use crate::models::worse;
+use crate::rocks::prepared_in_space;
+use crate::{Outcome, Size};
+
+/// Width, half of the length, and length of the notch, m. The crack grows along y = 0.
+const WIDTH: f64 = 0.05;
+const HALF: f64 = 0.05;
+const NOTCH: f64 = 0.015;
+/// Distance from the plane of the notch within which the elements are small, m.
+const FINE: f64 = 0.006;
+/// Pa.
+const MODULUS: f64 = 30e9;
+const TENSILE: f64 = 2.5e6;
+/// Fracture energy of opening, J/m².
+const ENERGY: f64 = 3.0;
+/// Length of the process zone, E' G/f², m.
+const ZONE: f64 = 0.015;
+/// Traction, Pa, at which K of linear elastic fracture mechanics is that of growth, √(E' G):
+/// K = 1.6625 σ √(π a) for a notch of 0.3 of the width (H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis
+/// of Cracks Handbook).
+const TRACTION: f64 = 848_600.0;
+/// Time in which three quarters of this traction are reached, s, and its growth afterwards, 1/s.
+const RISE: f64 = 2.5e-4;
+const RATE: f64 = 0.65 / 4.5e-4;
+/// Speed of the roller, m/s; time in which it is reached, and at which the energies are compared, s.
+const SPEED: f64 = 1e-2;
+const RAMP: f64 = 2.5e-4;
+const BENT: f64 = 1.2e-3;
+
+/// The load on the specimen.
+#[derive(Clone, Copy)]
+enum Loading {
+    Tension,
+    Bending,
+}
+
+/// A specimen: elements in the process zone and along the thickness, seed of its mesh.
+#[derive(Clone, Copy)]
+struct Specimen {
+    loading: Loading,
+    elements: u32,
+    layers: u32,
+    /// `None`: the crack is straight, on a joint set.
+    seed: Option<u32>,
+}
+
+/// The crack of a specimen.
+struct Crack {
+    /// The load of growth: a factor of [`TRACTION`], or N.
+    load: f64,
+    /// Work of its joints over the fracture energy of the ligament.
+    energy: f64,
+    /// Area of the broken joints over that of the ligament.
+    area: f64,
+}
+
+/// Largest errors that pass: of the mean toughness, of each, of the mean energy, of each.
+struct Bounds {
+    elements: u32,
+    toughness: [f64; 2],
+    energy: [f64; 2],
+}
+
+const COARSE: Bounds = Bounds { elements: 3, toughness: [0.12, 0.25], energy: [0.2, 0.4] };
+const USUAL: Bounds = Bounds { elements: 6, toughness: [0.04, 0.08], energy: [0.05, 0.12] };
+const SMALL: Bounds = Bounds { elements: 12, toughness: [0.04, 0.08], energy: [0.05, 0.08] };
+
+pub(crate) fn tension(size: Size) -> Result<Vec<Outcome>, String> {
+    compared(Loading::Tension, size)
+}
+
+pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
+    compared(Loading::Bending, size)
+}
+
+fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
+    let seeds = size.choose(1..=2, 1..=4);
+    let layers: &[u32] = size.choose(&[2], &[2, 4]);
+    let sizes: &[Bounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
+    let mut outcomes = Vec::new();
+    for bounds in sizes {
+        for &layers in layers {
+            let specimen = |seed| Specimen { loading, elements: bounds.elements, layers, seed };
+            let all: Vec<Specimen> =
+                [None].into_iter().chain(seeds.clone().map(Some)).map(specimen).collect();
+            let cracks = all.par_iter().map(Specimen::broken).collect::<Result<Vec<Crack>, String>>()?;
+            let Some((straight, free)) = cracks.split_first() else { continue };
+            let case = format!("{} elements, {layers} in the thickness", bounds.elements);
+            outcomes.extend(of_cracks(loading, free, straight, bounds, &case));
+        }
+    }
+    Ok(outcomes)
+}
+
+/// Free cracks over the straight one.
+fn of_cracks(
+    loading: Loading,
+    free: &[Crack],
+    straight: &Crack,
+    bounds: &Bounds,
+    case: &str,
+) -> Vec<Outcome> {
+    let values =
+        |of: fn(&Crack) -> f64| -> Vec<f64> { free.iter().map(|crack| of(crack) / of(straight)).collect() };
+    let mut outcomes = Vec::new();
+    if let Loading::Tension = loading {
+        let name = format!("energy of the straight crack over G, {case}");
+        outcomes.push(Outcome::absolute(name, 1.0, straight.energy, 0.01, ""));
+    }
+    let quantities: [(&str, Vec<f64>, [f64; 2]); 2] = [
+        ("K", values(|crack| crack.load), bounds.toughness),
+        ("energy", values(|crack| crack.energy), bounds.energy),
+    ];
+    for (name, values, [of_mean, of_each]) in quantities {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let farthest = values.iter().map(|value| value - 1.0).fold(0.0, worse);
+        let mean_name = format!("mean {name} over that of the straight crack, {case}");
+        outcomes.push(Outcome::absolute(mean_name, 1.0, mean, of_mean, ""));
+        outcomes.push(Outcome::absolute(
+            format!("the farthest from it, {case}"),
+            1.0,
+            1.0 + farthest,
+            of_each,
+            "",
+        ));
+    }
+    let area = values(|crack| crack.area).iter().sum::<f64>() / free.len() as f64;
+    outcomes.push(Outcome::absolute(format!("area over its projection, {case}"), 1.2, area, 0.15, ""));
+    outcomes
+}
+
+impl Specimen {
+    fn size(&self) -> f64 {
+        ZONE / f64::from(self.elements)
+    }
+
+    fn thickness(&self) -> f64 {
+        self.size() * f64::from(self.layers)
+    }
+
+    /// Breaks the specimen.
+    fn broken(&self) -> Result<Crack, String> {
+        let model = self.model()?;
+        let ligament = (WIDTH - NOTCH) * self.thickness();
+        let mut run = start(model)?;
+        let area = |run: &Simulation<3, 4>| run.crack_lengths().iter().sum::<f64>() / ligament;
+        let load = match self.loading {
+            Loading::Tension => {
+                while area(&run) < 0.1 {
+                    advance(&mut run, 10)?;
+                    if run.time() > 10.0 * RISE {
+                        return Err("the crack does not grow".to_owned());
+                    }
+                }
+                let load = 0.75 + RATE * (run.time() - RISE);
+                // Until the plate is in two.
+                advance_to(&mut run, 2.6 * RISE)?;
+                load
+            }
+            Loading::Bending => {
+                let mut peak = 0.0_f64;
+                while run.time() < BENT {
+                    let (mut sum, count) = (0.0, 20);
+                    for _ in 0..count {
+                        advance(&mut run, 1)?;
+                        sum += force(&run, 0)?[0].abs();
+                    }
+                    peak = peak.max(sum / f64::from(count));
+                }
+                peak
+            }
+        };
+        let energy = run.energies().joint_dissipated() / (ENERGY * ligament);
+        Ok(Crack { load, energy, area: area(&run) })
+    }
+
+    fn model(&self) -> Result<Model<3, 4>, String> {
+        let (size, t) = (self.size(), self.thickness());
+        let strength = format!(
+            "tensile_strength = {TENSILE}
+             cohesion = {cohesion}
+             friction_angle = 30
+             fracture_energy_i = {ENERGY}
+             fracture_energy_ii = {sliding}",
+            cohesion = 5.0 * TENSILE,
+            sliding = 10.0 * ENERGY,
+        );
+        let flat = |from: f64, to: f64| {
+            format!("polygons = [[{from}, 0, -1, {to}, 0, -1, {to}, 0, 1, {from}, 0, 1]]")
+        };
+        let (of_rock, straight) = match self.seed {
+            Some(_) => (strength, String::new()),
+            None => {
+                let path = flat(NOTCH, 2.0 * WIDTH);
+                (String::new(), format!("[[joint_set]]\nname = \"path\"\n{path}\n{strength}"))
+            }
+        };
+        prepared_in_space(&format!(
+            r#"
+[model]
+gravity = "none"
+end_time = 1
+[[body]]
+name = "plate"
+material = "rock"
+box = {{ min = [0, {low}, 0], max = [{WIDTH}, {HALF}, {t}] }}
+mesh_size = 12e-3
+refine = [{{ box = [{start}, -{FINE}, 0, {WIDTH}, {FINE}, {t}], size = {size}, reach = 1e-3 }}]
+seed = {seed}
+[[material]]
+name = "rock"
+density = 2500
+youngs_modulus = {MODULUS}
+poissons_ratio = 0.2
+damping = 0.2
+{of_rock}
+[[joint_set]]
+name = "notch"
+{notch}
+open = true
+friction_angle = 0
+{straight}
+[fracture]
+joint_penalty = 10
+{load}
+[[boundary]]
+name = "faces"
+sides = ["top", "bottom"]
+fixed = "z"
+"#,
+            low = -HALF,
+            start = NOTCH - 2e-3,
+            seed = self.seed.unwrap_or(1),
+            notch = flat(-WIDTH, NOTCH),
+            load = self.boundaries(),
+        ))
+    }
+
+    /// The boundaries with loads; the first one has the load of bending.
+    fn boundaries(&self) -> String {
+        let boundary = |name: &str, [x, y]: [[f64; 2]; 2], keys: &str| {
+            let [[from_x, to_x], [from_y, to_y]] = [x, y];
+            format!(
+                "[[boundary]]\nname = \"{name}\"\nbox = [{from_x}, {from_y}, -1, {to_x}, {to_y}, 1]\n{keys}\n"
+            )
+        };
+        let edge = 1e-4;
+        match self.loading {
+            Loading::Tension => {
+                let later = RISE + 0.65 / RATE;
+                let table = format!("table = [[0, 0], [{RISE}, 0.75], [{later}, 1.4]]");
+                let pulled = |name, y, sign: f64| {
+                    let keys = format!("traction = [0, {}, 0]\n{table}", sign * TRACTION);
+                    boundary(name, [[-1.0, 1.0], y], &keys)
+                };
+                pulled("upper end", [HALF - edge, 1.0], 1.0) + &pulled("lower end", [-1.0, edge - HALF], -1.0)
+            }
+            Loading::Bending => {
+                let speed = format!("velocity = [{}, 0, 0]\nramp = {RAMP}", -SPEED);
+                let support = |name, y| boundary(name, [[-1.0, edge], y], "fixed = \"x\"");
+                boundary("roller", [[WIDTH - edge, 1.0], [-self.size(), self.size()]], &speed)
+                    + &support("upper support", [HALF - edge, 1.0])
+                    + &support("lower support", [-1.0, edge - HALF])
+            }
+        }
+    }
+}
