@@ -46,4 +46,6 @@ pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, RANK_PLOTS, RankLoad, fragment_sizes, plots, rank_loads};
 pub use snapshot::SnapshotError;
-pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
+pub use vtk::{
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp, write_vtu,
+};

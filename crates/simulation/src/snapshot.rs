@@ -37,6 +37,10 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     /// Joints that are softening or broken, in the order of their elements; those of sets that are open from
     /// the beginning are marked.
     pub cracks: Vec<Crack<D>>,
+    /// Whole joints, of joint sets and of models that have a joint on each facet, in the order of their
+    /// elements. Snapshots of a run leave them out: [`Simulation::intact_joints`](crate::Simulation) and
+    /// [`Leader`](crate::Leader) return them on request.
+    pub intact: Vec<Crack<D>>,
     /// Strength of each material; `None` for a material that does not break.
     pub strengths: Vec<Option<Strength>>,
     /// Law of each material, which strengths may depend on; empty for laws without directions.
@@ -59,6 +63,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             materials: Vec::new(),
             fragments: Vec::new(),
             cracks: Vec::new(),
+            intact: Vec::new(),
             strengths: Vec::new(),
             laws: Vec::new(),
         }
@@ -127,7 +132,8 @@ mod tests {
     }
 }
 
-/// A joint that has passed its strength, on a facet between two elements.
+/// A joint on a facet between two elements: one that has passed its strength, or, with a damage of 0, a whole
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack<const D: usize = 2> {
     /// Current positions of its corners, m, half way between the two elements: the two ends of an edge, the
@@ -137,7 +143,7 @@ pub struct Crack<const D: usize = 2> {
     pub elements: [u32; 2],
     /// Damage from 0 (whole) to 1 (broken), the mean of its corners.
     pub damage: f64,
-    /// Mode of failure.
+    /// Mode of failure; that of a whole joint has no meaning.
     pub mode: Mode,
     /// Mean opening, m; negative where it is closed.
     pub opening: f64,

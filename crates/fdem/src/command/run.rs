@@ -308,8 +308,8 @@ where
         let course = Course::new(start, run, before.intervals[1], before.reached, true)?;
         let total = course.total();
         if !before.damaged.is_empty() {
-            let (snapshot, forces) = course.run.frame();
-            recorder.repair(&before.damaged, &course.counted(snapshot), &forces)?;
+            let (snapshot, forces) = course.frame();
+            recorder.repair(&before.damaged, &snapshot, &forces)?;
         }
         Ok(Self {
             told: RunLog::new(&folder, &*course.run, total, options.quiet)?,
@@ -498,8 +498,8 @@ where
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        let (snapshot, forces) = self.course.run.frame();
-        self.hand(Then::Frame(Box::new((self.course.counted(snapshot), forces))))?;
+        let frame = self.course.frame();
+        self.hand(Then::Frame(Box::new(frame)))?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())

@@ -194,8 +194,8 @@ impl Bench {
     }
 
     /// Asserts that the collections of a folder are complete, and that the files that they name exist.
-    fn has_all_that_collections_name(&self, folder: &str) {
-        for name in ["results.pvd", "cracks.pvd", "damaged_joints.pvd", "contacts.pvd"] {
+    pub(crate) fn has_all_that_collections_name(&self, folder: &str) {
+        for name in ["results.pvd", "cracks.pvd", "damaged_joints.pvd", "intact_joints.pvd", "contacts.pvd"] {
             let Ok(text) = fs::read_to_string(self.path(folder).join(name)) else { continue };
             assert!(text.ends_with("</VTKFile>\n"), "{name}: {text}");
             let files = text.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap());

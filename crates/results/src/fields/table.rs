@@ -217,9 +217,10 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         key: "mode",
         name: "mode of failure",
-        about: "0 for tension, 1 for shear, 2 for a mixture of both",
+        about: "0 for tension, 1 for shear, 2 for a mixture of both; 0 for a whole joint",
         span: Span::Between(0.0, 2.0),
         value: Value::Short(|state, joint, _| match state.joint(joint).mode {
+            _ if state.joint(joint).damage == 0.0 => 0,
             Mode::Tension => 0,
             Mode::Shear => 1,
             Mode::Mixed => 2,

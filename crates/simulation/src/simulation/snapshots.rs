@@ -22,6 +22,15 @@ where
             -> [Snapshot<2, 3>, Snapshot<3, 4>] = Simulation::own_snapshot)
     }
 
+    /// The whole joints now, in the order of their elements: those of joint sets, and all in models that have a
+    /// joint on each facet.
+    pub fn intact_joints(&self) -> Vec<Crack<D>> {
+        let joints = self.joints().in_order().into_iter();
+        let joints = joints.map(|joint| self.joints().seen(joint, &self.topology));
+        let position = |node: u32| self.solid().position(node as usize);
+        intact::<D, N>(joints, position, self.solid().origin)
+    }
+
     fn own_snapshot(&self) -> Snapshot<D, N> {
         let order = self.solid().order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
@@ -43,6 +52,7 @@ where
             materials: self.model.mesh.materials.clone(),
             fragments: self.fragments(),
             cracks,
+            intact: Vec::new(),
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }
@@ -141,6 +151,19 @@ where
         }
     }
     (damage, cracks)
+}
+
+/// The joints that are whole. The arguments are those of [`cracks`].
+pub(crate) fn intact<'a, const D: usize, const N: usize>(
+    joints: impl Iterator<Item = JointView<'a, D>>,
+    position: impl Fn(u32) -> Point<D> + Copy,
+    origin: Point<D>,
+) -> Vec<Crack<D>>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let whole = joints.filter(|seen| seen.joint.damage() == 0.0);
+    whole.map(|seen| crack::<D, N>(&seen, 0.0, position, origin)).collect()
 }
 
 fn crack<const D: usize, const N: usize>(

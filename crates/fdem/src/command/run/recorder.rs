@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 
 use fdem_results::{
     Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, plots, pvd,
-    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp, write_vtu,
 };
 use fdem_simulation::{Forces, Snapshot};
 
@@ -18,8 +18,8 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{
-    COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
-    mesh_file, packed_file,
+    COLLECTIONS, FRAGMENTS, Folder, HISTORY, INTACT, MODEL, PLOTS, REPORT, contacts_file, cracks_file,
+    damaged_file, intact_file, mesh_file, packed_file,
 };
 use crate::command::run::intact::{Intact, Problems};
 use crate::command::run::manifest::{Checksum, FrameRecord, Hashed, Hashing, Manifest};
@@ -50,6 +50,8 @@ where
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of
     /// larger frames.
     shown: [usize; 2],
+    /// Whether frames have files of the joints that are whole.
+    intact_joints: bool,
     /// Number of frames of the whole run, about.
     expected: usize,
 }
@@ -98,6 +100,7 @@ where
             collected: 0,
             holds: Some(folder.hold()?),
             shown: prepared.output.shown,
+            intact_joints: prepared.output.intact_joints,
             expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
         })
     }
@@ -210,13 +213,17 @@ where
             *out = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)?;
             Ok(())
         };
-        Ok(vec![
+        let mut files = vec![
             written(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?,
             written(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?,
             written(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?,
             written(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?,
             written(packed_file(number), &packed)?,
-        ])
+        ];
+        if self.intact_joints {
+            files.push(written(intact_file(number), &|out| write_intact_joints_vtp(out, snapshot))?);
+        }
+        Ok(files)
     }
 
     /// Does a part of the remaining work for the frames that have been written: syncs a file, or puts all
@@ -240,7 +247,7 @@ where
     /// Writes the collections that ParaView opens. The disk has the files that they name.
     fn collect(&mut self) -> Result<(), Failure> {
         self.collected = self.frames.len();
-        for (name, file_of) in COLLECTIONS {
+        for (name, file_of) in COLLECTIONS.into_iter().chain(self.intact_joints.then_some(INTACT)) {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
             let entries = self.frames.iter().zip(&files).map(|(frame, file)| (frame.time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;
