@@ -25,7 +25,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub elements: Vec<[u32; N]>,
     /// Cauchy stress of each element, `[xx, yy, zz, xy, yz, xz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 6]>,
-    /// Largest damage of the joints of each element, from 0 to 1; that of joints of open sets is 1.
+    /// Largest damage of the joints of each element, from 0 to 1. Joints that are open from the beginning do
+    /// not count.
     pub damage: Vec<f64>,
     /// Body of each element.
     pub bodies: Vec<u32>,
@@ -149,7 +150,7 @@ pub struct Crack<const D: usize = 2> {
     pub opening: f64,
     /// Mean sliding, m: along the edge, with a sign, in two dimensions; its magnitude in three.
     pub sliding: f64,
-    /// Time of failure, s; `None` while the joint holds.
+    /// Time of failure, s; `None` while the joint holds; 0 for one that is open from the beginning.
     pub time: Option<f64>,
     /// Length, m, of the undeformed edge, or area, m², of the undeformed face.
     pub measure: f64,

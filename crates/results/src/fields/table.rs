@@ -274,7 +274,7 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         key: "time_of_failure",
         name: "time of failure",
-        about: "the time when it broke; not a number while it holds",
+        about: "the time when it broke, 0 for joints that are open from the start; not a number while it holds",
         unit: "s",
         value: Value::Real(|state, joint, _| state.joint(joint).time.unwrap_or(f64::NAN)),
         ..OF_JOINTS

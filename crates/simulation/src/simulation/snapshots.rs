@@ -77,8 +77,7 @@ where
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
     /// of the first element of each fragment. The fragments change only when joints part: see
-    /// [`Counts::broken`](crate::Counts::broken) and [`Counts::open`](crate::Counts::open). Linear in the
-    /// number of elements.
+    /// [`Counts::parted`](crate::Counts::parted). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
         let run = self;
         compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
@@ -127,7 +126,7 @@ where
     }
 }
 
-/// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them
+/// The largest damage of the joints of each element but those of open sets, and the joints that are damaged. `joints`: all of them
 /// in order; `position`: of a node that the joints name; `origin`: of these positions.
 pub(crate) fn cracks<'a, const D: usize, const N: usize>(
     joints: impl Iterator<Item = JointView<'a, D>>,
@@ -142,11 +141,12 @@ where
     let mut cracks = Vec::new();
     for seen in joints {
         let of_joint = seen.joint.damage();
-        for element in seen.elements {
+        let open = seen.joint.open_from_start;
+        for element in seen.elements.into_iter().filter(|_| !open) {
             let damage = &mut damage[element as usize];
             *damage = damage.max(of_joint);
         }
-        if of_joint > 0.0 {
+        if of_joint > 0.0 || open {
             cracks.push(crack::<D, N>(&seen, of_joint, position, origin));
         }
     }
@@ -162,7 +162,7 @@ pub(crate) fn intact<'a, const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let whole = joints.filter(|seen| seen.joint.damage() == 0.0);
+    let whole = joints.filter(|seen| !seen.joint.open_from_start && seen.joint.damage() == 0.0);
     whole.map(|seen| crack::<D, N>(&seen, 0.0, position, origin)).collect()
 }
 
@@ -188,7 +188,7 @@ where
         mode: mode(modes),
         opening: gap[0],
         sliding: <[[f64; D]; N]>::sliding(&gap),
-        time: seen.broken.map(|(time, _)| time),
+        time: if seen.joint.open_from_start { Some(0.0) } else { seen.broken.map(|(time, _)| time) },
         measure: seen.measure,
         open_from_start: seen.joint.open_from_start,
     }
