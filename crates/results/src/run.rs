@@ -35,7 +35,10 @@ mod vtk;
 
 pub use animation::{Animation, AnimationError, SpaceAnimation};
 pub use curves::{CurveFigures, CurvePoint, HistoryCurve};
-pub use emission::{BValue, Break, Clustering, Event, breaks, events, events_csv, magnitude_frequency};
+pub use emission::{
+    BValue, Clustering, EmissionKind, EmittingJoint, Event, emitting_joints, events, events_csv,
+    magnitude_frequency,
+};
 pub use fdem_io::pvd;
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};
 pub use frame::{Frame, FrameError};

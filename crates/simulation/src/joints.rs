@@ -587,6 +587,9 @@ impl<const D: usize> Joints<D> {
                             joint.fading = 0.0;
                         } else {
                             let (done, modes) = joint.pull(forces, solid, step);
+                            if joint.softens == f64::INFINITY && joint.damage() > 0.0 {
+                                joint.softens = time;
+                            }
                             if joint.counted {
                                 pile.add(done, grains);
                             }

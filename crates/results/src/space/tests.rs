@@ -98,6 +98,8 @@ fn crack(elements: [u32; 2], mode: Mode) -> Crack<3> {
         time: Some(0.1),
         measure: 0.5,
         open_from_start: false,
+        softens: None,
+        dissipated: 1.0,
     }
 }
 

@@ -189,6 +189,8 @@ where
         opening: gap[0],
         sliding: <[[f64; D]; N]>::sliding(&gap),
         time: if seen.joint.open_from_start { Some(0.0) } else { seen.broken.map(|(time, _)| time) },
+        softens: Some(seen.joint.softens).filter(|time| time.is_finite() && !seen.joint.open_from_start),
+        dissipated: seen.joint.dissipated(),
         measure: seen.measure,
         open_from_start: seen.joint.open_from_start,
     }

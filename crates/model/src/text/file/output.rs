@@ -58,17 +58,20 @@ pub struct Output {
     pub checkpoint_steps: Option<u64>,
 }
 
-/// Acoustic emission: joints that break near each other in space and time are one event.
+/// Acoustic emission: joints that break, or begin to soften, near each other in space and time are one event.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "acoustic_emission")]
 pub struct AcousticEmission {
+    /// Whether joints that soften and hold are events, too; `false`: only those that broke. Default: true.
+    #[serde(default)]
+    pub softening: Option<bool>,
     /// Largest distance of two joints that are linked, m. Default: twice the size of a facet, the mean over
-    /// all that broke.
+    /// all that emit.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub distance: Option<f64>,
-    /// Largest time between the breaks of two joints that are linked, s. Default: the time in which a shear
+    /// Largest time between two joints that are linked, s. Default: the time in which a shear
     /// wave of the slowest material that can break travels `distance`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
