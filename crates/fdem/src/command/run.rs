@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{CurveFigures, Fragments, Inertia, Row, inertia};
+use fdem_results::{CurveFigures, Fragments, History, Inertia, Row, inertia};
 use fdem_simulation::Stop;
 use serde_json::Value;
 
@@ -273,6 +273,8 @@ where
     inertia: Option<Inertia>,
     /// Peaks and moduli of the curves, once the run has ended.
     curves: Vec<CurveFigures>,
+    /// Curves without values that are not optional, and why.
+    empty_curves: Vec<(String, String)>,
     /// Acoustic emission of the run, once it has ended.
     emission: Option<Emission>,
     /// Whether the run was quasi-static, once it has ended.
@@ -327,9 +329,23 @@ where
             quiet: options.quiet,
             inertia: None,
             curves: Vec::new(),
+            empty_curves: Vec::new(),
             emission: None,
             quasi_static: None,
         })
+    }
+
+    /// Finds the figures of the curves, and the curves without values that are not optional, of which it warns
+    /// once the run is `finished`.
+    fn look_at_curves(&mut self, history: &History, finished: bool) {
+        let curves = &self.course.prepared.curves;
+        self.curves = curves.iter().filter_map(|curve| curve.figures(history)).collect();
+        let needed = curves.iter().filter(|curve| !curve.optional);
+        self.empty_curves =
+            needed.filter_map(|curve| Some((curve.name.clone(), curve.why_empty(history)?))).collect();
+        for (name, why) in self.empty_curves.iter().filter(|_| finished) {
+            self.told.say(&format!("warning: the curve \"{name}\" is empty: {why}"));
+        }
     }
 
     /// Runs to the end, or until the run is interrupted or stops. Draws the results recorded so far.
@@ -357,8 +373,7 @@ where
             }
         }
         let history = recorder.history()?;
-        self.curves =
-            self.course.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.look_at_curves(&history, matches!(end, End::Finished));
         self.inertia = inertia(&history);
         self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
         if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
@@ -543,7 +558,8 @@ where
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
         json["inertia"] = self.inertia.as_ref().map_or(Value::Null, log::inertia);
-        json["curves"] = self.curves.iter().map(log::curve).collect();
+        let empty = self.empty_curves.iter().map(|(name, why)| log::empty_curve(name, why));
+        json["curves"] = self.curves.iter().map(log::curve).chain(empty).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -595,6 +611,7 @@ where
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.inertia.as_ref().map(|inertia| ("inertia", log::inertia_in_words(inertia))));
         more.extend(self.curves.iter().map(|curve| ("curve", log::curve_in_words(curve))));
+        more.extend(self.empty_curves.iter().map(|(name, why)| ("curve", format!("{name}: {why}"))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         let open = open_from_start(&self.course.prepared.joint_sets);
         summary::summary(&*self.course.run, status, &self.account(), self.frames, fragments, open, more)

@@ -8,7 +8,7 @@ use fdem_simulation::{Element, Probe};
 use crate::prepared::{PreparedHistory, Quantity};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, nearest_first};
-use crate::text::file::ModelFile;
+use crate::text::file::{self, ModelFile};
 
 /// Names of the components of vectors.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -157,8 +157,17 @@ pub(crate) fn curves<const D: usize>(
                 );
             }
         }
-        let (length, area) = (curve.length, curve.area);
-        curves.push(HistoryCurve { name: curve.name.clone(), x, y, length, area, softening, lateral });
+        let file::Curve { length, area, optional, .. } = *curve;
+        curves.push(HistoryCurve {
+            name: curve.name.clone(),
+            x,
+            y,
+            length,
+            area,
+            softening,
+            lateral,
+            optional,
+        });
     }
     curves
 }
