@@ -259,6 +259,8 @@ where
     writer: Writer<D, N>,
     /// Number of frames that have been handed to the writer.
     frames: usize,
+    /// Step of the last of them.
+    framed: Option<u64>,
     told: RunLog,
     watch: Watch,
     before: Before,
@@ -318,6 +320,7 @@ where
             folder,
             course,
             rows: Vec::new(),
+            framed: recorder.last_frame(),
             frames: recorder.frames(),
             writer: Writer::start(recorder)?,
             watch,
@@ -421,7 +424,15 @@ where
     fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
         let end = self.steps()?;
         match &end {
-            End::Finished | End::Interrupted(_) => self.save()?,
+            End::Finished => self.save()?,
+            End::Interrupted(_) => {
+                self.save()?;
+                // The frame of the last state comes after the checkpoint, which does not have it: a resume
+                // removes it, so that the frames are those of a run without interruption.
+                if self.framed != Some(self.course.run.steps()) {
+                    self.frame()?;
+                }
+            }
             // The frame shows the reason. The last good checkpoint is kept.
             End::Stopped(_) => self.frame()?,
         }
@@ -514,6 +525,7 @@ where
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
         let frame = self.course.frame();
+        self.framed = Some(frame.0.step);
         self.hand(Then::Frame(Box::new(frame)))?;
         self.frames += 1;
         self.spent.output += start.elapsed();

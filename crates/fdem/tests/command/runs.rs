@@ -801,6 +801,20 @@ fn an_interrupt_saves_where_the_run_stands() {
     let steps = json["steps"].as_u64().unwrap();
     assert!(steps > 10, "{json}");
     assert!(bench.path("cut/report.html").exists());
+    // The collections end with the last state, between two frames, until the run goes on.
+    let times = || -> Vec<f64> {
+        let text = bench.read("cut/results.pvd");
+        let times = text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+        times.map(|time| time.parse().unwrap()).collect()
+    };
+    bench.has_all_that_collections_name("cut");
+    let (before, now) = (times(), json["time"].as_f64().unwrap());
+    assert_eq!(*before.last().unwrap(), now);
+    assert_eq!(json["frames"], before.len());
+    bench.run(&["resume", "-q", "cut", "--end-time", &(now * 1.01).to_string()]).succeeds();
+    bench.has_all_that_collections_name("cut");
+    let after = times();
+    assert!(after.starts_with(&before[..before.len() - 1]) && !after.contains(&now), "{before:?} {after:?}");
     bench.write("cut/model.toml", model.replace("-20", "-21"));
     bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }

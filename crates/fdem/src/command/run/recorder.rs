@@ -306,6 +306,11 @@ where
         self.frames.len()
     }
 
+    /// Step of the last frame that has been written.
+    pub(crate) fn last_frame(&self) -> Option<u64> {
+        self.frames.last().map(|frame| frame.step)
+    }
+
     /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table
     /// of fragments. `facts`: rows of the summary; `emitted`, `more`: plots beside those of the history, of
     /// acoustic emission and of ranks; `done`: number of frames read so far.
