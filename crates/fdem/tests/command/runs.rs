@@ -810,7 +810,7 @@ fn an_interrupt_saves_where_the_run_stands() {
     bench.has_all_that_collections_name("cut");
     let (before, now) = (times(), json["time"].as_f64().unwrap());
     assert_eq!(*before.last().unwrap(), now);
-    assert_eq!(json["frames"], before.len());
+    assert_eq!(json["output"]["frames"], before.len());
     bench.run(&["resume", "-q", "cut", "--end-time", &(now * 1.01).to_string()]).succeeds();
     bench.has_all_that_collections_name("cut");
     let after = times();

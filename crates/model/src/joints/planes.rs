@@ -71,7 +71,7 @@ impl JointLines<'_> {
         size: &Grading<3>,
     ) -> Result<BodyJoints, Problem> {
         let mut sets = Vec::new();
-        let mut polygons = Vec::new();
+        let mut polygons: Vec<SpacePolygon> = Vec::new();
         let placing = SpacePlacing::of(body, turn, surface);
         for (number, (set, given)) in (0..).zip(&self.polygons) {
             if !has_joints(set, body) {

@@ -63,7 +63,7 @@ impl fmt::Display for Joints {
             out.write_str(", open from the start")?;
         }
         match polygons {
-            Some([count, left_out @ 1..]) => write!(
+            Some([count, left_out]) if *left_out > 0 => write!(
                 out,
                 "; {} of {} polygons {} left out: nearer than {SNAP} of mesh_size to a face or another polygon",
                 grouped(*left_out as u64),
