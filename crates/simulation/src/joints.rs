@@ -428,8 +428,7 @@ impl<const D: usize> Joints<D> {
         self.links.get(self.of_facet[facet as usize] as usize).is_none_or(|link| !link.is_gone())
     }
 
-    /// Numbers of joints: those that the run has broken, those of open sets, and those of both that have no
-    /// bond left.
+    /// Numbers of joints: broken by the run, of open sets, and without a bond.
     pub(crate) fn broken(&self) -> [usize; 3] {
         let broken = self.breaks().filter(|(_, joint, _)| !joint.open_from_start).count();
         let open = self.all.iter().filter(|joint| joint.open_from_start).count();

@@ -152,7 +152,8 @@ pub struct Crack<const D: usize = 2> {
     pub sliding: f64,
     /// Time of failure, s; `None` while the joint holds; 0 for one that is open from the beginning.
     pub time: Option<f64>,
-    /// Time at which it began to soften, s; `None` for a whole one, and for one that is open from the beginning.
+    /// Time at which it began to soften, s; `None` for a whole one, and for one that is open from the
+    /// beginning.
     pub softens: Option<f64>,
     /// Share of its fracture energy that it has dissipated, from 0 to 1: the mean of its corners.
     pub dissipated: f64,

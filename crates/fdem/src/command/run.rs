@@ -127,7 +127,7 @@ where
     for line in preflight.lines().chain(taken.iter().map(String::as_str)) {
         running.told.say(line);
     }
-    running.frame()?;
+    running.frame(false)?;
     // From here on the run can be resumed.
     running.save()?;
     running.go()
@@ -338,8 +338,8 @@ where
         })
     }
 
-    /// Finds the figures of the curves, and the curves without values that are not optional, of which it warns
-    /// once the run is `finished`.
+    /// Finds the figures of the curves, and the curves without values that are not optional, of which it
+    /// warns once the run is `finished`.
     fn look_at_curves(&mut self, history: &History, finished: bool) {
         let curves = &self.course.prepared.curves;
         self.curves = curves.iter().filter_map(|curve| curve.figures(history)).collect();
@@ -427,14 +427,13 @@ where
             End::Finished => self.save()?,
             End::Interrupted(_) => {
                 self.save()?;
-                // The frame of the last state comes after the checkpoint, which does not have it: a resume
-                // removes it, so that the frames are those of a run without interruption.
+                // A resume removes this frame, so that the frames are those of a run without interruption.
                 if self.framed != Some(self.course.run.steps()) {
-                    self.frame()?;
+                    self.frame(true)?;
                 }
             }
             // The frame shows the reason. The last good checkpoint is kept.
-            End::Stopped(_) => self.frame()?,
+            End::Stopped(_) => self.frame(false)?,
         }
         let start = Instant::now();
         let recorder = self.writer.finish()?;
@@ -467,7 +466,7 @@ where
             }
             self.spent.output += start.elapsed();
             if now == frame || now == self.total {
-                self.frame()?;
+                self.frame(false)?;
             }
             let turned = self.course.turn(&passed)?;
             if turned.entered {
@@ -477,7 +476,7 @@ where
                 self.told.say(line);
             }
             if self.course.reached.over && now != frame && now != self.total {
-                self.frame()?;
+                self.frame(false)?;
             }
             let due = match self.course.prepared.output.checkpoint {
                 When::Steps(_) => now == checkpoint,
@@ -520,13 +519,15 @@ where
         self.writer.send(WriterTask { rows: std::mem::take(&mut self.rows), then })
     }
 
-    /// Hands a frame to the writer, after the rows before it.
-    fn frame(&mut self) -> Result<(), Failure> {
+    /// Hands a frame to the writer, after the rows before it. `between`: it shows the state of an interrupted
+    /// run between two frames.
+    fn frame(&mut self, between: bool) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
         let frame = self.course.frame();
         self.framed = Some(frame.0.step);
-        self.hand(Then::Frame(Box::new(frame)))?;
+        let frame = Box::new(frame);
+        self.hand(if between { Then::LastState(frame) } else { Then::Frame(frame) })?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())

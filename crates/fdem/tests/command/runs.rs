@@ -801,7 +801,7 @@ fn an_interrupt_saves_where_the_run_stands() {
     let steps = json["steps"].as_u64().unwrap();
     assert!(steps > 10, "{json}");
     assert!(bench.path("cut/report.html").exists());
-    // The collections end with the last state, between two frames, until the run goes on.
+    // The collections end with the last state, between two frames, until the run continues.
     let times = || -> Vec<f64> {
         let text = bench.read("cut/results.pvd");
         let times = text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap());

@@ -44,8 +44,8 @@ impl BodyJoints {
         joint.collect()
     }
 
-    /// The polygons of each set in the body: those that the mesh has, and those whose middle is inside and that
-    /// it does not have. `facets`: those of [`Self::facets`].
+    /// The polygons of each set in the body: those that the mesh has, and those whose middle is inside and
+    /// that it does not have. `facets`: those of [`Self::facets`].
     pub(crate) fn polygons(&self, facets: &[JointFacet<3>]) -> Vec<PolygonsInBody> {
         let mut meshed = vec![false; self.sets.len()];
         for facet in facets {
@@ -189,11 +189,12 @@ fn middle(polygon: &[Point]) -> Point {
     [0, 1, 2].map(|axis| polygon.iter().map(|corner| corner[axis]).sum::<f64>() / polygon.len() as f64)
 }
 
-/// Whether a point is inside of a body: facets are seen from it under the angle of the whole sphere. A point on
-/// the surface is not.
+/// Whether a point is inside of a body: facets are seen from it under the angle of the whole sphere. A point
+/// on the surface is not.
 ///
 /// # Source
-/// A. Van Oosterom, J. Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 30 (1983) 125-126.
+/// A. Van Oosterom, J. Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 30 (1983)
+/// 125-126.
 fn is_inside(surface: &Surface, point: Point) -> bool {
     let angle = |facet: &[u32; 3]| {
         let [a, b, c] =

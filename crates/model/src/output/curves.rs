@@ -52,7 +52,8 @@ pub(crate) struct Columns<'a> {
 
 impl Columns<'_> {
     /// The full name of a column, and its place among the columns of every history and, after them, those of
-    /// the tables. Its unit may be left out: files and the Python package take the same names. `span`: where the name is in the model file.
+    /// the tables. Its unit may be left out: files and the Python package take the same names. `span`: where
+    /// the name is in the model file.
     pub(crate) fn find(
         self,
         span: Range<usize>,

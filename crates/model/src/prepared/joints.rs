@@ -21,8 +21,8 @@ pub struct Joints {
     /// Area of the joints, m²; in three dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub area: Option<f64>,
-    /// Number of polygons of the set in the bodies, and of those that are left out, because they are so near to
-    /// a face or to another polygon that they are moved onto it; in three dimensions.
+    /// Number of polygons of the set in the bodies, and of those that are left out, because they are so near
+    /// to a face or to another polygon that they are moved onto it; in three dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polygons: Option<[usize; 2]>,
     /// Whether the joints are open from the start, so that they are no cracks of the run.

@@ -350,7 +350,8 @@ pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> String {
     }
 }
 
-/// Advice that lists the names, the nearest first, and asks whether it is the one that was meant if it is near.
+/// Advice that lists the names, the nearest first, and asks whether it is the one that was meant if it is
+/// near.
 pub(crate) fn nearest_first(word: &str, names: &[&str], what: &str) -> String {
     let likeness =
         |name: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());

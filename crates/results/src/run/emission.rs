@@ -2,11 +2,12 @@
 //! are one event; magnitudes, and the b-value of their frequencies.
 //!
 //! Two joints of one kind are linked if their middles, in the undeformed mesh, are no farther apart than a
-//! distance, and their times no more than a window: the times when they broke, or when they began to soften if
-//! they still hold. All joints that links connect are one event. Its time is that of its first joint, its place
-//! the mean of the middles, weighted by their lengths or areas. Its energy is that which its joints have
-//! dissipated: their fracture energy if they are broken, and the share of it for their damage if they hold. Each
-//! joint is in one event, so that no energy counts twice. The magnitude is that of Gutenberg and Richter,
+//! distance, and their times no more than a window: the times when they broke, or when they began to soften
+//! if they still hold. All joints that links connect are one event. Its time is that of its first joint, its
+//! place the mean of the middles, weighted by their lengths or areas. Its energy is that which its joints
+//! have dissipated: their fracture energy if they are broken, and the share of it for their damage if they
+//! hold. Each joint is in one event, so that no energy counts twice. The magnitude is that of Gutenberg and
+//! Richter,
 //! `M = (log₁₀ E - 4.8) · 2/3`, E in J.
 //!
 //! # Source
@@ -98,8 +99,8 @@ pub struct Event<const D: usize> {
     pub measure: f64,
 }
 
-/// The joints that the run has broken and, with `softening`, those that soften and hold, by time; those of one
-/// time in the order of their elements.
+/// The joints that the run has broken and, with `softening`, those that soften and hold, by time; those of
+/// one time in the order of their elements.
 pub fn emitting_joints<const D: usize, const N: usize>(
     model: &Model<D, N>,
     snapshot: &Snapshot<D, N>,

@@ -22,8 +22,8 @@ where
             -> [Snapshot<2, 3>, Snapshot<3, 4>] = Simulation::own_snapshot)
     }
 
-    /// The whole joints now, in the order of their elements: those of joint sets, and all in models that have a
-    /// joint on each facet.
+    /// The whole joints now, in the order of their elements: those of joint sets, and all in models that have
+    /// a joint on each facet.
     pub fn intact_joints(&self) -> Vec<Crack<D>> {
         let joints = self.joints().in_order().into_iter();
         let joints = joints.map(|joint| self.joints().seen(joint, &self.topology));
@@ -126,8 +126,8 @@ where
     }
 }
 
-/// The largest damage of the joints of each element but those of open sets, and the joints that are damaged. `joints`: all of them
-/// in order; `position`: of a node that the joints name; `origin`: of these positions.
+/// The largest damage of the joints of each element but those of open sets, and the joints that are damaged.
+/// `joints`: all of them in order; `position`: of a node that the joints name; `origin`: of these positions.
 pub(crate) fn cracks<'a, const D: usize, const N: usize>(
     joints: impl Iterator<Item = JointView<'a, D>>,
     position: impl Fn(u32) -> Point<D> + Copy,

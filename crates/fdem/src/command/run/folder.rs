@@ -414,7 +414,8 @@ pub(crate) fn packed_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.frame")
 }
 
-/// Returns the names of the files of a frame; the last is that of the whole joints, which runs have on request.
+/// Returns the names of the files of a frame; the last is that of the whole joints, which runs have on
+/// request.
 pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
     let always = COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number));
     always.chain([packed_file(number), intact_file(number)])

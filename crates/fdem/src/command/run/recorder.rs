@@ -37,6 +37,9 @@ where
     outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
     /// Frames that have been written.
     frames: Vec<FrameRecord>,
+    /// Whether the last of them shows the state of an interrupted run between two frames. Checkpoints leave
+    /// it out, so that a resume removes it.
+    between: bool,
     /// Tables that have been written since the run ended.
     tables: Vec<(String, Checksum)>,
     /// Copies of the files that the model names.
@@ -94,6 +97,7 @@ where
             },
             outlines: <[[f64; D]; N]>::outlines(prepared),
             frames,
+            between: false,
             tables: Vec::new(),
             inputs,
             unsynced: VecDeque::new(),
@@ -196,6 +200,17 @@ where
         Ok(())
     }
 
+    /// Writes the files of the last state of an interrupted run, as those of a frame. A resume removes them.
+    pub(crate) fn last_state(
+        &mut self,
+        snapshot: &Snapshot<D, N>,
+        forces: &Forces<D>,
+    ) -> Result<(), Failure> {
+        self.frame(snapshot, forces)?;
+        self.between = true;
+        Ok(())
+    }
+
     /// The files of a frame with their names, in the order of [`files_of`].
     fn frame_files(
         &self,
@@ -273,7 +288,7 @@ where
         let manifest = Manifest {
             step: state.state.step(),
             history: self.history.get_mut().get_ref().checksum(),
-            frames: self.frames.clone(),
+            frames: self.frames[..self.frames.len() - usize::from(self.between)].to_vec(),
             tables: self.tables.clone(),
             inputs: self.inputs.clone(),
         };

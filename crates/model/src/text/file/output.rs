@@ -210,8 +210,8 @@ pub struct Curve {
     /// the value upwards at which cracks initiate, where the first joints soften.
     #[serde(default)]
     pub softening: Option<String>,
-    /// Whether the curve may be without values. A curve without values is otherwise a warning at the end of the
-    /// run. Default: false.
+    /// Whether the curve may be without values. A curve without values is otherwise a warning at the end of
+    /// the run. Default: false.
     #[serde(default)]
     pub optional: bool,
     /// Columns of the strains across the axis of a test in compression, one in two dimensions and two in
