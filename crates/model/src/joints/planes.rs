@@ -201,7 +201,12 @@ fn is_inside(surface: &Surface, point: Point) -> bool {
             facet.map(|node| [0, 1, 2].map(|axis| surface.nodes[node as usize][axis] - point[axis]));
         let [r, s, t] = [a, b, c].map(|corner| dot(corner, corner).sqrt());
         let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-        2.0 * libm::atan2(dot(a, cross), r * s * t + dot(a, b) * t + dot(b, c) * r + dot(c, a) * s)
+        // In the plane of a facet, the point may be on it.
+        let volume = dot(a, cross);
+        if volume.abs() <= 1e-9 * r * s * t {
+            return 0.0;
+        }
+        2.0 * libm::atan2(volume, r * s * t + dot(a, b) * t + dot(b, c) * r + dot(c, a) * s)
     };
     let seen: f64 = surface.facets.iter().map(angle).sum();
     seen.abs() > 3.0 * std::f64::consts::PI
