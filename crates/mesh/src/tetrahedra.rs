@@ -35,7 +35,7 @@ pub(crate) mod vector;
 pub(crate) use check::{finite, positive};
 pub use error::{MeshError, THICK};
 pub use mesh::Tetrahedra;
-pub use polygons::{PolygonError, add_polygons};
+pub use polygons::{PolygonError, SNAP, add_polygons};
 pub use sharpest::{SharpCorner, SharpEdge, sharpest_corner, sharpest_edge};
 pub use surface::{INNER, OUTSIDE, Surface};
 pub(crate) use vector::bounds;

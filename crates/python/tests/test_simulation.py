@@ -358,6 +358,13 @@ def test_results_of_a_folder(torn):
     history = found.history
     assert history["time"][0] == 0.0 and history["step"][-1] == found.summary["steps"]
     assert history["kinetic"][-1] == found.summary["energies"]["kinetic"]
+    # Columns have the names of model files, with their units or without.
+    full = next(name for name in history if name.startswith("platen f"))
+    short = full.rpartition(" [")[0]
+    assert full.endswith(" [N]") and history[short] is history[full]
+    assert short in history and history.get(short) is history[full] and history.get("platen") is None
+    with pytest.raises(KeyError, match="no column 'platen force': there is platen"):
+        history["platen force"]
     assert len(found.frames) == found.summary["output"]["frames"]
     first, last = found.frames[0], found.frames[-1]
     assert [first.time, last.time] == [found.frames.times[0], found.frames.times[-1]]

@@ -35,7 +35,10 @@ mod vtk;
 
 pub use animation::{Animation, AnimationError, SpaceAnimation};
 pub use curves::{CurveFigures, CurvePoint, HistoryCurve};
-pub use emission::{BValue, Break, Clustering, Event, breaks, events, events_csv, magnitude_frequency};
+pub use emission::{
+    BValue, Clustering, EmissionKind, EmittingJoint, Event, emitting_joints, events, events_csv,
+    magnitude_frequency,
+};
 pub use fdem_io::pvd;
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};
 pub use frame::{Frame, FrameError};
@@ -46,4 +49,6 @@ pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, RANK_PLOTS, RankLoad, fragment_sizes, plots, rank_loads};
 pub use snapshot::SnapshotError;
-pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
+pub use vtk::{
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp, write_vtu,
+};

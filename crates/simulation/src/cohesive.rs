@@ -70,6 +70,19 @@ pub(crate) fn softening(d: f64) -> f64 {
     factor * (A * rest + B * sixth)
 }
 
+/// Share of the fracture energy that is dissipated at damage `d`: the work until then, less the energy that
+/// the bond, which unloads towards its origin, gives back. The elastic range is left out.
+pub(crate) fn dissipated_at(d: f64) -> f64 {
+    if d <= 0.0 || d >= 1.0 {
+        return d.clamp(0.0, 1.0);
+    }
+    // Simpson's rule: the curve is smooth, and the error below 1e-5.
+    let (intervals, width) = (16, d / 16.0);
+    let weight = |k: u32| if k == 0 || k == intervals { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+    let sum: f64 = (0..=intervals).map(|k| weight(k) * softening(f64::from(k) * width)).sum();
+    (sum * width / 3.0 - 0.5 * d * softening(d)) / AREA
+}
+
 /// Default of the slip over the length of a joint up to which it dilates.
 const DILATES: f64 = 0.05;
 
@@ -738,6 +751,23 @@ pub(crate) mod tests {
         assert_eq!(memory.damage(), 1.0);
         let residual = memory.traction(&law, [closing, 1e-4])[1];
         assert!((residual / 0.3e6 - 1.0).abs() < 1e-9, "{residual}");
+    }
+
+    #[test]
+    fn the_dissipated_share_is_the_work_of_a_bond_that_opens_and_closes() {
+        let law = law(false, CriticalOpening::Exact);
+        let stored = 0.5 * law.tensile * law.tensile / law.penalty;
+        for share in [0.05, 0.3, 0.7, 1.0] {
+            let far = law.tensile / law.penalty + share * law.critical[0];
+            let path = steps(0.0, far).chain(steps(far, 0.0)).map(|opening| [opening, 0.0]);
+            let mut memory = Memory::<2>::default();
+            let lost = work_along(&law, &mut memory, path);
+            // Beside the work up to the strength, of which the bond gives back a share.
+            let lost = lost - stored * (1.0 - softening(memory.damage()));
+            let found = dissipated_at(memory.damage());
+            assert!((lost / ROCK.energy_i - found).abs() < 1e-4, "{share}: {lost} {found}");
+        }
+        assert_eq!([0.0, 1.0].map(dissipated_at), [0.0, 1.0]);
     }
 
     #[test]

@@ -428,10 +428,11 @@ impl<const D: usize> Joints<D> {
         self.links.get(self.of_facet[facet as usize] as usize).is_none_or(|link| !link.is_gone())
     }
 
-    /// Numbers of broken joints: those that the run has broken, and those of open sets.
-    pub(crate) fn broken(&self) -> [usize; 2] {
-        let open = self.breaks().filter(|(_, joint, _)| joint.open_from_start).count();
-        [self.breaks.len() - open, open]
+    /// Numbers of joints: broken by the run, of open sets, and without a bond.
+    pub(crate) fn broken(&self) -> [usize; 3] {
+        let broken = self.breaks().filter(|(_, joint, _)| !joint.open_from_start).count();
+        let open = self.all.iter().filter(|joint| joint.open_from_start).count();
+        [broken, open, self.breaks.len()]
     }
 
     /// Joints without a bond, those of open sets too: the number of each, and when and how it broke.
@@ -585,6 +586,9 @@ impl<const D: usize> Joints<D> {
                             joint.fading = 0.0;
                         } else {
                             let (done, modes) = joint.pull(forces, solid, step);
+                            if joint.softens == f64::INFINITY && joint.damage() > 0.0 {
+                                joint.softens = time;
+                            }
                             if joint.counted {
                                 pile.add(done, grains);
                             }

@@ -25,7 +25,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub elements: Vec<[u32; N]>,
     /// Cauchy stress of each element, `[xx, yy, zz, xy, yz, xz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 6]>,
-    /// Largest damage of the joints of each element, from 0 to 1; that of joints of open sets is 1.
+    /// Largest damage of the joints of each element, from 0 to 1. Joints that are open from the beginning do
+    /// not count.
     pub damage: Vec<f64>,
     /// Body of each element.
     pub bodies: Vec<u32>,
@@ -37,6 +38,10 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     /// Joints that are softening or broken, in the order of their elements; those of sets that are open from
     /// the beginning are marked.
     pub cracks: Vec<Crack<D>>,
+    /// Whole joints, of joint sets and of models that have a joint on each facet, in the order of their
+    /// elements. Snapshots of a run leave them out: [`Simulation::intact_joints`](crate::Simulation) and
+    /// [`Leader`](crate::Leader) return them on request.
+    pub intact: Vec<Crack<D>>,
     /// Strength of each material; `None` for a material that does not break.
     pub strengths: Vec<Option<Strength>>,
     /// Law of each material, which strengths may depend on; empty for laws without directions.
@@ -59,6 +64,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             materials: Vec::new(),
             fragments: Vec::new(),
             cracks: Vec::new(),
+            intact: Vec::new(),
             strengths: Vec::new(),
             laws: Vec::new(),
         }
@@ -127,7 +133,8 @@ mod tests {
     }
 }
 
-/// A joint that has passed its strength, on a facet between two elements.
+/// A joint on a facet between two elements: one that has passed its strength, or, with a damage of 0, a whole
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack<const D: usize = 2> {
     /// Current positions of its corners, m, half way between the two elements: the two ends of an edge, the
@@ -137,14 +144,19 @@ pub struct Crack<const D: usize = 2> {
     pub elements: [u32; 2],
     /// Damage from 0 (whole) to 1 (broken), the mean of its corners.
     pub damage: f64,
-    /// Mode of failure.
+    /// Mode of failure; that of a whole joint has no meaning.
     pub mode: Mode,
     /// Mean opening, m; negative where it is closed.
     pub opening: f64,
     /// Mean sliding, m: along the edge, with a sign, in two dimensions; its magnitude in three.
     pub sliding: f64,
-    /// Time of failure, s; `None` while the joint holds.
+    /// Time of failure, s; `None` while the joint holds; 0 for one that is open from the beginning.
     pub time: Option<f64>,
+    /// Time at which it began to soften, s; `None` for a whole one, and for one that is open from the
+    /// beginning.
+    pub softens: Option<f64>,
+    /// Share of its fracture energy that it has dissipated, from 0 to 1: the mean of its corners.
+    pub dissipated: f64,
     /// Length, m, of the undeformed edge, or area, m², of the undeformed face.
     pub measure: f64,
     /// Whether the joint is of a set that is open from the beginning: no crack of the run.

@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{CurveFigures, Fragments, Inertia, Row, inertia};
+use fdem_results::{CurveFigures, Fragments, History, Inertia, Row, inertia};
 use fdem_simulation::Stop;
 use serde_json::Value;
 
@@ -127,7 +127,7 @@ where
     for line in preflight.lines().chain(taken.iter().map(String::as_str)) {
         running.told.say(line);
     }
-    running.frame()?;
+    running.frame(false)?;
     // From here on the run can be resumed.
     running.save()?;
     running.go()
@@ -259,6 +259,8 @@ where
     writer: Writer<D, N>,
     /// Number of frames that have been handed to the writer.
     frames: usize,
+    /// Step of the last of them.
+    framed: Option<u64>,
     told: RunLog,
     watch: Watch,
     before: Before,
@@ -273,6 +275,8 @@ where
     inertia: Option<Inertia>,
     /// Peaks and moduli of the curves, once the run has ended.
     curves: Vec<CurveFigures>,
+    /// Curves without values that are not optional, and why.
+    empty_curves: Vec<(String, String)>,
     /// Acoustic emission of the run, once it has ended.
     emission: Option<Emission>,
     /// Whether the run was quasi-static, once it has ended.
@@ -308,14 +312,15 @@ where
         let course = Course::new(start, run, before.intervals[1], before.reached, true)?;
         let total = course.total();
         if !before.damaged.is_empty() {
-            let (snapshot, forces) = course.run.frame();
-            recorder.repair(&before.damaged, &course.counted(snapshot), &forces)?;
+            let (snapshot, forces) = course.frame();
+            recorder.repair(&before.damaged, &snapshot, &forces)?;
         }
         Ok(Self {
             told: RunLog::new(&folder, &*course.run, total, options.quiet)?,
             folder,
             course,
             rows: Vec::new(),
+            framed: recorder.last_frame(),
             frames: recorder.frames(),
             writer: Writer::start(recorder)?,
             watch,
@@ -327,9 +332,23 @@ where
             quiet: options.quiet,
             inertia: None,
             curves: Vec::new(),
+            empty_curves: Vec::new(),
             emission: None,
             quasi_static: None,
         })
+    }
+
+    /// Finds the figures of the curves, and the curves without values that are not optional, of which it
+    /// warns once the run is `finished`.
+    fn look_at_curves(&mut self, history: &History, finished: bool) {
+        let curves = &self.course.prepared.curves;
+        self.curves = curves.iter().filter_map(|curve| curve.figures(history)).collect();
+        let needed = curves.iter().filter(|curve| !curve.optional);
+        self.empty_curves =
+            needed.filter_map(|curve| Some((curve.name.clone(), curve.why_empty(history)?))).collect();
+        for (name, why) in self.empty_curves.iter().filter(|_| finished) {
+            self.told.say(&format!("warning: the curve \"{name}\" is empty: {why}"));
+        }
     }
 
     /// Runs to the end, or until the run is interrupted or stops. Draws the results recorded so far.
@@ -357,8 +376,7 @@ where
             }
         }
         let history = recorder.history()?;
-        self.curves =
-            self.course.prepared.curves.iter().filter_map(|curve| curve.figures(&history)).collect();
+        self.look_at_curves(&history, matches!(end, End::Finished));
         self.inertia = inertia(&history);
         self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
         if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
@@ -406,9 +424,16 @@ where
     fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
         let end = self.steps()?;
         match &end {
-            End::Finished | End::Interrupted(_) => self.save()?,
+            End::Finished => self.save()?,
+            End::Interrupted(_) => {
+                self.save()?;
+                // A resume removes this frame, so that the frames are those of a run without interruption.
+                if self.framed != Some(self.course.run.steps()) {
+                    self.frame(true)?;
+                }
+            }
             // The frame shows the reason. The last good checkpoint is kept.
-            End::Stopped(_) => self.frame()?,
+            End::Stopped(_) => self.frame(false)?,
         }
         let start = Instant::now();
         let recorder = self.writer.finish()?;
@@ -441,7 +466,7 @@ where
             }
             self.spent.output += start.elapsed();
             if now == frame || now == self.total {
-                self.frame()?;
+                self.frame(false)?;
             }
             let turned = self.course.turn(&passed)?;
             if turned.entered {
@@ -451,7 +476,7 @@ where
                 self.told.say(line);
             }
             if self.course.reached.over && now != frame && now != self.total {
-                self.frame()?;
+                self.frame(false)?;
             }
             let due = match self.course.prepared.output.checkpoint {
                 When::Steps(_) => now == checkpoint,
@@ -494,12 +519,15 @@ where
         self.writer.send(WriterTask { rows: std::mem::take(&mut self.rows), then })
     }
 
-    /// Hands a frame to the writer, after the rows before it.
-    fn frame(&mut self) -> Result<(), Failure> {
+    /// Hands a frame to the writer, after the rows before it. `between`: it shows the state of an interrupted
+    /// run between two frames.
+    fn frame(&mut self, between: bool) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        let (snapshot, forces) = self.course.run.frame();
-        self.hand(Then::Frame(Box::new((self.course.counted(snapshot), forces))))?;
+        let frame = self.course.frame();
+        self.framed = Some(frame.0.step);
+        let frame = Box::new(frame);
+        self.hand(if between { Then::LastState(frame) } else { Then::Frame(frame) })?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())
@@ -543,7 +571,8 @@ where
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
         json["inertia"] = self.inertia.as_ref().map_or(Value::Null, log::inertia);
-        json["curves"] = self.curves.iter().map(log::curve).collect();
+        let empty = self.empty_curves.iter().map(|(name, why)| log::empty_curve(name, why));
+        json["curves"] = self.curves.iter().map(log::curve).chain(empty).collect();
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -595,6 +624,7 @@ where
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.inertia.as_ref().map(|inertia| ("inertia", log::inertia_in_words(inertia))));
         more.extend(self.curves.iter().map(|curve| ("curve", log::curve_in_words(curve))));
+        more.extend(self.empty_curves.iter().map(|(name, why)| ("curve", format!("{name}: {why}"))));
         more.extend(self.course.stages.as_ref().map(|stages| ("stages", stages.in_words())));
         let open = open_from_start(&self.course.prepared.joint_sets);
         summary::summary(&*self.course.run, status, &self.account(), self.frames, fragments, open, more)

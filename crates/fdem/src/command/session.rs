@@ -383,7 +383,8 @@ where
     pub fn picture(&self, field: Field, width: Option<u32>) -> Result<Vec<u8>, String> {
         let title = if self.prepared().title.is_empty() { "fdem" } else { &self.prepared().title };
         let outlines = <[[f64; D]; N]>::outlines(self.prepared());
-        <[[f64; D]; N]>::picture(&self.snapshot(), &outlines, title, field, width)
+        let snapshot = self.course.with_joints(self.snapshot());
+        <[[f64; D]; N]>::picture(&snapshot, &outlines, title, field, width)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Joint sets in runs: joints that are open from the start are no cracks, and joints store energy apart from
 //! that which they dissipate.
 
+use std::fs;
+
 use serde_json::Value;
 
 use crate::Bench;
@@ -95,7 +97,13 @@ fn a_notch_is_no_crack() {
     }
     let json = run_json(&bench, "notch_results");
     assert_eq!((&json["broken_joints"], &json["crack_length"]), (&Value::from(0), &Value::from(0.0)));
-    assert!(json["open_joints"].as_u64().unwrap() > 0, "{json}");
+    assert_eq!(json["open_joints"], 3, "as the summary says, also at the end of the notch");
+    // They are in the files of broken joints from the first frame on, and are no damage of the elements.
+    for frame in ["00000", "00002"] {
+        let file = fs::read(bench.path(&format!("notch_results/frames/{frame}_cracks.vtp"))).unwrap();
+        let text = String::from_utf8_lossy(&file[..1000]).into_owned();
+        assert!(text.contains("NumberOfLines=\"3\""), "{frame}: {text}");
+    }
     let history = bench.read("notch_results/history.csv");
     for name in ["broken_joints", "crack_length", "crack_length_tension", "joint_dissipated"] {
         assert!(column(&history, name).iter().all(|value| value.abs() < 1e-12), "{name}: {history}");
@@ -115,6 +123,35 @@ fn a_notch_is_no_crack() {
     assert!(torn["broken_joints"].as_u64().unwrap() > 0 && length > 0.0, "{torn}");
     assert!((0.069..0.08).contains(&length), "the ligament has 0.07 m: {length}");
     assert_eq!(torn["open_joints"], 3, "the end of the notch has parted too");
+}
+
+#[test]
+fn whole_joints_are_shown_on_request() {
+    let bench = Bench::new();
+    let fault = "\n[[joint_set]]\nname = \"fault\"\nlines = [[0.05, 0.06, 0.09, 0.06]]\ncohesion = 1e6\n\
+                 tensile_strength = 1e6\nfracture_energy_i = 3\nfracture_energy_ii = 30\nfriction_angle = 30\n";
+    let model = format!("{}{fault}", NOTCH.replace("end_time = 1e-4", "end_time = 1e-5"));
+    bench.write("plain.toml", &model);
+    bench.write("shown.toml", model.replace("frames = 2", "frames = 2\nintact_joints = true"));
+    bench.run(&["run", "plain.toml", "-q"]).succeeds();
+    assert!(!bench.path("plain_results/intact_joints.pvd").exists());
+    assert!(!bench.read("plain_results/report.html").contains("class=\"whole\""));
+    bench.run(&["run", "shown.toml", "-q"]).succeeds();
+    bench.has_all_that_collections_name("shown_results");
+    assert!(bench.read("shown_results/intact_joints.pvd").contains("frames/00002_intact_joints.vtp"));
+    let file = fs::read(bench.path("shown_results/frames/00002_intact_joints.vtp")).unwrap();
+    let text = String::from_utf8_lossy(&file[..1000]).into_owned();
+    let lines = text.split("NumberOfLines=\"").nth(1).unwrap().split('"').next().unwrap();
+    // The fault, and not the notch.
+    let check = bench.run(&["check", "shown.toml"]).succeeds();
+    assert!(check.stdout.contains(&format!("along {lines} edges")), "{lines}: {}", check.stdout);
+    assert!(bench.read("shown_results/report.html").contains(&format!("\"intact\":{lines}")));
+    // The key changes nothing in the run itself.
+    let [plain, shown] = ["plain", "shown"].map(|name| run_json(&bench, &format!("{name}_results")));
+    assert_eq!(plain["state_hash"], shown["state_hash"]);
+    // Without the key, the collection of an earlier run is removed.
+    bench.run(&["run", "plain.toml", "-q", "--force", "-o", "shown_results"]).succeeds();
+    assert!(!bench.path("shown_results/intact_joints.pvd").exists());
 }
 
 #[test]

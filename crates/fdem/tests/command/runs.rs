@@ -194,8 +194,8 @@ impl Bench {
     }
 
     /// Asserts that the collections of a folder are complete, and that the files that they name exist.
-    fn has_all_that_collections_name(&self, folder: &str) {
-        for name in ["results.pvd", "cracks.pvd", "damaged_joints.pvd", "contacts.pvd"] {
+    pub(crate) fn has_all_that_collections_name(&self, folder: &str) {
+        for name in ["results.pvd", "cracks.pvd", "damaged_joints.pvd", "intact_joints.pvd", "contacts.pvd"] {
             let Ok(text) = fs::read_to_string(self.path(folder).join(name)) else { continue };
             assert!(text.ends_with("</VTKFile>\n"), "{name}: {text}");
             let files = text.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
@@ -504,10 +504,21 @@ fn probes_agree(bench: &Bench) {
     assert_eq!(curve["name"], "impact");
     assert_eq!(curve["peak"].as_f64().unwrap().abs(), most("ground fy [N]"));
     let emission = &json["acoustic_emission"];
-    assert_eq!(emission["joints"], json["broken_joints"]);
+    let count = |name: &str| emission[name].as_u64().unwrap();
+    let broken = json["broken_joints"].as_u64().unwrap();
+    assert!(
+        count("softening_joints") > 0 && count("joints") == broken + count("softening_joints"),
+        "{emission}"
+    );
     let events = bench.columns("crash_results/events.csv");
-    assert_eq!(events["event"].len() as u64, emission["events"].as_u64().unwrap());
-    assert_eq!(events["joints"].iter().sum::<f64>(), json["broken_joints"].as_f64().unwrap());
+    assert_eq!(events["event"].len() as u64, count("events"));
+    let text = bench.read("crash_results/events.csv");
+    let of_kind = |kind: &str| -> [u64; 2] {
+        let rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>()).filter(|row| row[1] == kind);
+        rows.fold([0; 2], |[events, joints], row| [events + 1, joints + row[2].parse::<u64>().unwrap()])
+    };
+    assert_eq!(of_kind("break"), [count("events") - count("softening_events"), broken]);
+    assert_eq!(of_kind("softening"), ["softening_events", "softening_joints"].map(count));
     assert!(events["time [s]"].is_sorted() && events["energy [J]"].iter().all(|&energy| energy > 0.0));
     for name in
         ["histories_forces", "histories_stresses", "histories_strains", "curve_impact", "acoustic_emission"]
@@ -790,6 +801,20 @@ fn an_interrupt_saves_where_the_run_stands() {
     let steps = json["steps"].as_u64().unwrap();
     assert!(steps > 10, "{json}");
     assert!(bench.path("cut/report.html").exists());
+    // The collections end with the last state, between two frames, until the run continues.
+    let times = || -> Vec<f64> {
+        let text = bench.read("cut/results.pvd");
+        let times = text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+        times.map(|time| time.parse().unwrap()).collect()
+    };
+    bench.has_all_that_collections_name("cut");
+    let (before, now) = (times(), json["time"].as_f64().unwrap());
+    assert_eq!(*before.last().unwrap(), now);
+    assert_eq!(json["output"]["frames"], before.len());
+    bench.run(&["resume", "-q", "cut", "--end-time", &(now * 1.01).to_string()]).succeeds();
+    bench.has_all_that_collections_name("cut");
+    let after = times();
+    assert!(after.starts_with(&before[..before.len() - 1]) && !after.contains(&now), "{before:?} {after:?}");
     bench.write("cut/model.toml", model.replace("-20", "-21"));
     bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }

@@ -18,7 +18,7 @@ mod sheet;
 mod snap;
 mod warp;
 
-pub use error::PolygonError;
+pub use error::{PolygonError, SNAP};
 
 use super::check::finite;
 use super::skin::{FlatFaces, flat_faces};
@@ -27,7 +27,7 @@ use super::vector::bounds;
 use super::vector::{Point, distance};
 use crate::grading::Grading;
 use arrange::Arrangement;
-use error::{MOST, SNAP};
+use error::MOST;
 use fdem_scenes::random::Random;
 use sheet::Sheet;
 use snap::{Snapping, sheets_of};

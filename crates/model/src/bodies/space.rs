@@ -132,7 +132,8 @@ fn meshed(
     };
     let facets = joints.facets(&meshed);
     let piece = piece(meshed, &names, materials, body.voronoi.is_some());
-    let piece = piece.map(|piece| Piece { joints: facets, ..piece });
+    let polygons = joints.polygons(&facets);
+    let piece = piece.map(|piece| Piece { joints: facets, polygons, ..piece });
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 

@@ -1,12 +1,14 @@
 //! Joint sets in space: the polygons that statistics give, and bodies with joints.
 
+use std::collections::BTreeMap;
+
 use fdem_mesh::Grading;
 use fdem_mesh::tetrahedra::{PolygonError, Surface, Tetrahedra, add_polygons};
 use fdem_scenes::random::Random;
 
 use crate::joints::lines::{JointLines, has_joints, joints_of};
 use crate::joints::polygons::SpacePolygon;
-use crate::shapes::piece::JointFacet;
+use crate::shapes::piece::{JointFacet, PolygonsInBody};
 use crate::text::fault::Problem;
 use crate::text::file::{Body, JointSet, Vector};
 
@@ -27,6 +29,8 @@ pub(crate) struct BodyJoints {
     first: u32,
     /// Set of each joint.
     sets: Vec<u32>,
+    /// Whether the middle of each joint is inside of the body.
+    inside: Vec<bool>,
 }
 
 impl BodyJoints {
@@ -38,6 +42,22 @@ impl BodyJoints {
             Some(JointFacet { facet, set: *self.sets.get(trace as usize)?, trace })
         });
         joint.collect()
+    }
+
+    /// The polygons of each set in the body: those that the mesh has, and those whose middle is inside and
+    /// that it does not have. `facets`: those of [`Self::facets`].
+    pub(crate) fn polygons(&self, facets: &[JointFacet<3>]) -> Vec<PolygonsInBody> {
+        let mut meshed = vec![false; self.sets.len()];
+        for facet in facets {
+            meshed[facet.trace as usize] = true;
+        }
+        let mut all: BTreeMap<u32, PolygonsInBody> = BTreeMap::new();
+        for ((&set, &meshed), &inside) in self.sets.iter().zip(&meshed).zip(&self.inside) {
+            let of_set = all.entry(set).or_insert(PolygonsInBody { set, count: 0, left_out: 0 });
+            of_set.count += usize::from(meshed || inside);
+            of_set.left_out += usize::from(inside && !meshed);
+        }
+        all.into_values().collect()
     }
 }
 
@@ -51,7 +71,7 @@ impl JointLines<'_> {
         size: &Grading<3>,
     ) -> Result<BodyJoints, Problem> {
         let mut sets = Vec::new();
-        let mut polygons = Vec::new();
+        let mut polygons: Vec<SpacePolygon> = Vec::new();
         let placing = SpacePlacing::of(body, turn, surface);
         for (number, (set, given)) in (0..).zip(&self.polygons) {
             if !has_joints(set, body) {
@@ -70,11 +90,12 @@ impl JointLines<'_> {
             }
         }
         if polygons.is_empty() {
-            return Ok(BodyJoints { first: 0, sets });
+            return Ok(BodyJoints { first: 0, sets, inside: Vec::new() });
         }
+        let inside = polygons.iter().map(|polygon| is_inside(surface, middle(polygon))).collect();
         let first =
             add_polygons(surface, &polygons, size).map_err(|error| self.refused(body, &sets, &error))?;
-        Ok(BodyJoints { first, sets })
+        Ok(BodyJoints { first, sets, inside })
     }
 
     /// An error of the mesher as a problem of a body.
@@ -161,6 +182,34 @@ impl SpacePlacing {
         let off = [0, 1, 2].map(|axis| point[axis] - self.by[axis] - self.middle[axis]);
         [0, 1, 2].map(|axis| self.middle[axis] + (0..3).map(|k| self.turn[k][axis] * off[k]).sum::<f64>())
     }
+}
+
+/// The mean of the corners of a polygon.
+fn middle(polygon: &[Point]) -> Point {
+    [0, 1, 2].map(|axis| polygon.iter().map(|corner| corner[axis]).sum::<f64>() / polygon.len() as f64)
+}
+
+/// Whether a point is inside of a body: facets are seen from it under the angle of the whole sphere. A point
+/// on the surface is not.
+///
+/// # Source
+/// A. Van Oosterom, J. Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 30 (1983)
+/// 125-126.
+fn is_inside(surface: &Surface, point: Point) -> bool {
+    let angle = |facet: &[u32; 3]| {
+        let [a, b, c] =
+            facet.map(|node| [0, 1, 2].map(|axis| surface.nodes[node as usize][axis] - point[axis]));
+        let [r, s, t] = [a, b, c].map(|corner| dot(corner, corner).sqrt());
+        let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+        // In the plane of a facet, the point may be on it.
+        let volume = dot(a, cross);
+        if volume.abs() <= 1e-9 * r * s * t {
+            return 0.0;
+        }
+        2.0 * libm::atan2(volume, r * s * t + dot(a, b) * t + dot(b, c) * r + dot(c, a) * s)
+    };
+    let seen: f64 = surface.facets.iter().map(angle).sum();
+    seen.abs() > 3.0 * std::f64::consts::PI
 }
 
 fn dot(a: Point, b: Point) -> f64 {

@@ -472,7 +472,13 @@ where
             model.add_joints(number, &facets);
         }
         let [length, area] = if D == 2 { [Some(measure), None] } else { [None, Some(measure)] };
-        all.push(Joints { name, joints: traces.len(), facets: facets.len(), length, area, open: set.open });
+        let polygons = placed.iter().flat_map(|body| &body.piece.polygons).filter(|of| of.set == number);
+        let polygons = polygons.fold(None, |sum: Option<[usize; 2]>, of| {
+            let [count, left_out] = sum.unwrap_or_default();
+            Some([count + of.count, left_out + of.left_out])
+        });
+        let (joints, facets) = (traces.len(), facets.len());
+        all.push(Joints { name, joints, facets, length, area, polygons, open: set.open });
     }
     all
 }

@@ -7,8 +7,8 @@ use fdem_simulation::{Element, Probe};
 
 use crate::prepared::{PreparedHistory, Quantity};
 use crate::text::document::{Document, Table};
-use crate::text::fault::{Fault, suggestion};
-use crate::text::file::ModelFile;
+use crate::text::fault::{Fault, nearest_first};
+use crate::text::file::{self, ModelFile};
 
 /// Names of the components of vectors.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -52,7 +52,8 @@ pub(crate) struct Columns<'a> {
 
 impl Columns<'_> {
     /// The full name of a column, and its place among the columns of every history and, after them, those of
-    /// the tables. Its unit may be left out. `span`: where the name is in the model file.
+    /// the tables. Its unit may be left out: files and the Python package take the same names. `span`: where
+    /// the name is in the model file.
     pub(crate) fn find(
         self,
         span: Range<usize>,
@@ -70,7 +71,7 @@ impl Columns<'_> {
             let help = if names.is_empty() {
                 "the model has no [[history]] with columns of its own".to_owned()
             } else {
-                suggestion(name, &names, "[[history]]")
+                nearest_first(name, &names, "[[history]]")
             };
             faults.push(
                 Fault::at(span, format!("the history has no column \"{name}\""))
@@ -157,8 +158,17 @@ pub(crate) fn curves<const D: usize>(
                 );
             }
         }
-        let (length, area) = (curve.length, curve.area);
-        curves.push(HistoryCurve { name: curve.name.clone(), x, y, length, area, softening, lateral });
+        let file::Curve { length, area, optional, .. } = *curve;
+        curves.push(HistoryCurve {
+            name: curve.name.clone(),
+            x,
+            y,
+            length,
+            area,
+            softening,
+            lateral,
+            optional,
+        });
     }
     curves
 }

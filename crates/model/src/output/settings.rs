@@ -131,6 +131,7 @@ pub(crate) fn settings<const D: usize, const N: usize>(
         },
         fields,
         shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
+        intact_joints: output.intact_joints,
         fragments: output.fragments.as_ref().map(|names| {
             let bodies = names.iter().flat_map(|name| placed::named(placed, file, name));
             bodies.map(|body| body as u32).collect()

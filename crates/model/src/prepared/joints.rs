@@ -3,6 +3,7 @@
 use std::fmt;
 
 use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::tetrahedra::SNAP;
 use serde::Serialize;
 
 /// The joints of a set in the mesh.
@@ -20,6 +21,10 @@ pub struct Joints {
     /// Area of the joints, m²; in three dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub area: Option<f64>,
+    /// Number of polygons of the set in the bodies, and of those that are left out, because they are so near
+    /// to a face or to another polygon that they are moved onto it; in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub polygons: Option<[usize; 2]>,
     /// Whether the joints are open from the start, so that they are no cracks of the run.
     pub open: bool,
 }
@@ -43,7 +48,7 @@ pub fn open_from_start(sets: &[Joints]) -> Option<String> {
 
 impl fmt::Display for Joints {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, joints, facets, length, area, open } = self;
+        let Self { name, joints, facets, length, area, polygons, open } = self;
         let [joints, facets] = [*joints, *facets].map(|count| grouped(count as u64));
         match (length, area) {
             (_, Some(area)) => {
@@ -54,6 +59,18 @@ impl fmt::Display for Joints {
                 write!(out, "{name}: {joints}, {length} m long together, along {facets} edges")?;
             }
         }
-        if *open { out.write_str(", open from the start") } else { Ok(()) }
+        if *open {
+            out.write_str(", open from the start")?;
+        }
+        match polygons {
+            Some([count, left_out]) if *left_out > 0 => write!(
+                out,
+                "; {} of {} polygons {} left out: nearer than {SNAP} of mesh_size to a face or another polygon",
+                grouped(*left_out as u64),
+                grouped(*count as u64),
+                if *left_out == 1 { "is" } else { "are" }
+            ),
+            _ => Ok(()),
+        }
     }
 }

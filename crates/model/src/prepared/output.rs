@@ -17,6 +17,8 @@ pub struct OutputSettings {
     /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that
     /// sample.
     pub shown: [usize; 2],
+    /// Whether frames have the joints that are whole.
+    pub intact_joints: bool,
     /// Numbers of the bodies whose fragments count; `None` for the bodies that can break.
     pub fragments: Option<Vec<u32>>,
     /// How breaks are put together to events of acoustic emission; `None` if they are not.

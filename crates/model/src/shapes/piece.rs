@@ -23,6 +23,8 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     pub(crate) joints: Vec<JointFacet<D>>,
     /// The lines of joint sets in the body.
     pub(crate) lines: Vec<LinesInBody>,
+    /// The polygons of joint sets in the body.
+    pub(crate) polygons: Vec<PolygonsInBody>,
     /// Warnings about the file of the mesh or of the packing, and about joints.
     pub(crate) notes: Vec<String>,
     /// The file of the mesh, the groups in it, and the differences between its elements and those of the
@@ -54,6 +56,17 @@ pub(crate) struct LinesInBody {
     pub(crate) vanished_length: f64,
 }
 
+/// The polygons of a joint set in a body, and how many of them the mesh does not have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PolygonsInBody {
+    /// Number of the joint set.
+    pub(crate) set: u32,
+    /// Number of polygons.
+    pub(crate) count: usize,
+    /// Polygons that are moved onto a face, or onto another polygon.
+    pub(crate) left_out: usize,
+}
+
 /// Elements, nodes and facets that have a name.
 #[derive(Debug, Clone)]
 pub(crate) struct PieceGroup<const D: usize = 2> {
@@ -81,6 +94,7 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
             groups: BTreeMap::new(),
             joints: Vec::new(),
             lines: Vec::new(),
+            polygons: Vec::new(),
             notes: Vec::new(),
             about_file: Vec::new(),
         }

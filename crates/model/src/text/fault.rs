@@ -350,6 +350,29 @@ pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> String {
     }
 }
 
+/// Advice that lists the names, the nearest first, and asks whether it is the one that was meant if it is
+/// near.
+pub(crate) fn nearest_first(word: &str, names: &[&str], what: &str) -> String {
+    let likeness =
+        |name: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
+    let near = nearest(word, names.iter().copied());
+    // Equally near names stay in their order.
+    let mut sorted: Vec<(bool, f64, &str)> =
+        names.iter().map(|&name| (Some(name) != near, -likeness(name), name)).collect();
+    sorted.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let sorted: Vec<&str> = sorted.into_iter().map(|(_, _, name)| name).collect();
+    let meant = near.filter(|_| names.len() > 1).map(|name| format!("did you mean \"{name}\"? "));
+    let listed = match (sorted.len(), near) {
+        (0, _) | (1, Some(_)) => suggestion(word, &sorted, what),
+        (count, _) if count <= LISTED => format!("there is {}", sorted.join(", ")),
+        (count, _) => {
+            let more = grouped((count - LISTED) as u64);
+            format!("there is {}, and {more} more", sorted[..LISTED].join(", "))
+        }
+    };
+    meant.unwrap_or_default() + &listed
+}
+
 /// A problem of a body, and the key that it belongs to.
 #[derive(Debug)]
 pub(crate) struct Problem {
@@ -383,6 +406,24 @@ mod tests {
         ] {
             assert_eq!(nearest(word, keys), meant, "{word}");
         }
+    }
+
+    #[test]
+    fn names_are_listed_with_the_nearest_first() {
+        let of = |word: &str, names: &[&str]| nearest_first(word, names, "column");
+        let names = ["left ux", "left uy", "top fx", "top fy"];
+        assert_eq!(
+            of("top fz", &names),
+            "did you mean \"top fx\"? there is top fx, top fy, left ux, left uy"
+        );
+        assert_eq!(of("crown", &["left ux", "row"]), "there is row, left ux");
+        assert_eq!(of("top f", &["top fx"]), "did you mean \"top fx\"?");
+        assert_eq!(of("a", &[]), "there is no column");
+        let many: Vec<String> = (0..30).map(|k| format!("gauge {k} strain")).collect();
+        let many: Vec<&str> = many.iter().map(String::as_str).collect();
+        let found = of("gauge 29 strains", &many);
+        assert!(found.starts_with("did you mean \"gauge 29 strain\"? there is gauge 29 strain, "), "{found}");
+        assert!(found.ends_with(", and 18 more"), "{found}");
     }
 
     #[test]

@@ -73,6 +73,25 @@ fn polygons_of_a_list_a_file_and_statistics_are_faces_of_the_mesh() {
     }
 }
 
+/// A polygon near a face is moved onto it, and is no joint.
+#[test]
+fn polygons_that_are_left_out_are_counted() {
+    let keys = |near: f64| {
+        let small = format!("[0.2, 0.2, {near}, 0.8, 0.2, {near}, 0.5, 0.9, {near}]");
+        format!("polygons = [[-1, -1, 0.4, 2, -1, 0.4, 2, 2, 0.4, -1, 2, 0.4], {small}]\n")
+    };
+    // One polygon is in the cube, or near its top, on its top, or outside of it.
+    for (near, polygons) in [(0.7, [2, 0]), (0.98, [2, 1]), (1.0, [1, 0]), (1.5, [1, 0])] {
+        let prepared = right(&format!("{CUBE}{SET}{}", keys(near)));
+        let found = &prepared.joint_sets[0];
+        assert_eq!(found.polygons, Some(polygons), "{near}");
+        let text = found.to_string();
+        let expected =
+            "1 of 2 polygons is left out: nearer than 0.35 of mesh_size to a face or another polygon";
+        assert_eq!(text.contains(expected), polygons[1] > 0, "{near}: {text}");
+    }
+}
+
 /// The normal of a joint that dips at 30 degrees to the east points up and to the east.
 #[test]
 fn dip_and_dip_direction_follow_the_convention() {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import difflib
 import html
 import json
 import os
@@ -21,6 +22,27 @@ from ._picture import Picture
 
 _Path = Union[str, "os.PathLike[str]"]
 _Array = npt.NDArray[Any]
+
+
+class History(dict[str, npt.NDArray[np.float64]]):
+    """The columns of a history by their names in ``history.csv``. Like keys of model files, a name may lack its unit: ``history["top fx"]`` is ``history["top fx [N]"]``."""
+
+    def _named(self, name: object) -> str | None:
+        return next((full for full in self if full.rpartition(" [")[0] == name), None) if isinstance(name, str) and name else None
+
+    def __missing__(self, name: str) -> npt.NDArray[np.float64]:
+        full = self._named(name)
+        if full is not None:
+            return self[full]
+        near = difflib.get_close_matches(str(name), list(self), n=len(self), cutoff=0.0) if self else []
+        raise KeyError(f"the history has no column {name!r}: there is {', '.join(near)}")
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or self._named(name) is not None
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The column, or ``default`` if there is none."""
+        return self[name] if name in self else default
 
 
 class Frame:
@@ -141,12 +163,12 @@ class Results:
         return Model.read(self._folder / "model.toml")
 
     @property
-    def history(self) -> dict[str, npt.NDArray[np.float64]]:
-        """Energies, cracks, fragments and recorded quantities over time, by the columns of ``history.csv``. A last row that is not written to its end is left out."""
+    def history(self) -> History:
+        """Energies, cracks, fragments and recorded quantities over time, by the columns of ``history.csv``; units may be left out, as in model files. A last row that is not written to its end is left out."""
         text = (self._folder / "history.csv").read_text(encoding="utf-8")
         names, *rows = csv.reader(text[: text.rfind("\n") + 1].splitlines())
         table = np.array(rows, dtype=np.float64).reshape(-1, len(names))
-        return {name: np.ascontiguousarray(table[:, column]) for column, name in enumerate(names)}
+        return History((name, np.ascontiguousarray(table[:, column])) for column, name in enumerate(names))
 
     def frame(self) -> Any:
         """The history as a ``pandas.DataFrame``, with the time as its index. Needs pandas."""

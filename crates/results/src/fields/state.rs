@@ -65,6 +65,17 @@ pub(crate) struct JointValues {
     pub(crate) open_from_start: bool,
 }
 
+/// The joints that a file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointState {
+    /// They are broken, or open from the start.
+    Broken,
+    /// They soften and hold.
+    Damaged,
+    /// They are whole.
+    Intact,
+}
+
 /// A snapshot and the forces at its instant.
 pub(crate) struct Instant<'a, const D: usize, const N: usize> {
     snapshot: &'a Snapshot<D, N>,
@@ -85,10 +96,15 @@ impl<'a, const D: usize, const N: usize> Instant<'a, D, N> {
         Self { contacts: &forces.contacts, reactions: &forces.reactions, ..self }
     }
 
-    /// The same with the joints that are broken, or with those that hold.
-    pub(crate) fn with_joints(mut self, broken: bool) -> Self {
-        self.joints.retain(|crack| crack.time.is_some() == broken);
-        self
+    /// The same with the joints in this state alone.
+    pub(crate) fn with_joints(self, state: JointState) -> Self {
+        let cracks = &self.snapshot.cracks;
+        let joints = match state {
+            JointState::Broken => cracks.iter().filter(|crack| crack.time.is_some()).collect(),
+            JointState::Damaged => cracks.iter().filter(|crack| crack.time.is_none()).collect(),
+            JointState::Intact => self.snapshot.intact.iter().collect(),
+        };
+        Self { joints, ..self }
     }
 
     /// Returns its joints.

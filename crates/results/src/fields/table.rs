@@ -217,9 +217,10 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         key: "mode",
         name: "mode of failure",
-        about: "0 for tension, 1 for shear, 2 for a mixture of both",
+        about: "0 for tension, 1 for shear, 2 for a mixture of both; 0 for a whole joint",
         span: Span::Between(0.0, 2.0),
         value: Value::Short(|state, joint, _| match state.joint(joint).mode {
+            _ if state.joint(joint).damage == 0.0 => 0,
             Mode::Tension => 0,
             Mode::Shear => 1,
             Mode::Mixed => 2,
@@ -273,7 +274,7 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         key: "time_of_failure",
         name: "time of failure",
-        about: "the time when it broke; not a number while it holds",
+        about: "the time when it broke, 0 for joints that are open from the start; not a number while it holds",
         unit: "s",
         value: Value::Real(|state, joint, _| state.joint(joint).time.unwrap_or(f64::NAN)),
         ..OF_JOINTS

@@ -33,6 +33,8 @@ pub struct HistoryCurve {
     pub softening: Option<String>,
     /// Columns of the strains across the axis, with their units.
     pub lateral: Vec<String>,
+    /// Whether the curve may be without values.
+    pub optional: bool,
 }
 
 /// A point of a curve.
@@ -147,6 +149,26 @@ impl HistoryCurve {
         })
     }
 
+    /// Says why the curve has no figures: which of its columns have no values. `None` if it has figures.
+    pub fn why_empty(&self, history: &History) -> Option<String> {
+        if self.figures(history).is_some() {
+            return None;
+        }
+        let has_values = |name: &str| {
+            history.column(name).is_some_and(|values| values.iter().any(|value| value.is_finite()))
+        };
+        let empty: Vec<String> = [&self.x, &self.y]
+            .into_iter()
+            .filter(|name| !has_values(name))
+            .map(|name| format!("\"{name}\""))
+            .collect();
+        Some(match &empty[..] {
+            [] => format!("no row has values of both \"{}\" and \"{}\"", self.x, self.y),
+            [one] => format!("{one} has no values"),
+            both => format!("{} have no values", both.join(" and ")),
+        })
+    }
+
     /// The first row in which more joints are past their strength than in the first row.
     fn initiation(&self, history: &History) -> Option<usize> {
         let damaged = history.column(self.softening.as_ref()?)?;
@@ -254,6 +276,16 @@ mod tests {
             writer.row(&row).unwrap();
         }
         History::read(&text).unwrap()
+    }
+
+    #[test]
+    fn a_curve_without_values_says_which_column_lacks_them() {
+        let nan = f64::NAN;
+        let why = |rows: &[[f64; 2]]| curve().why_empty(&history(rows));
+        assert_eq!(why(&[[0.0, 0.0], [1.0, 2.0]]), None);
+        assert_eq!(why(&[[0.0, nan], [1.0, nan]]).unwrap(), "\"top fy [N]\" has no values");
+        assert_eq!(why(&[]).unwrap(), "\"top uy [m]\" and \"top fy [N]\" have no values");
+        assert!(why(&[[0.0, nan], [nan, 1.0]]).unwrap().starts_with("no row has values of both"));
     }
 
     fn curve() -> HistoryCurve {

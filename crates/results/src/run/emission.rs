@@ -1,10 +1,13 @@
-//! Acoustic emission: breaks of joints that are near in space and time are one event; magnitudes, and the
-//! b-value of their frequencies.
+//! Acoustic emission: joints that break, or that begin to soften and hold, near each other in space and time
+//! are one event; magnitudes, and the b-value of their frequencies.
 //!
-//! Two joints that break are linked if their middles, in the undeformed mesh, are no farther apart than a
-//! distance, and their times no more than a window. All joints that links connect are one event. Its time is
-//! that of its first break, its place the mean of the middles, weighted by their lengths or areas. Its energy
-//! is the fracture energy of its joints, and its magnitude that of Gutenberg and Richter,
+//! Two joints of one kind are linked if their middles, in the undeformed mesh, are no farther apart than a
+//! distance, and their times no more than a window: the times when they broke, or when they began to soften
+//! if they still hold. All joints that links connect are one event. Its time is that of its first joint, its
+//! place the mean of the middles, weighted by their lengths or areas. Its energy is that which its joints
+//! have dissipated: their fracture energy if they are broken, and the share of it for their damage if they
+//! hold. Each joint is in one event, so that no energy counts twice. The magnitude is that of Gutenberg and
+//! Richter,
 //! `M = (log₁₀ E - 4.8) · 2/3`, E in J.
 //!
 //! # Source
@@ -29,37 +32,60 @@ const CLASS: f64 = 0.1;
 /// Fewest events for which a b-value is given.
 const FEWEST: usize = 50;
 
-/// Default distance of linked breaks, over the mean size of all facets that broke.
+/// Default distance of linked joints, over the mean size of all their facets.
 const REACH: f64 = 2.0;
 
-/// A joint that broke.
+/// Why a joint emits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmissionKind {
+    /// It broke.
+    Break,
+    /// It softens, and holds until now.
+    Softening,
+}
+
+impl EmissionKind {
+    /// The word in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Break => "break",
+            Self::Softening => "softening",
+        }
+    }
+}
+
+/// A joint that broke, or softens.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Break<const D: usize> {
-    /// Time, s.
+pub struct EmittingJoint<const D: usize> {
+    /// Whether it broke, or softens and holds.
+    pub kind: EmissionKind,
+    /// Time when it broke, or began to soften, s.
     pub time: f64,
     /// Middle of the facet in the undeformed mesh, m.
     pub place: [f64; D],
-    /// Fracture energy, J.
+    /// Energy that it has dissipated, J.
     pub energy: f64,
     /// Length, m, or area, m², of the facet.
     pub measure: f64,
 }
 
-/// How near two breaks of one event are.
+/// How near two joints of one event are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clustering {
-    /// Largest distance of linked breaks, m. `None`: twice the size of a facet, the mean over all that broke.
+    /// Largest distance of linked joints, m. `None`: twice the size of a facet, the mean over all joints.
     pub distance: Option<f64>,
-    /// Largest time between linked breaks, s. `None`: the time in which a shear wave travels the distance.
+    /// Largest time between linked joints, s. `None`: the time in which a shear wave travels the distance.
     pub window: Option<f64>,
 }
 
 /// An event of acoustic emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event<const D: usize> {
-    /// Time of the first break, s.
+    /// Whether its joints broke, or soften and hold.
+    pub kind: EmissionKind,
+    /// Time of the first joint, s.
     pub time: f64,
-    /// Time from the first break to the last, s.
+    /// Time from the first joint to the last, s.
     pub duration: f64,
     /// Mean place, weighted by length or area, m.
     pub place: [f64; D],
@@ -73,15 +99,24 @@ pub struct Event<const D: usize> {
     pub measure: f64,
 }
 
-/// The joints that the run has broken, by time; those of one time in the order of their elements.
-pub fn breaks<const D: usize, const N: usize>(model: &Model<D, N>, snapshot: &Snapshot<D, N>) -> Vec<Break<D>>
+/// The joints that the run has broken and, with `softening`, those that soften and hold, by time; those of
+/// one time in the order of their elements.
+pub fn emitting_joints<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    snapshot: &Snapshot<D, N>,
+    softening: bool,
+) -> Vec<EmittingJoint<D>>
 where
     [[f64; D]; N]: Element<D, N>,
 {
     let mesh = &model.mesh;
-    let mut breaks: Vec<Break<D>> = Vec::new();
-    for crack in &snapshot.cracks {
-        let Some(time) = crack.time.filter(|_| !crack.open_from_start) else { continue };
+    let mut emitting: Vec<EmittingJoint<D>> = Vec::new();
+    for crack in snapshot.cracks.iter().filter(|crack| !crack.open_from_start) {
+        let (kind, time) = match (crack.time, crack.softens) {
+            (Some(time), _) => (EmissionKind::Break, time),
+            (None, Some(time)) if softening => (EmissionKind::Softening, time),
+            (None, _) => continue,
+        };
         let [a, b] = crack.elements.map(|element| element as usize);
         let common = mesh.elements[a].iter().filter(|node| mesh.elements[b].contains(node));
         let mut place = [0.0; D];
@@ -96,30 +131,30 @@ where
             Mode::Shear => strength.energy_ii,
             Mode::Mixed => 0.5 * (strength.energy_i + strength.energy_ii),
         });
-        let energy = per_area * crack.measure * model.thickness;
-        breaks.push(Break { time, place, energy, measure: crack.measure });
+        let energy = crack.dissipated * per_area * crack.measure * model.thickness;
+        emitting.push(EmittingJoint { kind, time, place, energy, measure: crack.measure });
     }
-    breaks.sort_by(|a, b| a.time.total_cmp(&b.time));
-    breaks
+    emitting.sort_by(|a, b| a.time.total_cmp(&b.time));
+    emitting
 }
 
 impl Clustering {
-    /// The distance, m, and the window, s, for these breaks. `speed`: of shear waves, m/s.
-    pub fn limits<const D: usize>(&self, breaks: &[Break<D>], speed: f64) -> [f64; 2] {
-        let mean = breaks.iter().map(|at| at.measure).sum::<f64>() / breaks.len().max(1) as f64;
+    /// The distance, m, and the window, s, for these joints. `speed`: of shear waves, m/s.
+    pub fn limits<const D: usize>(&self, joints: &[EmittingJoint<D>], speed: f64) -> [f64; 2] {
+        let mean = joints.iter().map(|at| at.measure).sum::<f64>() / joints.len().max(1) as f64;
         let size = if D == 3 { mean.sqrt() } else { mean };
         let distance = self.distance.unwrap_or(REACH * size);
         [distance, self.window.unwrap_or(distance / speed)]
     }
 }
 
-/// The events, by time. `breaks`: by time; `distance`, m, and `window`, s: of linked breaks.
+/// The events, by time. `joints`: by time; `distance`, m, and `window`, s: of linked joints.
 ///
 /// # Cost
-/// Proportional to the number of breaks and that of breaks within a window.
-pub fn events<const D: usize>(breaks: &[Break<D>], [distance, window]: [f64; 2]) -> Vec<Event<D>> {
-    // Every break points to an earlier one of its event, or to itself.
-    let mut first: Vec<usize> = (0..breaks.len()).collect();
+/// Proportional to the number of joints and that of joints within a window.
+pub fn events<const D: usize>(joints: &[EmittingJoint<D>], [distance, window]: [f64; 2]) -> Vec<Event<D>> {
+    // Every joint points to an earlier one of its event, or to itself.
+    let mut first: Vec<usize> = (0..joints.len()).collect();
     let root = |first: &mut Vec<usize>, mut at: usize| {
         while first[at] != at {
             first[at] = first[first[at]];
@@ -128,25 +163,26 @@ pub fn events<const D: usize>(breaks: &[Break<D>], [distance, window]: [f64; 2])
         at
     };
     let mut oldest = 0;
-    for (now, here) in breaks.iter().enumerate() {
-        while here.time - breaks[oldest].time > window {
+    for (now, here) in joints.iter().enumerate() {
+        while here.time - joints[oldest].time > window {
             oldest += 1;
         }
-        for (before, earlier) in (oldest..now).zip(&breaks[oldest..now]) {
+        for (before, earlier) in (oldest..now).zip(&joints[oldest..now]) {
             let apart = here.place.iter().zip(earlier.place).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            if apart <= distance * distance {
+            if here.kind == earlier.kind && apart <= distance * distance {
                 let [a, b] = [root(&mut first, before), root(&mut first, now)];
                 first[a.max(b)] = a.min(b);
             }
         }
     }
-    let mut of_break = vec![usize::MAX; breaks.len()];
+    let mut event_of = vec![usize::MAX; joints.len()];
     let mut events: Vec<Event<D>> = Vec::new();
-    for (number, at) in breaks.iter().enumerate() {
+    for (number, at) in joints.iter().enumerate() {
         let root = root(&mut first, number);
         if root == number {
-            of_break[number] = events.len();
+            event_of[number] = events.len();
             events.push(Event {
+                kind: at.kind,
                 time: at.time,
                 duration: 0.0,
                 place: [0.0; D],
@@ -156,7 +192,7 @@ pub fn events<const D: usize>(breaks: &[Break<D>], [distance, window]: [f64; 2])
                 measure: 0.0,
             });
         }
-        let event = &mut events[of_break[root]];
+        let event = &mut events[event_of[root]];
         event.duration = at.time - event.time;
         event.energy += at.energy;
         event.measure += at.measure;
@@ -181,10 +217,10 @@ fn magnitude(energy: f64) -> f64 {
 pub fn events_csv<const D: usize>(events: &[Event<D>]) -> String {
     let axes = ["x [m]", "y [m]", "z [m]"][..D].join(",");
     let measure = if D == 3 { "area [m²]" } else { "length [m]" };
-    let mut text = format!("event,joints,time [s],duration [s],{axes},energy [J],magnitude,{measure}\n");
+    let mut text = format!("event,kind,joints,time [s],duration [s],{axes},energy [J],magnitude,{measure}\n");
     for (number, event) in events.iter().enumerate() {
         // Writing to a string does not fail.
-        let _ = write!(text, "{number},{}", event.joints);
+        let _ = write!(text, "{number},{},{}", event.kind.word(), event.joints);
         let numbers = [event.time, event.duration].into_iter().chain(event.place);
         for number in numbers.chain([event.energy, event.magnitude, event.measure]) {
             push_number(&mut text, number);
@@ -265,8 +301,8 @@ pub fn magnitude_frequency<const D: usize>(events: &[Event<D>]) -> Option<Plot> 
 mod tests {
     use super::*;
 
-    fn broken(time: f64, x: f64, energy: f64) -> Break<2> {
-        Break { time, place: [x, 0.0], energy, measure: 0.1 }
+    fn broken(time: f64, x: f64, energy: f64) -> EmittingJoint<2> {
+        EmittingJoint { kind: EmissionKind::Break, time, place: [x, 0.0], energy, measure: 0.1 }
     }
 
     #[test]
@@ -296,10 +332,21 @@ mod tests {
         assert_eq!(text.lines().count(), 4);
         assert!(
             text.starts_with(
-                "event,joints,time [s],duration [s],x [m],y [m],energy [J],magnitude,length [m]\n0,3,0,"
+                "event,kind,joints,time [s],duration [s],x [m],y [m],energy [J],magnitude,length [m]\n0,break,3,0,"
             ),
             "{text}"
         );
+    }
+
+    #[test]
+    fn joints_that_soften_are_events_of_their_own() {
+        let softening = EmittingJoint { kind: EmissionKind::Softening, ..broken(0.2, 0.1, 0.5) };
+        let joints = [broken(0.0, 0.0, 1.0), softening, EmittingJoint { time: 0.3, ..softening }];
+        let found = events(&joints, [1.0, 1.0]);
+        let seen: Vec<_> =
+            found.iter().map(|event| (event.kind.word(), event.joints, event.energy)).collect();
+        assert_eq!(seen, [("break", 1, 1.0), ("softening", 2, 1.0)]);
+        assert!(events_csv(&found).contains("\n1,softening,2,0.2,"), "{}", events_csv(&found));
     }
 
     #[test]
@@ -344,6 +391,7 @@ mod tests {
     #[test]
     fn the_frequencies_are_drawn_with_their_line() {
         let event = |magnitude: f64| Event {
+            kind: EmissionKind::Break,
             time: 0.0,
             duration: 0.0,
             place: [0.0; 2],

@@ -14,7 +14,7 @@ use crate::run::sample::Sample;
 use crate::run::snapshot::{SnapshotError, checked};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemfrm4";
+const MAGIC: &[u8; 8] = b"fdemfrm5";
 
 /// Level at which frames are deflated: level 6 makes them 3 % smaller and takes three times as long.
 pub(crate) const LEVEL: u8 = 1;
@@ -26,6 +26,8 @@ const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
 const OF_SAMPLES: usize = 2;
 /// Number of arrays with an entry for each crack: four coordinates of ends, the kind.
 const OF_CRACKS: usize = 5;
+/// Number of arrays with an entry for each whole joint: four coordinates of ends.
+const OF_INTACT: usize = 4;
 
 /// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values
 /// have 16 bits between the least and the greatest of the frame, and are deflated. Only broken joints are
@@ -54,11 +56,15 @@ pub struct Frame {
     /// Number of elements in the frame: all, or a sample.
     pub(crate) elements: usize,
     pub(crate) cracks: usize,
+    /// Number of whole joints.
+    pub(crate) intact: usize,
     /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 2],
     pub(crate) scales: [Scale; SCALES.len()],
     /// Total lengths of the joints that broke in tension, in shear and in mixed mode, m.
     pub(crate) lengths: [f64; 3],
+    /// Total lengths of the joints that are open from the start, and of the whole joints of the snapshot, m.
+    pub(crate) others: [f64; 2],
     /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
     pub(crate) deflated: Vec<u8>,
@@ -75,6 +81,8 @@ pub(crate) struct Opened {
     /// Bits of the edges of each element, as in [`Outlines`].
     pub(crate) outlines: Vec<u8>,
     pub(crate) cracks: Vec<([[f64; 2]; 2], CrackKind)>,
+    /// Ends of the whole joints.
+    pub(crate) intact: Vec<[[f64; 2]; 2]>,
 }
 
 impl Opened {
@@ -184,30 +192,26 @@ impl Frame {
         }
 
         let mut broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
-        let mut lengths = [0.0; 3];
-        for crack in broken.iter().filter(|crack| !crack.open_from_start) {
-            lengths[usize::from(code(crack.mode))] += crack.measure;
-        }
+        let mut intact: Vec<&Crack> = snapshot.intact.iter().collect();
+        let (lengths, others) = measures(&broken, &intact);
         if let Some(sample) = &sample {
             sample.cracks(&mut broken, |crack| crack.corners, |crack| CrackKind::of(crack).code());
+            sample.cracks(&mut intact, |crack| crack.corners, |_| 0);
         }
-        for end in 0..2 {
-            for (axis, &[low, high]) in bounds.iter().enumerate() {
-                // A crack beside an element that is not drawn may reach beyond the bounds.
-                let inside = |crack: &&Crack| crack.corners[end][axis].clamp(low, high);
-                packed.places(&broken.iter().map(inside).collect::<Vec<_>>(), [low, high]);
-            }
-        }
+        pack_ends(&mut packed, &broken, &bounds);
         packed.numbers(&broken.iter().map(|crack| CrackKind::of(crack).code()).collect::<Vec<_>>());
+        pack_ends(&mut packed, &intact, &bounds);
         Ok(Self {
             step: snapshot.step,
             time: snapshot.time,
             whole,
             elements,
             cracks: broken.len(),
+            intact: intact.len(),
             bounds,
             scales,
             lengths,
+            others,
             size: packed.bytes.len(),
             deflated: miniz_oxide::deflate::compress_to_vec(&packed.bytes, LEVEL),
         })
@@ -233,11 +237,11 @@ impl Frame {
         let mut bytes = [MAGIC, line_of_keys().as_bytes()].concat();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
-        for number in [self.whole, self.elements, self.cracks, self.size] {
+        for number in [self.whole, self.elements, self.cracks, self.intact, self.size] {
             bytes.extend((number as u64).to_le_bytes());
         }
         let scales = self.scales.iter().flat_map(|scale| [scale.ends, scale.usual]).flatten();
-        for number in self.bounds.into_iter().flatten().chain(scales).chain(self.lengths) {
+        for number in self.bounds.into_iter().flatten().chain(scales).chain(self.lengths).chain(self.others) {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend(&self.deflated);
@@ -260,10 +264,12 @@ impl Frame {
                 whole: usize::try_from(words.u64()?).ok()?,
                 elements: usize::try_from(words.u64()?).ok()?,
                 cracks: usize::try_from(words.u64()?).ok()?,
+                intact: usize::try_from(words.u64()?).ok()?,
                 size: usize::try_from(words.u64()?).ok()?,
                 bounds: [words.pair()?, words.pair()?],
                 scales: words.scales()?,
                 lengths: [words.f64()?, words.f64()?, words.f64()?],
+                others: words.pair()?,
                 deflated: words.bytes.to_vec(),
             })
         })();
@@ -297,7 +303,9 @@ impl Frame {
         }
         let of_samples = if self.is_sample() { OF_SAMPLES } else { 0 };
         let of_elements = self.elements.checked_mul(2 * (OF_ELEMENTS + of_samples))?;
-        let expected = of_elements.checked_add(self.cracks.checked_mul(2 * OF_CRACKS)?)?;
+        let of_cracks = self.cracks.checked_mul(2 * OF_CRACKS)?;
+        let of_intact = self.intact.checked_mul(2 * OF_INTACT)?;
+        let expected = of_elements.checked_add(of_cracks)?.checked_add(of_intact)?;
         let bytes = miniz_oxide::inflate::decompress_to_vec_with_limit(&self.deflated, self.size).ok()?;
         if expected != self.size || bytes.len() != expected {
             return None;
@@ -318,7 +326,9 @@ impl Frame {
         let ends = self.points(&mut arrays, self.cracks)?;
         let kinds = arrays.numbers(self.cracks)?.into_iter().map(CrackKind::with_code);
         let cracks = ends.into_iter().zip(kinds).collect();
-        arrays.is_empty().then_some(Opened { corners, values, bodies, materials, outlines, cracks })
+        let intact = self.points(&mut arrays, self.intact)?;
+        let opened = Opened { corners, values, bodies, materials, outlines, cracks, intact };
+        arrays.is_empty().then_some(opened)
     }
 }
 
@@ -327,6 +337,29 @@ fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
     match sample {
         Some(sample) => sample.elements.iter().map(|&element| values[element as usize]).collect(),
         None => values,
+    }
+}
+
+/// Returns the total lengths or areas of the joints that broke in tension, in shear and in mixed mode, and of
+/// those that are open from the start and that are whole.
+pub(crate) fn measures<const D: usize>(broken: &[&Crack<D>], intact: &[&Crack<D>]) -> ([f64; 3], [f64; 2]) {
+    let (mut by_mode, mut open) = ([0.0; 3], 0.0);
+    for crack in broken {
+        match CrackKind::of(crack) {
+            CrackKind::Broken(mode) => by_mode[usize::from(code(mode))] += crack.measure,
+            CrackKind::Open => open += crack.measure,
+        }
+    }
+    (by_mode, [open, intact.iter().map(|joint| joint.measure).sum()])
+}
+
+/// Appends the ends of joints. A joint beside an element that is not drawn may reach beyond the bounds.
+fn pack_ends(packed: &mut Packed, joints: &[&Crack], bounds: &[[f64; 2]; 2]) {
+    for end in 0..2 {
+        for (axis, &[low, high]) in bounds.iter().enumerate() {
+            let inside = |joint: &&Crack| joint.corners[end][axis].clamp(low, high);
+            packed.places(&joints.iter().map(inside).collect::<Vec<_>>(), [low, high]);
+        }
     }
 }
 

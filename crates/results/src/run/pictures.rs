@@ -31,14 +31,21 @@ const NARROWEST: f64 = 620.0;
 const MOST_VECTORS: usize = 20_000;
 
 /// Names and colours of cracks in tension, in shear and in mixed mode, and of joints that are open from the
-/// start, in the order of [`CrackKind::code`]. No field has these colours, and a white seam separates the
-/// cracks from the elements.
-pub(crate) const CRACKS: [(&str, Rgb); 4] = [
+/// start, in the order of [`CrackKind::code`], and of whole joints. No field has these colours, and a white
+/// seam separates the cracks from the elements.
+pub(crate) const CRACKS: [(&str, Rgb); 5] = [
     ("tension", [17, 24, 39]),
     ("shear", [200, 0, 170]),
     ("mixed", [232, 116, 0]),
     ("open", [110, 116, 124]),
+    ("whole", INTACT_COLOUR),
 ];
+/// Place of whole joints in [`CRACKS`].
+const WHOLE: usize = 4;
+/// Colour and width of joints that are whole. They have no seam.
+pub(crate) const INTACT_COLOUR: Rgb = [0, 122, 78];
+const INTACT: f64 = 1.2;
+
 /// Samples along the side of a pixel.
 const SAMPLES: usize = 2;
 
@@ -286,6 +293,9 @@ impl Pictures<'_> {
                 fill.square_line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
             }
         }
+        for ends in &opened.intact {
+            fill.square_line(ends.map(pixel), INTACT * scale, INTACT_COLOUR);
+        }
         for (ends, _) in &opened.cracks {
             fill.square_line(ends.map(pixel), SEAM * scale, [255; 3]);
         }
@@ -330,18 +340,20 @@ impl Pictures<'_> {
             }
         }
         let mut lines: [String; CRACKS.len()] = Default::default();
-        for (ends, kind) in &opened.cracks {
+        let kinds = opened.cracks.iter().map(|(ends, kind)| (ends, usize::from(kind.code())));
+        let whole = opened.intact.iter().map(|ends| (ends, WHOLE));
+        for (ends, kind) in kinds.chain(whole) {
             let [a, b] = ends.map(|end| page.place(end));
             if [a, b].iter().flatten().all(|x| x.is_finite()) {
-                let _ = write!(
-                    lines[usize::from(kind.code())],
-                    "M{:.2} {:.2}L{:.2} {:.2}",
-                    a[0],
-                    a[1],
-                    b[0],
-                    b[1]
-                );
+                let _ = write!(lines[kind], "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
             }
+        }
+        let whole = std::mem::take(&mut lines[WHOLE]);
+        if !whole.is_empty() {
+            svg.put(format_args!(
+                r#"<path class="whole" d="{whole}" stroke="{}" stroke-width="{INTACT}"/>"#,
+                hex(INTACT_COLOUR)
+            ));
         }
         let all = lines.concat();
         if !all.is_empty() {
@@ -364,24 +376,33 @@ impl Pictures<'_> {
         let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
         let (factor, unit) = prefixed("m", 150.0 / page.scale);
         furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN, foot], page.scale / factor);
-        crack_legend(svg, [MARGIN + 215.0, foot], frame.lengths);
+        crack_legend(svg, [MARGIN + 215.0, foot], frame.lengths, frame.others);
         colour_bar(svg, self.field, self.range, [right, foot]);
     }
 }
 
-/// Draws a line and the name of each mode of cracks whose total length or area is above 0.
-pub(crate) fn crack_legend(svg: &mut Svg, [mut x, y]: [f64; 2], totals: [f64; 3]) {
-    for ((name, colour), total) in CRACKS.iter().zip(totals) {
-        if total > 0.0 {
-            svg.put(format_args!(
-                r#"<line x1="{x}" y1="{0}" x2="{1}" y2="{0}" stroke="{2}" stroke-width="3"/>"#,
-                y + 20.0,
-                x + 20.0,
-                hex(*colour)
-            ));
-            svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, name);
-            x += 64.0;
-        }
+/// Draws a line and the name of each mode of cracks, of joints that are open from the start, and of whole
+/// joints, if their total length or area is above 0.
+pub(crate) fn crack_legend(svg: &mut Svg, [x, y]: [f64; 2], cracks: [f64; 3], others: [f64; 2]) {
+    let totals = CRACKS.iter().zip(cracks.into_iter().chain(others));
+    let shown: Vec<_> = totals.filter(|(_, total)| *total > 0.0).map(|(kind, _)| kind).collect();
+    for (place, (name, colour)) in shown.iter().enumerate() {
+        // Three names fit beside each other; more are in rows.
+        let (line, text) = if shown.len() > 3 {
+            let at = [x + 78.0 * (place / 3) as f64, y + 12.0 + 16.0 * (place % 3) as f64];
+            (at, [at[0] + 25.0, at[1] + 4.0])
+        } else {
+            let x = x + 64.0 * place as f64;
+            ([x, y + 20.0], [x, y + 42.0])
+        };
+        svg.put(format_args!(
+            r#"<line x1="{0}" y1="{1}" x2="{2}" y2="{1}" stroke="{3}" stroke-width="3"/>"#,
+            line[0],
+            line[1],
+            line[0] + 20.0,
+            hex(*colour)
+        ));
+        svg.label(text, 12.0, Anchor::Start, INK, name);
     }
 }
 

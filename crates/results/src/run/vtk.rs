@@ -10,7 +10,7 @@ use fdem_simulation::{Element, Forces, Snapshot};
 
 use crate::fields::place::Place;
 use crate::fields::quantity::Value;
-use crate::fields::state::{Instant, State, in_space};
+use crate::fields::state::{Instant, JointState, State, in_space};
 use crate::fields::table::QUANTITIES;
 use crate::run::names::Names;
 use crate::run::snapshot::{checked, checked_contacts, checked_reactions};
@@ -75,7 +75,7 @@ pub fn write_cracks_vtp<W: Write, const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Element<D, N>,
 {
-    write_joints(out, snapshot, true)
+    write_joints(out, snapshot, JointState::Broken)
 }
 
 /// Writes the damaged joints, which soften but still hold, in the format of [`write_cracks_vtp`]: `broken` is
@@ -90,18 +90,33 @@ pub fn write_damaged_joints_vtp<W: Write, const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Element<D, N>,
 {
-    write_joints(out, snapshot, false)
+    write_joints(out, snapshot, JointState::Damaged)
+}
+
+/// Writes [`Snapshot::intact`], the joints that are whole, in the format of [`write_cracks_vtp`]. Their
+/// `broken`, `mode` and `damage` are 0.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_intact_joints_vtp<W: Write, const D: usize, const N: usize>(
+    out: &mut W,
+    snapshot: &Snapshot<D, N>,
+) -> io::Result<()>
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    write_joints(out, snapshot, JointState::Intact)
 }
 
 fn write_joints<W: Write, const D: usize, const N: usize>(
     out: &mut W,
     snapshot: &Snapshot<D, N>,
-    broken: bool,
+    joints: JointState,
 ) -> io::Result<()>
 where
     [[f64; D]; N]: Element<D, N>,
 {
-    let state = Instant::of(snapshot).with_joints(broken);
+    let state = Instant::of(snapshot).with_joints(joints);
     let joints = state.joints();
     let corner = |k: usize| in_space(joints[k / 3 / D].corners[k / 3 % D])[k % 3];
     let points = Table::new(D * joints.len()).with_components("positions", &SPACE, Values::f64(corner));

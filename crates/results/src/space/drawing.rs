@@ -4,8 +4,6 @@ use crate::arrays::each;
 use crate::picture::PictureError;
 use crate::picture::colour::{Rgb, mix};
 use crate::picture::raster::{Paint, Stroke, Triangle};
-use crate::run::frame::CrackKind;
-use crate::run::pictures::crack_colour;
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
 
@@ -60,11 +58,11 @@ pub(crate) struct Tetrahedron {
     pub(crate) facets: [Edge; 4],
 }
 
-/// A broken joint.
+/// A broken or whole joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CrackFacet {
     pub(crate) corners: [[f64; 3]; 3],
-    pub(crate) kind: CrackKind,
+    pub(crate) colour: Rgb,
 }
 
 /// The contents of a picture, as plain lists.
@@ -202,7 +200,7 @@ pub(crate) fn cracks(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane
         let normal = if normal[2] < 0.0 { normal.map(|x| -x) } else { normal };
         let facet = Facet { corners: crack.corners, colour: [0; 3], edges: [Edge::Element; 3], broken: true };
         // These colours are darker than those of fields: light makes them paler.
-        let colour = mix(crack_colour(crack.kind), [255; 3], PALER * bright(normal));
+        let colour = mix(crack.colour, [255; 3], PALER * bright(normal));
         for (corners, edges) in clipped(&facet, cut) {
             facets.add(corners, Paint::solid(colour), Side::Front, edges, size(crack.corners));
         }
@@ -442,6 +440,8 @@ mod tests {
 
     use super::*;
     use crate::picture::raster::draw;
+    use crate::run::frame::CrackKind;
+    use crate::run::pictures::crack_colour;
     use crate::space::facets::FACETS;
 
     const SIZE: usize = 120;
@@ -573,8 +573,9 @@ mod tests {
     #[test]
     fn the_order_of_the_facets_changes_nothing() {
         let mut scene = both(scene([0.0; 3], BLUE), scene([0.5, 0.75, 0.125], RED));
-        let kind = CrackKind::Broken(Mode::Shear);
-        scene.cracks = scene.facets.iter().map(|facet| CrackFacet { corners: facet.corners, kind }).collect();
+        let colour = crack_colour(CrackKind::Broken(Mode::Shear));
+        scene.cracks =
+            scene.facets.iter().map(|facet| CrackFacet { corners: facet.corners, colour }).collect();
         let camera = camera(30.0, 25.0);
         let cut = Some(Plane { normal: [1.0, -1.0, 0.5], offset: 0.4 });
         let pixels = |scene: &SpaceScene| {
@@ -660,7 +661,7 @@ mod tests {
         let corners = [[0.1, 0.5, 0.1], [0.9, 0.5, 0.1], [0.5, 0.5, 0.9]];
         let mut found = Vec::new();
         for mode in [Mode::Tension, Mode::Shear, Mode::Mixed] {
-            scene.cracks = vec![CrackFacet { corners, kind: CrackKind::Broken(mode) }];
+            scene.cracks = vec![CrackFacet { corners, colour: crack_colour(CrackKind::Broken(mode)) }];
             let pixels = draw([SIZE; 2], &cracks(&scene, &camera(0.0, 0.0), None));
             found.push(at(&pixels, [60, 70]));
             assert!(painted(&pixels) > 6000, "the solid is seen");
@@ -698,7 +699,7 @@ mod tests {
             let mut scene = both(blue.clone(), SpaceScene::default());
             let edges = [Edge::Crack; 3];
             scene.facets.push(Facet { corners, colour: RED, edges, broken: true });
-            scene.cracks.push(CrackFacet { corners, kind: CrackKind::Open });
+            scene.cracks.push(CrackFacet { corners, colour: crack_colour(CrackKind::Open) });
             let tetrahedron = [[0.0; 3], corners[0], corners[1], corners[2]];
             scene.tetrahedra.push(Tetrahedron { corners: tetrahedron, colour: RED, facets: [Edge::Cut; 4] });
             let camera = camera(0.0, 0.0);
@@ -712,7 +713,10 @@ mod tests {
         let mut point = both(SpaceScene::default(), SpaceScene::default());
         let edges = [Edge::Feature; 3];
         point.facets.push(Facet { corners: [[0.5; 3]; 3], colour: RED, edges, broken: false });
-        point.cracks.push(CrackFacet { corners: [[0.5; 3]; 3], kind: CrackKind::Broken(Mode::Shear) });
+        point.cracks.push(CrackFacet {
+            corners: [[0.5; 3]; 3],
+            colour: crack_colour(CrackKind::Broken(Mode::Shear)),
+        });
         for scene in [point, SpaceScene::default()] {
             assert_eq!(painted(&seen(&scene, &camera, None)), 0);
             assert_eq!(painted(&draw([SIZE; 2], &cracks(&scene, &camera, None))), 0);

@@ -7,7 +7,7 @@ use fdem_simulation::{Crack, Snapshot};
 use crate::fields::field::{Field, SCALES, line_of_keys};
 use crate::fields::range::{Range, Scale};
 use crate::fields::state::Instant;
-use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, code};
+use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, measures};
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
 use crate::space::facets::{FACETS, Marks};
@@ -15,7 +15,7 @@ use crate::space::opened::{OpenedCrack, OpenedSpace};
 use crate::space::shell::{Shell, VisibleParts};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemspc2";
+const MAGIC: &[u8; 8] = b"fdemspc3";
 
 /// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have
 /// only the elements at the surface.
@@ -26,6 +26,9 @@ pub const MOST_INSIDE: usize = 300_000;
 const OF_ELEMENTS: usize = 12 + SCALES.len() + 8;
 /// Number of arrays with an entry for each crack: two halves of both facets, the code, the opening.
 const OF_CRACKS: usize = 6;
+/// Number of arrays with an entry for each whole joint: nine coordinates of corners, two halves of the body
+/// and of the fragment.
+const OF_INTACT: usize = 13;
 
 /// The part of a snapshot in three dimensions that pictures and pages show, in a few bytes per element: the
 /// elements that have facets on the surface or on broken joints, and, if the mesh has at most [`MOST_INSIDE`]
@@ -64,11 +67,15 @@ pub struct SpaceFrame {
     /// Number of fragments.
     pub(crate) fragments: usize,
     pub(crate) cracks: usize,
+    /// Number of whole joints.
+    pub(crate) intact: usize,
     /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 3],
     pub(crate) scales: [Scale; SCALES.len()],
     /// Total areas of the joints that broke in tension, in shear and in mixed mode, m².
     pub(crate) areas: [f64; 3],
+    /// Total areas of the joints that are open from the start, and of the whole joints of the snapshot, m².
+    pub(crate) others: [f64; 2],
     /// The least and the greatest opening of a crack, m.
     pub(crate) openings: [f64; 2],
     /// Sizes of the arrays of elements at the surface with the cracks, and of elements inside, before they
@@ -170,16 +177,16 @@ impl SpaceFrame {
         let mut at_surface = pack(0..surface);
         let inside = pack(surface..numbers.len());
 
-        let mut areas = [0.0; 3];
-        let broken = |crack: &&Crack<3>| crack.time.is_some() && !crack.open_from_start;
-        for crack in snapshot.cracks.iter().filter(broken) {
-            areas[usize::from(code(crack.mode))] += crack.measure;
-        }
+        let broken: Vec<&Crack<3>> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
+        let mut intact: Vec<&Crack<3>> = snapshot.intact.iter().collect();
+        let (areas, others) = measures(&broken, &intact);
+        intact.retain(|joint| joint.elements.iter().all(|&element| drawn[element as usize]));
         let openings: Vec<f64> =
             seen.cracks.iter().map(|crack| snapshot.cracks[crack.place].opening).collect();
         let ends = Scale::of(&openings).ends;
         pack_cracks(&mut at_surface, snapshot, &seen, &numbers[..surface]);
         at_surface.places(&openings, ends);
+        pack_intact(&mut at_surface, snapshot, &intact, &bounds);
 
         let packed = [at_surface.bytes, inside.bytes];
         Ok(Self {
@@ -192,9 +199,11 @@ impl SpaceFrame {
             facets: seen.marks.iter().map(|marks| (marks.0 & 15).count_ones() as usize).sum(),
             fragments: snapshot.fragments.iter().max().map_or(0, |&last| last as usize + 1),
             cracks: seen.cracks.len(),
+            intact: intact.len(),
             bounds,
             scales: scales.map(|(scale, _)| scale),
             areas,
+            others,
             openings: ends,
             sizes: [packed[0].len(), packed[1].len()],
             deflated: packed.map(|bytes| miniz_oxide::deflate::compress_to_vec(&bytes, LEVEL)),
@@ -224,12 +233,14 @@ impl SpaceFrame {
             self.facets,
             self.fragments,
             self.cracks,
+            self.intact,
         ];
         for number in counts.into_iter().chain(self.sizes).chain([self.deflated[0].len()]) {
             bytes.extend((number as u64).to_le_bytes());
         }
         let scales = self.scales.iter().flat_map(|scale| [scale.ends, scale.usual]).flatten();
-        for number in self.bounds.into_iter().flatten().chain(scales).chain(self.areas).chain(self.openings) {
+        let numbers = self.bounds.into_iter().flatten().chain(scales).chain(self.areas);
+        for number in numbers.chain(self.others).chain(self.openings) {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend(self.deflated.iter().flatten());
@@ -246,14 +257,15 @@ impl SpaceFrame {
         let mut words = Words { bytes: rest };
         let frame = (|| {
             let (step, time) = (words.u64()?, words.f64()?);
-            let mut counts = [0; 10];
+            let mut counts = [0; 11];
             for count in &mut counts {
                 *count = usize::try_from(words.u64()?).ok()?;
             }
-            let [whole, surface, inside, solid, facets, fragments, cracks, outer, inner, first] = counts;
+            let [whole, surface, inside, solid, facets, fragments, cracks, intact, outer, inner, first] =
+                counts;
             let bounds = [words.pair()?, words.pair()?, words.pair()?];
             let (scales, areas) = (words.scales()?, [words.f64()?, words.f64()?, words.f64()?]);
-            let openings = words.pair()?;
+            let (others, openings) = (words.pair()?, words.pair()?);
             let (one, other) = words.bytes.split_at_checked(first)?;
             let deflated = [one.to_vec(), other.to_vec()];
             let (sizes, solid) = ([outer, inner], [false, true].get(solid).copied()?);
@@ -267,9 +279,11 @@ impl SpaceFrame {
                 facets,
                 fragments,
                 cracks,
+                intact,
                 bounds,
                 scales,
                 areas,
+                others,
                 openings,
                 sizes,
                 deflated,
@@ -287,7 +301,8 @@ impl SpaceFrame {
 
     fn try_open(&self) -> Option<OpenedSpace> {
         let elements = self.surface.checked_add(self.inside).filter(|&elements| elements <= self.whole)?;
-        let of_cracks = self.cracks.checked_mul(2 * OF_CRACKS)?;
+        let of_cracks =
+            self.cracks.checked_mul(2 * OF_CRACKS)?.checked_add(self.intact.checked_mul(2 * OF_INTACT)?)?;
         let expected = [
             self.surface.checked_mul(2 * OF_ELEMENTS)?.checked_add(of_cracks)?,
             self.inside.checked_mul(2 * OF_ELEMENTS)?,
@@ -306,6 +321,7 @@ impl SpaceFrame {
             fragments: Vec::with_capacity(elements),
             marks: Vec::with_capacity(elements),
             cracks: Vec::with_capacity(self.cracks),
+            intact: Vec::new(),
         };
         for (part, count) in [self.surface, self.inside].into_iter().enumerate() {
             let size = self.sizes[part];
@@ -318,6 +334,7 @@ impl SpaceFrame {
             self.elements(&mut arrays, count, &mut opened)?;
             if part == 0 {
                 self.opened_cracks(&mut arrays, &mut opened)?;
+                self.opened_intact(&mut arrays, &mut opened)?;
             }
             if !arrays.is_empty() {
                 return None;
@@ -358,6 +375,22 @@ impl SpaceFrame {
         Some(())
     }
 
+    /// Reads the whole joints, after the cracks.
+    fn opened_intact(&self, arrays: &mut Unpacked<'_>, opened: &mut OpenedSpace) -> Option<()> {
+        opened.intact.resize(self.intact, [[f64::NAN; 3]; 3]);
+        for corner in 0..3 {
+            for (axis, &bounds) in self.bounds.iter().enumerate() {
+                for (corners, x) in opened.intact.iter_mut().zip(arrays.places(self.intact, bounds)?) {
+                    corners[corner][axis] = x;
+                }
+            }
+        }
+        // Pictures need neither their bodies nor their fragments.
+        arrays.halves(self.intact)?;
+        arrays.halves(self.intact)?;
+        Some(())
+    }
+
     /// Reads the cracks, after the elements of the surface.
     fn opened_cracks(&self, arrays: &mut Unpacked<'_>, opened: &mut OpenedSpace) -> Option<()> {
         let [one, other] = [arrays.halves(self.cracks)?, arrays.halves(self.cracks)?];
@@ -387,6 +420,19 @@ impl SpaceFrame {
             });
         }
         Some(())
+    }
+}
+
+/// Appends the whole joints: their corners, and the body and the fragment of the first of their elements.
+fn pack_intact(packed: &mut Packed, snapshot: &Snapshot<3, 4>, joints: &[&Crack<3>], bounds: &[[f64; 2]; 3]) {
+    for corner in 0..3 {
+        for (axis, &bounds) in bounds.iter().enumerate() {
+            packed
+                .places(&joints.iter().map(|joint| joint.corners[corner][axis]).collect::<Vec<_>>(), bounds);
+        }
+    }
+    for of in [&snapshot.bodies, &snapshot.fragments] {
+        packed.halves(&joints.iter().map(|joint| of[joint.elements[0] as usize]).collect::<Vec<_>>());
     }
 }
 

@@ -21,6 +21,8 @@ pub(crate) struct OpenedSpace {
     pub(crate) fragments: Vec<u32>,
     pub(crate) marks: Vec<Marks>,
     pub(crate) cracks: Vec<OpenedCrack>,
+    /// Corners of the whole joints, m.
+    pub(crate) intact: Vec<[[f64; 3]; 3]>,
 }
 
 /// A facet that is seen.

@@ -15,7 +15,7 @@ use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
-use crate::run::pictures::{colour_bar, crack_legend, time_text};
+use crate::run::pictures::{INTACT_COLOUR, colour_bar, crack_colour, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, CrackFacet, Edge, Facet, SpaceCamera, SpaceScene, Tetrahedron};
 use crate::space::frame::SpaceFrame;
@@ -262,12 +262,15 @@ impl SpacePictures<'_> {
         } else {
             Vec::new()
         };
-        let cracks =
-            opened.cracks.iter().map(|crack| CrackFacet { corners: crack.middle(), kind: crack.kind });
+        let cracks = opened
+            .cracks
+            .iter()
+            .map(|crack| CrackFacet { corners: crack.middle(), colour: crack_colour(crack.kind) });
+        let intact = opened.intact.iter().map(|&corners| CrackFacet { corners, colour: INTACT_COLOUR });
         Ok(SpaceScene {
             facets,
             tetrahedra,
-            cracks: cracks.collect(),
+            cracks: cracks.chain(intact).collect(),
             closed: self.cut.is_none() || opened.solid,
         })
     }
@@ -295,7 +298,7 @@ impl SpacePictures<'_> {
         furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN + 90.0, foot], page.camera.scale / factor);
         let legend = [MARGIN + 262.0, foot];
         match self.show {
-            Show::Cracks => crack_legend(svg, legend, frame.areas),
+            Show::Cracks => crack_legend(svg, legend, frame.areas, frame.others),
             Show::Solid => {
                 if frame.cracks > 0 {
                     let [x, y] = legend;

@@ -98,6 +98,8 @@ fn crack(elements: [u32; 2], mode: Mode) -> Crack<3> {
         time: Some(0.1),
         measure: 0.5,
         open_from_start: false,
+        softens: None,
+        dissipated: 1.0,
     }
 }
 
@@ -130,6 +132,31 @@ fn couples(mesh: &Mesh<3, 4>) -> Vec<([u32; 2], [usize; 2])> {
         }
     }
     couples
+}
+
+#[test]
+fn whole_joints_are_in_frames() {
+    let mesh = cuboid([2, 2, 2]);
+    let mut snapshot = separate(&mesh);
+    let couples = couples(&mesh);
+    snapshot.intact = couples
+        .iter()
+        .map(|([a, b], [facet, _])| {
+            let corners = FACETS[*facet].map(|corner| mesh.elements[*a as usize][corner]);
+            let corners = corners.map(|node| mesh.nodes[node as usize]);
+            Crack { corners, damage: 0.0, time: None, ..crack([*a, *b], Mode::Tension) }
+        })
+        .collect();
+    // Joints beside an element that is not drawn are not shown.
+    snapshot.positions[4 * 3 + 1][2] = f64::NAN;
+    let shown = snapshot.intact.iter().filter(|joint| !joint.elements.contains(&3));
+    let expected: Vec<_> = shown.map(|joint| joint.corners).collect();
+    assert!(expected.len() > 10 && expected.len() < couples.len());
+    let frame = SpaceFrame::new(&snapshot, &Shell::new(&mesh, &[])).unwrap();
+    assert_eq!(SpaceFrame::from_bytes(&frame.to_bytes()).as_ref(), Ok(&frame));
+    let found = frame.open().unwrap().intact;
+    let far = found.as_flattened().as_flattened().iter().zip(expected.as_flattened().as_flattened());
+    assert!(found.len() == expected.len() && far.into_iter().all(|(a, b)| (a - b).abs() < 1e-4));
 }
 
 #[test]

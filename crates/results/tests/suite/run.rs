@@ -9,9 +9,10 @@ use fdem_results::picture::PictureError;
 use fdem_results::{
     Animation, AnimationError, Field, FragmentCount, Fragments, Frame, FrameError, FrameView, History,
     HistoryWriter, MOST_FRAMES, Names, Outlines, Pictures, Range, RankLoad, Report, Row, SnapshotError,
-    plots, rank_loads, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    plots, rank_loads, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp,
+    write_intact_joints_vtp, write_vtu,
 };
-use fdem_simulation::{ContactForce, Forces, Mesh, Snapshot};
+use fdem_simulation::{ContactForce, Crack, Forces, Mesh, Snapshot};
 
 mod splitting_disc;
 use splitting_disc::{Disc, END, RADIUS};
@@ -140,6 +141,55 @@ fn broken_joints_and_damaged_ones_are_apart() {
     };
     assert_eq!(lines(write_cracks_vtp), broken);
     assert_eq!(lines(write_damaged_joints_vtp), damaged);
+    assert_eq!(lines(write_intact_joints_vtp), 0);
+}
+
+/// The joints of a snapshot that are broken are whole, but for the last, which is open from the start.
+fn whole_joints(mut snapshot: Snapshot) -> Snapshot {
+    let broken = snapshot.cracks.iter().filter(|crack| crack.time.is_some());
+    snapshot.intact = broken.map(|crack| Crack { damage: 0.0, time: None, ..*crack }).collect();
+    snapshot.cracks = snapshot.intact.split_off(snapshot.intact.len() - 1);
+    snapshot.cracks[0].open_from_start = true;
+    snapshot.cracks[0].time = Some(0.0);
+    snapshot
+}
+
+#[test]
+fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
+    let snapshot = whole_joints(Disc::new(8).snapshot(0.6));
+    let count = snapshot.intact.len();
+    assert!(count > 2);
+    let mut file = Vec::new();
+    write_intact_joints_vtp(&mut file, &snapshot).unwrap();
+    let text = String::from_utf8_lossy(&file[..1000]).into_owned();
+    assert!(text.contains(&format!("NumberOfLines=\"{count}\"")), "{text}");
+
+    let frame = Frame::new(&snapshot).unwrap();
+    assert_eq!(Frame::from_bytes(&frame.to_bytes()).as_ref(), Ok(&frame));
+    let without = Frame::new(&Snapshot { intact: Vec::new(), ..snapshot.clone() }).unwrap();
+    assert_ne!(frame, without);
+    let frames = [frame, without];
+    let drawn = frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).svg(frame).unwrap());
+    let [with, without] = drawn.each_ref().map(|svg| {
+        let path = svg.split("class=\"whole\" d=\"").nth(1).map(|rest| rest.split('"').next().unwrap());
+        (path.map_or(0, |path| path.matches('M').count()), svg.contains(">whole<"), svg.contains(">open<"))
+    });
+    // The legend names the joints that are open from the start, too.
+    assert_eq!((with, without), ((count, true, true), (0, false, true)));
+    let [with, without] =
+        frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).png(frame, None).unwrap());
+    assert_ne!(with, without);
+    let report = Report {
+        title: "joints",
+        facts: &[],
+        plots: &[],
+        frames: &frames,
+        fragments: &Fragments::default(),
+        field: Field::DAMAGE,
+        names: &Names::default(),
+    };
+    let page = report.html().unwrap();
+    assert!(page.contains(&format!("\"intact\":{count}")) && page.contains("\"intact\":0"));
 }
 
 #[test]

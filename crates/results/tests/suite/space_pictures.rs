@@ -74,6 +74,8 @@ fn snapshot(mesh: &Mesh<3, 4>, gap: f64, broken: bool) -> Snapshot<3, 4> {
                     time: Some(1e-3),
                     measure: 0.5,
                     open_from_start: false,
+                    softens: None,
+                    dissipated: 1.0,
                 });
             }
         }

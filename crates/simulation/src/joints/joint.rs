@@ -3,7 +3,7 @@
 use fdem_distributed::wire::Wire;
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{JointLaw, JointPlane, Memory, across};
+use crate::cohesive::{JointLaw, JointPlane, Memory, across, dissipated_at};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Facet;
@@ -72,17 +72,21 @@ pub(crate) struct Joint<const D: usize = 2> {
     pub(crate) faded: f64,
     /// Increase of `faded` in the last step.
     pub(crate) fading: f64,
+    /// Time at which it began to soften, s; infinite while it is whole.
+    pub(crate) softens: f64,
 }
 
 impl<const D: usize> Wire for Joint<D> {
     fn put(&self, out: &mut Vec<u8>) {
-        let Self { facet, state, plane, ends, open, detached, faded, fading, open_from_start, .. } = self;
+        let Self {
+            facet, state, plane, ends, open, detached, faded, fading, softens, open_from_start, ..
+        } = self;
         facet.put(out);
         (*state as u8).put(out);
         plane.put(out);
         ends.put(out);
         [*open, *detached].put(out);
-        [*faded, *fading].put(out);
+        [*faded, *fading, *softens].put(out);
         open_from_start.put(out);
     }
 
@@ -90,7 +94,7 @@ impl<const D: usize> Wire for Joint<D> {
         let facet = u32::take(bytes);
         let state = [JointState::Holding, JointState::Broken, JointState::Removed][u8::take(bytes) as usize];
         let (plane, ends) = (JointPlane::take(bytes), Wire::take(bytes));
-        let ([open, detached], [faded, fading]) = (Wire::take(bytes), Wire::take(bytes));
+        let ([open, detached], [faded, fading, softens]) = (Wire::take(bytes), Wire::take(bytes));
         let open_from_start = bool::take(bytes);
         let nodes = no_nodes();
         Self {
@@ -108,6 +112,7 @@ impl<const D: usize> Wire for Joint<D> {
             detached,
             faded,
             fading,
+            softens,
         }
     }
 }
@@ -154,6 +159,7 @@ impl<const D: usize> Joint<D> {
             detached: [false; D],
             faded: 0.0,
             fading: 0.0,
+            softens: f64::INFINITY,
         }
     }
 
@@ -184,6 +190,15 @@ impl<const D: usize> Joint<D> {
     pub(crate) fn damage(&self) -> f64 {
         if self.state == JointState::Holding {
             self.ends.iter().map(Memory::damage).sum::<f64>() / D as f64
+        } else {
+            1.0
+        }
+    }
+
+    /// Share of its fracture energy that it has dissipated, the mean of its ends while the joint holds.
+    pub(crate) fn dissipated(&self) -> f64 {
+        if self.state == JointState::Holding {
+            self.ends.iter().map(|end| dissipated_at(end.damage())).sum::<f64>() / D as f64
         } else {
             1.0
         }

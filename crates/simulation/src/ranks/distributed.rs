@@ -256,15 +256,15 @@ where
     pub fn counts(&self) -> Counts {
         let own = self.run.own_counts();
         let numbers = |counts: &Counts| {
-            [counts.joints, counts.broken, counts.open, counts.contacts, counts.nodes]
+            [counts.joints, counts.broken, counts.open, counts.parted, counts.contacts, counts.nodes]
                 .map(|count| (count as u64).cast_signed())
         };
         let mut sums = numbers(&own);
         self.communicator.all_sum(&mut sums);
         let mut most = [own.detections as f64];
         self.communicator.all_max(&mut most);
-        let [joints, broken, open, contacts, nodes] = sums.map(|sum| sum as usize);
-        Counts { joints, broken, open, contacts, detections: most[0] as u64, nodes }
+        let [joints, broken, open, parted, contacts, nodes] = sums.map(|sum| sum as usize);
+        Counts { joints, broken, open, parted, contacts, detections: most[0] as u64, nodes }
     }
 
     /// The elements of the first couple in which one element reached the centroid of the other in the last
@@ -455,19 +455,21 @@ where
         let share = self.solid().share();
         let loose = self.part.iter().flat_map(|part| &part.loose_joints).map(|moving| (&moving.joint, false));
         let here = self.joints().all.iter().filter(|joint| joint.counted);
-        let (mut joints, mut broken, mut open) = (0, 0, 0);
+        let (mut joints, mut broken, mut open, mut parted) = (0, 0, 0, 0);
         for (joint, holds) in here.map(|joint| (joint, joint.holds())).chain(loose) {
             let count = match (holds, joint.open_from_start) {
-                (true, _) => &mut joints,
+                (_, true) => &mut open,
+                (true, false) => &mut joints,
                 (false, false) => &mut broken,
-                (false, true) => &mut open,
             };
             *count += 1;
+            parted += usize::from(!holds);
         }
         Counts {
             joints,
             broken,
             open,
+            parted,
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),

@@ -13,8 +13,8 @@ use crate::ranks::piece::{CarriedState, CommonData};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
-use crate::simulation::snapshots::cracks;
-use crate::snapshot::Snapshot;
+use crate::simulation::snapshots::{cracks, intact};
+use crate::snapshot::{Crack, Snapshot};
 use crate::solid::Node;
 use crate::topology::NONE;
 use crate::vector::{Matrix, Point, plus};
@@ -221,6 +221,13 @@ where
         contacts.sort();
     }
 
+    /// The whole joints now: see [`Simulation::intact_joints`](crate::Simulation::intact_joints).
+    pub fn intact_joints(&self) -> Vec<Crack<D>> {
+        let nodes = self.moving_nodes();
+        let joints = self.joints.iter().map(MovingJoint::seen::<N>);
+        intact::<D, N>(joints, |node| nodes[node as usize].position, self.origin)
+    }
+
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
         let laws: Vec<_> =
@@ -247,6 +254,7 @@ where
             materials: self.materials.clone(),
             fragments: self.fragments.clone(),
             cracks,
+            intact: Vec::new(),
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }

@@ -15,7 +15,7 @@ use crate::ranks::gather::Gathered;
 use crate::simulation::advance::Concrete;
 use crate::simulation::run::{Counts, Simulation};
 use crate::simulation::saved::State;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Crack, Snapshot};
 use crate::timings::Timings;
 
 /// A task that the leader gives to all ranks together.
@@ -233,6 +233,11 @@ where
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
         self.look(Gathered::snapshot)
+    }
+
+    /// The whole joints now: see [`Simulation::intact_joints`].
+    pub fn intact_joints(&self) -> Vec<Crack<D>> {
+        self.look(Gathered::intact_joints)
     }
 
     /// Positions, motion, stress and cracks now, with the forces at the beginning of the last step.

@@ -111,13 +111,16 @@ pub(crate) struct Components<const D: usize, const N: usize> {
 /// Numbers of joints, contacts and nodes, which change during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Joints that hold, elastic or softening.
+    /// Joints that hold, elastic or softening; none of an open set.
     pub joints: usize,
     /// Joints that the run has broken.
     pub broken: usize,
-    /// Joints of sets that are open from the beginning, as far as their sides are apart: the joint at the end
-    /// of such a set holds while both of its sides have one node there.
+    /// Joints of sets that are open from the beginning: all of their facets in the bodies. The sides of the
+    /// joint at the end of such a set have one node there.
     pub open: usize,
+    /// Joints whose sides are apart at all of their corners: those that the run has broken, and those of open
+    /// sets but for the last of each, until the mesh breaks there.
+    pub parted: usize,
     /// Couples of elements that overlap.
     pub contacts: usize,
     /// Number of detections of couples so far.
@@ -344,11 +347,12 @@ where
 
     /// Numbers of joints, contacts and nodes.
     pub fn counts(&self) -> Counts {
-        let [broken, open] = self.joints().broken();
+        let [broken, open, parted] = self.joints().broken();
         Counts {
             joints: self.joints().all.len() - broken - open,
             broken,
             open,
+            parted,
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: self.solid().node_count(),

@@ -22,6 +22,15 @@ where
             -> [Snapshot<2, 3>, Snapshot<3, 4>] = Simulation::own_snapshot)
     }
 
+    /// The whole joints now, in the order of their elements: those of joint sets, and all in models that have
+    /// a joint on each facet.
+    pub fn intact_joints(&self) -> Vec<Crack<D>> {
+        let joints = self.joints().in_order().into_iter();
+        let joints = joints.map(|joint| self.joints().seen(joint, &self.topology));
+        let position = |node: u32| self.solid().position(node as usize);
+        intact::<D, N>(joints, position, self.solid().origin)
+    }
+
     fn own_snapshot(&self) -> Snapshot<D, N> {
         let order = self.solid().order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
@@ -43,6 +52,7 @@ where
             materials: self.model.mesh.materials.clone(),
             fragments: self.fragments(),
             cracks,
+            intact: Vec::new(),
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }
@@ -67,8 +77,7 @@ where
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
     /// of the first element of each fragment. The fragments change only when joints part: see
-    /// [`Counts::broken`](crate::Counts::broken) and [`Counts::open`](crate::Counts::open). Linear in the
-    /// number of elements.
+    /// [`Counts::parted`](crate::Counts::parted). Linear in the number of elements.
     pub fn fragments(&self) -> Vec<u32> {
         let run = self;
         compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
@@ -117,8 +126,8 @@ where
     }
 }
 
-/// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them
-/// in order; `position`: of a node that the joints name; `origin`: of these positions.
+/// The largest damage of the joints of each element but those of open sets, and the joints that are damaged.
+/// `joints`: all of them in order; `position`: of a node that the joints name; `origin`: of these positions.
 pub(crate) fn cracks<'a, const D: usize, const N: usize>(
     joints: impl Iterator<Item = JointView<'a, D>>,
     position: impl Fn(u32) -> Point<D> + Copy,
@@ -132,15 +141,29 @@ where
     let mut cracks = Vec::new();
     for seen in joints {
         let of_joint = seen.joint.damage();
-        for element in seen.elements {
+        let open = seen.joint.open_from_start;
+        for element in seen.elements.into_iter().filter(|_| !open) {
             let damage = &mut damage[element as usize];
             *damage = damage.max(of_joint);
         }
-        if of_joint > 0.0 {
+        if of_joint > 0.0 || open {
             cracks.push(crack::<D, N>(&seen, of_joint, position, origin));
         }
     }
     (damage, cracks)
+}
+
+/// The joints that are whole. The arguments are those of [`cracks`].
+pub(crate) fn intact<'a, const D: usize, const N: usize>(
+    joints: impl Iterator<Item = JointView<'a, D>>,
+    position: impl Fn(u32) -> Point<D> + Copy,
+    origin: Point<D>,
+) -> Vec<Crack<D>>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let whole = joints.filter(|seen| !seen.joint.open_from_start && seen.joint.damage() == 0.0);
+    whole.map(|seen| crack::<D, N>(&seen, 0.0, position, origin)).collect()
 }
 
 fn crack<const D: usize, const N: usize>(
@@ -165,7 +188,9 @@ where
         mode: mode(modes),
         opening: gap[0],
         sliding: <[[f64; D]; N]>::sliding(&gap),
-        time: seen.broken.map(|(time, _)| time),
+        time: if seen.joint.open_from_start { Some(0.0) } else { seen.broken.map(|(time, _)| time) },
+        softens: Some(seen.joint.softens).filter(|time| time.is_finite() && !seen.joint.open_from_start),
+        dissipated: seen.joint.dissipated(),
         measure: seen.measure,
         open_from_start: seen.joint.open_from_start,
     }

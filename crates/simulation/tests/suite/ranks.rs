@@ -24,7 +24,7 @@ macro_rules! same_on_ranks {
             let imbalance = whole.imbalance().to_bits();
             expected.push((
                 bytes(&whole.state()),
-                whole.snapshot(),
+                (whole.snapshot(), whole.intact_joints()),
                 whole.forces(),
                 whole.counts(),
                 (cracks, imbalance),
@@ -36,7 +36,9 @@ macro_rules! same_on_ranks {
                 let run = root.then(|| Simulation::new(model.clone(), 1).expect("a model"));
                 let mut run = Distributed::new(communicator, run, 1).expect("threads");
                 let mut spreads = 0;
-                for (steps, (state, snapshot, forces, counts, cracks)) in $parts.iter().zip(&expected) {
+                for (steps, (state, (snapshot, intact), forces, counts, cracks)) in
+                    $parts.iter().zip(&expected)
+                {
                     run.advance(*steps).expect("steps");
                     let step = run.steps();
                     let gathered = run.gathered();
@@ -52,6 +54,7 @@ macro_rules! same_on_ranks {
                     }
                     if let Some(gathered) = gathered {
                         assert_eq!(gathered.snapshot(), *snapshot, "{size} ranks, step {step}");
+                        assert_eq!(gathered.intact_joints(), *intact, "{size} ranks, step {step}");
                         assert_eq!(gathered.forces(), *forces, "{size} ranks, step {step}");
                         assert!(bytes(&gathered.state()) == *state, "{size} ranks, step {step}");
                     }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Row;
-use fdem_simulation::{Model, ModelError, Simulation, Snapshot, State, Stop};
+use fdem_simulation::{Forces, Model, ModelError, Simulation, Snapshot, State, Stop};
 
 use crate::command::failure::Failure;
 use crate::command::run::beginning::Beginning;
@@ -186,6 +186,21 @@ where
     pub(crate) fn counted(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
         if let Some(origin) = &self.observer.origin {
             origin.subtract_from(&mut snapshot);
+        }
+        snapshot
+    }
+
+    /// The snapshot of a frame, counted in the same way and with the joints that the model asks for, and the
+    /// forces at its instant.
+    pub(crate) fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
+        let (snapshot, forces) = self.run.frame();
+        (self.with_joints(self.counted(snapshot)), forces)
+    }
+
+    /// The snapshot with its whole joints, if the model asks for them.
+    pub(crate) fn with_joints(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
+        if self.prepared.output.intact_joints {
+            snapshot.intact = self.run.intact_joints();
         }
         snapshot
     }

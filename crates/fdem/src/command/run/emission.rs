@@ -1,7 +1,9 @@
 //! Acoustic emission of a run: `events.csv`, a plot, and lines of the summary.
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::{BValue, Clustering, Plot, breaks, events, events_csv, magnitude_frequency};
+use fdem_results::{
+    BValue, Clustering, EmissionKind, Plot, emitting_joints, events, events_csv, magnitude_frequency,
+};
 use fdem_simulation::Material;
 use serde_json::{Value, json};
 
@@ -13,7 +15,9 @@ use fdem_model::Prepared;
 pub(crate) struct Emission {
     /// Number of events, and of the joints in them.
     counts: [usize; 2],
-    /// Distance, m, and window, s, of breaks that are linked.
+    /// The same of the events whose joints soften and hold.
+    softening: [usize; 2],
+    /// Distance, m, and window, s, of joints that are linked.
     limits: [f64; 2],
     value: Option<BValue>,
     pub(crate) csv: String,
@@ -21,8 +25,8 @@ pub(crate) struct Emission {
 }
 
 impl Emission {
-    /// The events, if the model has acoustic emission. They follow from the joints that have broken, so that
-    /// they are the same after a resume.
+    /// The events, if the model has acoustic emission. They follow from the joints that have broken or soften
+    /// now, so that they are the same after a resume.
     pub(crate) fn of<const D: usize, const N: usize>(
         run: &dyn Engine<D, N>,
         prepared: &Prepared<D, N>,
@@ -31,13 +35,18 @@ impl Emission {
         [[f64; D]; N]: Results<D, N>,
     {
         let asked = prepared.output.emission?;
-        let broken = breaks(&prepared.model, &run.snapshot());
+        let joints = emitting_joints(&prepared.model, &run.snapshot(), asked.softening.unwrap_or(true));
         let clustering = Clustering { distance: asked.distance, window: asked.window };
-        let limits = clustering.limits(&broken, shear_wave(&prepared.model.materials));
-        let found = events(&broken, limits);
+        let limits = clustering.limits(&joints, shear_wave(&prepared.model.materials));
+        let found = events(&joints, limits);
+        let softens = |kind: EmissionKind| kind == EmissionKind::Softening;
         let magnitudes: Vec<f64> = found.iter().map(|event| event.magnitude).collect();
         Some(Self {
-            counts: [found.len(), broken.len()],
+            counts: [found.len(), joints.len()],
+            softening: [
+                found.iter().filter(|event| softens(event.kind)).count(),
+                joints.iter().filter(|joint| softens(joint.kind)).count(),
+            ],
             limits,
             value: BValue::of(&magnitudes),
             csv: events_csv(&found),
@@ -50,6 +59,8 @@ impl Emission {
         json!({
             "events": self.counts[0],
             "joints": self.counts[1],
+            "softening_events": self.softening[0],
+            "softening_joints": self.softening[1],
             "distance": self.limits[0],
             "window": self.limits[1],
             "b_value": self.value.map(|value| json!({
@@ -64,7 +75,11 @@ impl Emission {
     /// The events in the summary.
     pub(crate) fn in_words(&self) -> String {
         let [events, joints] = self.counts.map(|count| grouped(count as u64));
-        let found = format!("{events} events of {joints} joints");
+        let mut found = format!("{events} events of {joints} joints");
+        if self.softening[0] > 0 {
+            found +=
+                &format!(", {} of them of joints that soften and hold", grouped(self.softening[0] as u64));
+        }
         match self.value {
             Some(BValue { b, error, completeness, count }) => format!(
                 "{found}; b = {b:.2} ± {error:.2} from the {} events of magnitude {} and more",

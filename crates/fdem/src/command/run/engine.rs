@@ -1,7 +1,7 @@
 //! The simulation of a run: in this process, or on many ranks that this one leads.
 
 use fdem_simulation::{
-    Counts, CriticalStep, Energies, Forces, Leader, Probe, Simulation, Snapshot, State, Stop, Timings,
+    Counts, Crack, CriticalStep, Energies, Forces, Leader, Probe, Simulation, Snapshot, State, Stop, Timings,
     Traffic,
 };
 
@@ -37,6 +37,7 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     fn crack_lengths(&self) -> [f64; 3];
     fn fragments(&self) -> Vec<u32>;
     fn snapshot(&self) -> Snapshot<D, N>;
+    fn intact_joints(&self) -> Vec<Crack<D>>;
     fn state(&self) -> State<D, N>;
 
     /// Nodes of the mesh; not numbers for those that are not there.
@@ -113,6 +114,10 @@ macro_rules! of_the_same_name {
 
         fn snapshot(&self) -> Snapshot<D, N> {
             self.snapshot()
+        }
+
+        fn intact_joints(&self) -> Vec<Crack<D>> {
+            self.intact_joints()
         }
 
         fn state(&self) -> State<D, N> {

@@ -6,7 +6,7 @@
 //! history.csv           rows of energies, cracks, fragments and recorded quantities over time
 //! events.csv            acoustic emission, if it is asked for
 //! fragments.csv         masses, sizes and motion of the fragments when the run ends
-//! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
+//! results.pvd, cracks.pvd, damaged_joints.pvd, intact_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
@@ -58,7 +58,7 @@ pub(crate) const REPORT: &str = "report.html";
 pub(crate) const SUMMARY: &str = "run.json";
 
 /// Files that a run makes; `--force` removes them.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
@@ -69,6 +69,7 @@ const FILES: [&str; 14] = [
     "results.pvd",
     "cracks.pvd",
     "damaged_joints.pvd",
+    "intact_joints.pvd",
     "contacts.pvd",
     REPORT,
     "animation.gif",
@@ -384,6 +385,11 @@ pub(crate) fn damaged_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}_damaged_joints.vtp")
 }
 
+/// Name of the file of the whole joints of a frame, which runs have on request.
+pub(crate) fn intact_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_intact_joints.vtp")
+}
+
 /// Name of the file of the contact forces of a frame.
 pub(crate) fn contacts_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}_contacts.vtp")
@@ -392,7 +398,10 @@ pub(crate) fn contacts_file(number: usize) -> String {
 /// Returns the name of a file of a frame.
 type FrameFile = fn(usize) -> String;
 
-/// Collections that ParaView opens, and the names of their files by frame.
+/// The collection of the whole joints, for runs that have them.
+pub(crate) const INTACT: (&str, FrameFile) = ("intact_joints.pvd", intact_file);
+
+/// Collections of every run that ParaView opens, and the names of their files by frame.
 pub(crate) const COLLECTIONS: [(&str, FrameFile); 4] = [
     ("results.pvd", mesh_file),
     ("cracks.pvd", cracks_file),
@@ -405,7 +414,9 @@ pub(crate) fn packed_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.frame")
 }
 
-/// Returns the names of the files of a frame.
+/// Returns the names of the files of a frame; the last is that of the whole joints, which runs have on
+/// request.
 pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
-    COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number)).chain([packed_file(number)])
+    let always = COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number));
+    always.chain([packed_file(number), intact_file(number)])
 }

@@ -227,6 +227,11 @@ pub(crate) fn curve(figures: &CurveFigures) -> Value {
     })
 }
 
+/// A curve without values in `run.json`, with the reason.
+pub(crate) fn empty_curve(name: &str, why: &str) -> Value {
+    json!({ "name": name, "peak": Value::Null, "modulus": Value::Null, "empty": why })
+}
+
 /// The share of inertia in the peak load, in `run.json`.
 pub(crate) fn inertia(inertia: &Inertia) -> serde_json::Value {
     json!({ "load": inertia.load, "peak": inertia.peak, "kinetic_over_strain": inertia.share })

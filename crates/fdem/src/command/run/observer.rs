@@ -12,8 +12,8 @@ use fdem_model::{Origin, Prepared, PreparedHistory, Quantity};
 /// Looks at a run. It writes nothing.
 pub(crate) struct Observer<const D: usize> {
     masses: ElementMasses,
-    /// Numbers of broken and of open joints at the last count of fragments, and that count.
-    counted: Option<([usize; 2], FragmentCount)>,
+    /// Number of joints that had parted at the last count of fragments, and that count.
+    counted: Option<(usize, FragmentCount)>,
     /// Nodes of the boundary of each history of a force; empty for other histories.
     targets: Vec<Vec<u32>>,
     /// Displacements from which those of results count; `None` for none.
@@ -119,8 +119,7 @@ impl<const D: usize> Observer<D> {
     where
         [[f64; D]; N]: Results<D, N>,
     {
-        let counts = run.counts();
-        let parted = [counts.broken, counts.open];
+        let parted = run.counts().parted;
         match self.counted {
             Some((before, count)) if before == parted => count,
             _ => {

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 
 use fdem_results::{
     Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, plots, pvd,
-    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp, write_vtu,
 };
 use fdem_simulation::{Forces, Snapshot};
 
@@ -18,8 +18,8 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{
-    COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
-    mesh_file, packed_file,
+    COLLECTIONS, FRAGMENTS, Folder, HISTORY, INTACT, MODEL, PLOTS, REPORT, contacts_file, cracks_file,
+    damaged_file, intact_file, mesh_file, packed_file,
 };
 use crate::command::run::intact::{Intact, Problems};
 use crate::command::run::manifest::{Checksum, FrameRecord, Hashed, Hashing, Manifest};
@@ -37,6 +37,9 @@ where
     outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
     /// Frames that have been written.
     frames: Vec<FrameRecord>,
+    /// Whether the last of them shows the state of an interrupted run between two frames. Checkpoints leave
+    /// it out, so that a resume removes it.
+    between: bool,
     /// Tables that have been written since the run ended.
     tables: Vec<(String, Checksum)>,
     /// Copies of the files that the model names.
@@ -50,6 +53,8 @@ where
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of
     /// larger frames.
     shown: [usize; 2],
+    /// Whether frames have files of the joints that are whole.
+    intact_joints: bool,
     /// Number of frames of the whole run, about.
     expected: usize,
 }
@@ -92,12 +97,14 @@ where
             },
             outlines: <[[f64; D]; N]>::outlines(prepared),
             frames,
+            between: false,
             tables: Vec::new(),
             inputs,
             unsynced: VecDeque::new(),
             collected: 0,
             holds: Some(folder.hold()?),
             shown: prepared.output.shown,
+            intact_joints: prepared.output.intact_joints,
             expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
         })
     }
@@ -193,6 +200,17 @@ where
         Ok(())
     }
 
+    /// Writes the files of the last state of an interrupted run, as those of a frame. A resume removes them.
+    pub(crate) fn last_state(
+        &mut self,
+        snapshot: &Snapshot<D, N>,
+        forces: &Forces<D>,
+    ) -> Result<(), Failure> {
+        self.frame(snapshot, forces)?;
+        self.between = true;
+        Ok(())
+    }
+
     /// The files of a frame with their names, in the order of [`files_of`].
     fn frame_files(
         &self,
@@ -210,13 +228,17 @@ where
             *out = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)?;
             Ok(())
         };
-        Ok(vec![
+        let mut files = vec![
             written(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?,
             written(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?,
             written(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?,
             written(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?,
             written(packed_file(number), &packed)?,
-        ])
+        ];
+        if self.intact_joints {
+            files.push(written(intact_file(number), &|out| write_intact_joints_vtp(out, snapshot))?);
+        }
+        Ok(files)
     }
 
     /// Does a part of the remaining work for the frames that have been written: syncs a file, or puts all
@@ -240,7 +262,7 @@ where
     /// Writes the collections that ParaView opens. The disk has the files that they name.
     fn collect(&mut self) -> Result<(), Failure> {
         self.collected = self.frames.len();
-        for (name, file_of) in COLLECTIONS {
+        for (name, file_of) in COLLECTIONS.into_iter().chain(self.intact_joints.then_some(INTACT)) {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
             let entries = self.frames.iter().zip(&files).map(|(frame, file)| (frame.time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;
@@ -266,7 +288,7 @@ where
         let manifest = Manifest {
             step: state.state.step(),
             history: self.history.get_mut().get_ref().checksum(),
-            frames: self.frames.clone(),
+            frames: self.frames[..self.frames.len() - usize::from(self.between)].to_vec(),
             tables: self.tables.clone(),
             inputs: self.inputs.clone(),
         };
@@ -297,6 +319,11 @@ where
     /// Number of frames that have been written.
     pub(crate) fn frames(&self) -> usize {
         self.frames.len()
+    }
+
+    /// Step of the last frame that has been written.
+    pub(crate) fn last_frame(&self) -> Option<u64> {
+        self.frames.last().map(|frame| frame.step)
     }
 
     /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table

@@ -42,6 +42,8 @@ where
     /// The frames that follow have another mesh, with these outlines.
     Outlines(<[[f64; D]; N] as Results<D, N>>::Outlines),
     Frame(Box<(Snapshot<D, N>, Forces<D>)>),
+    /// The state in which a run is interrupted between two frames.
+    LastState(Box<(Snapshot<D, N>, Forces<D>)>),
     Checkpoint(Box<Checkpoint<D, N>>),
 }
 
@@ -170,6 +172,7 @@ where
             Then::Nothing => {}
             Then::Outlines(outlines) => recorder.outline(outlines),
             Then::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
+            Then::LastState(frame) => recorder.last_state(&frame.0, &frame.1)?,
             Then::Checkpoint(state) => recorder.save(&state)?,
         }
         undone.fetch_sub(1, Ordering::Relaxed);

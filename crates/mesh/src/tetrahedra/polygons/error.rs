@@ -7,7 +7,7 @@ use crate::tetrahedra::error::MeshError;
 use crate::tetrahedra::vector::Point;
 
 /// Distance over mesh size up to which polygons are moved.
-pub(super) const SNAP: f64 = 0.35;
+pub const SNAP: f64 = 0.35;
 
 /// Length over mesh size below which an edge, or a gap beside one, is refused.
 pub(super) const LEAST: f64 = 0.03;

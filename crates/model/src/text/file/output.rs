@@ -31,6 +31,11 @@ pub struct Output {
     #[serde(default)]
     #[schemars(range(min = 100, max = 1_000_000))]
     pub shown_elements: Option<u32>,
+    /// true: joints that are whole are shown as well: a layer of the report's page, thin lines of pictures,
+    /// and `intact_joints.pvd`. They are those of joint sets, such as faults and bedding; with intrinsic
+    /// joints every facet has one. Default: false.
+    #[serde(default)]
+    pub intact_joints: bool,
     /// Names of bodies whose fragments are counted in the history, the summary and the plots. Default: all
     /// bodies that can break, or all if none can.
     #[serde(default)]
@@ -53,17 +58,20 @@ pub struct Output {
     pub checkpoint_steps: Option<u64>,
 }
 
-/// Acoustic emission: joints that break near each other in space and time are one event.
+/// Acoustic emission: joints that break, or begin to soften, near each other in space and time are one event.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "acoustic_emission")]
 pub struct AcousticEmission {
+    /// Whether joints that soften and hold are events, too; `false`: only those that broke. Default: true.
+    #[serde(default)]
+    pub softening: Option<bool>,
     /// Largest distance of two joints that are linked, m. Default: twice the size of a facet, the mean over
-    /// all that broke.
+    /// all that emit.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub distance: Option<f64>,
-    /// Largest time between the breaks of two joints that are linked, s. Default: the time in which a shear
+    /// Largest time between two joints that are linked, s. Default: the time in which a shear
     /// wave of the slowest material that can break travels `distance`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
@@ -202,6 +210,10 @@ pub struct Curve {
     /// the value upwards at which cracks initiate, where the first joints soften.
     #[serde(default)]
     pub softening: Option<String>,
+    /// Whether the curve may be without values. A curve without values is otherwise a warning at the end of
+    /// the run. Default: false.
+    #[serde(default)]
+    pub optional: bool,
     /// Columns of the strains across the axis of a test in compression, one in two dimensions and two in
     /// three: their sum and the strain `x` is the volumetric strain, and the summary gives the crack-damage
     /// stress, at which it turns from contraction to dilation.

@@ -157,11 +157,12 @@ impl Report<'_> {
                 "elements": frame.elements,
                 "sample": frame.is_sample(),
                 "cracks": frame.cracks,
+                "intact": frame.intact,
                 "sizes": [frame.size],
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),
                 "usual": frame.scales.map(|scale| scale.usual),
-                "broken": frame.lengths.map(finite),
+                "broken": frame.lengths.into_iter().chain(frame.others).map(finite).collect::<Vec<_>>(),
             })
         };
         let (middle, half) = view.middle_and_half();

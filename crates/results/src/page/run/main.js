@@ -115,17 +115,19 @@ class Page {
       box.append(make("div", field.name + (unit ? ` (${unit})` : "")), bar, ends);
       legends.push(box);
     }
-    const { broken } = this.shown.about;
-    if ($("show-cracks").checked && broken.some((size) => size > 0)) {
+    const { broken } = this.shown.about, { cracks, intact } = this.view.visible;
+    // The last of the sizes is that of the whole joints.
+    const shown = broken.map((size, kind) => (kind < broken.length - 1 ? cracks : intact) && size > 0);
+    if (shown.some((yes) => yes)) {
       const box = make("div", "", { class: "legend" }), list = make("div", "", { class: "cracks" });
       meta.cracks.forEach(({ name }, mode) => {
-        if (!(broken[mode] > 0)) return;
+        if (!shown[mode]) return;
         const item = make("span", ""), sample = make("i", "");
         sample.style.background = `rgb(${this.crackColour(mode).join(" ")})`;
         item.append(sample, `${name} ${quantity(broken[mode], meta.measure, 3)}`);
         list.append(item);
       });
-      box.append(make("div", "cracks"), list);
+      box.append(make("div", shown.slice(0, 3).some((yes) => yes) ? "cracks" : "joints"), list);
       legends.push(box);
     }
     $("legends").replaceChildren(...legends);
@@ -178,12 +180,13 @@ class Page {
     const { view } = this;
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     for (const id of ["field", "range"]) $(id).addEventListener("change", () => this.paint());
-    for (const name of ["cracks", "outlines", "mesh"]) {
+    for (const name of ["cracks", "intact", "outlines", "mesh"]) {
       $(`show-${name}`).addEventListener("change", (event) => {
         view.visible[name] = event.target.checked;
         this.paint();
       });
     }
+    $("show-intact").parentElement.hidden = !meta.frames.some((about) => about.intact > 0);
     $("zoom-in").addEventListener("click", () => view.zoom(1.25));
     $("zoom-out").addEventListener("click", () => view.zoom(0.8));
     $("reset").addEventListener("click", () => view.home());

@@ -219,12 +219,13 @@ impl SpaceReport<'_> {
                 "facets": frame.facets,
                 "fragments": frame.fragments,
                 "cracks": frame.cracks,
+                "intact": frame.intact,
                 "sizes": frame.sizes[..if solid { 2 } else { 1 }],
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),
                 "usual": frame.scales.map(|scale| scale.usual),
                 "openings": frame.openings,
-                "broken": frame.areas.map(finite),
+                "broken": frame.areas.into_iter().chain(frame.others).map(finite).collect::<Vec<_>>(),
             })
         };
         let extent = extent(self.frames.iter().map(|frame| frame.bounds));

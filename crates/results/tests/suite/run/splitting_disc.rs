@@ -153,6 +153,8 @@ impl Disc {
                 time: (ahead < 0.0).then(|| END * (BREAKS + k as f64 / self.seam.len() as f64 / 2.5)),
                 measure: (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]),
                 open_from_start: false,
+                softens: None,
+                dissipated: 1.0,
             });
         }
         for corners in &self.elements {

@@ -15,7 +15,8 @@ function openedFrame(about, [arrays]) {
   const number = (i) => (sample && i >= 0 ? sample[i] : i);
   const place = (element) => (sample ? placeOf(element, sample, 0, n) : element < n ? element : -1);
   const cracks = arrays.points(about.cracks, 2, about.bounds);
-  return { corners, scales, number, place, body, material, outlines, cracks, modes: arrays.numbers(about.cracks) };
+  const modes = arrays.numbers(about.cracks), intact = arrays.points(about.intact, 2, about.bounds);
+  return { corners, scales, number, place, body, material, outlines, cracks, modes, intact };
 }
 
 // Returns the outlines of grains and of bodies: the ends of their lines, and the mean size of a grain or body. The bits of an element mark its edges that are outlines.

@@ -65,26 +65,24 @@ class View extends Screen {
     const { gl } = this;
     this.triangles = this.program(TRIANGLES, ["pan", "zoom", "mesh"]);
     this.strips = this.program(STRIPS, ["pan", "zoom", "pixel", "width", "seam"]);
-    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer(), outlines: [gl.createBuffer(), gl.createBuffer()], outlineColours: [gl.createBuffer(), gl.createBuffer()] };
+    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer(), intact: gl.createBuffer(), intactColours: gl.createBuffer(), outlines: [gl.createBuffer(), gl.createBuffer()], outlineColours: [gl.createBuffer(), gl.createBuffer()] };
     this.ofTriangles = gl.createVertexArray();
     gl.bindVertexArray(this.ofTriangles);
     this.attribute(0, this.buffers.corners, 2, gl.FLOAT, 8, 0, 0);
     this.attribute(1, this.buffers.colours, 4, gl.UNSIGNED_BYTE, 4, 0, 0);
-    this.ofStrips = gl.createVertexArray();
-    gl.bindVertexArray(this.ofStrips);
-    this.attribute(0, this.buffers.ends, 2, gl.FLOAT, 16, 0, 1);
-    this.attribute(1, this.buffers.ends, 2, gl.FLOAT, 16, 8, 1);
-    this.attribute(2, this.buffers.modes, 4, gl.UNSIGNED_BYTE, 4, 0, 1);
-    this.ofOutlines = this.buffers.outlines.map((ends, kind) => {
+    const strips = (ends, colours) => {
       const array = gl.createVertexArray();
       gl.bindVertexArray(array);
       this.attribute(0, ends, 2, gl.FLOAT, 16, 0, 1);
       this.attribute(1, ends, 2, gl.FLOAT, 16, 8, 1);
-      this.attribute(2, this.buffers.outlineColours[kind], 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+      this.attribute(2, colours, 4, gl.UNSIGNED_BYTE, 4, 0, 1);
       return array;
-    });
+    };
+    this.ofStrips = strips(this.buffers.ends, this.buffers.modes);
+    this.ofIntact = strips(this.buffers.intact, this.buffers.intactColours);
+    this.ofOutlines = this.buffers.outlines.map((ends, kind) => strips(ends, this.buffers.outlineColours[kind]));
     gl.bindVertexArray(null);
-    this.visible = { cracks: true, outlines: true, mesh: false };
+    this.visible = { cracks: true, intact: false, outlines: true, mesh: false };
     this.pan = [0, 0];
     this.zoomed = 1;
   }
@@ -94,6 +92,8 @@ class View extends Screen {
     if (this.frame !== frame) {
       this.fill(this.buffers.corners, frame.corners);
       this.fill(this.buffers.ends, frame.cracks);
+      this.fill(this.buffers.intact, frame.intact);
+      this.fill(this.buffers.intactColours, new Uint32Array(frame.about.intact).fill(packedColour(meta.cracks.at(-1).colour)));
       frame.outlines.forEach(({ ends }, kind) => {
         this.fill(this.buffers.outlines[kind], ends);
         this.fill(this.buffers.outlineColours[kind], new Uint32Array(ends.length / 4).fill(packedColour(meta.outlines[kind].colour)));
@@ -136,6 +136,12 @@ class View extends Screen {
       gl.uniform1f(this.strips.seam, 0);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, ends.length / 4);
     });
+    if (this.visible.intact && this.frame.about.intact) {
+      gl.bindVertexArray(this.ofIntact);
+      gl.uniform1f(this.strips.width, 1.4 * ratio);
+      gl.uniform1f(this.strips.seam, 0);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.frame.about.intact);
+    }
     if (this.visible.cracks && this.frame.about.cracks) {
       gl.bindVertexArray(this.ofStrips);
       for (const [wide, seam] of [[4.2, 1], [2.2, 0]]) {

@@ -112,7 +112,7 @@ class View extends Screen {
     const { gl } = this, uniforms = ["turn", "pan", "zoom", "deep", "plane"];
     this.surface = this.program(SURFACE, [...uniforms, "mesh", "opacity", "kind", "open"]);
     this.strips = this.program(LINES, [...uniforms, "pixel", "width", "tint", "lift", "opacity", "slack"]);
-    // Triangles: the surface, the section, and the facets of cracks.
+    // Triangles: the surface, the section, the facets of cracks, and whole joints.
     const triangles = () => {
       const array = gl.createVertexArray(), corners = gl.createBuffer(), colours = gl.createBuffer();
       gl.bindVertexArray(array);
@@ -133,10 +133,10 @@ class View extends Screen {
       this.attribute(2, ofEnds, 4, gl.UNSIGNED_BYTE, 4, 0, 0);
       return { array, ends, colours, thin, ofEnds, count: 0, length: 0 };
     };
-    this.triangles = { surface: triangles(), section: triangles(), cracks: triangles() };
+    this.triangles = { surface: triangles(), section: triangles(), cracks: triangles(), intact: triangles() };
     this.lines = { angles: strips(), borders: strips(), traces: strips(), section: strips(), sectionCracks: strips() };
     gl.bindVertexArray(null);
-    this.visible = { cracks: true, outlines: true, mesh: false };
+    this.visible = { cracks: true, intact: false, outlines: true, mesh: false };
     // The solid is "opaque", "translucent" or "hidden".
     this.solid = "opaque";
     // Distance of the fragments from their places, over their distances from the middle.
@@ -250,12 +250,24 @@ class View extends Screen {
     this.crackOwners = crackOwners.all;
     this.fill(this.triangles.surface.corners, this.facets);
     this.fill(this.triangles.cracks.corners, this.crackFacets);
+    this.intactCorners = this.wholeJoints();
+    this.fill(this.triangles.intact.corners, this.intactCorners);
     this.setLines(this.lines.angles, angles.all, meta.outlines[1].colour);
     this.setLines(this.lines.borders, borders.all, meta.outlines[0].colour);
     const [traces, ofTraces] = this.traces();
     this.setLines(this.lines.traces, traces.all);
     this.traceModes = ofTraces.all;
     this.built = frame;
+  }
+
+  // The corners of the whole joints of the bodies that are shown, each with its fragment.
+  wholeJoints() {
+    const { count, corners, body, fragment } = this.frame.intact, all = new Growing(Float32Array);
+    for (let joint = 0; joint < count; joint++) {
+      if (this.hiddenBodies.has(body[joint])) continue;
+      for (let k = 0; k < 9; k++) all.push(corners[9 * joint + k] + (this.offsets ? this.offsets[3 * fragment[joint] + (k % 3)] : 0));
+    }
+    return all.all;
   }
 
   // The edges at which cracks end on the surface, and their modes.
@@ -326,17 +338,19 @@ class View extends Screen {
   paintSection() {
     const { owners, edges } = this.cut;
     this.paintEach(this.triangles.section, owners.length, (k) => coloured(this.colours[owners[k]], edges[k]));
-    const ofLines = [0, 1, 2].map((mode) => packedColour(this.modeColour(mode)));
+    const ofLines = meta.cracks.map((_, mode) => packedColour(this.modeColour(mode)));
     this.colourLines(this.lines.sectionCracks, Uint32Array.from(this.sectionModes, (mode) => ofLines[mode - 1]));
   }
 
   paintTriangles() {
-    const { surface, cracks } = this.triangles, { colours } = this;
+    const { surface, cracks, intact } = this.triangles, { colours } = this;
+    const whole = packedColour(meta.cracks.at(-1).colour);
+    this.paintEach(intact, this.intactCorners.length / 9, () => coloured(whole, 7));
     this.paintEach(surface, this.owners.length, (k) => coloured(colours[this.owners[k]], 7));
     // Dark colours are made lighter, so that the light on them is seen.
-    const modes = [0, 1, 2].map((mode) => packedColour(this.modeColour(mode).map((x) => Math.round(x + 0.16 * (255 - x)))));
+    const modes = meta.cracks.map((_, mode) => packedColour(this.modeColour(mode).map((x) => Math.round(x + 0.16 * (255 - x)))));
     this.paintEach(cracks, this.crackOwners.length, (k) => coloured(modes[this.frame.modes[this.crackOwners[k]] - 1], 7));
-    const ofLines = [0, 1, 2].map((mode) => packedColour(this.modeColour(mode)));
+    const ofLines = meta.cracks.map((_, mode) => packedColour(this.modeColour(mode)));
     this.colourLines(this.lines.traces, Uint32Array.from(this.traceModes, (mode) => ofLines[mode - 1]));
   }
 
@@ -373,7 +387,7 @@ class View extends Screen {
     gl.depthFunc(gl.LEQUAL);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
 
-    const opaque = this.solid === "opaque", { surface, section: ofSection, cracks } = this.triangles;
+    const opaque = this.solid === "opaque", { surface, section: ofSection, cracks, intact } = this.triangles;
     gl.useProgram(this.surface.program);
     gl.uniform1i(this.surface.open, this.plane === NOWHERE_CUT ? 0 : 1);
     gl.uniform1f(this.surface.mesh, this.visible.mesh ? 1 : 0);
@@ -391,6 +405,8 @@ class View extends Screen {
       draw(surface, OUTSIDE, 1);
       draw(ofSection, SECTION, 1);
     } else if (this.visible.cracks) draw(cracks, CRACK, 1);
+    // An opaque solid hides all but those in its gaps.
+    if (this.visible.intact) draw(intact, CRACK, 1);
     gl.disable(gl.POLYGON_OFFSET_FILL);
     if (this.solid === "translucent") {
       gl.enable(gl.BLEND);
