@@ -10,6 +10,7 @@ mod aside;
 mod bench;
 mod check;
 mod contacts;
+mod couples;
 mod drawings;
 mod explain;
 mod failure;

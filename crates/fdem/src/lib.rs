@@ -35,6 +35,7 @@
 //! | to change | open |
 //! |---|---|
 //! | how `contacts` searches a packing, and writes the results | `src/command/packing.rs`, `src/command/outputs.rs`, `crates/results/src/detection.rs` |
+//! | couples that are taken from a file | `src/command/couples.rs`, `crates/io/src/series/dump_local.rs` |
 //! | searches on many ranks under `mpirun` | `src/command/ranks.rs`, `src/command/ranks_contacts.rs` |
 //! | several files on the command line, bodies over several files | `src/command/meshes.rs`, `src/command/mesh_summary.rs` |
 //! | reading and writing several frames | `src/command/series.rs`, `src/command/series_table.rs`, `src/command/frames.rs`, `src/command/tables.rs` |

@@ -16,6 +16,7 @@ use crate::place::Place;
 use crate::text::{check_text, read_text};
 
 pub(crate) mod dump;
+pub(crate) mod dump_local;
 pub(crate) mod lammps_data;
 pub(crate) mod mercury;
 mod npz;

@@ -117,7 +117,7 @@ impl<'a> NetworkLayout<'a> {
     fn svg(&self, draw: impl FnOnce(&mut Svg)) -> String {
         let Self { scene, camera, .. } = self;
         let [width, height] = self.size;
-        let description = format!("{}. {}", furniture::counts(scene), self.description());
+        let description = format!("{}. {} {}.", furniture::counts(scene), self.description(), scene.value());
         let mut svg = Svg::new(width, height, &format!("Contact network of {}", scene.title), &description);
         draw(&mut svg);
         furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
@@ -139,11 +139,12 @@ impl<'a> NetworkLayout<'a> {
         svg.finish()
     }
 
+    /// The elements and the contacts, up to the name of their value.
     fn description(&self) -> &'static str {
         if self.scene.dimensions == 2 {
-            "Discs, those without contact white, and a line for each contact, coloured by its overlap."
+            "Discs, those without contact white, and a line for each contact, coloured by its"
         } else {
-            "Left the elements, coloured by their number of contacts; right the contacts, coloured by their overlap."
+            "Left the elements, coloured by their number of contacts; right the contacts, coloured by their"
         }
     }
 
