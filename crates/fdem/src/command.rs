@@ -31,6 +31,7 @@ mod output;
 mod outputs;
 mod packing;
 mod periodic;
+pub mod pieces;
 mod progress;
 mod ranks;
 mod ranks_contacts;

@@ -37,7 +37,11 @@ fn couples_of_a_dump_local_have_their_forces() {
     let rows: Vec<_> = run.stdout.lines().collect();
     assert_eq!(
         rows,
-        ["i,j,distance,overlap,fx,fy,fz,sx,sy,sz", "3,1,1.5,0.5,-8,0,0,1,0,0", "1,2,1.5,0.5,1.5,-2,0,0,0,0"]
+        [
+            "i,j,distance,overlap,fx,fy,fz,sx,sy,sz",
+            "3,1,1.5,0.5,-8.0,0.0,0.0,1,0,0",
+            "1,2,1.5,0.5,1.5,-2.0,0.0,0,0,0"
+        ]
     );
     assert!(
         run.stderr.contains("engine           none: the couples are those of pairs.dump"),
@@ -88,7 +92,7 @@ fn a_force_along_the_line_of_the_centres_repels() {
     bench.write("pairs.dump", local(7, "patom1 patom2 force", &["2 1 4"]));
     let options = ["contacts", "atoms.dump", "--couples", "pairs.dump", "--analyse", "--json", "s.json"];
     let run = bench.run(&options).succeeds();
-    assert_eq!(run.stdout, "i,j,distance,overlap,force,sx,sy,sz\n1,2,1.5,0.5,4,0,0,0\n");
+    assert_eq!(run.stdout, "i,j,distance,overlap,force,sx,sy,sz\n1,2,1.5,0.5,4.0,0,0,0\n");
     let forces = &bench.json("s.json")["analysis"]["forces"];
     // -4 * 1.5 / 1000.
     assert_eq!(forces["stress"][1], serde_json::json!([0.0, -0.006, 0.0]));
@@ -112,7 +116,7 @@ fn force_chains_are_drawn_by_force() {
         .map(|path| path.split("stroke-width=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap())
         .collect();
     assert_eq!(widths.len(), 2);
-    assert!(widths[1] > 1.5 * widths[0], "{widths:?}");
+    assert!(widths[1] > 4.0 * widths[0], "{widths:?}");
     assert!(picture.contains("coloured by its force") && picture.contains(">force<"), "{picture}");
     assert!(bench.read("q.svg").contains(">force<"));
     assert!(bench.read("r.html").contains("The largest force is 10."));
@@ -194,7 +198,7 @@ fn the_time_step_and_the_image_are_those_of_the_packing() {
         .run(&[&["contacts", "many.dump"][..], &NAMES[1..]].concat())
         .refused_with(&["one frame", "--frames N"]);
     let run = bench.run(&[&["contacts", "many.dump", "--frames", "1"][..], &NAMES[1..]].concat()).succeeds();
-    assert_eq!(run.rows(), [""; 0]);
+    assert_eq!(run.stdout, "i,j,distance,overlap,fx,fy,fz,sx,sy,sz\n");
     bench.write("atoms.dump", atoms(7).replace("3 9.5", "3 6"));
     bench
         .run(&[&["contacts"][..], &NAMES].concat())

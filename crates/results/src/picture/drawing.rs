@@ -339,6 +339,11 @@ impl<'a> NetworkLayout<'a> {
             return 1.2 + 1.8 * self.share(bond);
         }
         let smaller = self.scene.radii[bond.i as usize].min(self.scene.radii[bond.j as usize]);
+        if self.scene.of_forces {
+            // Force chains: the width grows with the force.
+            let most = (1.2 * smaller * self.camera.scale).clamp(2.0, 8.0);
+            return 0.5 + (most - 0.5) * self.share(bond);
+        }
         let flat = self.scene.dimensions == 2;
         let least = if flat { 0.5 } else { 0.6 };
         let wide = if flat { 0.14 + 0.24 * self.share(bond) } else { 0.22 + 0.33 * self.share(bond) };
