@@ -142,16 +142,16 @@ impl<'a> Series<'a> {
         Ok(Self { bytes, format, promised, starts: starts.into(), pieces: None })
     }
 
-    /// Opens a collection of ParaView, a `.pvd`, `.pvtp`, `.pvtu` or `.vtm` file with the content `bytes`: its
-    /// frames are the time steps of the `.pvd`, or there is one. `None` if the file is no collection.
+    /// Opens a collection of ParaView, a `.pvd`, `.pvtp`, `.pvtu` or `.vtm` file with the content `bytes`:
+    /// its frames are the time steps of the `.pvd`, or there is one. `None` if the file is no collection.
     ///
-    /// The files of a frame are joined, except points that are marked as ghosts. They are opened when the frame
-    /// is read, and may be collections too.
+    /// The files of a frame are joined, except points that are marked as ghosts. They are opened when the
+    /// frame is read, and may be collections too.
     ///
     /// # Errors
-    /// A list that cannot be read. [`Self::read`] returns the errors of the pieces, with the line of the piece
-    /// in the list: a piece that cannot be opened, leads to itself, is no VTK file or has cells, or whose point
-    /// data have other names than those of the first piece.
+    /// A list that cannot be read. [`Self::read`] returns the errors of the pieces, with the line of the
+    /// piece in the list: a piece that cannot be opened, leads to itself, is no VTK file or has cells, or
+    /// whose point data have other names than those of the first piece.
     pub fn of_collection(bytes: &'a [u8], files: &'a dyn PieceFiles) -> Result<Option<Self>, ReadError> {
         if !collection::is(bytes) {
             return Ok(None);

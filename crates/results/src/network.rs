@@ -185,8 +185,8 @@ pub fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
 /// A packing and its couples.
 ///
 /// # Shapes
-/// Couples contain indices of `space.centres`; [`Sizes::Each`] has one radius for each centre. There is one force
-/// for each couple.
+/// Couples contain indices of `space.centres`; [`Sizes::Each`] has one radius for each centre. There is one
+/// force for each couple.
 #[derive(Clone, Copy, Debug)]
 pub struct Network<'a, const D: usize> {
     /// Positions of the elements.

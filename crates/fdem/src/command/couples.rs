@@ -192,15 +192,15 @@ struct Found<const D: usize> {
     turned: bool,
 }
 
-/// The shift of the image of `j` that is nearest to `i`; `None` if it is not clear: another image is as near, up
-/// to the digits of a file, or the elements are many boxes apart along an axis that is not periodic.
+/// The shift of the image of `j` that is nearest to `i`; `None` if it is not clear: another image is as near,
+/// up to the digits of a file, or the elements are many boxes apart along an axis that is not periodic.
 fn nearest<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
     i: u32,
     j: u32,
 ) -> Option<[i32; D]> {
-    /// Distances of images that differ by less, relative to the distance, are not told apart.
+    /// Distances of images that differ by less, relative to the distance, count as equal.
     const DIGITS: f64 = 1e-6;
     /// Most edges between an image and the first one.
     const FAR: f64 = 8.0;

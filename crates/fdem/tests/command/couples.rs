@@ -28,8 +28,8 @@ fn bench() -> Bench {
     bench
 }
 
-/// The second row is turned, because the atom 3 comes first in the packing: its force is that on 3. The couple
-/// of 3 and 1 leads through a face.
+/// The second row is turned, because the atom 3 comes first in the packing: its force is that on 3. The
+/// couple of 3 and 1 leads through a face.
 #[test]
 fn couples_of_a_dump_local_have_their_forces() {
     let bench = bench();
@@ -202,5 +202,5 @@ fn the_time_step_and_the_image_are_those_of_the_packing() {
     bench.write("atoms.dump", atoms(7).replace("3 9.5", "3 6"));
     bench
         .run(&[&["contacts"][..], &NAMES].concat())
-        .refused_with(&["pairs.dump:22: it is not clear which periodic image"]);
+        .refused_with(&["pairs.dump:21: it is not clear which periodic image"]);
 }

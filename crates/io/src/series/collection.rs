@@ -142,7 +142,8 @@ impl Pieces {
         Ok(cloud)
     }
 
-    /// Adds the points of these pieces. `chain`: the names of the files that led here; `places`: their places.
+    /// Adds the points of these pieces. `chain`: the names of the files that led here; `places`: their
+    /// places.
     fn join(
         &self,
         joined: &mut Joined,

@@ -197,7 +197,7 @@ pub fn read_couples(
             }
             found = Some((head, lines.start()));
         }
-        steps.push(head.step);
+        steps.push((head.step, head.step_line));
         for done in 0..head.count {
             if lines.next().is_none() {
                 let rows = excerpt::count(head.count as u64, "row");
@@ -208,10 +208,14 @@ pub fn read_couples(
     match (found, step) {
         (Some((head, start)), _) => head.rows(Lines::of_frame(bytes, start), columns),
         (None, Some(step)) => {
-            let shown: Vec<_> = steps.iter().take(5).map(i64::to_string).collect();
+            let line = steps.first().map_or(1, |(_, line)| *line);
+            let shown: Vec<_> = steps.iter().take(5).map(|(step, _)| step.to_string()).collect();
             let more = if steps.len() > shown.len() { ", …" } else { "" };
             let shown = shown.join(", ");
-            broken(2, format!("the packing is of the time step {step}, these couples are of {shown}{more}"))
+            broken(
+                line,
+                format!("the packing is of the time step {step}, these couples are of {shown}{more}"),
+            )
         }
         (None, None) => broken(lines.number, "there are no couples: expected 'ITEM: TIMESTEP'"),
     }
@@ -221,6 +225,8 @@ pub fn read_couples(
 #[derive(Clone, Copy)]
 struct Head<'a> {
     step: i64,
+    /// The line of the time step.
+    step_line: u64,
     count: usize,
     /// The line with the names of the columns; below, its number.
     columns: &'a [u8],
@@ -244,7 +250,7 @@ impl<'a> Head<'a> {
             if item == b"UNITS" || item == b"TIME" {
                 expect(lines, "a line after this item")?;
             } else if item == b"TIMESTEP" {
-                step = Some(count_below(lines, "the time step")?);
+                step = Some((count_below(lines, "the time step")?, lines.number));
             } else if item == b"NUMBER OF ATOMS" {
                 let problem = "this is a dump of atoms, not of couples: couples are in a 'dump local'";
                 return broken(line, problem);
@@ -256,8 +262,8 @@ impl<'a> Head<'a> {
                 // `dump_modify label` gives the entries another name.
                 let columns = count.and_then(|(label, count)| Some((item.strip_prefix(label)?, count)));
                 return match (columns, step) {
-                    (Some((columns, count)), Some(step)) => {
-                        Ok(Self { step, count, columns: columns.trim_ascii(), line })
+                    (Some((columns, count)), Some((step, step_line))) => {
+                        Ok(Self { step, step_line, count, columns: columns.trim_ascii(), line })
                     }
                     (Some(_), None) => broken(line, "the entries come before ITEM: TIMESTEP"),
                     (None, _) => {

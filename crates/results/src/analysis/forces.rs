@@ -13,7 +13,8 @@ use crate::network::magnitude;
 /// along periodic axes, and from the outermost surfaces of the elements along the others. Contacts with walls
 /// and moving elements contribute to the stress of a granular body too; they are not in this sum.
 ///
-/// A couple is strong if its force exceeds the mean: strong couples carry the deviator of the stress in chains.
+/// A couple is strong if its force exceeds the mean: strong couples carry the deviator of the stress in
+/// chains.
 ///
 /// # Units
 /// Those of the forces; stresses in theirs over the length unit of the centres squared, in 2D over the length

@@ -102,6 +102,13 @@ impl OverlapRange {
         Some(Self { low, high, largest })
     }
 
+    /// Returns the range of forces, from 0 to the largest one, so that lines show how much larger it is;
+    /// `None` without any.
+    fn of_forces(forces: &[f64]) -> Option<Self> {
+        let largest = forces.iter().copied().reduce(f64::max)?;
+        Some(Self { low: 0.0, high: largest, largest })
+    }
+
     /// Position of an overlap in the colours, from 0 to 1.
     pub(crate) fn share(&self, overlap: f64) -> f64 {
         if self.high > self.low {
@@ -169,7 +176,10 @@ impl Scene {
             centres,
             radii: (0..n).map(|index| sizes.radius(index) * drawn).collect(),
             coordination,
-            overlaps: OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
+            overlaps: match &magnitudes {
+                Some(forces) => OverlapRange::of_forces(forces),
+                None => OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
+            },
             bonds,
             cell,
             are_points: drawn < 1.0,
