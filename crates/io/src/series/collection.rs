@@ -36,7 +36,7 @@ pub trait PieceFiles: fmt::Debug {
 pub struct PieceFile {
     /// The place of the file: equal if and only if the file is the same.
     pub place: String,
-    /// Its content, unpacked.
+    /// The content of the file, unpacked.
     pub bytes: Vec<u8>,
 }
 

@@ -61,10 +61,10 @@ const OWN: [&str; 22] = [
 /// assert!("i,fx,fx".parse::<CoupleColumns>().unwrap_err().contains("fx is given twice"));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CoupleColumns(Choice);
+pub struct CoupleColumns(ColumnNaming);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Choice {
+enum ColumnNaming {
     /// For each column a name, or none to skip it.
     Places(Vec<Option<String>>),
     /// New names, each with the name or number of its column.
@@ -115,7 +115,7 @@ impl FromStr for CoupleColumns {
             }
             given.push(name);
         }
-        Ok(Self(if by_name { Choice::Names(names) } else { Choice::Places(places) }))
+        Ok(Self(if by_name { ColumnNaming::Names(names) } else { ColumnNaming::Places(places) }))
     }
 }
 
@@ -290,7 +290,7 @@ impl<'a> Head<'a> {
         let shown = || excerpt::line(self.columns);
         let names: Vec<Option<String>> = match columns {
             None => written.into_iter().map(Some).collect(),
-            Some(CoupleColumns(Choice::Places(places))) => {
+            Some(CoupleColumns(ColumnNaming::Places(places))) => {
                 if places.len() != written.len() {
                     let (given, found) = (places.len(), written.len());
                     return broken(
@@ -300,7 +300,7 @@ impl<'a> Head<'a> {
                 }
                 places.clone()
             }
-            Some(CoupleColumns(Choice::Names(given))) => {
+            Some(CoupleColumns(ColumnNaming::Names(given))) => {
                 let mut names: Vec<Option<String>> = written.iter().cloned().map(Some).collect();
                 for (name, column) in given {
                     let number = || column.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
