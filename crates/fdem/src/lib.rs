@@ -35,8 +35,10 @@
 //! | to change | open |
 //! |---|---|
 //! | how `contacts` searches a packing, and writes the results | `src/command/packing.rs`, `src/command/outputs.rs`, `crates/results/src/detection.rs` |
+//! | couples that are taken from a file | `src/command/couples.rs`, `crates/io/src/series/dump_local.rs` |
 //! | searches on many ranks under `mpirun` | `src/command/ranks.rs`, `src/command/ranks_contacts.rs` |
 //! | several files on the command line, bodies over several files | `src/command/meshes.rs`, `src/command/mesh_summary.rs` |
+//! | files that a collection lists | `src/command/pieces.rs`, `crates/io/src/series/collection.rs` |
 //! | reading and writing several frames | `src/command/series.rs`, `src/command/series_table.rs`, `src/command/frames.rs`, `src/command/tables.rs` |
 //! | an option of the command | `src/command/args.rs`, then the task: `src/command/contacts.rs`, `src/command/bench.rs`, `src/command/generate.rs` |
 //! | how the commands read and refuse a packing | `src/command/input.rs` |
@@ -62,7 +64,7 @@
 pub mod command;
 mod state_hash;
 
-pub use command::{session, sweep};
+pub use command::{pieces, session, sweep};
 pub use fdem_contact as contact;
 pub use fdem_distributed as distributed;
 pub use fdem_io as io;

@@ -40,6 +40,8 @@
 //! | to change | open |
 //! |---|---|
 //! | formats of labelled images | `src/labels.rs`, `src/labels/npy.rs`, `src/labels/tiff.rs` |
+//! | collections of ParaView | `src/series/collection.rs` |
+//! | couples with values from files | `src/series/dump_local.rs` |
 //! | formats of text and arrays | `src/text.rs`, `src/columns.rs`, `src/npy.rs` |
 //! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`, `src/packing_format.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
 //! | comparison with how other libraries read the same files | `tests/python/test_formats.py` |
@@ -97,6 +99,8 @@ pub use packing_format::PackingFormat;
 pub use place::Place;
 pub use read::read;
 pub use results::{pvd, write_poly_vtp, write_vtu};
+pub use series::collection::{PieceFile, PieceFiles};
+pub use series::dump_local::{CoupleColumns, FileCouples, read_couples};
 pub use series::{FrameIndex, Series, read_packing};
 pub use unpack::{unpack, unpack_within};
 pub use write_packing::{write_packing_csv, write_packing_npy};

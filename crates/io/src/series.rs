@@ -13,9 +13,12 @@ use crate::options::ReadOptions;
 use crate::packing::Packing;
 use crate::packing_format::PackingFormat;
 use crate::place::Place;
+use crate::series::collection::{Collection, PieceFiles};
 use crate::text::{check_text, read_text};
 
+pub(crate) mod collection;
 pub(crate) mod dump;
+pub(crate) mod dump_local;
 pub(crate) mod lammps_data;
 pub(crate) mod mercury;
 mod npz;
@@ -52,6 +55,8 @@ pub struct Series<'a> {
     promised: Option<(PackingFormat, &'static str)>,
     /// The start of each frame; one for formats without frames.
     starts: Arc<[Start]>,
+    /// The frames of a collection, and the files that it lists.
+    pieces: Option<(Collection, &'a dyn PieceFiles)>,
 }
 
 /// The format and the frames of a file without its bytes, for owners of the bytes.
@@ -95,7 +100,7 @@ impl<'a> Series<'a> {
     pub fn of_index(bytes: &'a [u8], index: FrameIndex) -> Self {
         let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         let FrameIndex { format, promised, starts } = index;
-        Self { bytes, format, promised, starts }
+        Self { bytes, format, promised, starts, pieces: None }
     }
 
     /// Recognises the format of a file and finds the starts of its frames.
@@ -134,7 +139,27 @@ impl<'a> Series<'a> {
             check_text(bytes)?;
         }
         let starts = next.map_or_else(|| vec![Start::default()], |next| starts(bytes, next));
-        Ok(Self { bytes, format, promised, starts: starts.into() })
+        Ok(Self { bytes, format, promised, starts: starts.into(), pieces: None })
+    }
+
+    /// Opens a collection of ParaView, a `.pvd`, `.pvtp`, `.pvtu` or `.vtm` file with the content `bytes`:
+    /// its frames are the time steps of the `.pvd`, or there is one. `None` if the file is no collection.
+    ///
+    /// The files of a frame are joined, except points that are marked as ghosts. They are opened when the
+    /// frame is read, and may be collections too.
+    ///
+    /// # Errors
+    /// A list that cannot be read. [`Self::read`] returns the errors of the pieces, with the line of the
+    /// piece in the list: a piece that cannot be opened, leads to itself, is no VTK file or has cells, or
+    /// whose point data have other names than those of the first piece.
+    pub fn of_collection(bytes: &'a [u8], files: &'a dyn PieceFiles) -> Result<Option<Self>, ReadError> {
+        if !collection::is(bytes) {
+            return Ok(None);
+        }
+        let collection = Collection::read(bytes)?;
+        let starts = vec![Start::default(); collection.frames.len()].into();
+        let pieces = Some((collection, files));
+        Ok(Some(Self { bytes, format: PackingFormat::VtkXml, promised: None, starts, pieces }))
     }
 
     /// The format in which the frames are read.
@@ -204,7 +229,10 @@ impl<'a> Series<'a> {
             PackingFormat::Xyz => xyz::read(lines, options, progress),
             PackingFormat::Mercury => mercury::read(lines, options, progress),
             PackingFormat::Vtk => vtk::read(self.bytes, options),
-            PackingFormat::VtkXml => vtk::read_xml(self.bytes, options),
+            PackingFormat::VtkXml => match &self.pieces {
+                Some((collection, files)) => vtk::read_pieces(&collection.frames[frame], *files, options),
+                None => vtk::read_xml(self.bytes, options),
+            },
         };
         let mut packing = match read {
             Err(error) if self.frames() > 1 => {

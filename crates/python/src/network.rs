@@ -90,7 +90,7 @@ fn on_network<T: Number, const D: usize, R: Send>(
     interrupt::run(py, false, &Stop::default(), || {
         let owned = Owned::new(&set, pairs, shifts, cell.is_some())?;
         let space = Space { centres: &owned.centres, cell };
-        work(&Network { space, sizes: owned.sizes(), couples: &owned.couples })
+        work(&Network { space, sizes: owned.sizes(), couples: &owned.couples, forces: None })
     })
 }
 

@@ -1,7 +1,9 @@
 //! Files of packings and meshes.
 
+use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
+use fdem::pieces::FilesBeside;
 use fdem_io::{
     Cells, Centres, FileKind, FrameIndex, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack,
 };
@@ -52,6 +54,8 @@ pub(crate) fn read<'py>(
 pub(crate) struct Frames {
     bytes: Vec<u8>,
     index: FrameIndex,
+    /// The files that it lists, if it is a collection.
+    pieces: Option<FilesBeside>,
     name: String,
     options: ReadOptions,
 }
@@ -101,9 +105,17 @@ impl Frames {
             let mesh = Unopened::Mesh(bytes);
             return Err(if has_choices { Unopened::Refused(mesh.refused(&name, CHOICES)) } else { mesh });
         }
-        let index = py.detach(|| Series::open(&bytes, bare, format).map(|series| series.index()));
-        let index = index.map_err(unread)?;
-        Ok(Self { bytes, index, name, options })
+        let files = FilesBeside::new(Path::new(&name), None);
+        let index = py.detach(|| {
+            let may_list = matches!(format, None | Some(PackingFormat::VtkXml));
+            let collection = if may_list { Series::of_collection(&bytes, &files)? } else { None };
+            match collection {
+                Some(series) => Ok((series.index(), true)),
+                None => Series::open(&bytes, bare, format).map(|series| (series.index(), false)),
+            }
+        });
+        let (index, is_collection) = index.map_err(unread)?;
+        Ok(Self { bytes, index, pieces: is_collection.then_some(files), name, options })
     }
 
     fn refused(&self, error: &str) -> PyErr {
@@ -133,12 +145,15 @@ impl Frames {
 
     /// The columns of a frame, counted from 0.
     fn read<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Bound<'py, PyDict>> {
-        let Self { bytes, index, name, options } = self;
+        let Self { bytes, index, pieces, name, options } = self;
         if frame >= index.frames() {
             return Err(self.refused(&format!("there is no frame {frame} among {}", index.frames())));
         }
-        let series = Series::of_index(bytes, index.clone());
-        let packing = py.detach(|| series.read(frame, options, &AtomicU64::new(0)));
+        let packing = py.detach(|| {
+            let collection = pieces.as_ref().map(|files| Series::of_collection(bytes, files)).transpose()?;
+            let series = collection.flatten().unwrap_or_else(|| Series::of_index(bytes, index.clone()));
+            series.read(frame, options, &AtomicU64::new(0))
+        });
         let mut packing = packing.map_err(|error| PyValueError::new_err(unreadable(name, &error)))?;
         let unused = packing.source.unused_axis().filter(|_| options.columns.is_none());
         let diameter = packing.radii.iter().flatten().copied().reduce(f64::max).map(|radius| 2.0 * radius);

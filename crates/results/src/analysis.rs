@@ -7,6 +7,7 @@
 //!                          ├─ directions, fabric                directions of contacts
 //!                          ├─ clusters                          connected elements, percolation
 //!                          ├─ overlaps                          overlaps and gaps
+//!                          ├─ forces                            mean force, stress, strong couples
 //!                          ├─ packing                           filled fraction of the space
 //!                          ├─ voids                             local void ratios, sizes of pores
 //!                          └─ radial                            distances between centres
@@ -23,6 +24,7 @@ mod directions;
 mod domain_frame;
 mod error;
 mod fabric;
+mod forces;
 mod overlaps;
 mod packing;
 mod parts;
@@ -43,6 +45,7 @@ pub use coordination::{Coordination, Frictionless, WithoutRattlers};
 pub use directions::Directions;
 pub use error::AnalysisError;
 pub use fabric::Fabric;
+pub use forces::Forces;
 pub use overlaps::{Histogram, Overlaps, Spread};
 pub use packing::PackingFraction;
 pub use radial::{Radial, RadialOptions};
@@ -93,6 +96,9 @@ pub struct Analysis {
     pub clusters: Clusters,
     /// Overlaps of the couples, and gaps between those within the tolerance.
     pub overlaps: Overlaps,
+    /// Forces and the stress that follows from them; `None` without forces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forces: Option<Forces>,
     /// Packing fraction; `None` for points, for example.
     pub packing: Option<PackingFraction>,
     /// Why `packing` is `None`.
@@ -141,7 +147,7 @@ pub struct Analysis {
 /// PeriodicSearch::new().couples(&Elements::spheres(&centres, 0.5)?, &cell, &mut couples)?;
 /// let couples = Couples::Periodic(couples);
 /// let space = Space { centres: &centres, cell: Some(cell) };
-/// let analysis = analyse(&Network { space, sizes: Sizes::All(0.5), couples: &couples }, &Options::default())?;
+/// let analysis = analyse(&Network { space, sizes: Sizes::All(0.5), couples: &couples, forces: None }, &Options::default())?;
 /// assert_eq!(analysis.coordination.mean, 6.0);
 /// assert!((analysis.packing.unwrap().fraction - std::f64::consts::PI / 6.0).abs() < 1e-15);
 /// assert!(analysis.fabric.unwrap().anisotropy < 1e-15);
@@ -228,6 +234,7 @@ fn analyse_in<const D: usize>(
         fabric: Fabric::of(parts.iter().map(|part| &part.fabric)),
         clusters,
         overlaps: Overlaps::of(network, &overlaps),
+        forces: Forces::of(placed),
         packing,
         no_packing,
         voids,

@@ -233,13 +233,59 @@ fn detect_periodic<const D: usize>(
         search.for_each(elements, cell, add)?;
     }
     drop(search);
+    let plan = plan_of_wrapped(space, cell, request)?;
+    Ok((Couples::Periodic(couples), plan))
+}
+
+/// The plan for the elements, wrapped into the box, without images.
+fn plan_of_wrapped<const D: usize>(
+    space: &Space<'_, D>,
+    cell: &PeriodicBox<f64, D>,
+    request: &DetectionRequest<'_>,
+) -> Result<Plan<D>, Error> {
     let mut wrapped = Vec::new();
     let out_of_memory = |_| Error::OutOfMemory { bytes: size_of_val(space.centres) };
     wrapped.try_reserve_exact(space.centres.len()).map_err(out_of_memory)?;
     wrapped
         .extend(space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)));
-    let plan = Detector::new().with_engine(request.engine).plan(&request.elements(&wrapped)?)?;
-    Ok((Couples::Periodic(couples), plan))
+    Detector::new().with_engine(request.engine).plan(&request.elements(&wrapped)?)
+}
+
+/// The detection of couples that are known, as those of a file: nothing is searched.
+///
+/// # Errors
+/// Elements that a search would refuse.
+///
+/// # Panics
+/// If a couple is not one of these elements.
+pub fn given<const D: usize>(
+    space: &Space<'_, D>,
+    request: &DetectionRequest<'_>,
+    couples: Couples<D>,
+) -> Result<Detection<D>, Error> {
+    let elements = request.elements(space.centres)?;
+    let plan = match &space.cell {
+        None => Detector::new().plan(&elements),
+        Some(cell) => {
+            check_wrapped(space.centres, cell)?;
+            plan_of_wrapped(space, cell, request)
+        }
+    }?;
+    let mut statistics = Statistics::new(elements.len());
+    for couple in couples.iter() {
+        statistics.add(couple, space.overlap(request.sizes, couple));
+    }
+    Ok(Detection { couples, plan, statistics })
+}
+
+/// Refuses centres whose periods cannot be counted.
+fn check_wrapped<const D: usize>(centres: &[[f64; D]], cell: &PeriodicBox<f64, D>) -> Result<(), Error> {
+    /// The limit of [`PeriodicBox::wrap`].
+    const LIMIT: f64 = (1_u32 << 28) as f64;
+    let Some(index) = centres.iter().position(|&centre| cell.wrap(centre).is_none()) else { return Ok(()) };
+    let (fractions, periodic) = (cell.fractions(&centres[index]), cell.periodic());
+    let edge = (0..D).find(|&edge| periodic[edge] && fractions[edge].abs() > LIMIT).unwrap_or(0);
+    Err(Error::TooFarFromBox { index, edge, periods: fractions[edge], limit: LIMIT })
 }
 
 #[cfg(test)]

@@ -185,7 +185,8 @@ pub fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
 /// A packing and its couples.
 ///
 /// # Shapes
-/// Couples contain indices of `space.centres`; [`Sizes::Each`] has one radius for each centre.
+/// Couples contain indices of `space.centres`; [`Sizes::Each`] has one radius for each centre. There is one
+/// force for each couple.
 #[derive(Clone, Copy, Debug)]
 pub struct Network<'a, const D: usize> {
     /// Positions of the elements.
@@ -194,13 +195,16 @@ pub struct Network<'a, const D: usize> {
     pub sizes: Sizes<'a>,
     /// Couples that touch: `i < j`, or `i` and the image of `j` by its shift.
     pub couples: &'a Couples<D>,
+    /// The force on `i` by `j` of each couple, if the forces are known.
+    pub forces: Option<&'a [[f64; D]]>,
 }
 
 impl<'a, const D: usize> Network<'a, D> {
     /// The same network, if its dimension is `E`.
     pub(crate) fn of_dimension<const E: usize>(&self) -> Option<Network<'a, E>> {
         let couples = (self.couples as &'a dyn Any).downcast_ref()?;
-        Some(Network { space: self.space.of_dimension()?, sizes: self.sizes, couples })
+        let forces = self.forces.map(|forces| forces.as_flattened().as_chunks().0);
+        Some(Network { space: self.space.of_dimension()?, sizes: self.sizes, couples, forces })
     }
 
     /// Overlap of a couple, as [`Space::overlap`] defines it.
@@ -211,6 +215,16 @@ impl<'a, const D: usize> Network<'a, D> {
     pub fn overlap(&self, couple: PeriodicCouple<D>) -> f64 {
         self.space.overlap(self.sizes, couple)
     }
+
+    /// The magnitude of the force of each couple, if the forces are known.
+    pub fn magnitudes(&self) -> Option<Vec<f64>> {
+        Some(self.forces?.iter().map(magnitude).collect())
+    }
+}
+
+/// The length of a force. It does not overflow if the length does not.
+pub(crate) fn magnitude<const D: usize>(force: &[f64; D]) -> f64 {
+    force.iter().fold(0.0_f64, |length, component| length.hypot(*component))
 }
 
 /// Distances and overlaps of the couples of a network, by functions that are compiled in this crate.
@@ -269,7 +283,7 @@ mod tests {
             let reach = pair[0] + pair[1];
             let centres = [[0.0, 0.0], [reach * 0.6, reach * 0.8]];
             let space = Space { centres: &centres, cell: None };
-            let network = Network { space, sizes: Sizes::Each(pair), couples: &couples };
+            let network = Network { space, sizes: Sizes::Each(pair), couples: &couples, forces: None };
             if Elements::spheres_with_radii(&centres, pair).unwrap().touch(0, 1) {
                 assert!(couples.iter().all(|couple| network.overlap(couple) >= 0.0), "{pair:?}");
             }

@@ -62,7 +62,7 @@ use scene::Scene;
 /// let centres = [[0.0, 0.0], [1.9, 0.0]];
 /// let couples = Couples::Plain(vec![Couple::new(0, 1)]);
 /// let space = Space { centres: &centres, cell: None };
-/// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples };
+/// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples, forces: None };
 /// let drawing = svg(&network, &Caption { title: "two discs", unit: Some("mm") })?;
 /// assert_eq!(drawing.matches("<circle").count(), 2);
 /// # Ok::<(), fdem_results::picture::PictureError>(())

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicU64;
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::analysis::{
-    Analysis, AnalysisError, Frictionless, Options, RadialOptions, Voids, WithoutRattlers, analyse_counted,
+    Analysis, AnalysisError, Forces, Frictionless, Options, RadialOptions, Voids, WithoutRattlers,
+    analyse_counted,
 };
 use fdem_results::network::Network;
 
@@ -134,6 +135,9 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             )?;
         }
     }
+    if let Some(forces) = &analysis.forces {
+        forces_lines(&mut line, forces)?;
+    }
     match (&analysis.packing, &analysis.no_packing) {
         (Some(packing), _) => {
             let sides: Vec<_> = packing
@@ -178,6 +182,37 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             )
         }
         (None, reason) => line("g(r)", format!("none: {}", reason.as_deref().unwrap_or_default())),
+    }
+}
+
+/// Writes the forces and the stress in the units of the file, which are not known.
+fn forces_lines(line: &mut impl FnMut(&str, String) -> fmt::Result, forces: &Forces) -> fmt::Result {
+    let (Some(mean), Some(largest), Some(share)) = (forces.mean, forces.largest, forces.strong_share) else {
+        return line("forces", "none: there are no couples".to_owned());
+    };
+    let carried = match forces.strong_pressure_share {
+        Some(share) => format!(", which carry {share:.4} of the pressure"),
+        None => String::new(),
+    };
+    let strong = grouped(forces.strong);
+    line(
+        "forces",
+        format!(
+            "mean {}, largest {}; {strong} above the mean, {share:.4} of the couples{carried}",
+            brief(mean),
+            brief(largest)
+        ),
+    )?;
+    match (&forces.stress, forces.pressure) {
+        (Some(stress), Some(pressure)) => {
+            let row = |row: &Vec<f64>| {
+                let entries: Vec<_> = row.iter().map(|&entry| brief(entry)).collect();
+                format!("[{}]", entries.join(", "))
+            };
+            let rows: Vec<_> = stress.iter().map(row).collect();
+            line("stress", format!("{}, tension positive; pressure {}", rows.join(", "), brief(pressure)))
+        }
+        _ => line("stress", "none: the domain has no area or volume".to_owned()),
     }
 }
 

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fdem_contact::{Engine, Simd};
-use fdem_io::{Columns, PackingFormat};
+use fdem_io::{Columns, CoupleColumns, PackingFormat};
 use fdem_scenes::Sizes;
 
 use crate::command::frames::Frames;
@@ -104,6 +104,9 @@ pub(crate) struct ContactsArguments {
     pub(crate) periodic: PeriodicArguments,
 
     #[command(flatten)]
+    pub(crate) couples: CoupleArguments,
+
+    #[command(flatten)]
     pub(crate) meshes: MeshArguments,
 
     #[command(flatten)]
@@ -177,6 +180,29 @@ pub(crate) struct PeriodicArguments {
     /// Corner at which the edges of a sheared box start [default: 0 along each axis].
     #[arg(long, value_name = "POINT", allow_hyphen_values = true, value_parser = numbers, requires = "edges", conflicts_with = "limits")]
     pub(crate) origin: Option<Numbers>,
+}
+
+/// Options for couples from a file.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CoupleArguments {
+    /// Take the couples, and values such as forces, from FILE in place of a search: a `dump local` of LAMMPS
+    /// or LIGGGHTS with the time step of the packing. Its columns are written beside those of the couples.
+    /// With forces, lines of pictures and reports are wide and coloured by force, and --analyse also gives
+    /// the mean force, the stress of Love and Weber, and strong couples. In a periodic box, couples are with
+    /// the nearest image.
+    #[arg(long, value_name = "FILE", conflicts_with_all = [
+        "labels", "explain", "verify", "bodies", "tolerance", "engine", "more", "skip_bad_lines",
+    ])]
+    pub(crate) couples: Option<PathBuf>,
+
+    /// Names of the columns of --couples: in order (`i,j,_,fx,fy,fz`; `_` skips a column) or by name or
+    /// number (`i=c_id[1],j=c_id[2],force=5`; other columns keep their names). `i` and `j` are ids of
+    /// elements; `fx`, `fy`, `fz` are the force on `i` by `j`, or `force` is its part along the line of the
+    /// centres, positive for repulsion. Couples are written with `i` before `j` in the packing, and `fx`,
+    /// `fy`, `fz` are turned to match; other columns are not changed [default: the names of the file; for i
+    /// also id1, patom1, batom1 and atom1, for j likewise].
+    #[arg(long, value_name = "LIST", requires = "couples")]
+    pub(crate) couple_columns: Option<CoupleColumns>,
 }
 
 /// Options for the analysis of the network.

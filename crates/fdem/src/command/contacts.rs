@@ -1,6 +1,7 @@
 //! `fdem contacts` reads a packing, finds its couples, writes them and shows a summary.
 
 use crate::command::args::ContactsArguments;
+use crate::command::couples::CoupleFile;
 use crate::command::failure::Failure;
 use crate::command::frames::Selection;
 use crate::command::input;
@@ -27,6 +28,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
             ("--json", arguments.json.as_ref()),
         ];
         files.extend(arguments.drawings.files());
+        files.push(("--couples", arguments.couples.couples.as_ref()));
         files.push(("--body-table", arguments.meshes.body_table.as_ref()));
         refuse_to_overwrite(&files)?;
     }
@@ -35,6 +37,9 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 
     let opened =
         input::open(&arguments.input.file, arguments.input.format, arguments.input.max_memory, &progress)?;
+    if arguments.couples.couples.is_some() && opened.is_mesh() {
+        return Err(Failure::Unusable(format!("{}: --couples is for packings, this is a mesh", opened.name)));
+    }
     if opened.is_mesh() || !arguments.more.is_empty() {
         return meshes::run(arguments, opened, &progress, outputs);
     }
@@ -48,6 +53,12 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let frames = opened.series()?;
     let frame = match opened.select(&frames, arguments.input.frames)? {
         Selection::One(frame) => frame,
+        Selection::Series(_) if arguments.couples.couples.is_some() => {
+            return Err(Failure::Unusable(format!(
+                "{}: --couples needs one frame: choose it with --frames N",
+                opened.name
+            )));
+        }
         Selection::Series(chosen) => {
             drop(outputs);
             return series::run(arguments, &opened, &frames, &chosen, &progress);
@@ -69,7 +80,9 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.explain {
         return explain(arguments, &input, outputs);
     }
-    let mut summary = treat(arguments, &progress, &input, &mut outputs)?;
+    let step = input.packing.frame.step;
+    let file = CoupleFile::read(&arguments.couples, step, arguments.input.max_memory, &progress)?;
+    let mut summary = treat(arguments, &progress, &input, file.as_ref(), &mut outputs)?;
 
     summary.frame = of_several.then_some(frame);
     // The summary is the last output, because it has the times of the others.

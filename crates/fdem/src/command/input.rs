@@ -19,6 +19,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::frames::{Frames, Selection};
 use crate::command::memory;
 use crate::command::output::is_stdout;
+use crate::command::pieces::FilesBeside;
 use crate::command::progress::{Position, Progress};
 
 /// A packing that has been read.
@@ -62,6 +63,8 @@ pub(crate) struct Opened {
     pub(crate) kind: FileKind,
     /// Time to open it, s.
     pub(crate) seconds: f64,
+    /// The files that it lists, if it is a collection.
+    pieces: FilesBeside,
     /// Remarks on the frames that were printed, each once.
     remarks: RefCell<Vec<String>>,
 }
@@ -78,7 +81,16 @@ impl Opened {
             FileKind::Packing(format) => format,
             FileKind::Mesh(_) => PackingFormat::Text,
         };
-        Series::open(&self.bytes, bare_name(&self.name), Some(format))
+        let collection = if format == PackingFormat::VtkXml {
+            Series::of_collection(&self.bytes, &self.pieces)
+        } else {
+            Ok(None)
+        };
+        collection
+            .and_then(|collection| match collection {
+                Some(series) => Ok(series),
+                None => Series::open(&self.bytes, bare_name(&self.name), Some(format)),
+            })
             .map_err(|error| unreadable(&self.name, &error))
     }
 
@@ -174,7 +186,9 @@ pub(crate) fn open(
         Ok::<_, Failure>((bytes, kind))
     });
     let (bytes, kind) = opened?;
-    Ok(Opened { name, bytes, kind, seconds, remarks: RefCell::default() })
+    let beside = if is_stdout(file) { Path::new("") } else { file };
+    let pieces = FilesBeside::new(beside, max_memory);
+    Ok(Opened { name, bytes, kind, seconds, pieces, remarks: RefCell::default() })
 }
 
 /// The failure for content that takes more memory than is allowed.

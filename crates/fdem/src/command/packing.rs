@@ -8,6 +8,7 @@ use fdem_results::network::{Network, Space};
 
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
+use crate::command::couples::{CoupleFile, Joined};
 use crate::command::explain::Estimate;
 use crate::command::failure::Failure;
 use crate::command::input::{Input, id, refused, sizes};
@@ -17,16 +18,17 @@ use crate::command::progress::Progress;
 use crate::command::summary::{Seconds, Summary, grouped};
 use crate::command::tables::write_network;
 
-/// Finds the contacts of a packing and writes them.
+/// Finds the contacts of a packing, or takes them from a file of couples, and writes them.
 pub(crate) fn treat(
     arguments: &ContactsArguments,
     progress: &Progress,
     input: &Input,
+    file: Option<&CoupleFile>,
     outputs: &mut Outputs,
 ) -> Result<Summary, Failure> {
     match &input.packing.centres {
-        Centres::Two(centres) => find(arguments, progress, input, centres, outputs),
-        Centres::Three(centres) => find(arguments, progress, input, centres, outputs),
+        Centres::Two(centres) => find(arguments, progress, input, file, centres, outputs),
+        Centres::Three(centres) => find(arguments, progress, input, file, centres, outputs),
     }
 }
 
@@ -102,18 +104,24 @@ fn find<const D: usize>(
     arguments: &ContactsArguments,
     progress: &Progress,
     input: &Input,
+    file: Option<&CoupleFile>,
     centres: &[[f64; D]],
     outputs: &mut Outputs,
 ) -> Result<Summary, Failure> {
     let Input { name, packing, .. } = input;
-    let mut seconds = Seconds { read: input.seconds, ..Seconds::default() };
+    let read = input.seconds + file.map_or(0.0, |file| file.seconds);
+    let mut seconds = Seconds { read, ..Seconds::default() };
     let request = request(arguments, input)?;
     let space =
         Space { centres, cell: periodic_box(&arguments.periodic, &input.name, input.packing.cell.as_ref())? };
-    let (found, detection) =
-        progress.step("detecting, couples", None, |position| detect(&space, &request, position));
+    let (found, detection) = progress.step("detecting, couples", None, |position| match file {
+        Some(file) => file.join(input, &space, &request),
+        None => detect(&space, &request, position)
+            .map(|detection| Joined { detection, columns: Vec::new(), forces: None })
+            .map_err(|error| refused(name, packing, &error)),
+    });
     seconds.detect = detection;
-    let found = found.map_err(|error| refused(name, packing, &error))?;
+    let Joined { detection: found, columns, forces } = found?;
     note_repeated(input, &found.statistics);
 
     let mut verified = None;
@@ -124,7 +132,7 @@ fn find<const D: usize>(
         verified = Some(checked.map_err(|mismatch| Failure::of_couples(name, &mismatch))?);
     }
 
-    let network = Network { space, sizes: request.sizes, couples: &found.couples };
+    let network = Network { space, sizes: request.sizes, couples: &found.couples, forces: forces.as_deref() };
     let (analysis, analysing) = progress.step("analysing, couples", None, |position| {
         analyse::run(&arguments.analysis, arguments.threads, &network, name, position)
     });
@@ -138,7 +146,9 @@ fn find<const D: usize>(
         }
         match (&mut outputs.series, &mut outputs.couples) {
             (Some(series), _) => series.write(packing, &network, position),
-            (None, Some(couples)) => write_network(couples, outputs.table, packing, &network, position),
+            (None, Some(couples)) => {
+                write_network(couples, outputs.table, packing, &network, &columns, position)
+            }
             (None, None) => Ok(()),
         }
     });
@@ -147,6 +157,10 @@ fn find<const D: usize>(
     let of_file = takes_file_box(&arguments.periodic);
     let summary =
         Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis);
+    let summary = match file {
+        Some(file) => summary.with_couples_of(&file.name),
+        None => summary,
+    };
     let (drawn, _) =
         progress.step("drawing", None, |_| outputs.drawings.write(input, &network, || summary.to_string()));
     drawn.map(|()| summary)

@@ -74,6 +74,7 @@ fn refuse(arguments: &ContactsArguments, ranks: usize) -> Result<(), Failure> {
         ("--body-table", arguments.meshes.body_table.is_some()),
         ("--self-contact", arguments.meshes.self_contact),
         ("--bodies", arguments.bodies.is_some()),
+        ("--couples", arguments.couples.couples.is_some()),
         ("--explain", arguments.explain),
         ("--verify", arguments.verify.is_some()),
         ("--analyse", arguments.analysis.analyse),
@@ -504,7 +505,8 @@ fn write<const D: usize>(
         (None, Some(cutoff)) => Sizes::Cutoff(cutoff),
         (None, None) => Sizes::Each(&radii),
     };
-    let network = Network { space: Space { centres: &centres, cell }, sizes, couples: &couples };
+    let network =
+        Network { space: Space { centres: &centres, cell }, sizes, couples: &couples, forces: None };
     output.write(communicator, &couples_with_ids(&network, &ids, position))
 }
 
@@ -692,6 +694,7 @@ mod tests {
             ("--json a.json", "out.npy", "--json"),
             ("--picture a.svg", "out.npy", "--picture"),
             ("--explain", "", "--explain"),
+            ("--couples a.dump", "out.npy", "--couples"),
             ("", "out.parquet", ".npy or .csv"),
             ("", "", "--output FILE or --count"),
         ] {

@@ -39,7 +39,7 @@ pub(crate) fn run(
         let mut outputs = Outputs::open(&own)?;
         outputs.series = table.take();
         let input = opened.frame(frames, frame, &own.input, own.bodies.as_deref(), progress)?;
-        let mut of_frame = packing::treat(&own, progress, &input, &mut outputs)?;
+        let mut of_frame = packing::treat(&own, progress, &input, None, &mut outputs)?;
         of_frame.frame = Some(frame);
         of_frame.measure_peak();
         table = outputs.series.take();

@@ -203,6 +203,14 @@ impl Summary {
         self
     }
 
+    /// For couples that were not searched but taken from a file.
+    pub(crate) fn with_couples_of(mut self, file: &str) -> Self {
+        self.engine = "none";
+        self.reason = format!("the couples are those of {file}");
+        (self.cell_size, self.cells) = (None, None);
+        self
+    }
+
     /// Records the peak memory of the process so far.
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();

@@ -41,15 +41,17 @@ pub(crate) fn write_table(
     })
 }
 
-/// Writes the couples of a packing, and its elements if the format holds them. `position` counts the couples.
+/// Writes the couples of a packing with more `columns`, and its elements if the format holds them. `position`
+/// counts the couples.
 pub(crate) fn write_network<const D: usize>(
     output: &mut Output,
     format: TableFormat,
     packing: &Packing,
     network: &Network<'_, D>,
+    columns: &[(String, Vec<f64>)],
     position: &Position,
 ) -> Result<(), Failure> {
-    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, position };
+    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, columns, position };
     output.write(|out| drawn.write(format, out))
 }
 
@@ -63,7 +65,8 @@ pub(crate) fn write_network<const D: usize>(
 pub fn network_file<const D: usize>(network: &Network<'_, D>, name: &Path) -> Result<Vec<u8>, String> {
     let format = TableFormat::of(Some(name)).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();
-    let drawn = DrawnPacking { packing: None, ids: None, network, position: &Position::default() };
+    let drawn =
+        DrawnPacking { packing: None, ids: None, network, columns: &[], position: &Position::default() };
     drawn.write(format, &mut bytes).map_err(|error| error.to_string())?;
     Ok(bytes)
 }
@@ -108,7 +111,7 @@ pub(crate) fn frame_table<'a, const D: usize>(
     shifts: usize,
     position: &'a Position,
 ) -> Table<'a> {
-    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, position };
+    let drawn = DrawnPacking { packing: Some(packing), ids: None, network, columns: &[], position };
     let (number, step) = (packing.frame.index, packing.frame.step.unwrap_or(NO_STEP));
     let table = Table::new(network.couples.len())
         .with("frame", Values::i64(move |_| number.cast_signed() as i64))
@@ -128,6 +131,8 @@ struct DrawnPacking<'a, const D: usize> {
     /// Ids of the elements, in place of those of the packing.
     ids: Option<&'a [i64]>,
     network: &'a Network<'a, D>,
+    /// More columns of the couples, as those of a file.
+    columns: &'a [(String, Vec<f64>)],
     position: &'a Position,
 }
 
@@ -141,7 +146,7 @@ pub(crate) fn couples_with_ids<'a, const D: usize>(
     ids: &'a [i64],
     position: &'a Position,
 ) -> Table<'a> {
-    DrawnPacking { packing: None, ids: Some(ids), network, position }.couples()
+    DrawnPacking { packing: None, ids: Some(ids), network, columns: &[], position }.couples()
 }
 
 impl<'a, const D: usize> DrawnPacking<'a, D> {
@@ -183,14 +188,16 @@ impl<'a, const D: usize> DrawnPacking<'a, D> {
     fn measures(&self, table: Table<'a>) -> Table<'a> {
         let network = self.network;
         let couples = network.couples;
-        let Some(measures) = Measures::of(network) else {
-            return table
+        let table = match Measures::of(network) {
+            None => table
                 .with("distance", Values::f64(move |k| network.space.distance(couples.get(k))))
-                .with("overlap", Values::f64(move |k| network.overlap(couples.get(k))));
+                .with("overlap", Values::f64(move |k| network.overlap(couples.get(k)))),
+            Some(measures) => table
+                .with("distance", Values::f64(move |k| measures.distance(k)))
+                .with("overlap", Values::f64(move |k| measures.overlap(k))),
         };
-        table
-            .with("distance", Values::f64(move |k| measures.distance(k)))
-            .with("overlap", Values::f64(move |k| measures.overlap(k)))
+        let columns = self.columns.iter();
+        columns.fold(table, |table, (name, values)| table.with(name, Values::f64(move |k| values[k])))
     }
 
     fn shifts(&self, table: Table<'a>) -> Table<'a> {

@@ -7,6 +7,7 @@
 //! - `analyse`: the analysis of the network.
 //! - `generate`: packings from seeds.
 //! - `periodic`: boxes that repeat, threads, and predictions before a search.
+//! - `couples`: couples with forces that a file gives.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
@@ -31,6 +32,7 @@ mod bench;
 mod bodies;
 mod conditions;
 mod contacts;
+mod couples;
 mod drawings;
 mod earlier;
 mod flat;

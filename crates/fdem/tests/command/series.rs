@@ -254,3 +254,49 @@ fn the_box_of_an_archive_is_read_back() {
     bench.run(&["contacts", "run.dump", "--count", "--analyse", "--json", "all.json", "-q"]).succeeds();
     assert!(bench.json("all.json")[1]["analysis"]["coordination"]["mean"].is_number());
 }
+
+/// The pieces of a collection stand beside it; a piece is found from the file that lists it.
+#[test]
+fn collections_of_paraview_are_series() {
+    let bench = Bench::new();
+    let points = |xs: [f64; 2]| {
+        format!(
+            "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\"><PointData><DataArray type=\"Float64\" \
+             Name=\"radius\" format=\"ascii\">0.5 0.5</DataArray></PointData><Points><DataArray type=\"Float64\" \
+             NumberOfComponents=\"3\" format=\"ascii\">{} 0 0 {} 0 1e-3</DataArray></Points></Piece></PolyData></VTKFile>",
+            xs[0], xs[1]
+        )
+    };
+    std::fs::create_dir_all(bench.path("run/parts")).unwrap();
+    bench.write("run/parts/one.vtp", points([0.0, 0.75]));
+    bench.write("run/parts/two.vtp", points([1.5, 9.0]));
+    bench.write(
+        "run/all.pvtp",
+        "<VTKFile type=\"PPolyData\"><PPolyData>\n<Piece Source=\"parts/one.vtp\"/>\n<Piece Source=\"parts/two.vtp\"/>\n\
+         </PPolyData></VTKFile>",
+    );
+    bench.write(
+        "run.pvd",
+        "<VTKFile type=\"Collection\"><Collection>\n<DataSet timestep=\"0\" file=\"run/parts/one.vtp\"/>\n\
+         <DataSet timestep=\"2.5\" file=\"run/all.pvtp\"/>\n</Collection></VTKFile>",
+    );
+    let run = bench.run(&["contacts", "run/all.pvtp", "--count"]).succeeds();
+    assert_eq!(run.stdout, "2\n");
+    let run = bench.run(&["contacts", "run.pvd", "--frames", "1", "--json", "s.json", "-q"]).succeeds();
+    assert_eq!(run.stdout.lines().skip(1).map(|row| &row[..3]).collect::<Vec<_>>(), ["0,1", "1,2"]);
+    assert_eq!(bench.json("s.json")["time"], 2.5);
+    let run = bench.run(&["contacts", "run.pvd", "--frames", ":", "-q"]).succeeds();
+    assert_eq!(run.stdout.lines().count(), 4, "{}", run.stdout);
+
+    std::fs::remove_file(bench.path("run/parts/two.vtp")).unwrap();
+    bench
+        .run(&["contacts", "run/all.pvtp"])
+        .refused_with(&["run/all.pvtp:3: piece parts/two.vtp: cannot read"]);
+    bench
+        .run(&["contacts", "run.pvd", "--frames", "1"])
+        .refused_with(&["run.pvd:3: ", "piece run/all.pvtp: line 3: piece parts/two.vtp: cannot read"]);
+    let circle =
+        "<VTKFile type=\"PPolyData\"><PPolyData><Piece Source=\"../all.pvtp\"/></PPolyData></VTKFile>";
+    bench.write("run/parts/two.vtp", circle);
+    bench.run(&["contacts", "run/all.pvtp"]).refused_with(&["run/all.pvtp:3: ", "lists itself"]);
+}

@@ -11,7 +11,7 @@ use crate::options::ReadOptions;
 use crate::packing::{Centres, Format, Frame, Packing, SimulationBox};
 use crate::series::rows::{RowTable, at_end, broken, expect, number, numbers, whole};
 
-const ITEM: &[u8] = b"ITEM:";
+pub(super) const ITEM: &[u8] = b"ITEM:";
 /// Endings of coordinates: as they are, scaled, unwrapped, and both.
 const KINDS: [&str; 4] = ["", "s", "u", "su"];
 
@@ -101,8 +101,8 @@ impl<'a> DumpHead<'a> {
                 };
                 return Ok(Self { step, time, count, cell, columns: columns.trim_ascii(), line });
             } else if item == b"NUMBER OF ENTRIES" {
-                let problem = "this is a 'dump local' of pairs or bonds, which is not read: give a dump of the atoms, whose \
-                               pairs fdem finds";
+                let problem = "this is a 'dump local' of pairs or bonds: give a dump of the atoms, and this file with \
+                               --couples";
                 return broken(line, problem);
             } else {
                 let item = excerpt::field(item);
@@ -116,7 +116,7 @@ impl<'a> DumpHead<'a> {
 }
 
 /// The box, given after its line in any of its three forms.
-fn bounds(lines: &mut Lines<'_>, line: u64, kinds: &[u8]) -> Result<SimulationBox, ReadError> {
+pub(super) fn bounds(lines: &mut Lines<'_>, line: u64, kinds: &[u8]) -> Result<SimulationBox, ReadError> {
     let kinds: Vec<&[u8]> = words(kinds).take(7).collect();
     let (form, flags) = match kinds[..] {
         [b"xy", b"xz", b"yz", ref flags @ ..] => (Form::Tilted, flags),

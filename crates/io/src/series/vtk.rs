@@ -9,6 +9,7 @@ use crate::mesh::{vtk, vtk_xml};
 use crate::options::ReadOptions;
 use crate::packing::{Format, Frame, Packing};
 use crate::place::Place;
+use crate::series::collection::{PieceFiles, Pieces};
 use crate::series::values;
 
 /// Names that mean diameters here only: `ParaView` draws spheres of this diameter.
@@ -20,6 +21,14 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
 
 pub(super) fn read_xml(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadError> {
     packing(vtk_xml::points(bytes).map_err(fault)?, Format::VtkXml, options)
+}
+
+pub(super) fn read_pieces(
+    pieces: &Pieces,
+    files: &dyn PieceFiles,
+    options: &ReadOptions,
+) -> Result<Packing, ReadError> {
+    packing(pieces.points(files)?, Format::VtkXml, options)
 }
 
 fn fault((place, problem): Fault) -> ReadError {

@@ -44,7 +44,7 @@ impl<F> fmt::Debug for Spool<F> {
 
 /// A column and its file.
 struct Kept<F> {
-    name: &'static str,
+    name: String,
     components: &'static [&'static str],
     kind: SpooledNumber,
     file: RefCell<Blocks<F>>,
@@ -86,7 +86,7 @@ impl<F: Read + Write + Seek> Spool<F> {
                 let kind = kind(&column.values)?;
                 let file = Blocks { file: file()?, start: 0, block: Vec::new(), error: None };
                 self.columns.push(Kept {
-                    name: column.name,
+                    name: column.name.to_owned(),
                     components: column.components,
                     kind,
                     file: RefCell::new(file),
@@ -115,9 +115,9 @@ impl<F: Read + Write + Seek> Spool<F> {
         self.columns.iter().fold(Table::new(self.rows), |table, column| {
             let values = column.values();
             if column.components.is_empty() {
-                table.with(column.name, values)
+                table.with(&column.name, values)
             } else {
-                table.with_components(column.name, column.components, values)
+                table.with_components(&column.name, column.components, values)
             }
         })
     }

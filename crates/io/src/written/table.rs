@@ -92,7 +92,7 @@ impl<'a> Values<'a> {
 /// A name and its values: one number for each row, or several, as for a point.
 pub(crate) struct TableColumn<'a> {
     /// Name of the column, in formats whose arrays may have several components.
-    pub(crate) name: &'static str,
+    pub(crate) name: &'a str,
     /// Names of the components, for formats without them; empty for a column of single numbers.
     pub(crate) components: &'static [&'static str],
     /// Unit of the values; empty for none.
@@ -125,7 +125,7 @@ impl TableColumn<'_> {
     }
 
     /// Names of its columns in formats without components.
-    fn names(&self) -> &[&'static str] {
+    fn names(&self) -> &[&str] {
         if self.components.is_empty() { std::slice::from_ref(&self.name) } else { self.components }
     }
 
@@ -179,9 +179,9 @@ impl<'a> Table<'a> {
 
     /// Adds a column; value `k` belongs to row `k`.
     ///
-    /// Names consist of letters, digits and underscores.
+    /// Names consist of ASCII letters, digits and `_ . - [ ]`, which no format has to escape.
     #[must_use]
-    pub fn with(mut self, name: &'static str, values: Values<'a>) -> Self {
+    pub fn with(mut self, name: &'a str, values: Values<'a>) -> Self {
         self.columns.push(TableColumn { name, components: &[], unit: "", values });
         self
     }
@@ -191,7 +191,7 @@ impl<'a> Table<'a> {
     #[must_use]
     pub fn with_components(
         mut self,
-        name: &'static str,
+        name: &'a str,
         components: &'static [&'static str],
         values: Values<'a>,
     ) -> Self {
@@ -239,7 +239,7 @@ impl<'a> Table<'a> {
 
 /// A column of one value per row.
 pub(super) struct Plain<'t> {
-    pub(super) name: &'static str,
+    pub(super) name: &'t str,
     pub(super) values: &'t Values<'t>,
     pub(super) width: usize,
     pub(super) component: usize,

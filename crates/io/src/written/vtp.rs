@@ -92,7 +92,7 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
 }
 
 /// The name of an array: the name of its component if there is only one, otherwise the name of the column.
-fn plain_name(column: &TableColumn<'_>) -> &'static str {
+fn plain_name<'a>(column: &TableColumn<'a>) -> &'a str {
     match column.components {
         [name] => name,
         _ => column.name,

@@ -241,6 +241,42 @@ def test_grids_of_pyvista(tmp_path, name, options):
     check_vtk(file, pyvista.read(file), "radius")
 
 
+def test_collections_of_vtk(tmp_path):
+    pyvista = import_module("pyvista")
+    positions, radii = spheres(1)
+    whole = pyvista.PolyData(positions)
+    whole["Radius"] = radii
+    halves = []
+    for half in np.array_split(np.arange(N), 2):
+        halves.append(pyvista.PolyData(positions[half]))
+        halves[-1]["Radius"] = radii[half]
+    pyvista.MultiBlock(halves).save(tmp_path / "blocks.vtm")
+    check_vtk(tmp_path / "blocks.vtm", whole, "Radius")
+
+    vtk = import_module("vtk")
+    writer = vtk.vtkXMLPPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "pieces.pvtp"))
+    writer.SetNumberOfPieces(3)
+    writer.SetStartPiece(0)
+    writer.SetEndPiece(2)
+    writer.SetInputData(whole)
+    assert writer.Write() == 1
+    reader = vtk.vtkXMLPPolyDataReader()
+    reader.SetFileName(str(tmp_path / "pieces.pvtp"))
+    reader.Update()
+    joined = pyvista.wrap(reader.GetOutput())
+    check_vtk(tmp_path / "pieces.pvtp", joined, "Radius")
+
+    entries = [(0.5, "blocks.vtm"), (1.5, "pieces.pvtp")]
+    sets = "".join(f'<DataSet timestep="{time}" part="0" file="{file}"/>' for time, file in entries)
+    (tmp_path / "run.pvd").write_text(f'<VTKFile type="Collection"><Collection>{sets}</Collection></VTKFile>')
+    assert pyvista.PVDReader(tmp_path / "run.pvd").time_values == [0.5, 1.5]
+    for frame, read in enumerate([whole, joined]):
+        rows, summary = fdem(tmp_path / "run.pvd", "--frames", str(frame))
+        assert (summary["elements"], summary["time"]) == (read.n_points, entries[frame][0])
+        assert couples_of(rows) == expected(np.asarray(read.points, float), read["Radius"])
+
+
 def check_vtk(file, read, name, first=0):
     rows, summary = fdem(file)
     assert summary["elements"] == read.n_points

@@ -9,6 +9,7 @@
 //! - `../meshes.rs`, `../written_memory.rs`: separate programs, because they measure allocated memory.
 
 mod bad_files;
+mod collections;
 mod good_files;
 mod label_images;
 mod properties;

@@ -92,7 +92,7 @@ pub struct NetworkReport<'a, const D: usize> {
 /// let centres = [[0.0, 0.0], [1.9, 0.0]];
 /// let couples = Couples::Plain(vec![Couple::new(0, 1)]);
 /// let space = Space { centres: &centres, cell: None };
-/// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples };
+/// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples, forces: None };
 /// let caption = Caption { title: "two <b>discs</b>", unit: None };
 /// let page = html(&NetworkReport { network, caption, ids: None, facts: &[("elements", "2")] })?;
 /// assert!(page.contains("two &lt;b&gt;discs"));
@@ -128,7 +128,7 @@ pub fn html<const D: usize>(report: &NetworkReport<'_, D>) -> Result<String, Pic
         .collect();
     let sizes = if let Sizes::Each(_) = network.sizes { Sizes::Each(&part.radii) } else { network.sizes };
     let space = Space { centres: &part.centres, cell: network.space.cell };
-    let shown = Network { space, sizes, couples: &part.couples };
+    let shown = Network { space, sizes, couples: &part.couples, forces: part.forces.as_deref() };
     whole_page(&NetworkReport { network: shown, caption, ids: Some(&names), facts: &told }, radial)
 }
 
@@ -160,6 +160,8 @@ struct Part<const D: usize> {
     radii: Vec<f64>,
     /// Couples by the numbers in the part.
     couples: Couples<D>,
+    /// The force of each couple, if the forces are known.
+    forces: Option<Vec<[f64; D]>>,
 }
 
 impl<const D: usize> Part<D> {
@@ -211,7 +213,12 @@ impl<const D: usize> Part<D> {
         numbers.sort_unstable();
         let is_in = |element: u32| (rank[element as usize] as usize) < count;
         let own = |element: u32| numbers.partition_point(|&number| number < element) as u32;
-        let couples = network.couples.iter().filter(|couple| is_in(couple.i) && is_in(couple.j));
+        let is_shown = |couple: &PeriodicCouple<D>| is_in(couple.i) && is_in(couple.j);
+        let couples = network.couples.iter().filter(is_shown);
+        let forces = network.forces.map(|forces| {
+            let all = network.couples.iter().zip(forces);
+            all.filter(|(couple, _)| is_shown(couple)).map(|(_, force)| *force).collect()
+        });
         let couples = match network.couples {
             Couples::Plain(_) => {
                 Couples::Plain(couples.map(|couple| Couple::new(own(couple.i), own(couple.j))).collect())
@@ -227,7 +234,7 @@ impl<const D: usize> Part<D> {
             Sizes::Each(radii) => numbers.iter().map(|&number| radii[number as usize]).collect(),
             _ => Vec::new(),
         };
-        Self { numbers, centres, radii, couples }
+        Self { numbers, centres, radii, couples, forces }
     }
 }
 
@@ -352,6 +359,9 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
     let count = if equal { 1 } else { scene.centres.len() };
     arrays.f64("radius", (0..count).map(|index| network.sizes.radius(index)));
     arrays.f64("distance", scene.bonds.iter().map(|bond| bond.distance));
+    if scene.of_forces {
+        arrays.f64("overlap", scene.bonds.iter().map(|bond| bond.overlap));
+    }
     if let Some(ids) = ids {
         arrays.i64("id", ids.iter().copied());
     }
@@ -472,7 +482,7 @@ fn sentence(scene: &Scene) -> String {
     }
     text.push('.');
     if let Some(overlaps) = scene.overlaps {
-        let unit = if scene.shapes.is_some() { String::new() } else { scene.after_number() };
+        let unit = if scene.value_is_length() { scene.after_number() } else { String::new() };
         text = format!("{text} The largest {} is {}{unit}.", scene.value(), brief(overlaps.largest));
     }
     text
@@ -498,7 +508,7 @@ mod tests {
         let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
         let couples = Couples::Plain(vec![Couple::new(0, 1)]);
         let space = Space { centres: &centres, cell: None };
-        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
+        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples, forces: None };
         html(&NetworkReport { network, caption: Caption { title, unit: None }, ids: Some(&[7, 8, 9]), facts })
             .unwrap()
     }
@@ -536,7 +546,7 @@ mod tests {
         let radii: Vec<f64> = (0..11).map(|k| 0.5 + f64::from(k) / 100.0).collect();
         let couples = Couples::Plain((0..10).map(|k| Couple::new(k, k + 1)).collect());
         let space = Space { centres: &centres, cell: None };
-        let network = Network { space, sizes: Sizes::Each(&radii), couples: &couples };
+        let network = Network { space, sizes: Sizes::Each(&radii), couples: &couples, forces: None };
         let part = Part::of(&network, [5, 100]);
         assert_eq!(part.numbers, [3, 4, 5, 6, 7]);
         assert_eq!((part.centres[0], part.radii[0]), ([3.0, 0.0], 0.53));
@@ -552,6 +562,7 @@ mod tests {
             space: Space { centres: &centres, cell: None },
             sizes: Sizes::All(0.25),
             couples: &couples,
+            forces: None,
         };
         let facts = [("elements", "250,001")];
         let page =

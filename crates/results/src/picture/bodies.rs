@@ -170,6 +170,7 @@ pub(crate) fn scene(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<Scene,
         bonds,
         cell: None,
         are_points: false,
+        of_forces: false,
         drawn: 1.0,
         sizes,
         shapes: Some(Shapes {

@@ -117,7 +117,7 @@ impl<'a> NetworkLayout<'a> {
     fn svg(&self, draw: impl FnOnce(&mut Svg)) -> String {
         let Self { scene, camera, .. } = self;
         let [width, height] = self.size;
-        let description = format!("{}. {}", furniture::counts(scene), self.description());
+        let description = format!("{}. {} {}.", furniture::counts(scene), self.description(), scene.value());
         let mut svg = Svg::new(width, height, &format!("Contact network of {}", scene.title), &description);
         draw(&mut svg);
         furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
@@ -139,11 +139,12 @@ impl<'a> NetworkLayout<'a> {
         svg.finish()
     }
 
+    /// The elements and the contacts, up to the name of their value.
     fn description(&self) -> &'static str {
         if self.scene.dimensions == 2 {
-            "Discs, those without contact white, and a line for each contact, coloured by its overlap."
+            "Discs, those without contact white, and a line for each contact, coloured by its"
         } else {
-            "Left the elements, coloured by their number of contacts; right the contacts, coloured by their overlap."
+            "Left the elements, coloured by their number of contacts; right the contacts, coloured by their"
         }
     }
 
@@ -338,6 +339,11 @@ impl<'a> NetworkLayout<'a> {
             return 1.2 + 1.8 * self.share(bond);
         }
         let smaller = self.scene.radii[bond.i as usize].min(self.scene.radii[bond.j as usize]);
+        if self.scene.of_forces {
+            // Force chains: the width grows with the force.
+            let most = (1.2 * smaller * self.camera.scale).clamp(2.0, 8.0);
+            return 0.5 + (most - 0.5) * self.share(bond);
+        }
         let flat = self.scene.dimensions == 2;
         let least = if flat { 0.5 } else { 0.6 };
         let wide = if flat { 0.14 + 0.24 * self.share(bond) } else { 0.22 + 0.33 * self.share(bond) };

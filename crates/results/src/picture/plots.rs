@@ -345,7 +345,7 @@ fn coordination(scene: &Scene) -> Panel {
 
 fn overlap(scene: &Scene) -> Panel {
     let values: Vec<f64> = scene.bonds.iter().map(|bond| bond.overlap).collect();
-    let unit = if scene.shapes.is_some() { String::new() } else { scene.after_name() };
+    let unit = if scene.value_is_length() { scene.after_name() } else { String::new() };
     histogram(&values, scene.value(), &unit, "contacts", HEAT[8])
 }
 
@@ -505,7 +505,7 @@ mod tests {
     fn scene(centres: &[[f64; 2]], couples: Vec<Couple>) -> Scene {
         let couples = Couples::Plain(couples);
         let space = Space { centres, cell: None };
-        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
+        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples, forces: None };
         Scene::new(&network, &Caption::default()).unwrap()
     }
 
@@ -540,7 +540,7 @@ mod tests {
         let centres: Vec<[f64; 2]> = (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20)]).collect();
         let couples = Couples::Plain(vec![]);
         let space = Space { centres: &centres, cell: None };
-        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
+        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples, forces: None };
         let scene = Scene::new(&network, &Caption::default()).unwrap();
         let panels = panels(&scene, &g_of_r(&network));
         assert_eq!(panels.len(), count(&scene));
@@ -564,7 +564,7 @@ mod tests {
             .collect();
         let couples = Couples::Plain((1..=count as u32).map(|k| Couple::new(0, k)).collect());
         let space = Space { centres: &centres, cell: None };
-        let network = Network { space, sizes: Sizes::Cutoff(1.1), couples: &couples };
+        let network = Network { space, sizes: Sizes::Cutoff(1.1), couples: &couples, forces: None };
         let panel = inclination(&Scene::new(&network, &Caption::default()).unwrap());
         let Kind::Rose { radii, .. } = &panel.kind else { panic!("no rose") };
         assert!(radii.iter().all(|r| (r - 1.0).abs() < 0.01), "{radii:?}");

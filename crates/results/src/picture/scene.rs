@@ -30,6 +30,8 @@ pub(crate) struct Scene {
     pub(crate) cell: Option<([f64; 3], Vec<[f64; 3]>)>,
     /// Whether the elements are points, which have no size.
     pub(crate) are_points: bool,
+    /// Whether the values of the contacts are forces in place of overlaps.
+    pub(crate) of_forces: bool,
     /// Radius as drawn over radius.
     pub(crate) drawn: f64,
     /// Smallest and largest radius; `None` without elements.
@@ -46,6 +48,7 @@ pub(crate) struct Bond {
     pub(crate) i: u32,
     pub(crate) j: u32,
     pub(crate) distance: f64,
+    /// The value by which the contact is coloured: overlap, force, or that of [`Shapes::value`].
     pub(crate) overlap: f64,
     /// Vector from `i` to the image of `j`.
     pub(crate) branch: [f64; 3],
@@ -99,6 +102,13 @@ impl OverlapRange {
         Some(Self { low, high, largest })
     }
 
+    /// Returns the range of forces, from 0 to the largest one, so that lines show how much larger it is;
+    /// `None` without any.
+    fn of_forces(forces: &[f64]) -> Option<Self> {
+        let largest = forces.iter().copied().reduce(f64::max)?;
+        Some(Self { low: 0.0, high: largest, largest })
+    }
+
     /// Position of an overlap in the colours, from 0 to 1.
     pub(crate) fn share(&self, overlap: f64) -> f64 {
         if self.high > self.low {
@@ -117,7 +127,8 @@ impl Scene {
         if D != 2 && D != 3 {
             return Err(PictureError::Dimensions { found: D });
         }
-        let Network { space, sizes, couples } = *network;
+        let Network { space, sizes, couples, forces } = *network;
+        let magnitudes = network.magnitudes();
         let in_three = |point: [f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
         let n = space.centres.len();
         let drawn = if matches!(sizes, Sizes::Cutoff(_)) { POINT } else { 1.0 };
@@ -134,7 +145,8 @@ impl Scene {
         let mut coordination = vec![0_u32; n];
         let bonds: Vec<Bond> = couples
             .iter()
-            .map(|couple| {
+            .enumerate()
+            .map(|(k, couple)| {
                 let (i, j) = (couple.i, couple.j);
                 coordination[i as usize] += 1;
                 coordination[j as usize] += 1;
@@ -143,7 +155,9 @@ impl Scene {
                     i,
                     j,
                     distance: space.distance(couple),
-                    overlap: network.overlap(couple),
+                    overlap: magnitudes
+                        .as_ref()
+                        .map_or_else(|| network.overlap(couple), |magnitudes| magnitudes[k]),
                     branch: std::array::from_fn(|axis| b[axis] - a[axis]),
                     leaves: space.cell.is_some() && b != centres[j as usize],
                     joint: None,
@@ -162,10 +176,14 @@ impl Scene {
             centres,
             radii: (0..n).map(|index| sizes.radius(index) * drawn).collect(),
             coordination,
-            overlaps: OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
+            overlaps: match &magnitudes {
+                Some(forces) => OverlapRange::of_forces(forces),
+                None => OverlapRange::of(bonds.iter().map(|bond| bond.overlap).collect()),
+            },
             bonds,
             cell,
             are_points: drawn < 1.0,
+            of_forces: forces.is_some(),
             drawn,
             sizes: range,
             shapes: None,
@@ -200,13 +218,18 @@ impl Scene {
 
     /// Name of the value that colours the contacts.
     pub(crate) fn value(&self) -> &str {
-        self.shapes.as_ref().map_or("overlap", |shapes| shapes.value.as_str())
+        let name = if self.of_forces { "force" } else { "overlap" };
+        self.shapes.as_ref().map_or(name, |shapes| shapes.value.as_str())
     }
 
-    /// Name of the value that colours the contacts, with its unit. For bodies the unit is left out, because
-    /// it depends on the value.
+    /// Whether the value that colours the contacts is a length. The unit of others is not known.
+    pub(crate) fn value_is_length(&self) -> bool {
+        self.shapes.is_none() && !self.of_forces
+    }
+
+    /// Name of the value that colours the contacts, with its unit if it is a length.
     pub(crate) fn value_and_unit(&self) -> String {
-        if self.shapes.is_some() { self.value().to_owned() } else { format!("overlap{}", self.after_name()) }
+        if self.value_is_length() { format!("overlap{}", self.after_name()) } else { self.value().to_owned() }
     }
 
     /// Whether an element is drawn as triangles.

@@ -35,7 +35,7 @@ fn analysed<const D: usize>(
         couples.sort_unstable();
         Couples::Plain(couples)
     };
-    analyse(&Network { space: Space { centres, cell }, sizes, couples: &couples }, options)
+    analyse(&Network { space: Space { centres, cell }, sizes, couples: &couples, forces: None }, options)
 }
 
 fn close(a: f64, b: f64, relative: f64) -> bool {
@@ -435,7 +435,7 @@ fn what_cannot_be_is_refused() {
 
     let line = Couples::Plain(vec![Couple::new(0, 1)]);
     let space = Space { centres: &[[0.0], [1.0]], cell: None };
-    let network = Network { space, sizes: Sizes::All(0.5), couples: &line };
+    let network = Network { space, sizes: Sizes::All(0.5), couples: &line, forces: None };
     assert_eq!(analyse(&network, &Options::default()), Err(AnalysisError::Dimensions { dimensions: 1 }));
 }
 

@@ -42,7 +42,7 @@ async function openNetwork() {
   // The columns of the contacts.
   const columns = meta.bodies
     ? meta.bodies.columns.map(({ name, array }) => ({ name, of: (c) => arrays[array][c] }))
-    : [{ name: "distance", of: (c) => distance[c] }, { name: "overlap", of: (c) => overlap[c] }];
+    : [{ name: "distance", of: (c) => distance[c] }, { name: meta.value, of: (c) => overlap[c] }];
   const { point, halves, corners, facets, owner } = arrays;
   return { n, m, d, i, j, distance, overlap, columns, point, halves, corners, facets, owner, largest, radius, at, id, find, starts, contacts, coordination, branch: arrays.branch, shift: arrays.shift };
 }

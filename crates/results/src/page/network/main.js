@@ -142,7 +142,7 @@ class Page {
     const parts = [list];
     if (count) {
       const table = document.createElement("table");
-      table.append(make("caption", meta.bodies ? "contacts" : `distance and overlap${meta.unit ? ` in ${meta.unit}` : ""}`));
+      table.append(make("caption", meta.bodies ? "contacts" : tableCaption()));
       const heads = ["id", ...network.columns.map(({ name }) => name), ...(network.shift ? ["shift"] : [])];
       table.append(make("thead", null, make("tr", null, ...heads.map((name) => {
         const head = make("th", name);
@@ -369,3 +369,9 @@ openNetwork().then((network) => {
   preview(`Only a picture is shown: ${error.message}.`);
   document.documentElement.dataset.ready = "failed";
 });
+
+// The unit of lengths is known, that of forces is not.
+function tableCaption() {
+  const unit = meta.unit ? ` in ${meta.unit}` : "";
+  return meta.value === "overlap" ? `distance and overlap${unit}` : `distance${unit} and ${meta.value}`;
+}
