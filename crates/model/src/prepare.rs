@@ -1,6 +1,6 @@
 //! A model file becomes a model that can be run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 use fdem_io::numbers::grouped;
@@ -523,7 +523,9 @@ fn notes_of<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D
         let name = &file.body[body.table].name;
         body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")).collect::<Vec<_>>()
     };
-    placed.iter().flat_map(of).collect()
+    // Copies of one surface have the same notes.
+    let mut known = BTreeSet::new();
+    placed.iter().flat_map(of).filter(|note| known.insert(note.clone())).collect()
 }
 
 fn groups_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Group<D>>

@@ -20,7 +20,7 @@ use crate::shapes::outline::{self, area};
 use crate::shapes::packing::{self, Ball, Motion, Room};
 use crate::shapes::piece::{Piece, with_notes};
 use crate::shapes::refine::{self, grading};
-use crate::shapes::{coincident, distant};
+use crate::shapes::{coincident, distant, holes};
 use crate::text::fault::Problem;
 use crate::text::file::{
     self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
@@ -99,7 +99,7 @@ fn meshed(
     grading: &Grading<3>,
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let Shape { mut surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
+    let Shape { mut surface, names, round, notes } = shape.map_err(|error| told(body, key, &error, None))?;
     if let Some(problem) = distant::problem(key, &body.name, fdem_mesh::bounds(surface.nodes.iter().copied()))
     {
         return Err(problem);
@@ -132,7 +132,7 @@ fn meshed(
     };
     let facets = joints.facets(&meshed);
     let piece = piece(meshed, &names, materials, body.voronoi.is_some());
-    let piece = piece.map(|piece| Piece { joints: facets, ..piece });
+    let piece = piece.map(|piece| Piece { joints: facets, notes, ..piece });
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 
@@ -166,6 +166,13 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
                 grouped(MOST as u64)
             );
             return Problem { help: Some("take a larger radius".to_owned()), ..Problem::new(key, message) };
+        }
+        MeshError::Open { .. } if body.surface.is_some() => {
+            let help = "close it in the program that made it; close_holes = WIDTH closes holes up to a width";
+            return Problem {
+                help: Some(help.to_owned()),
+                ..Problem::new(key, format!("[[body]] \"{}\": {error}", body.name))
+            };
         }
         _ => return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name)),
     };
@@ -300,6 +307,8 @@ struct Shape {
     names: Vec<Vec<String>>,
     /// How a mesh with grains is made round.
     round: Option<Round>,
+    /// Notes on the file of a surface.
+    notes: Vec<String>,
 }
 
 /// The round shape that replaces the prism of a mesh with grains.
@@ -314,14 +323,14 @@ impl Shape {
     /// A shape whose faces have the names that its surface gives them.
     fn named(surface: Surface) -> Self {
         let names = surface.names.iter().map(|name| vec![name.clone()]).collect();
-        Self { surface, names, round: None }
+        Self { surface, names, round: None, notes: Vec::new() }
     }
 
     /// A shape whose faces are `face-1`, `face-2`, ….
     fn numbered(surface: Surface) -> Self {
         let count = surface.faces.iter().max().map_or(0, |most| most + 1);
         let names = (1..=count).map(|number| vec![format!("face-{number}")]).collect();
-        Self { surface, names, round: None }
+        Self { surface, names, round: None, notes: Vec::new() }
     }
 }
 
@@ -354,8 +363,11 @@ fn surface(
         let shape = grains(voronoi, size);
         ("voronoi", shape)
     } else if let Some(name) = &body.surface {
-        let triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
-        ("surface", Surface::from_triangles(&triangles, CREASE).map(Shape::numbered))
+        let mut triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
+        let note = body.close_holes.and_then(|width| holes::close(&mut triangles, width));
+        let notes: Vec<String> = note.into_iter().map(|note| format!("{name}: {note}")).collect();
+        let shape = Surface::from_triangles(&triangles, CREASE);
+        ("surface", shape.map(|surface| Shape { notes, ..Shape::numbered(surface) }))
     } else {
         return Err(Problem::new("name", "a body without shape"));
     })
@@ -371,6 +383,7 @@ fn grains(voronoi: &Voronoi, size: &Size<'_>) -> Result<Shape, MeshError> {
             surface,
             names: vec![vec!["face-1".to_owned()]],
             round: Some(Round::Sphere(of.clone())),
+            notes: Vec::new(),
         });
     }
     let shape = if let Some(of) = &of.block {
@@ -397,7 +410,7 @@ fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
         };
         names.extend(std::iter::repeat_n(name, corners.len()));
     }
-    Ok(Shape { surface, names, round: None })
+    Ok(Shape { surface, names, round: None, notes: Vec::new() })
 }
 
 /// A mesh that was made here, with the groups of its faces.

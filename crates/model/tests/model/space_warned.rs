@@ -293,6 +293,28 @@ fn a_shape_that_cannot_be_has_one_error() {
     assert!(error.lines().count() == 1 && !error.contains("inf"), "{error}");
 }
 
+/// A scan with a hole is refused, or closed on request.
+#[test]
+fn holes_of_a_surface_are_closed_on_request() {
+    let whole = cubes(1.0, &[[0.0; 3]]);
+    let first = whole.find("facet").unwrap()..whole.find("endfacet").unwrap() + "endfacet\n".len();
+    let open = whole.replacen(&whole[first], "", 1);
+    let body = "surface = \"a.stl\"\nmesh_size = 0.5";
+    let refused = any("", body, &open).unwrap_err();
+    assert!(refused.contains("close_holes"), "{refused}");
+    let prepared = space("", &format!("{body}\nclose_holes = 1.5"), &open);
+    let volume: f64 = prepared
+        .model
+        .mesh
+        .elements
+        .iter()
+        .map(|nodes| fdem_mesh::Corners::measure(&nodes.map(|node| prepared.model.mesh.nodes[node as usize])))
+        .sum();
+    assert!((volume - 1.0).abs() < 1e-9, "{volume}");
+    let note = "[[body]] \"b\": a.stl: 1 hole of its surface closed, the widest 1 m";
+    assert!(prepared.warnings.iter().any(|warning| warning == note), "{:?}", prepared.warnings);
+}
+
 /// A surface has its facets in the mesh: a patch of fine ones makes all of the run slow.
 #[test]
 fn a_fine_patch_of_a_surface_has_a_warning_with_its_cost() {
