@@ -357,8 +357,9 @@ impl Checked<'_> {
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
-        none_or(idle)?;
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        <[[f64; D]; N]>::overlaps(&ready, document, &mut warnings, &mut idle);
+        none_or(idle)?;
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
         let mut prepared = Prepared {
             title: file.model.title.clone(),
