@@ -5,8 +5,8 @@ mod gravity;
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_mesh::bounds;
+use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
