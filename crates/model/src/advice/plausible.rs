@@ -260,6 +260,9 @@ fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
     if body.surface.is_none() && copied.is_none_or(|of| of.surface.is_none()) {
         keys.push("close_holes");
     }
+    if body.surface.is_none() {
+        keys.push("surface_tolerance");
+    }
     if let Some(packing) = &body.packing {
         let has_corners = matches!(packing.shape, Some(PieceShape::Polygon | PieceShape::Polyhedron));
         if !has_corners {

@@ -59,7 +59,7 @@ pub(crate) fn pieces(
     let grading = grading::<3>(body);
     let Some(packing) = &body.packing else {
         let (key, shape) = surface(body, &|place| grading.at(place), load)?;
-        return Ok(vec![meshed(file, (body, joints), key, shape, &grading)?]);
+        return Ok(vec![coarsened(file, (body, joints), key, shape, &grading)?]);
     };
     // All copies are of one file, which is read once.
     let mut known = BTreeMap::new();
@@ -88,6 +88,43 @@ pub(crate) fn pieces(
         })
         .collect();
     pieces.map(|pieces| with_notes(pieces, notes))
+}
+
+/// A shape, meshed. If the body allows it, with larger facets where these are finer than the mesh; if the
+/// mesher refuses these, with the facets as they are.
+fn coarsened(
+    file: &ModelFile,
+    (body, joints): (&Body, &JointLines<'_>),
+    key: &'static str,
+    shape: Result<Shape, MeshError>,
+    grading: &Grading<3>,
+) -> Result<Piece<3, 4>, Problem> {
+    let Some(tolerance) = body.surface_tolerance else {
+        return meshed(file, (body, joints), key, shape, grading);
+    };
+    let mut shape = shape.map_err(|error| told(body, key, &error, None))?;
+    // A surface that is refused as it is has the words of the mesher on its own facets.
+    let coarse = shape
+        .surface
+        .check()
+        .ok()
+        .and_then(|()| shape.surface.coarsened(&|place| grading.at(place), tolerance));
+    let Some(coarse) = coarse else { return meshed(file, (body, joints), key, Ok(shape), grading) };
+    let [before, after] = [&shape.surface, &coarse.surface].map(|surface| surface.facets.len() as u64);
+    let of = body.surface.as_deref().unwrap_or_default();
+    let note = format!(
+        "{of}: coarsened {} facets to {}, at most {} m off",
+        grouped(before),
+        grouped(after),
+        brief(coarse.distance)
+    );
+    let notes = [shape.notes.clone(), vec![note]].concat();
+    let larger = Shape { surface: coarse.surface, notes, ..shape.clone() };
+    meshed(file, (body, joints), key, Ok(larger), grading).or_else(|problem| {
+        let refused = "its facets are as they are, because the mesher refuses larger ones";
+        shape.notes.push(format!("{of}: {refused}: {}", problem.message));
+        meshed(file, (body, joints), key, Ok(shape), grading)
+    })
 }
 
 /// A shape, meshed.
@@ -168,9 +205,14 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
             return Problem { help: Some("take a larger radius".to_owned()), ..Problem::new(key, message) };
         }
         MeshError::Open { .. } if body.surface.is_some() => {
-            let help = "close it in the program that made it; close_holes = WIDTH closes holes up to a width";
+            let corners = |surface: &Surface| -> Vec<[[f64; 3]; 3]> {
+                let places = |facet: &[u32; 3]| facet.map(|node| surface.nodes[node as usize]);
+                surface.facets.iter().map(places).collect()
+            };
+            let open = surface.and_then(|surface| holes::words(&corners(surface)));
+            let help = open.unwrap_or_else(|| "close it in the program that made it".to_owned());
             return Problem {
-                help: Some(help.to_owned()),
+                help: Some(help),
                 ..Problem::new(key, format!("[[body]] \"{}\": {error}", body.name))
             };
         }
@@ -301,6 +343,7 @@ fn ball_volume(radius: f64) -> f64 {
 }
 
 /// The surface of a body, and the names of the groups of its faces.
+#[derive(Clone)]
 struct Shape {
     surface: Surface,
     /// Names of each face.
@@ -312,6 +355,7 @@ struct Shape {
 }
 
 /// The round shape that replaces the prism of a mesh with grains.
+#[derive(Clone)]
 enum Round {
     /// A cylinder, for which a prism is meshed.
     Cylinder(Prism),

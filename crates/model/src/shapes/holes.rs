@@ -12,8 +12,7 @@ type Corner = [f64; 3];
 pub(crate) fn close(triangles: &mut Vec<[Corner; 3]>, width: f64) -> Option<String> {
     let (mut closed, mut widest) = (0_u64, 0.0_f64);
     for hole in holes(triangles) {
-        let [low, high] = fdem_mesh::bounds(hole.iter().copied());
-        let across = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        let across = self::width(&hole);
         if across > width {
             continue;
         }
@@ -31,6 +30,26 @@ pub(crate) fn close(triangles: &mut Vec<[Corner; 3]>, width: f64) -> Option<Stri
     let noun = if closed == 1 { "hole" } else { "holes" };
     (closed > 0)
         .then(|| format!("{} {noun} of its surface closed, the widest {} m", grouped(closed), brief(widest)))
+}
+
+/// Advice on the holes of a surface that `close_holes` would close; `None` if there are none.
+pub(crate) fn words(triangles: &[[Corner; 3]]) -> Option<String> {
+    let all = holes(triangles);
+    let widest = all.iter().map(|hole| width(hole)).max_by(f64::total_cmp)?;
+    let number = match all.len() {
+        1 => "its hole".to_owned(),
+        count => format!("its {} holes", grouped(count as u64)),
+    };
+    Some(format!(
+        "close it in the program that made it; close_holes closes holes up to a width: {number}, the widest {} m",
+        brief(widest)
+    ))
+}
+
+/// Largest width of the box of a hole along the axes.
+fn width(hole: &[Corner]) -> f64 {
+    let [low, high] = fdem_mesh::bounds(hole.iter().copied());
+    (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max)
 }
 
 /// The corners of each hole, in the order that triangles in it have.
@@ -103,6 +122,44 @@ mod tests {
         assert_eq!(note, "2 holes of its surface closed, the widest 1 m");
         assert_eq!((open.len(), holes(&open).len()), (24, 0));
         assert!((volume(&open) - 1.0).abs() < 1e-12, "{}", volume(&open));
+    }
+
+    #[test]
+    fn a_hole_larger_than_asked_stays_and_is_described() {
+        let mut open = cube();
+        // A triangle of the first face, and all of the last, which have no corner in common.
+        open.truncate(20);
+        open.remove(3);
+        let advice = words(&open).expect("two holes");
+        assert!(advice.ends_with("its 2 holes, the widest 1 m"), "{advice}");
+        let small: Vec<_> =
+            open.iter().map(|triangle| triangle.map(|corner| corner.map(|x| 0.1 * x))).collect();
+        // The wide cube is ten times as large as the small one beside it.
+        open.extend(small.iter().map(|triangle| triangle.map(|[x, y, z]| [x + 2.0, y, z])));
+        assert_eq!(close(&mut open, 0.2).as_deref(), Some("2 holes of its surface closed, the widest 0.1 m"));
+        assert!(words(&open).is_some_and(|advice| advice.ends_with("its 2 holes, the widest 1 m")));
+        assert_eq!(words(&cube()), None);
+    }
+
+    #[test]
+    fn a_hole_with_many_corners_is_closed() {
+        const CORNERS: usize = 100;
+        let at = |k: usize, z: f64| {
+            let (sin, cos) = f64::sin_cos(std::f64::consts::TAU * (k % CORNERS) as f64 / CORNERS as f64);
+            [cos, sin, z]
+        };
+        // A prism without its top.
+        let mut prism = Vec::new();
+        for k in 0..CORNERS {
+            prism.push([at(k, 0.0), at(k + 1, 0.0), at(k + 1, 1.0)]);
+            prism.push([at(k, 0.0), at(k + 1, 1.0), at(k, 1.0)]);
+            prism.push([at(k + 1, 0.0), at(k, 0.0), [0.0; 3]]);
+        }
+        assert_eq!(close(&mut prism, 1.9), None);
+        assert!(close(&mut prism, 2.0 + 1e-9).is_some());
+        assert_eq!((prism.len(), holes(&prism).len()), (4 * CORNERS, 0));
+        let base = 0.5 * CORNERS as f64 * (std::f64::consts::TAU / CORNERS as f64).sin();
+        assert!((volume(&prism) - base).abs() < 1e-12, "{} {base}", volume(&prism));
     }
 
     #[test]

@@ -117,6 +117,11 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub close_holes: Option<f64>,
+    /// Facets of `surface` that are finer than `mesh_size` are made larger, where the surface moves by no more
+    /// than this, m. Default: facets are in the mesh as they are.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub surface_tolerance: Option<f64>,
     /// A flat outline drawn out along z.
     #[serde(default)]
     pub extrusion: Option<Extrusion>,
