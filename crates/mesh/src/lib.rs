@@ -10,6 +10,7 @@
 //! | lines inside of triangles' domains: joints | `src/triangles/network.rs` |
 //! | polygons inside of bodies in space: joints | `src/tetrahedra/polygons.rs`, then its parts in `src/tetrahedra/polygons` |
 //! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
+//! | surfaces with fewer facets | `src/coarsen.rs` |
 //! | the order of elements in memory | `src/curve.rs` |
 //! | angles, measures and facets of triangles and tetrahedra | `src/corners.rs` |
 
@@ -21,7 +22,9 @@ mod corners;
 pub mod shapes;
 pub mod tetrahedra;
 pub mod triangles;
+mod coarsen;
 
+pub use coarsen::Coarsened;
 pub use corners::{Corners, facets_of, sorted, sorted_facets};
 pub use grading::{Grading, Place, Refinement};
 pub use mesh::{MOST_ELEMENTS, Mesh, bounds};

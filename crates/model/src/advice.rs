@@ -16,6 +16,7 @@ pub(crate) mod quasi_static;
 pub(crate) mod plausible;
 pub(crate) mod equilibrium;
 pub(crate) mod warnings;
+pub(crate) mod overlaps;
 pub(crate) mod differences;
 pub(crate) mod scaling;
 pub(crate) mod on_ranks;

@@ -1,6 +1,6 @@
 //! A model file becomes a model that can be run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 use fdem_io::numbers::grouped;
@@ -357,8 +357,9 @@ impl Checked<'_> {
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
-        none_or(idle)?;
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        <[[f64; D]; N]>::overlaps(&ready, document, &mut warnings, &mut idle);
+        none_or(idle)?;
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
         let mut prepared = Prepared {
             title: file.model.title.clone(),
@@ -523,7 +524,9 @@ fn notes_of<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D
         let name = &file.body[body.table].name;
         body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")).collect::<Vec<_>>()
     };
-    placed.iter().flat_map(of).collect()
+    // Copies of one surface have the same notes.
+    let mut known = BTreeSet::new();
+    placed.iter().flat_map(of).filter(|note| known.insert(note.clone())).collect()
 }
 
 fn groups_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Group<D>>

@@ -2,6 +2,7 @@
 
 pub(crate) mod limits;
 pub(crate) mod outline;
+pub(crate) mod holes;
 pub(crate) mod packing;
 pub(crate) mod extent;
 pub(crate) mod coincident;

@@ -22,11 +22,12 @@ pub(crate) use crate::contacts::surface::Surface;
 use crate::contacts::couples::Couples;
 use crate::contacts::elements::{ElementPair, ElementPass};
 use crate::contacts::law::ContactLaws;
+use crate::contacts::pair::Overlap;
 use crate::error::{ModelError, Stop};
 use crate::faces::Faces;
 use crate::forces::ContactForce;
 use crate::joints::{JointState, Joints};
-use crate::model::Model;
+use crate::model::{InitialOverlap, Model};
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
@@ -34,12 +35,24 @@ use crate::team::Team;
 use crate::topology::{NONE, Topology};
 use crate::vector::Point;
 
+impl InitialOverlap {
+    /// How couples begin that overlap at the beginning.
+    fn of_couples(self) -> Overlap {
+        match self {
+            Self::Push | Self::Error => Overlap::Counts,
+            Self::Ignore => Overlap::Ignored,
+        }
+    }
+}
+
 /// Couples of all pairs of kinds of bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     laws: ContactLaws<N>,
     /// Elements that can touch.
     pub(crate) surface: Surface,
+    /// How couples of new elements begin.
+    initial_overlap: Overlap,
     /// Couples of two elements.
     elements: Couples<D, ElementPair<D, N>>,
 }
@@ -56,9 +69,15 @@ where
         edge: f64,
         team: &Team,
     ) -> Result<Self, ModelError> {
+        let mut surface = Surface::new(topology, faces);
+        let initial_overlap = model.contact.initial_overlap.of_couples();
+        if initial_overlap != Overlap::Counts {
+            surface.begin();
+        }
         Ok(Self {
             laws: ContactLaws::new(model),
-            surface: Surface::new(topology, faces),
+            surface,
+            initial_overlap,
             elements: Couples::new(model.contact.buffer * edge, team)?,
         })
     }
@@ -77,15 +96,19 @@ where
         team: &Team,
     ) -> Result<(), Stop> {
         self.watch_bare(joints, topology);
-        let Self { laws, surface, elements } = self;
+        let Self { laws, surface, initial_overlap, elements } = self;
         let pass = ElementPass { solid, joints, topology, surface, laws };
         elements.detect(&pass, team)?;
         elements.add(pass.parted());
         if !surface.bared.is_empty() {
-            elements.note_overlaps(|pair| surface.has_bared(*pair));
+            elements.note_overlaps(Overlap::Credited, |pair| surface.has_bared(*pair));
+        }
+        if !surface.new.is_empty() {
+            elements.note_overlaps(*initial_overlap, |pair| surface.has_new(*pair));
         }
         surface.parted.clear();
         surface.bared.clear();
+        surface.new.clear();
         Ok(())
     }
 
@@ -122,7 +145,7 @@ where
         energy: bool,
         team: &Team,
     ) -> Touching {
-        let Self { laws, surface, elements } = self;
+        let Self { laws, surface, elements, .. } = self;
         solid.with_forces(|solid, forces| {
             let pass = ElementPass { solid, joints, topology, surface, laws };
             elements.press(&pass, forces, step, solid.grains, energy, team)
@@ -136,7 +159,7 @@ where
         joints: &Joints<D>,
         topology: &Topology<D, N>,
     ) -> Vec<ContactForce<D>> {
-        let Self { laws, surface, elements } = self;
+        let Self { laws, surface, elements, .. } = self;
         elements.forces(&ElementPass { solid, joints, topology, surface, laws })
     }
 
@@ -163,6 +186,7 @@ where
             grips: self.elements.touching().filter(|(elements, _)| counts(elements[0])).collect(),
             parted: self.surface.parted.clone(),
             bared: self.surface.bared.clone(),
+            new: self.surface.new.clone(),
         }
     }
 
@@ -183,6 +207,7 @@ where
     /// Restores the couples that touch, and the elements that have separated.
     pub(crate) fn restore_couples(&mut self, saved: SavedContacts<D, N>) {
         (self.surface.parted, self.surface.bared) = (saved.parted, saved.bared);
+        self.surface.new = saved.new;
         self.surface.list_parted();
         self.surface.unwatched = true;
         self.elements.restore(saved.grips, NONE);

@@ -124,6 +124,11 @@
 //! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the
 //!   divergence theorem with a field of our own (`src/simplex/triangle/potential.rs`); the book clips
 //!   triangles against the three parts of the other. It is the same integral, in half of the time.
+//! - An overlap at the beginning that is ignored begins with the potential `U₀` that it has: the
+//!   energy of the couple is `(√U - √U₀)²` above `U₀`, and 0 below, where `U₀` falls with `U`: that of a spring
+//!   compressed by the overlap less the initial one. `U₀` changes only where the energy is 0, so none is
+//!   created; force and energy are continuous, other than with couples that are left out until they have
+//!   parted. The function for elements at a joint that broke, `(U - U₀)²/U`, is too stiff for deep overlaps. See `src/contacts/elements/grips.rs`.
 //! - Joints are inserted where the strength is reached, and begin with the traction that acts there by an
 //!   offset of their opening and sliding; the book has them on all edges (`insertion = "intrinsic"`), which
 //!   makes bodies softer.
@@ -203,8 +208,9 @@ pub use forces::{ContactForce, Forces};
 pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
-    Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, JointSet, Load,
-    LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target, TimeOptions,
+    Boundary, ContactOptions, CriticalOpening, FractureOptions, InitialOverlap, Insertion, Interface,
+    JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target,
+    TimeOptions,
 };
 pub use probe::{MaterialPoint, Probe};
 pub use ranks::distributed::{Distributed, Traffic};

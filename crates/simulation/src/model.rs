@@ -310,11 +310,36 @@ pub struct ContactOptions {
     /// the mean edge. Default: 0.2.
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub buffer: f64,
+    /// How bodies that overlap at the beginning act on each other: "push", the overlap presses them apart at
+    /// once; "ignore", the overlap that is there gives no force, and only an increase counts; "error", the model
+    /// is refused. Bodies that a stage adds begin in the same way. Default: "push".
+    pub initial_overlap: InitialOverlap,
+}
+
+/// How bodies that overlap at the beginning of a run act on each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum InitialOverlap {
+    /// It presses the bodies apart at once.
+    #[default]
+    Push,
+    /// Forces begin at zero with this overlap, and follow its increase. Where the bodies move apart, less
+    /// of it remains; after they have parted, their contact is like any other.
+    Ignore,
+    /// `fdem-model` refuses the model. A [`Simulation`](crate::Simulation) does not look for overlaps.
+    Error,
 }
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { penalty: 2.0, tangential_stiffness: 0.5, damping: 0.0, buffer: 0.2 }
+        Self {
+            penalty: 2.0,
+            tangential_stiffness: 0.5,
+            damping: 0.0,
+            buffer: 0.2,
+            initial_overlap: InitialOverlap::Push,
+        }
     }
 }
 

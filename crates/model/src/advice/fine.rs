@@ -73,8 +73,10 @@ fn help<const D: usize, const N: usize>(body: &Body, placed: &Placed<D, N>) -> S
         (0..D).any(|k| far(corners[k], corners[(k + 1) % D]) < FINE * size)
     };
     let fine = piece.outline.iter().filter(is_fine).count();
+    let way = if body.surface_tolerance.is_some() { "take a larger" } else { "give it a" };
     format!(
-        "{} facets of its surface have edges below a tenth of mesh_size: coarsen the surface there, or take mass_scaling",
+        "{} facets of its surface have edges below a tenth of mesh_size: {way} surface_tolerance, within which these become \
+         larger, coarsen the surface there, or take mass_scaling",
         grouped(fine as u64)
     )
 }

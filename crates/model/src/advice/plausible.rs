@@ -256,6 +256,13 @@ fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
     if body.mesh.is_none() && body.surface.is_none() && !has_file {
         keys.push("scale");
     }
+    let copied = body.packing.as_ref().and_then(|packing| packing.copies_of.as_ref());
+    if body.surface.is_none() && copied.is_none_or(|of| of.surface.is_none()) {
+        keys.push("close_holes");
+    }
+    if body.surface.is_none() {
+        keys.push("surface_tolerance");
+    }
     if let Some(packing) = &body.packing {
         let has_corners = matches!(packing.shape, Some(PieceShape::Polygon | PieceShape::Polyhedron));
         if !has_corners {

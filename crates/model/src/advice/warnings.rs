@@ -4,17 +4,14 @@ mod gravity;
 
 use std::collections::BTreeMap;
 
-use fdem_contact::discretised::{self, MeshView};
-use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::bounds;
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
-use fdem_mesh::{Corners, bounds};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
-use crate::advice::{equilibrium, fine, parts, process_zone, quasi_static};
+use crate::advice::{equilibrium, fine, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
-use crate::stages::resolve::lifetime;
 use crate::text::file;
 
 /// Share of elements with equal angles from which a mesh is regular.
@@ -44,24 +41,23 @@ pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
             100.0 * ready.quality.regular
         ));
     }
-    of_start(ready, "m²", &mut warnings);
+    of_start(ready, &mut warnings);
     warnings
 }
 
 /// Returns the warnings of models in space.
 pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
     let mut warnings = of_both(ready, POOR_IN_SPACE, || sharp_shape(ready).unwrap_or_default());
-    of_start(ready, "m³", &mut warnings);
+    of_start(ready, &mut warnings);
     warnings
 }
 
-/// Adds warnings about the initial state; areas or volumes have this unit.
-fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
+/// Adds warnings about the initial state.
+fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &mut Vec<String>)
 where
-    [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
+    [[f64; D]; N]: Dimensions<D, N>,
 {
     fine::warn(ready, warnings);
-    overlaps(ready, unit, warnings);
     // Ground at rest carries its weight from the beginning.
     if ready.file.initial.ground.is_none() {
         gravity::sudden(ready.model, ready.bodies, warnings);
@@ -257,101 +253,6 @@ fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of bodies, and of parts of the mesh of a body, that overlap at the start.
-fn overlaps<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
-where
-    [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
-{
-    let mesh = &ready.model.mesh;
-    let parts = parts_of(ready);
-    if parts.iter().all(|part| *part == 0) {
-        return;
-    }
-    let found =
-        MeshView::new(&mesh.nodes, &mesh.elements, &parts).and_then(|mesh| discretised::contacts(&mesh));
-    // A model whose contacts cannot be detected cannot run; its preflight reports that.
-    let Ok(found) = found else { return };
-    let size =
-        |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]).measure().abs();
-    // For each pair of bodies: the sum, and the two elements that overlap most, with that overlap.
-    let mut pairs: BTreeMap<[u32; 2], (f64, [u32; 2], f64)> = BTreeMap::new();
-    for contact in found {
-        // Where tetrahedra touch in a face, the area of that is no overlap.
-        let common = match contact.contact.measure {
-            Measure::Area(area) if D == 2 => area,
-            Measure::Volume(volume) => volume,
-            _ => continue,
-        };
-        let elements = [contact.i, contact.j];
-        if common > 1e-4 * size(contact.i).min(size(contact.j)) {
-            let pair = elements.map(|element| mesh.bodies[element as usize]);
-            let of_pair = pairs.entry(pair).or_insert((0.0, elements, 0.0));
-            of_pair.0 += common;
-            if common > of_pair.2 {
-                (of_pair.1, of_pair.2) = (elements, common);
-            }
-        }
-    }
-    let name = |body: u32| &ready.bodies[body as usize].name;
-    if !ready.file.stage.is_empty() {
-        pairs.retain(|[a, b], _| {
-            let [a, b] = [a, b].map(|body| lifetime(ready.file, name(*body)));
-            a.start.max(b.start) < a.end.min(b.end)
-        });
-    }
-    let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
-    for ([body, _], (common, [one, other], _)) in inside {
-        warnings.push(format!(
-            "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} at the beginning, most of all elements {one} and {other} near {}: they will be driven apart",
-            name(*body),
-            brief(*common),
-            place(&ready.model.mesh.centroid(*one as usize))
-        ));
-    }
-    let largest = between.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(a.0)));
-    if let Some(([a, b], (common, ..))) = largest {
-        let more = match between.len() {
-            1 => String::new(),
-            count => format!(" ({count} pairs of bodies do, these most)"),
-        };
-        warnings.push(format!(
-            "\"{}\" and \"{}\" overlap by {} {unit} at the beginning{more}: they will be driven apart",
-            name(*a),
-            name(*b),
-            brief(*common)
-        ));
-    }
-}
-
-/// The number of the body of each element; where a mesh comes from a file, parts that share no facet have
-/// separate numbers. All are 0 where there is nothing to overlap.
-fn parts_of<const D: usize, const N: usize>(ready: &Ready<'_, D, N>) -> Vec<u32>
-where
-    [[f64; D]; N]: Dimensions<D, N>,
-{
-    let mut numbers = Vec::with_capacity(ready.model.mesh.elements.len());
-    let mut next = 0;
-    for body in ready.placed {
-        let elements = &body.piece.elements;
-        if ready.file.body[body.table].mesh.is_none() {
-            numbers.extend(std::iter::repeat_n(next, elements.len()));
-            next += 1;
-            continue;
-        }
-        // The least element of a part comes first.
-        let parts = parts::parts(elements);
-        let mut number_of = vec![0; elements.len()];
-        for (element, &part) in parts.iter().enumerate() {
-            if part as usize == element {
-                number_of[element] = next;
-                next += 1;
-            }
-            numbers.push(number_of[part as usize]);
-        }
-    }
-    numbers
-}
-
-fn place(at: &[f64]) -> String {
+pub(super) fn place(at: &[f64]) -> String {
     format!("[{}]", at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", "))
 }

@@ -20,7 +20,7 @@ use crate::shapes::outline::{self, area};
 use crate::shapes::packing::{self, Ball, Motion, Room};
 use crate::shapes::piece::{Piece, with_notes};
 use crate::shapes::refine::{self, grading};
-use crate::shapes::{coincident, distant};
+use crate::shapes::{coincident, distant, holes};
 use crate::text::fault::Problem;
 use crate::text::file::{
     self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
@@ -59,7 +59,7 @@ pub(crate) fn pieces(
     let grading = grading::<3>(body);
     let Some(packing) = &body.packing else {
         let (key, shape) = surface(body, &|place| grading.at(place), load)?;
-        return Ok(vec![meshed(file, (body, joints), key, shape, &grading)?]);
+        return Ok(vec![coarsened(file, (body, joints), key, shape, &grading)?]);
     };
     // All copies are of one file, which is read once.
     let mut known = BTreeMap::new();
@@ -90,6 +90,43 @@ pub(crate) fn pieces(
     pieces.map(|pieces| with_notes(pieces, notes))
 }
 
+/// A shape, meshed. If the body allows it, with larger facets where these are finer than the mesh; if the
+/// mesher refuses these, with the facets as they are.
+fn coarsened(
+    file: &ModelFile,
+    (body, joints): (&Body, &JointLines<'_>),
+    key: &'static str,
+    shape: Result<Shape, MeshError>,
+    grading: &Grading<3>,
+) -> Result<Piece<3, 4>, Problem> {
+    let Some(tolerance) = body.surface_tolerance else {
+        return meshed(file, (body, joints), key, shape, grading);
+    };
+    let mut shape = shape.map_err(|error| told(body, key, &error, None))?;
+    // A surface that is refused as it is has the words of the mesher on its own facets.
+    let coarse = shape
+        .surface
+        .check()
+        .ok()
+        .and_then(|()| shape.surface.coarsened(&|place| grading.at(place), tolerance));
+    let Some(coarse) = coarse else { return meshed(file, (body, joints), key, Ok(shape), grading) };
+    let [before, after] = [&shape.surface, &coarse.surface].map(|surface| surface.facets.len() as u64);
+    let of = body.surface.as_deref().unwrap_or_default();
+    let note = format!(
+        "{of}: coarsened {} facets to {}, at most {} m off",
+        grouped(before),
+        grouped(after),
+        brief(coarse.distance)
+    );
+    let notes = [shape.notes.clone(), vec![note]].concat();
+    let larger = Shape { surface: coarse.surface, notes, ..shape.clone() };
+    meshed(file, (body, joints), key, Ok(larger), grading).or_else(|problem| {
+        let refused = "its facets are as they are, because the mesher refuses larger ones";
+        shape.notes.push(format!("{of}: {refused}: {}", problem.message));
+        meshed(file, (body, joints), key, Ok(shape), grading)
+    })
+}
+
 /// A shape, meshed.
 fn meshed(
     file: &ModelFile,
@@ -99,7 +136,7 @@ fn meshed(
     grading: &Grading<3>,
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let Shape { mut surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
+    let Shape { mut surface, names, round, notes } = shape.map_err(|error| told(body, key, &error, None))?;
     if let Some(problem) = distant::problem(key, &body.name, fdem_mesh::bounds(surface.nodes.iter().copied()))
     {
         return Err(problem);
@@ -133,7 +170,7 @@ fn meshed(
     let facets = joints.facets(&meshed);
     let piece = piece(meshed, &names, materials, body.voronoi.is_some());
     let polygons = joints.polygons(&facets);
-    let piece = piece.map(|piece| Piece { joints: facets, polygons, ..piece });
+    let piece = piece.map(|piece| Piece { joints: facets, polygons, notes, ..piece });
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 
@@ -167,6 +204,18 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
                 grouped(MOST as u64)
             );
             return Problem { help: Some("take a larger radius".to_owned()), ..Problem::new(key, message) };
+        }
+        MeshError::Open { .. } if body.surface.is_some() => {
+            let corners = |surface: &Surface| -> Vec<[[f64; 3]; 3]> {
+                let places = |facet: &[u32; 3]| facet.map(|node| surface.nodes[node as usize]);
+                surface.facets.iter().map(places).collect()
+            };
+            let open = surface.and_then(|surface| holes::words(&corners(surface)));
+            let help = open.unwrap_or_else(|| "close it in the program that made it".to_owned());
+            return Problem {
+                help: Some(help),
+                ..Problem::new(key, format!("[[body]] \"{}\": {error}", body.name))
+            };
         }
         _ => return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name)),
     };
@@ -295,15 +344,19 @@ fn ball_volume(radius: f64) -> f64 {
 }
 
 /// The surface of a body, and the names of the groups of its faces.
+#[derive(Clone)]
 struct Shape {
     surface: Surface,
     /// Names of each face.
     names: Vec<Vec<String>>,
     /// How a mesh with grains is made round.
     round: Option<Round>,
+    /// Notes on the file of a surface.
+    notes: Vec<String>,
 }
 
 /// The round shape that replaces the prism of a mesh with grains.
+#[derive(Clone)]
 enum Round {
     /// A cylinder, for which a prism is meshed.
     Cylinder(Prism),
@@ -315,14 +368,14 @@ impl Shape {
     /// A shape whose faces have the names that its surface gives them.
     fn named(surface: Surface) -> Self {
         let names = surface.names.iter().map(|name| vec![name.clone()]).collect();
-        Self { surface, names, round: None }
+        Self { surface, names, round: None, notes: Vec::new() }
     }
 
     /// A shape whose faces are `face-1`, `face-2`, ….
     fn numbered(surface: Surface) -> Self {
         let count = surface.faces.iter().max().map_or(0, |most| most + 1);
         let names = (1..=count).map(|number| vec![format!("face-{number}")]).collect();
-        Self { surface, names, round: None }
+        Self { surface, names, round: None, notes: Vec::new() }
     }
 }
 
@@ -355,8 +408,11 @@ fn surface(
         let shape = grains(voronoi, size);
         ("voronoi", shape)
     } else if let Some(name) = &body.surface {
-        let triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
-        ("surface", Surface::from_triangles(&triangles, CREASE).map(Shape::numbered))
+        let mut triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
+        let note = body.close_holes.and_then(|width| holes::close(&mut triangles, width));
+        let notes: Vec<String> = note.into_iter().map(|note| format!("{name}: {note}")).collect();
+        let shape = Surface::from_triangles(&triangles, CREASE);
+        ("surface", shape.map(|surface| Shape { notes, ..Shape::numbered(surface) }))
     } else {
         return Err(Problem::new("name", "a body without shape"));
     })
@@ -372,6 +428,7 @@ fn grains(voronoi: &Voronoi, size: &Size<'_>) -> Result<Shape, MeshError> {
             surface,
             names: vec![vec!["face-1".to_owned()]],
             round: Some(Round::Sphere(of.clone())),
+            notes: Vec::new(),
         });
     }
     let shape = if let Some(of) = &of.block {
@@ -398,7 +455,7 @@ fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
         };
         names.extend(std::iter::repeat_n(name, corners.len()));
     }
-    Ok(Shape { surface, names, round: None })
+    Ok(Shape { surface, names, round: None, notes: Vec::new() })
 }
 
 /// A mesh that was made here, with the groups of its faces.

@@ -496,8 +496,33 @@ fn bodies_that_overlap_are_warned_of() {
     let [warning] = &told[..] else { panic!("{told:?}") };
     // Couples of elements that overlap by less than 1e-4 of their volume do not count.
     assert!(warning.starts_with("\"a\" and \"c\" overlap by 0.09998"), "{warning}");
-    assert!(warning.ends_with(" m³ at the beginning: they will be driven apart"), "{warning}");
+    assert!(
+        warning.contains(" m³ at the beginning, in ")
+            && warning.contains(" couples of elements, most of all elements "),
+        "{warning}"
+    );
+    assert!(warning.ends_with(" m³: they will be driven apart"), "{warning}");
     assert_eq!(two(1.0), Vec::<String>::new());
+}
+
+#[test]
+fn the_model_says_how_bodies_that_overlap_begin() {
+    let at = |contact: &str, bottom: f64| {
+        let bodies = cube("a", 0.0) + &cube("c", bottom);
+        any(&format!("[model]\nend_time = 1e-3\n{contact}\n{bodies}\n{STONE}"))
+    };
+    let two = |contact: &str| at(contact, 0.9);
+    let refused = two("[contact]\ninitial_overlap = \"error\"\n").err().expect("they overlap");
+    for part in ["\"a\" and \"c\" overlap by 0.09998", "near [", "take \"ignore\""] {
+        assert!(refused.contains(part), "{refused}");
+    }
+    assert!(at("[contact]\ninitial_overlap = \"error\"\n", 1.0).is_ok());
+    let of = |contact: &str| match two(contact) {
+        Ok(AnyPrepared::Space(prepared)) => prepared,
+        _ => panic!("it is in space"),
+    };
+    let ignored = of("[contact]\ninitial_overlap = \"ignore\"\n");
+    assert!(ignored.warnings.iter().any(|warning| warning.contains("it gives no force")));
 }
 
 #[test]

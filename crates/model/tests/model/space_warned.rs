@@ -293,49 +293,97 @@ fn a_shape_that_cannot_be_has_one_error() {
     assert!(error.lines().count() == 1 && !error.contains("inf"), "{error}");
 }
 
+/// A scan with a hole is refused, or closed on request.
+#[test]
+fn holes_of_a_surface_are_closed_on_request() {
+    let whole = cubes(1.0, &[[0.0; 3]]);
+    let first = whole.find("facet").unwrap()..whole.find("endfacet").unwrap() + "endfacet\n".len();
+    let open = whole.replacen(&whole[first], "", 1);
+    let body = "surface = \"a.stl\"\nmesh_size = 0.5";
+    let refused = any("", body, &open).unwrap_err();
+    assert!(
+        refused.contains("close_holes closes holes up to a width: its hole, the widest 1 m"),
+        "{refused}"
+    );
+    // A hole that is wider than asked stays.
+    let refused = any("", &format!("{body}\nclose_holes = 0.9"), &open).unwrap_err();
+    assert!(refused.contains("the widest 1 m") && refused.contains("facet"), "{refused}");
+    let prepared = space("", &format!("{body}\nclose_holes = 1.5"), &open);
+    let volume: f64 = prepared
+        .model
+        .mesh
+        .elements
+        .iter()
+        .map(|nodes| fdem_mesh::Corners::measure(&nodes.map(|node| prepared.model.mesh.nodes[node as usize])))
+        .sum();
+    assert!((volume - 1.0).abs() < 1e-9, "{volume}");
+    let note = "[[body]] \"b\": a.stl: 1 hole of its surface closed, the widest 1 m";
+    assert!(prepared.warnings.iter().any(|warning| warning == note), "{:?}", prepared.warnings);
+}
+
+/// A cube of 1 m, with a fine patch of this width in the middle of its top, as an OBJ file.
+fn cube_with_patch(patch: f64, squares: usize) -> String {
+    let mut text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".to_owned();
+    let at = |k: usize| 0.5 + patch * (k as f64 / squares as f64 - 0.5);
+    for (y, x) in (0..=squares).flat_map(|y| (0..=squares).map(move |x| (y, x))) {
+        writeln!(text, "v {} {} 1", at(x), at(y)).unwrap();
+    }
+    text += "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    let corner = |x: usize, y: usize| 9 + x + (squares + 1) * y;
+    for (y, x) in (0..squares).flat_map(|y| (0..squares).map(move |x| (y, x))) {
+        let [a, b, c, d] = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]].map(|[x, y]| corner(x, y));
+        writeln!(text, "f {a} {b} {c} {d}").unwrap();
+    }
+    // Fans around the patch, from the corners of the cube.
+    for k in 0..squares {
+        let last = squares - k;
+        let sides = [
+            (5, [k, 0], [k + 1, 0]),
+            (6, [squares, k], [squares, k + 1]),
+            (7, [last, squares], [last - 1, squares]),
+            (8, [0, last], [0, last - 1]),
+        ];
+        for (outer, [x, y], [u, v]) in sides {
+            writeln!(text, "f {outer} {} {}", corner(u, v), corner(x, y)).unwrap();
+        }
+    }
+    let ends = [[squares, 0], [squares, squares], [0, squares], [0, 0]].map(|[x, y]| corner(x, y));
+    for ([a, b], end) in [[5, 6], [6, 7], [7, 8], [8, 5]].into_iter().zip(ends) {
+        writeln!(text, "f {a} {b} {end}").unwrap();
+    }
+    text
+}
+
+/// Facets of a scan are made as large as the mesh, and the time step with them.
+#[test]
+fn fine_facets_of_a_surface_become_larger_on_request() {
+    let step = |file: &str, end: &str, keys: &str| {
+        let prepared = space("", &format!("surface = \"a.{end}\"\nmesh_size = 0.3{keys}"), file);
+        let run = fdem_simulation::Simulation::new(prepared.model, 1).expect("a model");
+        (run.time_step(), prepared.warnings)
+    };
+    let (plain, _) = step(&cubes(1.0, &[[0.0; 3]]), "stl", "");
+    let patched = cube_with_patch(1e-4, 4);
+    let (fine, warnings) = step(&patched, "obj", "");
+    assert!(warnings.iter().any(|warning| warning.contains("surface_tolerance")), "{warnings:?}");
+    let (coarse, warnings) = step(&patched, "obj", "\nsurface_tolerance = 1e-3");
+    assert!(fine < 1e-2 * plain && coarse > 0.5 * plain, "{fine} {coarse} {plain}");
+    let note = "[[body]] \"b\": a.obj: coarsened 62 facets to 14, at most ";
+    assert!(warnings.iter().any(|warning| warning.starts_with(note)), "{warnings:?}");
+}
+
 /// A surface has its facets in the mesh: a patch of fine ones makes all of the run slow.
 #[test]
 fn a_fine_patch_of_a_surface_has_a_warning_with_its_cost() {
-    let cube = |patch: f64, squares: usize| {
-        let mut text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".to_owned();
-        let at = |k: usize| 0.5 + patch * (k as f64 / squares as f64 - 0.5);
-        for (y, x) in (0..=squares).flat_map(|y| (0..=squares).map(move |x| (y, x))) {
-            writeln!(text, "v {} {} 1", at(x), at(y)).unwrap();
-        }
-        text += "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-        let corner = |x: usize, y: usize| 9 + x + (squares + 1) * y;
-        for (y, x) in (0..squares).flat_map(|y| (0..squares).map(move |x| (y, x))) {
-            let [a, b, c, d] = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]].map(|[x, y]| corner(x, y));
-            writeln!(text, "f {a} {b} {c} {d}").unwrap();
-        }
-        // Fans around the patch, from the corners of the cube.
-        for k in 0..squares {
-            let last = squares - k;
-            let sides = [
-                (5, [k, 0], [k + 1, 0]),
-                (6, [squares, k], [squares, k + 1]),
-                (7, [last, squares], [last - 1, squares]),
-                (8, [0, last], [0, last - 1]),
-            ];
-            for (outer, [x, y], [u, v]) in sides {
-                writeln!(text, "f {outer} {} {}", corner(u, v), corner(x, y)).unwrap();
-            }
-        }
-        let ends = [[squares, 0], [squares, squares], [0, squares], [0, 0]].map(|[x, y]| corner(x, y));
-        for ([a, b], end) in [[5, 6], [6, 7], [7, 8], [8, 5]].into_iter().zip(ends) {
-            writeln!(text, "f {a} {b} {end}").unwrap();
-        }
-        text
-    };
     let warned = |file: &str| {
         let prepared = space("", "surface = \"a.obj\"\nmesh_size = 0.3", file);
         prepared.warnings.into_iter().find(|warning| warning.contains("facets of its surface"))
     };
-    let warning = warned(&cube(1e-3, 4)).unwrap();
+    let warning = warned(&cube_with_patch(1e-3, 4)).unwrap();
     for part in
         ["half of the elements of the body \"b\"", "times shorter than theirs", "below a tenth of mesh_size"]
     {
         assert!(warning.contains(part), "{warning}");
     }
-    assert_eq!(warned(&cube(0.4, 2)), None);
+    assert_eq!(warned(&cube_with_patch(0.4, 2)), None);
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::contacts::pair::{CoupleOf, Pair, PairPass, Works};
+use crate::contacts::pair::{CoupleOf, Overlap, Pair, PairPass, Works};
 use crate::contacts::places::{Histories, HistoryBatch};
 use crate::lanes::{LANES, Lanes};
 use crate::team::CHUNK;
@@ -148,7 +148,7 @@ impl<S> ChunkPass<'_, S> {
                 let Some(number) = histories.couple(batch * LANES + lane) else { continue };
                 let couple = &mut couples[number];
                 if S::overlaps(&found[batch], lane) {
-                    couple.initial_overlap = false;
+                    couple.initial_overlap = Overlap::Counts;
                     continue;
                 }
                 let Works { friction, damping, .. } = Works::of(&works[batch], lane);

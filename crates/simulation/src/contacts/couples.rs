@@ -9,7 +9,7 @@ use fdem_contact::{Buffered, Couple as Candidate, Detector, Elements as Boxes};
 
 use crate::bodies::Bodies;
 use crate::contacts::chunk::{ChunkForces, ChunkPass};
-use crate::contacts::pair::{AHEAD, Couple, CoupleOf, HistoryOf, Pair, PairPass, Works};
+use crate::contacts::pair::{AHEAD, Couple, CoupleOf, HistoryOf, Overlap, Pair, PairPass, Works};
 use crate::contacts::places::Histories;
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
@@ -211,7 +211,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
     pub(crate) fn restore(&mut self, mut touching: Vec<([u32; 2], HistoryOf<P>)>, between: P::Between) {
         self.search_again();
         touching.sort_unstable_by_key(|(parts, _)| *parts);
-        let couple = |parts| Couple { touches: true, ..Couple::new(parts, between, false) };
+        let couple = |parts| Couple { touches: true, ..Couple::new(parts, between, Overlap::Counts) };
         self.all = touching.iter().map(|&(parts, _)| couple(parts)).collect();
         self.group_histories(touching.into_iter().map(|(_, history)| history));
     }
@@ -251,7 +251,7 @@ impl<const D: usize, P: Pair> Couples<D, P> {
                 && known.parts == couple.parts
             {
                 // The distance found now may be larger than the one found then.
-                let apart_until = if !known.touches && !known.initial_overlap {
+                let apart_until = if !known.touches && known.initial_overlap == Overlap::Counts {
                     known.apart_until.max(couple.apart_until)
                 } else {
                     known.apart_until
@@ -278,13 +278,15 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         }
     }
 
-    /// Notes which of the couples that may begin to touch overlap already.
-    pub(crate) fn note_overlaps(&mut self, overlap: impl Fn(&[u32; 2]) -> bool) {
+    /// Notes which of the couples that may begin to touch may overlap already, in this way.
+    pub(crate) fn note_overlaps(&mut self, way: Overlap, overlap: impl Fn(&[u32; 2]) -> bool) {
         // Couples that are known to be apart do not overlap.
         let travel = self.travel;
         let near = |couple: &&mut CoupleOf<P>| !couple.touches && couple.apart_until <= travel;
         for couple in self.all.iter_mut().filter(near) {
-            couple.initial_overlap |= overlap(&couple.parts);
+            if overlap(&couple.parts) {
+                couple.initial_overlap = couple.initial_overlap.max(way);
+            }
         }
     }
 

@@ -14,7 +14,7 @@ use crate::bodies::Bodies;
 use crate::contacts::elements::grips::{ContactInputs, Grip, Grips, grip_of};
 use crate::contacts::elements::relation::{couple, distance};
 use crate::contacts::law::ContactLaws;
-use crate::contacts::pair::{AHEAD, Couple, Pair, PairPass};
+use crate::contacts::pair::{AHEAD, Couple, Overlap, Pair, PairPass};
 use crate::contacts::places::Histories;
 use crate::contacts::surface::Surface;
 use crate::joints::Joints;
@@ -102,8 +102,9 @@ where
         // A detached joint did not press its elements apart: their present overlap must not count
         // immediately.
         let joint = self.joints.all.get(couple.between as usize);
-        couple.initial_overlap |=
-            joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
+        if joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]) {
+            couple.initial_overlap = couple.initial_overlap.max(Overlap::Credited);
+        }
         self.weight(couple)[0] > 0.0
     }
 
@@ -286,7 +287,7 @@ where
         let [weight, fading] = self.weight(couple);
         given.weight.set(lane, weight);
         given.fading.set(lane, fading);
-        given.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
+        given.initial.set(lane, f64::from(couple.initial_overlap as u8));
     }
 
     /// Share of the forces of a couple that acts, while a joint between its elements carries the rest, and

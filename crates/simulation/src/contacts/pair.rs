@@ -37,14 +37,27 @@ pub(crate) type CoupleOf<P> = Couple<<P as Pair>::Between>;
 /// The history of a couple that touches.
 pub(crate) type HistoryOf<P> = <<P as Pair>::Histories as HistoryBatch>::History;
 
+/// Whether a couple that begins to touch may overlap already, without a force that has pressed its parts
+/// apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Overlap {
+    /// It does not: all of the overlap counts.
+    #[default]
+    Counts,
+    /// Forces begin at zero with this overlap.
+    Credited,
+    /// The same, for bodies that overlap at the beginning.
+    Ignored,
+}
+
 /// Two parts that may touch. Of parts of one kind, the one with the lower number is the first.
 #[derive(Clone, Debug)]
 pub(crate) struct Couple<B> {
     pub(super) parts: [u32; 2],
     pub(super) between: B,
-    /// Whether the two may overlap already, without a force that has pressed them apart: their forces begin
-    /// at zero with this overlap. Cleared when their forces are computed for the first time.
-    pub(super) initial_overlap: bool,
+    /// How an overlap counts that no force has pressed apart. [`Overlap::Counts`] again when their forces
+    /// have been computed for the first time.
+    pub(super) initial_overlap: Overlap,
     /// Whether the two overlap. Then they have a history, at this place in the [`Histories`] of their chunk.
     pub(super) touches: bool,
     pub(super) slot: u16,
@@ -54,14 +67,14 @@ pub(crate) struct Couple<B> {
 
 impl<B> Couple<B> {
     /// A couple that does not touch.
-    pub(super) fn new(parts: [u32; 2], between: B, initial_overlap: bool) -> Self {
+    pub(super) fn new(parts: [u32; 2], between: B, initial_overlap: Overlap) -> Self {
         Self { parts, between, initial_overlap, touches: false, slot: 0, apart_until: 0.0 }
     }
 
     /// Notes that the parts are at least this far apart, m. `travel`: distance that points of bodies have
     /// travelled since the beginning, m.
     pub(super) fn part(&mut self, travel: f64, distance: f64) {
-        self.initial_overlap = false;
+        self.initial_overlap = Overlap::Counts;
         self.touches = false;
         // Both parts may move, each by half of the distance. The factor is slightly below 0.5 because
         // `travel` is rounded.

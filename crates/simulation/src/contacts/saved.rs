@@ -21,13 +21,15 @@ pub(crate) struct SavedContacts<const D: usize = 2, const N: usize = 3> {
     /// [`Surface`](crate::contacts::surface::Surface).
     pub(super) parted: Vec<[u32; 2]>,
     pub(super) bared: Vec<u32>,
+    /// Elements that the model has since the next step, as far as their overlaps do not count immediately.
+    pub(super) new: Vec<u32>,
 }
 
-wire!([const D: usize, const N: usize] SavedContacts<D, N> { grips, parted, bared });
+wire!([const D: usize, const N: usize] SavedContacts<D, N> { grips, parted, bared, new });
 
 impl<const D: usize, const N: usize> Default for SavedContacts<D, N> {
     fn default() -> Self {
-        Self { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() }
+        Self { grips: Vec::new(), parted: Vec::new(), bared: Vec::new(), new: Vec::new() }
     }
 }
 
@@ -37,6 +39,7 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
         self.grips.extend(more.grips);
         self.parted.extend(more.parted);
         self.bared.extend(more.bared);
+        self.new.extend(more.new);
     }
 
     /// Puts everything in order, without repetition.
@@ -49,6 +52,7 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
     pub(crate) fn sort_parted(&mut self) {
         once_each(&mut self.parted);
         once_each(&mut self.bared);
+        once_each(&mut self.new);
     }
 
     /// The same with other numbers of elements. Entries are left out if one of their elements has none.
@@ -57,7 +61,8 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
         Self {
             grips: self.grips.into_iter().filter_map(|(pair, grip)| Some((both(pair)?, grip))).collect(),
             parted: self.parted.into_iter().filter_map(both).collect(),
-            bared: self.bared.into_iter().filter_map(number).collect(),
+            bared: self.bared.into_iter().filter_map(&number).collect(),
+            new: self.new.into_iter().filter_map(number).collect(),
         }
     }
 
@@ -81,7 +86,18 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
                 to.entry(rank as usize).or_default().bared.push(element);
             }
         }
+        for element in self.new {
+            for rank in ranks(element) {
+                to.entry(rank as usize).or_default().new.push(element);
+            }
+        }
         to
+    }
+
+    /// Adds the new elements of a run that begins with another model, as far as they are new to this one.
+    pub(crate) fn add_new(&mut self, begun: &Self, is_new: impl Fn(u32) -> bool) {
+        self.new.extend(begun.new.iter().copied().filter(|&element| is_new(element)));
+        once_each(&mut self.new);
     }
 
     /// The elements among some that have separated or become bare.
@@ -90,6 +106,7 @@ impl<const D: usize, const N: usize> SavedContacts<D, N> {
             grips: Vec::new(),
             parted: self.parted.iter().filter(|pair| pair.iter().any(&is_at)).copied().collect(),
             bared: self.bared.iter().filter(|element| is_at(element)).copied().collect(),
+            new: self.new.iter().filter(|element| is_at(element)).copied().collect(),
         }
     }
 

@@ -29,6 +29,8 @@ pub(crate) struct Surface {
     /// became bare in it, ascending. Their overlap must not count immediately.
     pub(super) parted: Vec<[u32; 2]>,
     pub(crate) bared: Vec<u32>,
+    /// Elements that the model has since this step and whose overlaps must not count immediately, ascending.
+    pub(crate) new: Vec<u32>,
     /// Whether an element at a free vertex is not watched yet.
     pub(super) unwatched: bool,
 }
@@ -47,6 +49,7 @@ impl Surface {
             list: Vec::new(),
             parted: Vec::new(),
             bared: Vec::new(),
+            new: Vec::new(),
             unwatched: true,
         };
         for vertex in 0..topology.vertex_count() as u32 {
@@ -174,6 +177,16 @@ impl Surface {
     /// Whether one of these elements has become bare in the last step.
     pub(super) fn has_bared(&self, elements: [u32; 2]) -> bool {
         elements.iter().any(|element| self.bared.binary_search(element).is_ok())
+    }
+
+    /// Lists all bare elements as new.
+    pub(super) fn begin(&mut self) {
+        self.new = (0..self.bare.len() as u32).filter(|&element| self.bare[element as usize]).collect();
+    }
+
+    /// Whether the model has one of these elements since this step.
+    pub(super) fn has_new(&self, elements: [u32; 2]) -> bool {
+        elements.iter().any(|element| self.new.binary_search(element).is_ok())
     }
 
     /// Watches all bare elements, and those beside them, if some are not watched yet. Returns whether the

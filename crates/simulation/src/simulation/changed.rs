@@ -335,6 +335,8 @@ impl Numbers {
             let same = fresh.model.boundaries.iter().position(|other| other.name == *name);
             same.map(|same| (same as u32, factor))
         };
+        let mut contacts = state.contacts.renumbered(|element| self.now(element));
+        contacts.add_new(&new.contacts, |element| self.before[element as usize].is_none());
         State {
             factors: state.factors.into_iter().filter_map(factor).collect(),
             records: Vec::new(),
@@ -344,7 +346,7 @@ impl Numbers {
             reactions: fresh.model.boundaries.iter().map(reaction).collect(),
             nodes,
             joints: SavedJoints::of(stay.chain(appear).collect()),
-            contacts: state.contacts.renumbered(|element| self.now(element)),
+            contacts,
             ..new
         }
     }

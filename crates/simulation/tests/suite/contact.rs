@@ -224,3 +224,50 @@ fn a_block_slides_above_the_angle_of_friction_and_rests_below() {
     }
     assert!(speed(&run).abs() < 1e-4, "{}", speed(&run));
 }
+
+/// A block that lies in a larger one, above it, by 0.01 m; both of 0.1 m. Without gravity.
+fn sunken(initial_overlap: InitialOverlap) -> Model {
+    let mesh =
+        together(&[rectangle([0.0, 0.0], [0.1, 0.1], 4, 4), rectangle([0.013, 0.095], [0.113, 0.195], 4, 4)]);
+    let contact = ContactOptions { initial_overlap, ..ContactOptions::default() };
+    Model { mesh, materials: vec![granite()], contact, ..Model::default() }
+}
+
+/// Velocities of all nodes of the two bodies of [`sunken`].
+fn approach(model: &mut Model, [below, above]: [f64; 2]) {
+    let half = model.mesh.nodes.len() / 2;
+    model.velocities = [vec![[0.0, below]; half], vec![[0.0, above]; half]].concat();
+}
+
+#[test]
+fn an_ignored_overlap_gives_no_force_until_bodies_come_nearer() {
+    let mut pushed = Simulation::new(sunken(InitialOverlap::Push), 1).unwrap();
+    pushed.advance(1).unwrap();
+    let overlap = pushed.energies().contact;
+    assert!(overlap > 100.0, "{overlap}");
+    let mut run = Simulation::new(sunken(InitialOverlap::Ignore), 1).unwrap();
+    run.advance(500).unwrap();
+    let energies = run.energies();
+    assert!(energies.contact < 1e-15 * overlap && energies.kinetic < 1e-15 * overlap, "{energies:?}");
+    assert!(run.counts().contacts > 0);
+
+    // They bounce, part, and meet again.
+    let mut model = sunken(InitialOverlap::Ignore);
+    approach(&mut model, [2.0, -2.0]);
+    model.time.safety = 0.2;
+    let mut run = Simulation::new(model, 1).unwrap();
+    run.advance(1).unwrap();
+    let total = |run: &Simulation| {
+        let energies = run.energies();
+        energies.kinetic + energies.strain + energies.contact
+    };
+    let (first, mut pressed, mut steps) = (total(&run), 0.0_f64, 0);
+    while run.counts().contacts > 0 {
+        run.advance(1).unwrap();
+        pressed = pressed.max(run.energies().contact);
+        assert!((total(&run) / first - 1.0).abs() < 1e-2, "{} {first}", total(&run));
+        steps += 1;
+        assert!(steps < 200_000, "they never part");
+    }
+    assert!(pressed > 1e-3 * first, "{pressed} {first}");
+}

@@ -79,6 +79,19 @@ fn a_crash_in_the_plane_is_the_same() {
     }
 }
 
+/// Bodies that overlap at the beginning, whose contacts begin without force.
+#[test]
+fn a_crash_of_overlapping_bodies_is_the_same() {
+    let mut model = crate::resume::crash(Insertion::Adaptive);
+    // The block begins deep in the ground.
+    let block = model.mesh.bodies.iter().position(|body| *body == 1).expect("a block");
+    let first = model.mesh.elements[block..].iter().flatten().min().copied().expect("nodes");
+    model.mesh.nodes[first as usize..].iter_mut().for_each(|node| node[1] -= 0.006);
+    model.contact.initial_overlap = InitialOverlap::Ignore;
+    let counts = same_on_ranks!(model, 2, 3, &[1, 2, 3], &[1, 99, 500]);
+    assert!(counts.contacts > 5, "{counts:?}");
+}
+
 #[test]
 fn a_crash_of_jointed_bodies_is_the_same() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {

@@ -112,6 +112,16 @@ pub struct Body {
     /// the model file.
     #[serde(default)]
     pub surface: Option<String>,
+    /// Holes of `surface` up to this width are closed by triangles around their middle, m. Default: a surface
+    /// with a hole is refused.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub close_holes: Option<f64>,
+    /// Facets of `surface` that are finer than `mesh_size` are made larger, where the surface moves by no more
+    /// than this, m. Default: facets are in the mesh as they are.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub surface_tolerance: Option<f64>,
     /// A flat outline drawn out along z.
     #[serde(default)]
     pub extrusion: Option<Extrusion>,
@@ -470,6 +480,11 @@ pub struct CopiesOf {
     /// A file with a closed surface of triangles, STL or OBJ.
     #[serde(default)]
     pub surface: Option<String>,
+    /// Holes of `surface` up to this width are closed by triangles around their middle, m. Default: a surface
+    /// with a hole is refused.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub close_holes: Option<f64>,
     /// A flat outline drawn out along z.
     #[serde(default)]
     pub extrusion: Option<Extrusion>,

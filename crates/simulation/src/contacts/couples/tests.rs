@@ -152,7 +152,7 @@ impl<const ALIKE: bool> PairPass<3> for SpherePass<'_, ALIKE> {
     }
 
     fn couple(&self, parts: [u32; 2]) -> Option<Couple<()>> {
-        Some(Couple::new(parts, (), false))
+        Some(Couple::new(parts, (), Overlap::Counts))
     }
 
     fn distance(&self, couple: &Couple<()>, _: f64) -> Option<f64> {

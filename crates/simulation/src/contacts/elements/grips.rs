@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::Bodies;
 use crate::bodies::elements::{completed, velocity_at};
 use crate::contacts::law::ContactLaw;
+use crate::contacts::pair::Overlap;
 use crate::contacts::places::HistoryBatch;
 use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex};
@@ -27,11 +28,13 @@ pub(crate) struct Grip<const D: usize, const N: usize> {
     shares: [[f64; D]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
     credited_energy: f64,
+    /// How: the number of an [`Overlap`].
+    way: u8,
     /// Force on the first element, N, for results.
     pub(crate) push: Point<D>,
 }
 
-wire!([const D: usize, const N: usize] Grip<D, N> { friction, damping, shares, credited_energy, push });
+wire!([const D: usize, const N: usize] Grip<D, N> { friction, damping, shares, credited_energy, way, push });
 
 impl<const D: usize, const N: usize> Grip<D, N> {
     /// This history without a force: a resumed run has none before its first step.
@@ -65,6 +68,7 @@ pub(crate) struct Grips<const D: usize, const N: usize> {
     damping: [Lanes; D],
     shares: [[Lanes; D]; 2],
     credited_energy: Lanes,
+    way: Lanes,
     push: [Lanes; D],
 }
 
@@ -76,6 +80,7 @@ impl<const D: usize, const N: usize> HistoryBatch for Grips<D, N> {
         damping: [Lanes::ZERO; D],
         shares: [[Lanes::ZERO; D]; 2],
         credited_energy: Lanes::ZERO,
+        way: Lanes::ZERO,
         push: [Lanes::ZERO; D],
     };
     const NEW: Grip<D, N> = Grip {
@@ -83,6 +88,7 @@ impl<const D: usize, const N: usize> HistoryBatch for Grips<D, N> {
         damping: [0.0; D],
         shares: [[0.0; D]; 2],
         credited_energy: 0.0,
+        way: 0,
         push: [0.0; D],
     };
 
@@ -93,6 +99,7 @@ impl<const D: usize, const N: usize> HistoryBatch for Grips<D, N> {
             damping: row(&self.damping, lane),
             shares: std::array::from_fn(|side| row(&self.shares[side], lane)),
             credited_energy: self.credited_energy.get(lane),
+            way: self.way.get(lane) as u8,
             push: row(&self.push, lane),
         }
     }
@@ -105,6 +112,7 @@ impl<const D: usize, const N: usize> HistoryBatch for Grips<D, N> {
             set_row(&mut self.shares[side], lane, &grip.shares[side]);
         }
         self.credited_energy.set(lane, grip.credited_energy);
+        self.way.set(lane, f64::from(grip.way));
         set_row(&mut self.push, lane, &grip.push);
     }
 }
@@ -116,7 +124,7 @@ pub(super) struct ContactInputs<const D: usize, const N: usize> {
     /// increase of this share in the last step.
     pub(super) weight: Lanes,
     pub(super) fading: Lanes,
-    /// 1 where the present overlap must not count immediately, else 0.
+    /// The number of each [`Overlap`].
     pub(super) initial: Lanes,
     /// Mean masses of the nodes of the elements, kg, and the contact length, m.
     pub(super) masses: [Lanes; 2],
@@ -239,9 +247,14 @@ fn grip_one<const D: usize, const N: usize>(
     let [mut friction_work, mut damping_work] = before.second_half(minus(one, other), step);
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
     let potential = penalty * found.energy.get(lane);
-    let credited_energy =
-        if given.initial.get(lane) > 0.0 { potential } else { smaller(before.credited_energy, potential) };
-    let (energy, slope) = count_from(credited_energy, potential);
+    let initial = given.initial.get(lane);
+    let credited_energy = if initial > 0.0 { potential } else { smaller(before.credited_energy, potential) };
+    let way = if initial > 0.0 { initial } else { f64::from(before.way) };
+    let of_bodies = count_beyond(credited_energy, potential);
+    let of_joint = count_from(credited_energy, potential);
+    let is_initial = way >= f64::from(Overlap::Ignored as u8);
+    let energy = if is_initial { of_bodies.0 } else { of_joint.0 };
+    let slope = if is_initial { of_bodies.1 } else { of_joint.1 };
     let scale = penalty * weight * slope;
     let mut push = [0.0; D];
     for corner in 0..N {
@@ -286,7 +299,10 @@ fn grip_one<const D: usize, const N: usize>(
     damping_work -= 0.5 * step * dot(damped, rate);
     let both = plus(friction, damped);
     let shares = [rest_of(&one), rest_of(&other)];
-    grips.set(lane, &Grip { friction, damping: damped, shares, credited_energy, push: plus(push, both) });
+    grips.set(
+        lane,
+        &Grip { friction, damping: damped, shares, credited_energy, way: way as u8, push: plus(push, both) },
+    );
     let handed_over = given.fading.get(lane) * energy;
     set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over]);
     forces.scale.set(lane, scale);
@@ -307,6 +323,19 @@ fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
     let counted = (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share);
     let counts = potential > credited_energy;
     (if counts { counted.0 } else { 0.0 }, if counts { counted.1 } else { 0.0 })
+}
+
+/// The same for elements of bodies that overlap at the beginning of a run or of a stage:
+/// [`InitialOverlap`](crate::InitialOverlap).
+///
+/// The overlap may be deep, where `(U - U₀)² / U` is up to four times as stiff as `U`. `(√U - √U₀)²` is as
+/// stiff as `U`: where `U` is the energy of a spring that is compressed by `x`, it is that of one compressed by
+/// `x - x₀`.
+#[inline(always)]
+fn count_beyond(credited_energy: f64, potential: f64) -> (f64, f64) {
+    let rest = 1.0 - (credited_energy / potential).sqrt();
+    let counts = potential > credited_energy;
+    (if counts { potential * rest * rest } else { 0.0 }, if counts { rest } else { 0.0 })
 }
 
 /// Barycentric coordinates without the first, which is 1 less the others.

@@ -1,6 +1,6 @@
 //! Elements that may touch: their connection, and their distance.
 
-use crate::contacts::pair::Couple;
+use crate::contacts::pair::{Couple, Overlap};
 use crate::joints::{JointState, Joints};
 use crate::lanes::larger;
 use crate::simplex::{Simplex, apart, gap};
@@ -41,18 +41,19 @@ pub(super) fn couple<const D: usize, const N: usize>(
     joints: &Joints<D>,
     topology: &Topology<D, N>,
 ) -> Option<Couple<u32>> {
+    let overlap = |credited: bool| if credited { Overlap::Credited } else { Overlap::Counts };
     match relation(elements, topology) {
-        Relation::Apart => Some(Couple::new(elements, NONE, false)),
+        Relation::Apart => Some(Couple::new(elements, NONE, Overlap::Counts)),
         Relation::Facet(facet) => {
             let joint = joints.of_facet[facet as usize];
             let broken =
                 joints.all.get(joint as usize).is_some_and(|joint| joint.state != JointState::Holding);
             let left = || joints.all[joint as usize].detached != [false; D];
-            broken.then(|| Couple::new(elements, joint, parted && left()))
+            broken.then(|| Couple::new(elements, joint, overlap(parted && left())))
         }
         Relation::Vertex([a, b]) => {
             let connected = groups[a as usize] == groups[b as usize];
-            (!connected).then(|| Couple::new(elements, NONE, parted))
+            (!connected).then(|| Couple::new(elements, NONE, overlap(parted)))
         }
     }
 }
