@@ -106,6 +106,10 @@ impl Quadric {
     }
 }
 
+/// A collapse that is offered: the bits of its cost, the node that goes, the node that stays, and the changes of
+/// both so far.
+type Offered = (u64, u32, u32, [u32; 2]);
+
 /// A collapse that may be done: facets around the removed node with their corners from now on, and where
 /// their points go.
 struct Collapse {
@@ -282,7 +286,7 @@ impl<'a> Work<'a> {
     }
 
     /// Offers the edges from a node for their collapse.
-    fn offer(&self, node: u32, heap: &mut BinaryHeap<Reverse<(u64, u32, u32, [u32; 2])>>) {
+    fn offer(&self, node: u32, heap: &mut BinaryHeap<Reverse<Offered>>) {
         for to in self.neighbours(node) {
             // Costs are not negative, so their bits are in their order.
             if let Some(cost) = self.cost(node, to) {

@@ -346,8 +346,7 @@ impl Checked<'_> {
         };
         let mut idle = Vec::new();
         let joint_sets = sets::put(&mut model, &placed, (file, document), &mut idle);
-        let quality = Quality::of(&model.mesh);
-        let bodies = bodies_of(&placed);
+        let (quality, bodies) = (Quality::of(&model.mesh), bodies_of(&placed));
         warnings.extend(notes_of(file, &placed));
         warnings.extend(lines.notes);
         sets::vanished(file, &placed, &mut warnings);

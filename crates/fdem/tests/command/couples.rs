@@ -13,8 +13,10 @@ fn atoms(step: u32) -> String {
 
 fn local(step: u32, columns: &str, rows: &[&str]) -> String {
     let count = rows.len();
-    let rows: String = rows.iter().map(|row| format!("{row}\n")).collect();
-    format!("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{count}\n{BOX}ITEM: ENTRIES {columns}\n{rows}")
+    let rows = rows.join("\n");
+    format!(
+        "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{count}\n{BOX}ITEM: ENTRIES {columns}\n{rows}\n"
+    )
 }
 
 const PLAIN: &str = "index c_id[1] c_id[2] c_f[1] c_f[2] c_f[3]";

@@ -25,17 +25,18 @@ impl Files {
     }
 
     fn frames(&self) -> usize {
-        Series::of_collection(self.0["a"].as_bytes(), self).unwrap().unwrap().frames()
+        let series = Series::of_collection(self.0["a"].as_bytes(), self).expect("it is read");
+        series.expect("it is a collection").frames()
     }
 
     fn read(&self, frame: usize) -> Result<Packing, ReadError> {
-        let series = Series::of_collection(self.0["a"].as_bytes(), self)?.unwrap();
+        let series = Series::of_collection(self.0["a"].as_bytes(), self)?.expect("it is a collection");
         series.read(frame, &ReadOptions::default(), &AtomicU64::new(0))
     }
 
     /// The line and the message of the error of the first frame.
     fn refused(&self) -> String {
-        let error = self.read(0).unwrap_err();
+        let error = self.read(0).expect_err("it is refused");
         format!("{:?}: {error}", error.line())
     }
 }
@@ -44,16 +45,12 @@ impl Files {
 fn points(xs: &[f64], data: &[(&str, &[f64])]) -> String {
     let n = xs.len();
     let coordinates: Vec<_> = xs.iter().map(|x| format!("{x} 0 0.5")).collect();
-    let arrays: String = data
-        .iter()
-        .map(|(name, values)| {
-            let values: Vec<_> = values.iter().map(f64::to_string).collect();
-            format!(
-                "<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">{}</DataArray>\n",
-                values.join(" ")
-            )
-        })
-        .collect();
+    let array = |(name, values): &(&str, &[f64])| {
+        let values: Vec<_> = values.iter().map(f64::to_string).collect();
+        let values = values.join(" ");
+        format!("<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">{values}</DataArray>\n")
+    };
+    let arrays = data.iter().map(array).collect::<Vec<_>>().concat();
     format!(
         "<VTKFile type=\"PolyData\"><PolyData>\n<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"0\"><PointData>\n{arrays}</PointData><Points>\n<DataArray type=\"Float64\" \
@@ -69,14 +66,16 @@ fn pvd(entries: &str) -> String {
 }
 
 fn parallel(pieces: &[&str]) -> String {
-    let pieces: String = pieces.iter().map(|piece| format!("<Piece Source=\"{piece}\"/>\n")).collect();
+    let pieces: Vec<_> = pieces.iter().map(|piece| format!("<Piece Source=\"{piece}\"/>\n")).collect();
+    let pieces = pieces.concat();
     format!("<VTKFile type='PPolyData'>\n<PPolyData GhostLevel=\"0\">\n{pieces}</PPolyData></VTKFile>")
 }
 
+/// The x of all centres; none in two dimensions.
 fn xs(packing: &Packing) -> Vec<f64> {
     match &packing.centres {
         Centres::Three(centres) => centres.iter().map(|centre| centre[0]).collect(),
-        Centres::Two(_) => panic!("in 2D"),
+        Centres::Two(_) => Vec::new(),
     }
 }
 

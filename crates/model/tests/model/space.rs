@@ -512,7 +512,7 @@ fn the_model_says_how_bodies_that_overlap_begin() {
         any(&format!("[model]\nend_time = 1e-3\n{contact}\n{bodies}\n{STONE}"))
     };
     let two = |contact: &str| at(contact, 0.9);
-    let refused = two("[contact]\ninitial_overlap = \"error\"\n").err().expect("they overlap");
+    let refused = two("[contact]\ninitial_overlap = \"error\"\n").expect_err("they overlap");
     for part in ["\"a\" and \"c\" overlap by 0.09998", "near [", "take \"ignore\""] {
         assert!(refused.contains(part), "{refused}");
     }

@@ -88,7 +88,6 @@ impl Forces {
 mod tests {
     use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
 
-    use super::*;
     use crate::analysis::{Options, analyse};
     use crate::network::{Couples, Network, Sizes, Space};
 

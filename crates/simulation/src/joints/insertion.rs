@@ -502,7 +502,9 @@ where
             .map(|other| (self.normal(other, sides), part_of(other, self.state)))
             .collect();
         let mut sum = [0.0; D];
-        parts.iter().for_each(|(normal, part)| add(&mut sum, *normal, *part));
+        for (normal, part) in &parts {
+            add(&mut sum, *normal, *part);
+        }
         let axes = <[[f64; D]; N]>::cut_axes(&side(solid, &topology.facets[facet as usize]), sum);
         let width: f64 =
             parts.iter().map(|(normal, part)| part * <[[f64; D]; N]>::projection(*normal, axes[0])).sum();

@@ -200,12 +200,11 @@ impl Specimen {
         let flat = |from: f64, to: f64| {
             format!("polygons = [[{from}, 0, -1, {to}, 0, -1, {to}, 0, 1, {from}, 0, 1]]")
         };
-        let (of_rock, straight) = match self.seed {
-            Some(_) => (strength, String::new()),
-            None => {
-                let path = flat(NOTCH, 2.0 * WIDTH);
-                (String::new(), format!("[[joint_set]]\nname = \"path\"\n{path}\n{strength}"))
-            }
+        let (of_rock, straight) = if self.seed.is_some() {
+            (strength, String::new())
+        } else {
+            let path = flat(NOTCH, 2.0 * WIDTH);
+            (String::new(), format!("[[joint_set]]\nname = \"path\"\n{path}\n{strength}"))
         };
         prepared_in_space(&format!(
             r#"

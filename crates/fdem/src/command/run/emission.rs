@@ -77,8 +77,8 @@ impl Emission {
         let [events, joints] = self.counts.map(|count| grouped(count as u64));
         let mut found = format!("{events} events of {joints} joints");
         if self.softening[0] > 0 {
-            found +=
-                &format!(", {} of them of joints that soften and hold", grouped(self.softening[0] as u64));
+            let softening = grouped(self.softening[0] as u64);
+            found = format!("{found}, {softening} of them of joints that soften and hold");
         }
         match self.value {
             Some(BValue { b, error, completeness, count }) => format!(
