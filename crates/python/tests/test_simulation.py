@@ -352,19 +352,23 @@ def test_the_checkpoint_of_a_folder_is_resumed(torn):
         fdem.resume(torn.parent)
 
 
-def test_results_of_a_folder(torn):
-    found = fdem.results(torn)
-    assert found.status == "finished"
-    history = found.history
-    assert history["time"][0] == 0.0 and history["step"][-1] == found.summary["steps"]
-    assert history["kinetic"][-1] == found.summary["energies"]["kinetic"]
-    # Columns have the names of model files, with their units or without.
+def test_columns_of_a_history_have_the_names_of_model_files(staged):
+    """With their units or without."""
+    history = fdem.results(staged).history
     full = next(name for name in history if name.startswith("platen f"))
     short = full.rpartition(" [")[0]
     assert full.endswith(" [N]") and history[short] is history[full]
     assert short in history and history.get(short) is history[full] and history.get("platen") is None
     with pytest.raises(KeyError, match="no column 'platen force': there is platen"):
         history["platen force"]
+
+
+def test_results_of_a_folder(torn):
+    found = fdem.results(torn)
+    assert found.status == "finished"
+    history = found.history
+    assert history["time"][0] == 0.0 and history["step"][-1] == found.summary["steps"]
+    assert history["kinetic"][-1] == found.summary["energies"]["kinetic"]
     assert len(found.frames) == found.summary["output"]["frames"]
     first, last = found.frames[0], found.frames[-1]
     assert [first.time, last.time] == [found.frames.times[0], found.frames.times[-1]]

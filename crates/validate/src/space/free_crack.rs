@@ -88,7 +88,8 @@ pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
 fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
     let seeds = size.choose(1..=2, 1..=4);
     let layers: &[u32] = size.choose(&[2], &[2, 4]);
-    let sizes: &[Bounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
+    let quick: &[Bounds] = if let Loading::Tension = loading { &[USUAL] } else { &[COARSE] };
+    let sizes = size.choose(quick, &[COARSE, USUAL, SMALL]);
     let mut outcomes = Vec::new();
     for bounds in sizes {
         for &layers in layers {
