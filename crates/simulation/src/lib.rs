@@ -136,6 +136,9 @@
 //!   a separate spring; in the book each softens on its axis. With that law a crack along the edges of an
 //!   unstructured mesh dissipates 1.3 to 1.6 times its fracture energy (`src/cohesive.rs`; tables in
 //!   `bench/NOTES.md`).
+//! - In space the joint of a face represents the plane across the largest tension where tension governs, at any
+//!   angle up to 75°, and measures its mode from the normal of that plane (`joints/plane.rs`). Joints that are
+//!   intrinsic represent their own planes.
 //! - An edge fails as soon as a plane within 15° of it does, and its joint represents that plane; in the book
 //!   an edge fails by its own traction. Without this a block in compression is up to a quarter stronger than
 //!   its material (`src/joints/plane.rs`).
