@@ -188,6 +188,29 @@ impl<const D: usize> JointLaw<D> {
         })
     }
 
+    /// The strengths of a whole joint, without energies.
+    pub(crate) fn strength(&self) -> Strength {
+        let Self { tensile, cohesion, friction, .. } = *self;
+        Strength {
+            tensile,
+            cohesion,
+            friction,
+            energy_i: 0.0,
+            energy_ii: 0.0,
+            weibull_modulus: None,
+            seed: 0,
+        }
+    }
+
+    /// Elastic traction of a whole bond over its strength in its direction. A bond that closes has no part
+    /// across the joint.
+    pub(crate) fn use_of_bond(&self, mut bond: [f64; D]) -> f64 {
+        bond[0] = bond[0].max(0.0);
+        let squared = dot(bond, bond);
+        let [strength, _] = self.in_direction(self.shares(bond, squared));
+        self.penalty * squared.sqrt() / strength
+    }
+
     /// Coefficient of friction at this damage.
     fn friction_at(&self, damage: f64) -> f64 {
         self.residual + (self.friction - self.residual) * softening(damage)

@@ -407,6 +407,9 @@ impl<const D: usize> Joints<D> {
         let length = <[[f64; D]; N]>::facet_length(measure);
         let mut joint = Joint::new(facet, law, plane, [measure, length]);
         joint.counted = share.corner(sides.corners[0][0]);
+        if self.insertion == Insertion::Intrinsic && self.strength_of_planes(facet).is_some() {
+            joint.beside = Some(sides.elements());
+        }
         joint.open_from_start = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
         self.links.push(Link::of(&joint, model.thickness));
         self.all.push(joint);

@@ -165,7 +165,7 @@ impl<const D: usize> Joints<D> {
 
     /// The strength of a facet that a plane near it may have in its place: the facets of an interface lie in
     /// the plane that is weak.
-    fn strength_of_planes(&self, facet: u32) -> Option<Strength> {
+    pub(super) fn strength_of_planes(&self, facet: u32) -> Option<Strength> {
         let of_interface = self.of_interface.get(self.class[facet as usize] as usize) == Some(&true);
         self.strength(facet).filter(|_| !of_interface)
     }

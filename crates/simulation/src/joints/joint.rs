@@ -4,10 +4,11 @@ use fdem_distributed::wire::Wire;
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{JointLaw, JointPlane, Memory, across, dissipated_at};
+use crate::joints::plane::{mean_stress_of, plane_of};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Facet;
-use crate::vector::{Matrix, Point, add, dot, length, minus};
+use crate::vector::{Matrix, Point, add, dot, length, minus, plus};
 
 /// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two
 /// elements, and at which the handover is complete.
@@ -57,6 +58,9 @@ pub(crate) struct Joint<const D: usize = 2> {
     /// Whether it is of a joint set that is open from the beginning, so that it is no crack of the run.
     #[serde(skip)]
     pub(crate) open_from_start: bool,
+    /// The elements on its two sides, if it is intrinsic and may represent another plane than its own.
+    #[serde(skip)]
+    pub(crate) beside: Option<[u32; 2]>,
     /// Its length, or that of the edges of an even face of this area, m.
     #[serde(skip)]
     length: f64,
@@ -105,6 +109,7 @@ impl<const D: usize> Wire for Joint<D> {
             measure: 0.0,
             counted: false,
             open_from_start,
+            beside: None,
             length: 0.0,
             nodes,
             ends,
@@ -152,6 +157,7 @@ impl<const D: usize> Joint<D> {
             measure,
             counted: true,
             open_from_start: false,
+            beside: None,
             length,
             nodes: no_nodes(),
             ends: [Memory::default(); D],
@@ -176,6 +182,7 @@ impl<const D: usize> Joint<D> {
             measure: self.measure,
             counted: self.counted,
             open_from_start: self.open_from_start,
+            beside: self.beside,
             length: self.length,
             ..saved
         }
@@ -237,6 +244,7 @@ impl<const D: usize> Joint<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let frame = JointAxes::new::<N>(self, solid);
+        self.turn(&frame, solid);
         let share = self.share(solid.thickness);
         let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
         let mut pressed = false;
@@ -299,6 +307,39 @@ impl<const D: usize> Joint<D> {
             self.fading = fading;
         }
         (work, modes)
+    }
+
+    /// Lets an intrinsic joint that leaves its elastic range represent the plane that its elements fail on:
+    /// see `joints/plane.rs`. It softens from the traction that it has, so that no force jumps.
+    fn turn<const N: usize>(&mut self, frame: &JointAxes<D>, solid: &Solid<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let Some(elements) = self.beside else { return };
+        let law = self.law;
+        if !self.holds() || law.normal[0] != 1.0 || !self.ends.iter().all(|end| end.is_whole(&law)) {
+            return;
+        }
+        let bonds = |end: usize| {
+            let [a, b] = frame.ends[end];
+            minus(frame.components(minus(b, a)), self.ends[end].origin())
+        };
+        let loaded: Vec<[f64; D]> =
+            (0..D).filter(|&end| self.open[end]).map(bonds).filter(|bond| !law.of_whole(*bond).1).collect();
+        if loaded.is_empty() {
+            return;
+        }
+        let facet = frame.ends.map(|[a, b]| plus(a, b));
+        let plane = plane_of::<D, N>(&facet, &mean_stress_of(solid, elements), &law.strength());
+        if plane.normal[0] == 1.0 {
+            return;
+        }
+        let on_plane = law.on(JointPlane { excess: 1.0, ..plane });
+        let used = loaded.iter().map(|bond| on_plane.use_of_bond(*bond)).fold(0.0, f64::max);
+        if used > 0.0 {
+            self.plane = JointPlane { excess: 1.0 / used, ..plane };
+            self.law = law.on(self.plane);
+        }
     }
 
     /// Elastic energy, J, of its ends that can open, at the positions of the last [`Joint::pull`].

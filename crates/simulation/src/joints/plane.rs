@@ -106,7 +106,18 @@ pub(crate) fn mean_stress<const D: usize, const N: usize>(solid: &Solid<D, N>, f
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let [one, two] = facet.elements().map(|element| solid.stress(element as usize));
+    mean_stress_of(solid, facet.elements())
+}
+
+/// Mean stress of two elements, Pa.
+pub(crate) fn mean_stress_of<const D: usize, const N: usize>(
+    solid: &Solid<D, N>,
+    elements: [u32; 2],
+) -> Matrix<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let [one, two] = elements.map(|element| solid.stress(element as usize));
     matrix(|i, k| 0.5 * (one[i][k] + two[i][k]))
 }
 
