@@ -137,8 +137,8 @@
 //!   unstructured mesh dissipates 1.3 to 1.6 times its fracture energy (`src/cohesive.rs`; tables in
 //!   `bench/NOTES.md`).
 //! - In space the joint of a face represents the plane across the largest tension where tension governs, at any
-//!   angle up to 75°, and measures its mode from the normal of that plane (`joints/plane.rs`). Joints that are
-//!   intrinsic represent their own planes.
+//!   angle, and measures its mode from the normal of that plane (`joints/plane.rs`). An intrinsic joint takes
+//!   that plane when it leaves its elastic range.
 //! - An edge fails as soon as a plane within 15° of it does, and its joint represents that plane; in the book
 //!   an edge fails by its own traction. Without this a block in compression is up to a quarter stronger than
 //!   its material (`src/joints/plane.rs`).

@@ -32,6 +32,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
             }
         }
         if boundary.gas_exponent.is_some() {
+            if boundary.pressure.is_some_and(|pressure| pressure < 0.0) {
+                wrong("pressure", "the pressure of a gas is not negative".to_owned(), "write it as positive");
+            }
             for (key, given) in [
                 ("ramp", boundary.ramp.is_some()),
                 ("table", boundary.table.is_some()),

@@ -83,6 +83,10 @@ fn cavities_that_are_none_are_refused() {
             "a gas has no \"ramp\"",
         ),
         ("at = [0.25, 0.25]\npressure = 1e6\ncavity = true\ngas_exponent = 1", "gas_exponent"),
+        (
+            "at = [0.25, 0.25]\npressure = -1e6\ncavity = true\ngas_exponent = 1.4",
+            "the pressure of a gas is not negative",
+        ),
     ] {
         let found = read(&plate(keys)).map(|_| ()).unwrap_err().to_string();
         assert!(found.contains(message), "{keys}\n{found}");

@@ -7,7 +7,7 @@
 //! represents that plane: it begins with the acting traction, which is then its strength, and its fracture
 //! energy is that of its projection on the plane.
 //!
-//! In space a crack is a staircase of faces at up to 75° to its plane, because the four faces of a tetrahedron
+//! In space a crack is a staircase of faces at any angle to its plane, because the four faces of a tetrahedron
 //! seldom lie near it. The traction on such a face is along the tension, aslant to the face. A law that took
 //! the part along the face for sliding would give it the energy of sliding, up to `G_II`: cracks in free
 //! meshes dissipated 1.4 to 2.8 times the energy of a straight one. So where tension governs, the mode is
@@ -25,9 +25,8 @@ use crate::vector::{Matrix, Point, matrix};
 /// the crack does not take; `bench/NOTES.md` has the table.
 const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
-/// Least area of the projection of a facet on the plane across the largest tension, over its own, from which
-/// its joint represents that plane. A facet along the tension is no part of the crack: as part of it, it took
-/// up to 46 times its energy after the two sides had parted.
+/// Least area of the projection of a facet on the plane across the largest tension, over its own. A facet along
+/// the tension has this share, because without any strength it would slide freely beside the crack.
 const LEAST_AREA: f64 = 0.25;
 
 /// A reach that no plane is beyond.
@@ -78,10 +77,10 @@ where
 {
     let own = plane_near::<D, N>(facet, stress, strength);
     let Some((tension, normal)) = <[[f64; D]; N]>::tension_across(facet, stress) else { return own };
-    let (used, area) = (tension / strength.tensile, normal[0]);
+    let (used, area) = (tension / strength.tensile, normal[0].max(LEAST_AREA));
     let shear = <[[f64; D]; N]>::tractions_near(facet, stress, strength.friction, ANY);
     let governs = shear[1..].iter().all(|(traction, _)| use_of(strength, *traction) <= used);
-    if area < LEAST_AREA || !(governs && used > 0.0 && used.is_finite()) {
+    if !(governs && used > 0.0 && used.is_finite()) {
         return own;
     }
     JointPlane { excess: 1.0 / (area * used.max(1.0)), area, normal }
@@ -196,9 +195,8 @@ mod tests {
         super::plane_of::<3, 4>(&face(degrees), &stress, &ROCK)
     }
 
-    /// Under tension a face at up to 75° represents the plane across it, with the strength of its projection;
-    /// beyond its strength it begins with the traction that acts. A steeper one stands for itself, or for a
-    /// plane near it.
+    /// Under tension a face represents the plane across it, with the strength of its projection; beyond its
+    /// strength it begins with the traction that acts. A face along the tension has the least projection.
     #[test]
     fn a_face_at_an_angle_represents_the_plane_across_the_tension() {
         for (degrees, tension) in [(0.0_f64, 1e6), (40.0, 0.5e6), (70.0, 1e6), (70.0, 1.5e6), (-60.0, 2e6)] {
@@ -213,7 +211,9 @@ mod tests {
                 "{degrees} {normal:?}"
             );
         }
-        assert_eq!(plane_of(80.0, [0.0, 0.0, 1e6]).normal, across());
+        let steep = plane_of(85.0, [0.0, 0.0, 1e6]);
+        assert_eq!((steep.area, steep.excess), (LEAST_AREA, 1.0 / LEAST_AREA));
+        assert!((steep.normal[0] - 85.0_f64.to_radians().cos()).abs() < 1e-9);
     }
 
     /// Where shear governs, the mode is measured from the normal of the face, as in compression with a small

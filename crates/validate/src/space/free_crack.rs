@@ -73,8 +73,10 @@ struct Bounds {
     energy: [f64; 2],
 }
 
-const COARSE: Bounds = Bounds { elements: 3, toughness: [0.12, 0.25], energy: [0.2, 0.4] };
-const USUAL: Bounds = Bounds { elements: 6, toughness: [0.04, 0.08], energy: [0.05, 0.12] };
+// Elements of a third of the zone are too large: the case says how far off they are.
+const COARSE: Bounds = Bounds { elements: 3, toughness: [0.5, 0.6], energy: [0.3, 0.6] };
+// The mean of eight meshes is 1.05; that of four is up to 1.07.
+const USUAL: Bounds = Bounds { elements: 6, toughness: [0.04, 0.08], energy: [0.08, 0.12] };
 const SMALL: Bounds = Bounds { elements: 12, toughness: [0.04, 0.08], energy: [0.05, 0.08] };
 
 pub(crate) fn tension(size: Size) -> Result<Vec<Outcome>, String> {
@@ -86,10 +88,9 @@ pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
 }
 
 fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
-    let seeds = size.choose(1..=2, 1..=4);
+    let seeds = size.choose(if let Loading::Tension = loading { 1..=2 } else { 1..=1 }, 1..=4);
     let layers: &[u32] = size.choose(&[2], &[2, 4]);
-    let quick: &[Bounds] = if let Loading::Tension = loading { &[USUAL] } else { &[COARSE] };
-    let sizes = size.choose(quick, &[COARSE, USUAL, SMALL]);
+    let sizes: &[Bounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
     let mut outcomes = Vec::new();
     for bounds in sizes {
         for &layers in layers {
