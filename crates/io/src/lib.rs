@@ -49,6 +49,7 @@
 //! | the column that holds the body of an element | `src/table.rs`, `crates/fdem/src/command/input.rs` |
 
 mod packing;
+mod types;
 mod flat;
 mod options;
 mod read;
@@ -91,7 +92,7 @@ pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshGroup, MeshSourc
 pub use mesh::format::MeshFormat;
 pub use mesh::{read_mesh, read_mesh_with};
 pub use npy::NpyRows;
-pub use options::ReadOptions;
+pub use options::{ReadOptions, TypeColumn};
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
@@ -102,6 +103,7 @@ pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::collection::{PieceFile, PieceFiles};
 pub use series::dump_local::{CoupleColumns, FileCouples, read_couples};
 pub use series::{FrameIndex, Series, read_packing};
+pub use types::Types;
 pub use unpack::{unpack, unpack_within};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
