@@ -47,6 +47,7 @@
 //! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/picture/raster.rs` |
 
 mod arrays;
+mod pair_cutoffs;
 pub mod network;
 pub mod detection;
 pub mod analysis;
