@@ -46,7 +46,8 @@ impl Centres {
 /// The elements of one file.
 ///
 /// # Shapes
-/// `centres`: `n`. `radii`, `ids`, `bodies`, `types` and `row_numbers`: `n` each if present, in the same order.
+/// `centres`: `n`. `radii`, `ids`, `bodies`, `types` and `row_numbers`: `n` each if present, in the same
+/// order.
 ///
 /// # Units
 /// `centres` and `radii` have the length unit of the file; nothing is converted.
