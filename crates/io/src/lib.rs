@@ -42,6 +42,7 @@
 //! | formats of labelled images | `src/labels.rs`, `src/labels/npy.rs`, `src/labels/tiff.rs` |
 //! | collections of ParaView | `src/series/collection.rs` |
 //! | couples with values from files | `src/series/dump_local.rs` |
+//! | types of elements | `src/types.rs`, the choice of their column: `src/table.rs` |
 //! | formats of text and arrays | `src/text.rs`, `src/columns.rs`, `src/npy.rs` |
 //! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`, `src/packing_format.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
 //! | comparison with how other libraries read the same files | `tests/python/test_formats.py` |

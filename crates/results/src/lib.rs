@@ -25,6 +25,7 @@
 //!
 //! | to change | open |
 //! |---|---|
+//! | cut-offs by pairs of types | `src/pair_cutoffs.rs`; the option: `crates/fdem/src/command/cutoff.rs` |
 //! | detection of couples, their statistics, the check by brute force | `src/detection.rs`, `src/detection/request.rs`, `src/detection/verify.rs` |
 //! | analysis of a network | `src/analysis.rs`, then its part: `src/analysis/fabric.rs`, `src/analysis/clusters.rs` and so on; its lines in the summary: `crates/fdem/src/command/analyse.rs` |
 //! | pictures: layout, colours, texts | `src/picture/drawing.rs`, `src/picture/colour.rs`, `src/picture/furniture.rs` |

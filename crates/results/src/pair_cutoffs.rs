@@ -77,7 +77,7 @@ impl PairCutoffs {
     }
 
     /// A filter that leaves the pairs that have a cut-off.
-    pub(crate) fn filter(&self) -> Filter<'_> {
+    pub fn filter(&self) -> Filter<'_> {
         Filter::groups(&self.groups, &self.matrix)
     }
 
