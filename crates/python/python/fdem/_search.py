@@ -97,7 +97,7 @@ def contacts(
 
     A cut-off for each pair of types:
 
-    >>> fdem.contacts([[0.0, 0], [1, 0], [2, 0]], cutoff={("H", "C"): 1.3}, types=["C", "H", "H"]).pairs.tolist()
+    >>> fdem.contacts([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], cutoff={("H", "C"): 1.3}, types=["C", "H", "H"]).pairs.tolist()
     [[0, 1]]
 
     Errors name the element:
