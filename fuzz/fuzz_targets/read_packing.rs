@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use fdem_io::{Centres, Packing, ReadOptions, Skipped, read, write_packing_csv, write_packing_npy};
+use fdem_io::{Centres, Packing, ReadOptions, Skipped, TypeColumn, read, write_packing_csv, write_packing_npy};
 use libfuzzer_sys::fuzz_target;
 
 /// Values of `--columns`; the first means no option.
@@ -28,6 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
         skip_bad_lines: first & 8 != 0,
         ignore_ids: first & 16 != 0,
         bodies: ["3", "b"].get(usize::from(first >> 5)).map(|column| column.to_string()),
+        types: (first >> 5 == 2).then_some(TypeColumn::Usual),
     };
     let progress = AtomicU64::new(0);
     match read(file, &options, &progress) {

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::AtomicU64;
 
-use fdem_io::{Centres, FileKind, PackingFormat, ReadOptions, Series, unpack};
+use fdem_io::{Centres, FileKind, PackingFormat, ReadOptions, Series, TypeColumn, unpack};
 use libfuzzer_sys::fuzz_target;
 
 /// Names for content that does not show its format.
@@ -31,6 +31,7 @@ fuzz_target!(|bytes: &[u8]| {
         skip_bad_lines: second & 8 != 0,
         ignore_ids: second & 16 != 0,
         bodies: (second & 32 != 0).then(|| "3".to_owned()),
+        types: (second & 64 != 0).then_some(TypeColumn::Usual),
     };
     for frame in [0, series.frames() / 2, series.frames() - 1] {
         match series.read(frame, &options, &AtomicU64::new(0)) {

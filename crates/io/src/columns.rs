@@ -29,6 +29,9 @@ pub enum Role {
     /// The body that the element belongs to, a whole number. No column name selects it: see
     /// [`ReadOptions::bodies`](crate::ReadOptions).
     Body,
+    /// The type of the element, a name. It is read only if [`ReadOptions::types`](crate::ReadOptions) asks
+    /// for it.
+    Type,
 }
 
 impl Role {
@@ -82,7 +85,7 @@ impl Role {
             Self::Radius => matches!(plain, "radius" | "r" | "rad" | "radii" | "particleradius"),
             Self::Diameter => matches!(plain, "diameter" | "d" | "dia" | "diam" | "particlediameter"),
             Self::Id => matches!(plain, "id" | "ids" | "index" | "particleid" | "number" | "no"),
-            Self::Body => false,
+            Self::Body | Self::Type => false,
         }
     }
 
@@ -103,6 +106,7 @@ impl fmt::Display for Role {
             Self::Diameter => "diameter",
             Self::Id => "id",
             Self::Body => "body",
+            Self::Type => "type",
         })
     }
 }

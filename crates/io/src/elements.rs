@@ -4,6 +4,7 @@ use crate::columns::Role;
 use crate::error::ReadError;
 use crate::packing::{BadLine, Centres, Frame, Packing, Skipped, Source};
 use crate::row::{Row, SIZE};
+use crate::types::TypesOfRows;
 
 /// A packing that is being read.
 #[derive(Debug)]
@@ -12,6 +13,7 @@ pub(crate) struct Elements {
     pub(crate) radii: Option<Vec<f64>>,
     pub(crate) ids: Option<Vec<i64>>,
     pub(crate) bodies: Option<Vec<i64>>,
+    pub(crate) types: Option<TypesOfRows>,
     pub(crate) skipped: Skipped,
     /// See [`Packing::row_numbers`](crate::Packing::row_numbers).
     pub(crate) row_numbers: Option<Vec<u64>>,
@@ -43,6 +45,7 @@ impl Elements {
             radii: sized.then(|| room(capacity)).transpose()?,
             ids: has(Role::Id).then(|| room(capacity)).transpose()?,
             bodies: has(Role::Body).then(|| room(capacity)).transpose()?,
+            types: has(Role::Type).then(|| room(capacity).map(TypesOfRows::new)).transpose()?,
             skipped: Skipped::default(),
             row_numbers: None,
             places: room(if has(Role::Id) { capacity } else { 0 })?,
@@ -51,7 +54,7 @@ impl Elements {
     }
 
     #[inline]
-    pub(crate) fn push(&mut self, row: &Row, place: u64) {
+    pub(crate) fn push(&mut self, row: &Row<'_>, place: u64) {
         if let Some(numbers) = &mut self.row_numbers {
             numbers.push(self.centres.len() as u64 + self.skipped.count);
         }
@@ -70,6 +73,9 @@ impl Elements {
         if let Some(bodies) = &mut self.bodies {
             bodies.push(row.body);
         }
+        if let Some(types) = &mut self.types {
+            types.push(row.type_of);
+        }
     }
 
     /// Skips a row and records why.
@@ -85,6 +91,7 @@ impl Elements {
             radii: self.radii,
             ids: self.ids,
             bodies: self.bodies,
+            types: self.types.map(TypesOfRows::into_types),
             row_numbers: self.row_numbers,
             cell: None,
             frame,

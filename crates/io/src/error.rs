@@ -6,6 +6,7 @@ use crate::columns::{MOST_COLUMNS, Role};
 use crate::compression::Compression;
 use crate::excerpt;
 use crate::numbers;
+use crate::options::TypeColumn;
 use crate::packing_format::PackingFormat;
 use crate::place::Place;
 
@@ -147,6 +148,28 @@ pub enum ReadError {
         column: String,
         /// The other role of the column.
         role: Role,
+    },
+    /// The column of types already has another role.
+    #[error("the types cannot be those of column {column}: this column is the {role} of the elements")]
+    TypesColumn {
+        /// Line of the header, or of the first row without one; `None` in an array.
+        line: Option<u64>,
+        /// Name of the column.
+        column: String,
+        /// The other role of the column.
+        role: Role,
+    },
+    /// No column has one of the usual names of types.
+    #[error(
+        "no column {} for the types of the elements; the columns are {}: --type-column NAME chooses one",
+        TypeColumn::USUAL.join(", "),
+        present.join(", ")
+    )]
+    NoTypes {
+        /// Line of the header, or of the first row without one; `None` in an array.
+        line: Option<u64>,
+        /// The columns of the file.
+        present: Vec<String>,
     },
     /// Two columns have different units.
     #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
@@ -371,6 +394,8 @@ impl ReadError {
             | Self::ClashingColumns { line, .. }
             | Self::TwoRoles { line, .. }
             | Self::BodiesColumn { line, .. }
+            | Self::TypesColumn { line, .. }
+            | Self::NoTypes { line, .. }
             | Self::MixedUnits { line, .. }
             | Self::UnnamedColumns { line, .. }
             | Self::ColumnCount { line, .. } => *line,

@@ -117,6 +117,7 @@ mod tests {
             radii: None,
             ids: None,
             bodies: None,
+            types: None,
             row_numbers: None,
             cell: Some(SimulationBox { origin: [1.0, 2.0, 3.0], edges, repeats }),
             frame: Frame::default(),

@@ -42,6 +42,7 @@
 //! | formats of labelled images | `src/labels.rs`, `src/labels/npy.rs`, `src/labels/tiff.rs` |
 //! | collections of ParaView | `src/series/collection.rs` |
 //! | couples with values from files | `src/series/dump_local.rs` |
+//! | types of elements | `src/types.rs`, the choice of their column: `src/table.rs` |
 //! | formats of text and arrays | `src/text.rs`, `src/columns.rs`, `src/npy.rs` |
 //! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`, `src/packing_format.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
 //! | comparison with how other libraries read the same files | `tests/python/test_formats.py` |
@@ -49,6 +50,7 @@
 //! | the column that holds the body of an element | `src/table.rs`, `crates/fdem/src/command/input.rs` |
 
 mod packing;
+mod types;
 mod flat;
 mod options;
 mod read;
@@ -91,7 +93,7 @@ pub use mesh::file::{BodiesFrom, Cells, MeshBody, MeshFile, MeshGroup, MeshSourc
 pub use mesh::format::MeshFormat;
 pub use mesh::{read_mesh, read_mesh_with};
 pub use npy::NpyRows;
-pub use options::ReadOptions;
+pub use options::{ReadOptions, TypeColumn};
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
@@ -102,6 +104,7 @@ pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::collection::{PieceFile, PieceFiles};
 pub use series::dump_local::{CoupleColumns, FileCouples, read_couples};
 pub use series::{FrameIndex, Series, read_packing};
+pub use types::Types;
 pub use unpack::{unpack, unpack_within};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{

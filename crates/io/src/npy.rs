@@ -13,6 +13,7 @@ use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size, whole};
 use crate::table::UnassignedColumns;
+use crate::types::TypeOfRow;
 
 /// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
@@ -238,7 +239,7 @@ impl<'a> NpyArray<'a> {
         let names: Vec<Name> = self.columns.iter().map(|column| column.name.clone()).collect();
         let row = format!("array of shape {}", self.shape);
         let table = UnassignedColumns { names: &names, header: self.named, line: None, row: &row };
-        let roles = table.roles_and_body(options)?;
+        let roles = table.all_roles(options)?;
         let unit = table.unit(&roles)?;
         Ok((roles, unit))
     }
@@ -289,15 +290,19 @@ impl<'a> NpyArray<'a> {
     }
 
     #[inline]
-    fn row(&self, at: usize, chosen: &[Chosen<'_>]) -> Result<Row, String> {
+    fn row(&self, at: usize, chosen: &[Chosen<'_>]) -> Result<Row<'static>, String> {
         let mut row = Row::default();
         for (column, role) in chosen {
             let bytes = self.bytes_of(column, at);
             let label = || column.name.shown();
-            if matches!(role, Role::Id | Role::Body) {
-                *(if *role == Role::Id { &mut row.id } else { &mut row.body }) =
-                    whole_number(bytes, &column.scalar)
-                        .map_err(|problem| format!("the {role} in column {} {problem}", label()))?;
+            if matches!(role, Role::Id | Role::Body | Role::Type) {
+                let number = whole_number(bytes, &column.scalar)
+                    .map_err(|problem| format!("the {role} in column {} {problem}", label()))?;
+                match role {
+                    Role::Id => row.id = number,
+                    Role::Body => row.body = number,
+                    _ => row.type_of = TypeOfRow::Number(number),
+                }
                 continue;
             }
             let value = number(bytes, &column.scalar)

@@ -17,4 +17,22 @@ pub struct ReadOptions {
     /// name in the header, or its number counted from 1. It has no other role. In a file without names, the
     /// other columns keep the roles that they would have without it.
     pub bodies: Option<String>,
+    /// The column that holds the type of each element, for [`Packing::types`](crate::Packing::types); it has
+    /// no other role. `None` reads no types.
+    pub types: Option<TypeColumn>,
+}
+
+/// The column of types.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum TypeColumn {
+    /// The first of `element`, `species` and `type` that the file has, in any capitals.
+    Usual,
+    /// The column of this name in the header, or of this number counted from 1. In a file without names, the
+    /// other columns keep the roles that they would have without it.
+    Named(String),
+}
+
+impl TypeColumn {
+    /// The names of [`TypeColumn::Usual`].
+    pub(crate) const USUAL: [&str; 3] = ["element", "species", "type"];
 }

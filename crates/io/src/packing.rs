@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::columns::{Name, Role};
+use crate::types::Types;
 
 /// Centres of the elements, in 2D or 3D.
 ///
@@ -45,7 +46,8 @@ impl Centres {
 /// The elements of one file.
 ///
 /// # Shapes
-/// `centres`: `n`. `radii`, `ids`, `bodies` and `row_numbers`: `n` each if present, in the same order.
+/// `centres`: `n`. `radii`, `ids`, `bodies`, `types` and `row_numbers`: `n` each if present, in the same
+/// order.
 ///
 /// # Units
 /// `centres` and `radii` have the length unit of the file; nothing is converted.
@@ -60,6 +62,8 @@ pub struct Packing {
     /// The body that each element belongs to, any numbers; `None` unless
     /// [`ReadOptions::bodies`](crate::ReadOptions) requests them.
     pub bodies: Option<Vec<i64>>,
+    /// The type of each element; `None` unless [`ReadOptions::types`](crate::ReadOptions) requests them.
+    pub types: Option<Types>,
     /// The row number of each element, increasing; `None` unless rows were skipped, because otherwise element
     /// `i` is row `i`.
     ///

@@ -6,6 +6,7 @@ use std::fmt;
 use crate::columns::{MOST_COLUMNS, Role};
 use crate::excerpt;
 use crate::packing::Delimiter;
+use crate::types::TypeOfRow;
 
 /// Up to this number, 2^53, every integer is an `f64`.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
@@ -16,19 +17,22 @@ enum Slot {
     Skip,
     Id,
     Body,
+    Type,
     /// Index into [`Row::values`].
     Value(usize),
 }
 
 /// The values of one row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Row {
+pub(crate) struct Row<'a> {
     /// x, y, z, and radius or diameter; 0 for columns that the file does not have.
     pub(crate) values: [f64; 4],
     /// The id; 0 if the file has none.
     pub(crate) id: i64,
     /// The body; 0 if no column has bodies.
     pub(crate) body: i64,
+    /// The type; any if no column has types.
+    pub(crate) type_of: TypeOfRow<'a>,
 }
 
 /// Index of radius or diameter in [`Row::values`].
@@ -51,6 +55,7 @@ impl RowReader {
             None => Slot::Skip,
             Some(Role::Id) => Slot::Id,
             Some(Role::Body) => Slot::Body,
+            Some(Role::Type) => Slot::Type,
             Some(Role::X) => Slot::Value(0),
             Some(Role::Y) => Slot::Value(1),
             Some(Role::Z) => Slot::Value(2),
@@ -63,7 +68,7 @@ impl RowReader {
     /// Parses the fields in one pass. `None` for anything other than plain numbers and delimiters: quotes,
     /// comments, ids such as `7.0`, mistakes. [`Self::read`] handles those.
     #[inline]
-    pub(crate) fn read_clean(&self, line: &[u8]) -> Option<Row> {
+    pub(crate) fn read_clean<'a>(&self, line: &'a [u8]) -> Option<Row<'a>> {
         let mut row = Row::default();
         let mut at = 0;
         let separator = separator(self.delimiter);
@@ -92,13 +97,17 @@ impl RowReader {
                     *(if matches!(slot, Slot::Id) { &mut row.id } else { &mut row.body }) = number;
                     at += length;
                 }
-                Slot::Skip => {
+                Slot::Skip | Slot::Type => {
                     let ends = |byte: u8| Some(byte) == separator || self.is_blank(byte) || byte == b'\r';
                     let length = rest.iter().position(|&byte| ends(byte)).unwrap_or(rest.len());
-                    if (length == 0 && separator.is_none())
+                    let is_type = matches!(slot, Slot::Type);
+                    if (length == 0 && (separator.is_none() || is_type))
                         || rest[..length].iter().any(|byte| matches!(byte, b'"' | b'#' | b'%'))
                     {
                         return None;
+                    }
+                    if is_type {
+                        row.type_of = TypeOfRow::Name(&rest[..length]);
                     }
                     at += length;
                 }
@@ -110,7 +119,7 @@ impl RowReader {
     }
 
     /// Parses a row with everything that a line may contain; `Ok(None)` for a blank line or a comment.
-    pub(crate) fn read(&self, line: &[u8]) -> Result<Option<Row>, String> {
+    pub(crate) fn read<'a>(&self, line: &'a [u8]) -> Result<Option<Row<'a>>, String> {
         if is_torn(line) {
             return Err(TORN.into());
         }
@@ -130,13 +139,15 @@ impl RowReader {
         })
     }
 
-    fn values(&self, fields: &[&[u8]]) -> Result<Row, String> {
+    fn values<'a>(&self, fields: &[&'a [u8]]) -> Result<Row<'a>, String> {
         let mut row = Row::default();
         for ((field, slot), label) in fields.iter().zip(&self.slots).zip(&self.labels) {
             match *slot {
                 Slot::Value(index) => row.values[index] = self.value(field, label)?,
                 Slot::Id => row.id = whole_number(Role::Id, field, label)?,
                 Slot::Body => row.body = whole_number(Role::Body, field, label)?,
+                Slot::Type if field.is_empty() => return Err(format!("column {label} is empty")),
+                Slot::Type => row.type_of = TypeOfRow::Name(field),
                 Slot::Skip => {}
             }
             if matches!(slot, Slot::Value(SIZE)) {
@@ -191,7 +202,7 @@ impl RowReader {
         let fields = split(line, other);
         fields.len() == self.slots.len()
             && fields.iter().zip(&self.slots).all(|(field, slot)| {
-                matches!(slot, Slot::Skip)
+                matches!(slot, Slot::Skip | Slot::Type)
                     || fast_float2::parse::<f64, _>(field).is_ok()
                     || number(field, other)
             })

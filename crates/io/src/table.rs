@@ -3,7 +3,7 @@
 use crate::columns::{Choice, Columns, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
-use crate::options::ReadOptions;
+use crate::options::{ReadOptions, TypeColumn};
 
 /// The columns of one file before roles are assigned.
 pub(crate) struct UnassignedColumns<'a> {
@@ -34,18 +34,21 @@ impl UnassignedColumns<'_> {
         }
     }
 
-    /// The same without ids if they are ignored, and with the column of bodies.
-    pub(crate) fn roles_and_body(&self, options: &ReadOptions) -> Result<Vec<Option<Role>>, ReadError> {
+    /// The same without ids if they are ignored, and with the columns of bodies and types.
+    pub(crate) fn all_roles(&self, options: &ReadOptions) -> Result<Vec<Option<Role>>, ReadError> {
         let columns = options.columns.as_ref();
         let body = options.bodies.as_ref().map(|wanted| self.place_of(wanted)).transpose()?;
-        let mut roles = match body {
-            Some(place) if columns.is_none() && !self.header => {
-                let others: Vec<Name> = [&self.names[..place], &self.names[place + 1..]].concat();
-                let mut roles = UnassignedColumns { names: &others, ..*self }.roles_by_number()?;
-                roles.insert(place, None);
-                roles
-            }
-            _ => self.roles(columns)?,
+        let types = options.types.as_ref().map(|wanted| self.place_of_types(wanted)).transpose()?;
+        let mut roles = if columns.is_none() && !self.header {
+            let is_other = |place: &usize| ![body, types].contains(&Some(*place));
+            let others: Vec<usize> = (0..self.names.len()).filter(is_other).collect();
+            let names: Vec<Name> = others.iter().map(|&place| self.names[place].clone()).collect();
+            let mut roles = vec![None; self.names.len()];
+            let usual = UnassignedColumns { names: &names, ..*self }.roles_by_number()?;
+            others.into_iter().zip(usual).for_each(|(place, role)| roles[place] = role);
+            roles
+        } else {
+            self.roles(columns)?
         };
         if options.ignore_ids {
             roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
@@ -55,7 +58,32 @@ impl UnassignedColumns<'_> {
         {
             return Err(ReadError::BodiesColumn { line: self.line, column: self.names[place].shown(), role });
         }
+        if let Some(place) = types
+            && let Some(role) = roles[place].replace(Role::Type)
+        {
+            return Err(ReadError::TypesColumn { line: self.line, column: self.names[place].shown(), role });
+        }
         Ok(roles)
+    }
+
+    /// Finds the column of types. Its usual names are searched among the names as they are written: a
+    /// property of an XYZ file that is no number has no plain name.
+    fn place_of_types(&self, wanted: &TypeColumn) -> Result<usize, ReadError> {
+        let usual = match wanted {
+            TypeColumn::Named(name) => return self.place_of(name),
+            TypeColumn::Usual => TypeColumn::USUAL,
+        };
+        let written: Vec<String> =
+            self.names.iter().map(|name| Name::unsuffixed(&name.written).plain).collect();
+        for known in usual {
+            let found: Vec<usize> = (0..written.len()).filter(|&place| written[place] == known).collect();
+            match found[..] {
+                [] => {}
+                [place] => return Ok(place),
+                _ => return Err(self.ambiguous(known, &found)),
+            }
+        }
+        Err(ReadError::NoTypes { line: self.line, present: self.present() })
     }
 
     fn roles_by_choice(&self, chosen: &[(Role, String)]) -> Result<Vec<Option<Role>>, ReadError> {
@@ -98,14 +126,18 @@ impl UnassignedColumns<'_> {
                 wanted: excerpt::field(wanted.as_bytes()),
                 present: self.present(),
             }),
-            _ => Err(ReadError::AmbiguousColumn {
-                line: self.line,
-                wanted: excerpt::field(wanted.as_bytes()),
-                matches: found
-                    .iter()
-                    .map(|&place| format!("{} ({})", self.names[place].shown(), place + 1))
-                    .collect(),
-            }),
+            _ => Err(self.ambiguous(wanted, &found)),
+        }
+    }
+
+    fn ambiguous(&self, wanted: &str, found: &[usize]) -> ReadError {
+        ReadError::AmbiguousColumn {
+            line: self.line,
+            wanted: excerpt::field(wanted.as_bytes()),
+            matches: found
+                .iter()
+                .map(|&place| format!("{} ({})", self.names[place].shown(), place + 1))
+                .collect(),
         }
     }
 
@@ -144,7 +176,7 @@ impl UnassignedColumns<'_> {
             .names
             .iter()
             .zip(roles)
-            .filter(|(_, role)| role.is_some_and(|role| !matches!(role, Role::Id | Role::Body)))
+            .filter(|(_, role)| role.is_some_and(|role| !matches!(role, Role::Id | Role::Body | Role::Type)))
             .filter_map(|(name, _)| name.unit.as_ref().map(|unit| (name, unit)));
         let Some((first, first_unit)) = lengths.next() else { return Ok(None) };
         match lengths.find(|(_, unit)| *unit != first_unit) {

@@ -219,11 +219,11 @@ impl Opening {
         };
 
         let table = UnassignedColumns { names: &names, header, line: Some(line), row: &excerpt::line(shown) };
-        let roles = table.roles_and_body(options)?;
+        let roles = table.all_roles(options)?;
         let unit = table.unit(&roles)?;
         let label = |(name, role): (&Name, &Option<Role>)| match role {
-            // Only a header or a choice can name the column of bodies.
-            Some(role) if !header && *role != Role::Body => role.to_string(),
+            // Only a header or a choice can name the columns of bodies and types.
+            Some(role) if !header && !matches!(role, Role::Body | Role::Type) => role.to_string(),
             _ => name.shown(),
         };
         let labels = names.iter().zip(&roles).map(label).collect();

@@ -1,5 +1,8 @@
 //! Elements: arrays of the caller, kept and borrowed.
 
+use std::sync::Arc;
+
+use fdem::network::PairCutoffs;
 use fdem_contact::{Elements as Checked, Error, Filter, PeriodicBox};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -11,7 +14,8 @@ use crate::problem::Problem;
 /// Elements to be searched, in arrays of the caller.
 ///
 /// The numbers are checked by each search. `kind` determines `size` and `others`: "radii" (array `[n]`),
-/// "radius" and "cutoff" (a number), "upper" (corners `[n, D]`, where `points` are the lower ones).
+/// "radius" and "cutoff" (a number), "pairs" (array `[n]` of types, with `cutoffs` of pairs of them), "upper"
+/// (corners `[n, D]`, where `points` are the lower ones).
 #[pyclass(frozen, module = "fdem._fdem")]
 #[derive(Debug)]
 pub(crate) struct Elements {
@@ -30,6 +34,7 @@ enum Sizes {
     Each(Py<PyAny>),
     All(f64),
     Cutoff(f64),
+    Pairs(Arc<PairCutoffs>),
     Upper(Py<PyAny>),
 }
 
@@ -54,6 +59,7 @@ enum HeldSizes<'py, T: Number> {
     Each(PyReadonlyArray1<'py, T>),
     All(T),
     Cutoff(T),
+    Pairs(Arc<PairCutoffs>),
     Upper(PyReadonlyArray2<'py, T>),
 }
 
@@ -63,7 +69,7 @@ pub(crate) struct Set<'a, T, const D: usize> {
     pub(crate) points: &'a [[T; D]],
     pub(crate) sizes: SetSizes<'a, T, D>,
     groups: Option<&'a [u32]>,
-    tolerance: T,
+    pub(crate) tolerance: T,
 }
 
 #[derive(Clone, Copy)]
@@ -71,6 +77,8 @@ pub(crate) enum SetSizes<'a, T, const D: usize> {
     Each(&'a [T]),
     All(T),
     Cutoff(T),
+    /// The search finds couples up to the largest of these.
+    Pairs(&'a PairCutoffs),
     Upper(&'a [[T; D]]),
 }
 
@@ -81,13 +89,17 @@ impl<'a, T: Number, const D: usize> Set<'a, T, D> {
             SetSizes::Each(radii) => Checked::spheres_with_radii(self.points, radii),
             SetSizes::All(radius) => Checked::spheres(self.points, radius),
             SetSizes::Cutoff(cutoff) => Checked::points(self.points, cutoff),
+            SetSizes::Pairs(cutoffs) => Checked::points(self.points, T::nearest(cutoffs.largest())),
             SetSizes::Upper(upper) => Checked::boxes(self.points, upper),
         }?
         .with_tolerance(self.tolerance)?;
-        match self.groups {
-            Some(groups) => elements.with_filter(Filter::bodies(groups)),
-            None => Ok(elements),
-        }
+        let filter = match (self.sizes, self.groups) {
+            (SetSizes::Pairs(cutoffs), Some(groups)) => cutoffs.filter().with_bodies(groups),
+            (SetSizes::Pairs(cutoffs), None) => cutoffs.filter(),
+            (_, Some(groups)) => Filter::bodies(groups),
+            (_, None) => return Ok(elements),
+        };
+        elements.with_filter(filter)
     }
 }
 
@@ -97,6 +109,7 @@ impl<T: Number> Held<'_, T> {
             HeldSizes::Each(radii) => SetSizes::Each(entries_of(radii)?),
             HeldSizes::All(radius) => SetSizes::All(*radius),
             HeldSizes::Cutoff(cutoff) => SetSizes::Cutoff(*cutoff),
+            HeldSizes::Pairs(cutoffs) => SetSizes::Pairs(cutoffs),
             HeldSizes::Upper(upper) => SetSizes::Upper(rows_of(upper)?),
         };
         let groups = self.groups.as_ref().map(entries_of).transpose()?;
@@ -110,7 +123,7 @@ impl<T: Number> Held<'_, T> {
         let others: &[T] = match &self.sizes {
             HeldSizes::Each(radii) => radii.as_slice().unwrap_or(&[]),
             HeldSizes::Upper(upper) => upper.as_slice().unwrap_or(&[]),
-            HeldSizes::All(_) | HeldSizes::Cutoff(_) => &[],
+            HeldSizes::All(_) | HeldSizes::Cutoff(_) | HeldSizes::Pairs(_) => &[],
         };
         let sampled = [points, others]
             .into_iter()
@@ -128,6 +141,7 @@ impl Elements {
             Sizes::Each(radii) => HeldSizes::Each(radii.bind(py).cast::<PyArray1<T>>()?.readonly()),
             Sizes::All(radius) => HeldSizes::All(T::nearest(*radius)),
             Sizes::Cutoff(cutoff) => HeldSizes::Cutoff(T::nearest(*cutoff)),
+            Sizes::Pairs(cutoffs) => HeldSizes::Pairs(Arc::clone(cutoffs)),
             Sizes::Upper(upper) => HeldSizes::Upper(upper.bind(py).cast::<PyArray2<T>>()?.readonly()),
         };
         let points = self.points.bind(py).cast::<PyArray2<T>>()?.readonly();
@@ -163,7 +177,7 @@ impl Elements {
 #[pymethods]
 impl Elements {
     #[new]
-    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell, fingerprint=None))]
+    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell, fingerprint=None, cutoffs=None))]
     #[allow(clippy::too_many_arguments, reason = "one for each thing that elements have")]
     fn new(
         py: Python<'_>,
@@ -175,8 +189,15 @@ impl Elements {
         groups: Option<Py<PyArray1<u32>>>,
         cell: Option<CellArgument>,
         fingerprint: Option<u64>,
+        cutoffs: Option<Vec<(u32, u32, f64)>>,
     ) -> PyResult<Self> {
         let sizes = match (kind, others) {
+            ("pairs", Some(types)) => {
+                let types = types.bind(py).cast::<PyArray1<u32>>()?.readonly();
+                let cutoffs = cutoffs.unwrap_or_default().into_iter().map(|(a, b, cutoff)| ([a, b], cutoff));
+                let found = PairCutoffs::new(entries_of(&types)?, &cutoffs.collect::<Vec<_>>());
+                Sizes::Pairs(Arc::new(found.map_err(Problem::from)?))
+            }
             ("radii", Some(radii)) => Sizes::Each(radii),
             ("upper", Some(upper)) => Sizes::Upper(upper),
             ("radius", None) => Sizes::All(size),

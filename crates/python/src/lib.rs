@@ -85,6 +85,7 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<buffered::Buffered>()?;
     module.add_class::<kdtree::PyTree>()?;
     module.add_function(wrap_pyfunction!(search::contacts, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::within_cutoffs, module)?)?;
     module.add_function(wrap_pyfunction!(search::verify, module)?)?;
     module.add_function(wrap_pyfunction!(search::explain, module)?)?;
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;

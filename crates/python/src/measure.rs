@@ -1,14 +1,15 @@
 //! Distances and overlaps of couples.
 
-use fdem_contact::{Error, PeriodicBox};
-use numpy::{IntoPyArray, PyReadonlyArray2};
+use fdem::network::PairCutoffs;
+use fdem_contact::{Couple, Error, PeriodicBox};
+use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::elements::{Elements, Set, SetSizes};
 use crate::interrupt::{self, Stop};
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
-use crate::search::threads_for;
+use crate::search::{FoundPairs, into_pairs, threads_for};
 use crate::tasks;
 
 /// Couples that a thread measures at a time: enough to be worth a thread.
@@ -34,6 +35,16 @@ struct Couples<'a, T, const D: usize> {
 type Ends<T, const D: usize> = [[T; D]; 2];
 
 impl<T: Number, const D: usize> Couples<'_, T, D> {
+    /// Refuses couples of other elements.
+    fn check(&self) -> Result<(), Problem> {
+        let n = self.set.points.len();
+        let unknown = self.pairs.as_flattened().iter().any(|&element| element as usize >= n);
+        if unknown || self.shifts.len() > self.pairs.len() {
+            return Err(Problem::Arguments("couples of other elements".to_owned()));
+        }
+        Ok(())
+    }
+
     fn ends(&self, element: u32) -> Ends<T, D> {
         let point = self.set.points[element as usize];
         match self.set.sizes {
@@ -64,6 +75,10 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
 
     /// The distance of the centres of spheres, or of the closest points of boxes.
     fn distance(&self, couple: usize) -> T {
+        self.distance_squared(couple).sqrt()
+    }
+
+    fn distance_squared(&self, couple: usize) -> T {
         let [a, b] = self.compared(couple);
         let mut sum = T::ZERO;
         for axis in 0..D {
@@ -77,7 +92,17 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
             };
             sum = sum + gap * gap;
         }
-        sum.sqrt()
+        sum
+    }
+
+    /// Whether the points of a couple that the search has found are within the cut-off of their types.
+    fn is_within(&self, cutoffs: &PairCutoffs, tolerance: T, couple: usize) -> bool {
+        let [i, j] = self.pairs[couple];
+        cutoffs.of(i, j).is_some_and(|cutoff| {
+            let reach = T::nearest(cutoff) + tolerance;
+            // The search has compared those with the largest cut-off.
+            cutoff == cutoffs.largest() || self.distance_squared(couple) <= reach * reach
+        })
     }
 
     /// The sum of the radii, or the cut-off, less the distance; for boxes the smallest overlap along an axis.
@@ -87,6 +112,11 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
             SetSizes::Each(radii) => (radii[i] + radii[j]) - self.distance(couple),
             SetSizes::All(radius) => (radius + radius) - self.distance(couple),
             SetSizes::Cutoff(cutoff) => cutoff - self.distance(couple),
+            SetSizes::Pairs(cutoffs) => {
+                // Couples that were found have a cut-off.
+                let cutoff = cutoffs.of(i as u32, j as u32).map_or(T::ZERO, T::nearest);
+                cutoff - self.distance(couple)
+            }
             SetSizes::Upper(_) => {
                 let [a, b] = self.compared(couple);
                 let common = |axis: usize| {
@@ -123,11 +153,8 @@ pub(crate) fn measure<'py>(
             shifts: rows_of(&shifts)?,
         };
         let values = interrupt::run(py, false, &stop, || {
+            couples.check()?;
             let n = couples.set.points.len();
-            let unknown = couples.pairs.as_flattened().iter().any(|&element| element as usize >= n);
-            if unknown || couples.shifts.len() > couples.pairs.len() {
-                return Err(Problem::Arguments("couples of other elements".to_owned()));
-            }
             if let SetSizes::Each(radii) = couples.set.sizes && radii.len() != n {
                 return Err(Error::LengthMismatch { what: "radii", expected: n, found: radii.len() }.into());
             }
@@ -141,5 +168,40 @@ pub(crate) fn measure<'py>(
             Ok(values)
         })?;
         Ok(values.into_pyarray(py).into_any())
+    })
+}
+
+/// Those couples of a search up to the largest cut-off that are within the cut-off of their types.
+#[pyfunction]
+pub(crate) fn within_cutoffs<'py>(
+    py: Python<'py>,
+    elements: &Elements,
+    pairs: PyReadonlyArray2<'py, u32>,
+    shifts: PyReadonlyArray2<'py, i32>,
+) -> PyResult<FoundPairs<'py>> {
+    let stop = Stop::default();
+    with_kind!(elements.kind, T, D => {
+        let held = elements.hold::<T>(py)?;
+        let set = held.set::<D>(elements)?;
+        let SetSizes::Pairs(cutoffs) = set.sizes else {
+            return Err(Problem::Arguments("these elements have no cut-offs by types".to_owned()).into());
+        };
+        let cell = elements.cell::<T, D>()?;
+        let couples = Couples { set, cell, pairs: rows_of(&pairs)?, shifts: rows_of(&shifts)? };
+        let (kept, kept_shifts) = interrupt::run(py, false, &stop, || {
+            couples.check()?;
+            let unshifted = couples.pairs.len() - couples.shifts.len();
+            let (mut kept, mut kept_shifts) = (Vec::new(), Vec::new());
+            for (place, &[i, j]) in couples.pairs.iter().enumerate() {
+                if couples.is_within(cutoffs, set.tolerance, place) {
+                    kept.push(Couple { i, j });
+                    kept_shifts.extend(place.checked_sub(unshifted).map(|place| couples.shifts[place]));
+                }
+            }
+            Ok((kept, kept_shifts))
+        })?;
+        let rows = kept_shifts.len();
+        let shifts = kept_shifts.into_flattened().into_pyarray(py).reshape([rows, D])?;
+        Ok((into_pairs(py, kept)?, shifts))
     })
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use fdem::analysis::{Analysis, Options, RadialOptions, analyse as analysed};
 use fdem::command::network_file;
-use fdem::network::{Couples, Network, Sizes, Space};
+use fdem::network::{Couples, Network, PairCutoffs, Sizes, Space};
 use fdem::picture::{self, Caption};
 use fdem::report::{NetworkReport, html};
 use fdem_contact::{Couple, PeriodicCouple};
@@ -28,6 +28,7 @@ enum OwnedSizes {
     Each(Vec<f64>),
     All(f64),
     Cutoff(f64),
+    Pairs(PairCutoffs),
 }
 
 impl<const D: usize> Owned<D> {
@@ -46,6 +47,7 @@ impl<const D: usize> Owned<D> {
             SetSizes::Each(radii) => OwnedSizes::Each(radii.iter().map(|radius| radius.to_f64()).collect()),
             SetSizes::All(radius) => OwnedSizes::All(radius.to_f64()),
             SetSizes::Cutoff(cutoff) => OwnedSizes::Cutoff(cutoff.to_f64()),
+            SetSizes::Pairs(cutoffs) => OwnedSizes::Pairs(cutoffs.clone()),
             SetSizes::Upper(_) => {
                 return Err(Problem::Arguments(
                     "boxes have no centres and radii: only contacts of spheres, discs and points are analysed, drawn and written".to_owned(),
@@ -70,6 +72,7 @@ impl<const D: usize> Owned<D> {
             OwnedSizes::Each(radii) => Sizes::Each(radii),
             OwnedSizes::All(radius) => Sizes::All(*radius),
             OwnedSizes::Cutoff(cutoff) => Sizes::Cutoff(*cutoff),
+            OwnedSizes::Pairs(cutoffs) => Sizes::Pairs(cutoffs),
         }
     }
 }

@@ -97,7 +97,7 @@ impl Frames {
         let columns = columns.map(str::parse).transpose();
         let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(&error.to_string()))?;
         let has_choices = columns.is_some() || bodies.is_some();
-        let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies };
+        let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies, types: None };
 
         let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unread)?.0.into_owned();
         let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
@@ -169,7 +169,7 @@ impl Frames {
 
 /// The columns of a packing.
 fn packing_columns<'py>(py: Python<'py>, name: &str, packing: Packing) -> PyResult<Bound<'py, PyDict>> {
-    let Packing { centres, radii, ids, bodies, row_numbers, cell, frame, source } = packing;
+    let Packing { centres, radii, ids, bodies, types: _, row_numbers, cell, frame, source } = packing;
     let found = PyDict::new(py);
     match centres {
         Centres::Two(centres) => found.set_item("positions", rows(py, centres)?)?,

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fdem_contact::{Detector, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search};
 
 pub use crate::detection::request::DetectionRequest;
-use crate::network::{Couples, Space, unshifted};
+use crate::network::{Couples, Sizes, Space, unshifted};
 
 /// Result of a detection.
 #[derive(Debug)]
@@ -192,13 +192,14 @@ fn detect_in<const D: usize>(
         position.store(statistics.couples, Ordering::Relaxed);
     };
     let (couples, plan) = match &space.cell {
-        None => detect_open(&elements, request, add),
+        None => detect_open(space, &elements, request, add),
         Some(cell) => detect_periodic(space, cell, &elements, request, add),
     }?;
     Ok(Detection { couples, plan, statistics })
 }
 
 fn detect_open<const D: usize>(
+    space: &Space<'_, D>,
     elements: &Elements<'_, f64, D>,
     request: &DetectionRequest<'_>,
     mut add: impl FnMut(PeriodicCouple<D>),
@@ -208,10 +209,18 @@ fn detect_open<const D: usize>(
     let mut couples = Vec::new();
     if request.keep {
         detector.couples(elements, &mut couples)?;
+        if let Sizes::Pairs(_) = request.sizes {
+            couples.retain(|couple| request.keeps(space, unshifted(*couple)));
+        }
         couples.sort_unstable();
         couples.iter().copied().map(unshifted).for_each(add);
     } else {
-        detector.for_each(elements, |couple| add(unshifted(couple)))?;
+        detector.for_each(elements, |couple| {
+            let couple = unshifted(couple);
+            if request.keeps(space, couple) {
+                add(couple);
+            }
+        })?;
     }
     Ok((Couples::Plain(couples), plan))
 }
@@ -221,16 +230,23 @@ fn detect_periodic<const D: usize>(
     cell: &PeriodicBox<f64, D>,
     elements: &Elements<'_, f64, D>,
     request: &DetectionRequest<'_>,
-    add: impl FnMut(PeriodicCouple<D>),
+    mut add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
     let mut search = PeriodicSearch::new().with_engine(request.engine).with_threads(request.threads)?;
     let mut couples = Vec::new();
     if request.keep {
         search.couples(elements, cell, &mut couples)?;
+        if let Sizes::Pairs(_) = request.sizes {
+            couples.retain(|couple| request.keeps(space, *couple));
+        }
         couples.sort_unstable();
         couples.iter().copied().for_each(add);
     } else {
-        search.for_each(elements, cell, add)?;
+        search.for_each(elements, cell, |couple| {
+            if request.keeps(space, couple) {
+                add(couple);
+            }
+        })?;
     }
     drop(search);
     let plan = plan_of_wrapped(space, cell, request)?;

@@ -25,6 +25,7 @@
 //!
 //! | to change | open |
 //! |---|---|
+//! | cut-offs by pairs of types | `src/pair_cutoffs.rs`; the option: `crates/fdem/src/command/cutoff.rs` |
 //! | detection of couples, their statistics, the check by brute force | `src/detection.rs`, `src/detection/request.rs`, `src/detection/verify.rs` |
 //! | analysis of a network | `src/analysis.rs`, then its part: `src/analysis/fabric.rs`, `src/analysis/clusters.rs` and so on; its lines in the summary: `crates/fdem/src/command/analyse.rs` |
 //! | pictures: layout, colours, texts | `src/picture/drawing.rs`, `src/picture/colour.rs`, `src/picture/furniture.rs` |
@@ -47,6 +48,7 @@
 //! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/picture/raster.rs` |
 
 mod arrays;
+mod pair_cutoffs;
 pub mod network;
 pub mod detection;
 pub mod analysis;

@@ -11,6 +11,7 @@ use std::any::Any;
 use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
 
 use crate::arrays::each;
+pub use crate::pair_cutoffs::PairCutoffs;
 
 /// The sizes of the elements.
 ///
@@ -24,10 +25,12 @@ pub enum Sizes<'a> {
     All(f64),
     /// Points, two of which touch if they are not farther apart than this.
     Cutoff(f64),
+    /// Points, two of which touch if they are not farther apart than the cut-off of their types.
+    Pairs(&'a PairCutoffs),
 }
 
 impl Sizes<'_> {
-    /// Distance at which two elements touch, rounded as the search rounds it.
+    /// Distance at which two elements touch, rounded as the search rounds it; negative if they never touch.
     ///
     /// # Panics
     /// If an element of the couple has no radius.
@@ -37,10 +40,11 @@ impl Sizes<'_> {
             Self::Each(radii) => radii[couple.i as usize] + radii[couple.j as usize],
             Self::All(radius) => radius + radius,
             Self::Cutoff(cutoff) => cutoff,
+            Self::Pairs(cutoffs) => cutoffs.of(couple.i, couple.j).unwrap_or(f64::NEG_INFINITY),
         }
     }
 
-    /// Radius of an element; for a point, half the distance at which it touches another.
+    /// Radius of an element; for a point, half the largest distance at which it may touch another.
     ///
     /// # Panics
     /// If the element has no radius.
@@ -49,7 +53,22 @@ impl Sizes<'_> {
             Self::Each(radii) => radii[index],
             Self::All(radius) => radius,
             Self::Cutoff(cutoff) => cutoff / 2.0,
+            Self::Pairs(cutoffs) => cutoffs.largest() / 2.0,
         }
+    }
+
+    /// The largest distance at which two points touch; `None` for elements that have radii.
+    pub fn cutoff(&self) -> Option<f64> {
+        match *self {
+            Self::Each(_) | Self::All(_) => None,
+            Self::Cutoff(cutoff) => Some(cutoff),
+            Self::Pairs(cutoffs) => Some(cutoffs.largest()),
+        }
+    }
+
+    /// Whether the elements are points.
+    pub fn are_points(&self) -> bool {
+        self.cutoff().is_some()
     }
 }
 
@@ -76,13 +95,19 @@ impl<'a, const D: usize> Space<'a, D> {
     /// If the couple was not found among these elements.
     #[inline]
     pub fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
+        self.distance_squared(couple).sqrt()
+    }
+
+    /// The square of [`Self::distance`], which the library compares.
+    #[inline]
+    pub(crate) fn distance_squared(&self, couple: PeriodicCouple<D>) -> f64 {
         let [a, b] = self.ends(couple);
         // Every couple comes here: `zip` would be a call in a crate of several units (see `arrays.rs`).
         let mut square = 0.0;
         for axis in 0..D {
             square += (a[axis] - b[axis]) * (a[axis] - b[axis]);
         }
-        square.sqrt()
+        square
     }
 
     /// Vector from the first element of a couple to the image of the second.

@@ -11,7 +11,9 @@ use fdem_contact::{Engine, Simd};
 use fdem_io::{Columns, CoupleColumns, PackingFormat};
 use fdem_scenes::Sizes;
 
+use crate::command::cutoff::{Cutoff, PairCutoff};
 use crate::command::frames::Frames;
+use crate::command::lengths::{length, number};
 use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
@@ -100,6 +102,12 @@ pub(crate) struct ContactsArguments {
     #[arg(long, value_name = "COLUMN")]
     pub(crate) bodies: Option<String>,
 
+    /// The column of the types for --cutoff by pairs of types: its name, or its number from 1; without a
+    /// header, the other columns are counted without it [default: the first of `element`, `species` and
+    /// `type` that the file has].
+    #[arg(long, value_name = "COLUMN", requires = "cutoff")]
+    pub(crate) type_column: Option<String>,
+
     #[command(flatten)]
     pub(crate) periodic: PeriodicArguments,
 
@@ -157,6 +165,25 @@ impl ContactsArguments {
     pub(crate) fn writes_couples(&self) -> bool {
         !self.count && (self.output.is_some() || !self.drawings.any())
     }
+
+    /// The cut-offs by pairs of types.
+    pub(crate) fn pairs(&self) -> Option<&[PairCutoff]> {
+        self.input.cutoff.as_ref()?.pairs()
+    }
+
+    /// The columns that options name.
+    pub(crate) fn named_columns(&self) -> NamedColumns<'_> {
+        NamedColumns { bodies: self.bodies.as_deref(), types: self.type_column.as_deref() }
+    }
+}
+
+/// Columns of the file that options name.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct NamedColumns<'a> {
+    /// The bodies; none are read without it.
+    pub(crate) bodies: Option<&'a str>,
+    /// The types, in place of the column with a usual name. They are read if the cut-off needs them.
+    pub(crate) types: Option<&'a str>,
 }
 
 /// Options for a periodic box.
@@ -326,9 +353,10 @@ pub(crate) struct InputArguments {
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length, conflicts_with = "cutoff")]
     pub(crate) radius: Option<f64>,
 
-    /// The elements are points, and couples are those at a distance of at most D.
-    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = length)]
-    pub(crate) cutoff: Option<f64>,
+    /// The elements are points, and couples are those at a distance of at most D. `fdem contacts` also takes
+    /// a distance for each pair of types, `H-C=1.3,C-C=1.9`: pairs that are not listed form no couple.
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = Cutoff::from_str)]
+    pub(crate) cutoff: Option<Cutoff>,
 
     /// Largest gap that counts as contact, in the unit of the file.
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
@@ -614,12 +642,6 @@ pub(crate) enum BookPacking {
     D,
 }
 
-/// Reads a finite number of at least zero.
-fn length(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value < 0.0 { Err(format!("'{text}' is negative")) } else { Ok(value) }
-}
-
 /// Reads a finite number above zero.
 fn positive(text: &str) -> Result<f64, String> {
     let value = number(text)?;
@@ -641,15 +663,6 @@ fn memory(text: &str) -> Result<u64, String> {
         unit => return Err(format!("'{unit}' is no unit of memory: say kB, MB, GB or TB")),
     };
     positive(digits.trim_end()).map(|number| (number * unit) as u64)
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    match f64::from_str(text) {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(format!("'{text}' is not a finite number")),
-        Err(_) if text.contains(',') => Err(format!("'{text}' has a decimal comma: use a point")),
-        Err(_) => Err(format!("'{text}' is not a number")),
-    }
 }
 
 fn numbers(text: &str) -> Result<Numbers, String> {

@@ -26,13 +26,20 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     refuse_to_overwrite(&[("the input", Some(&arguments.input.file)), ("--json", arguments.json.as_ref())])?;
     let mut json = arguments.json.as_deref().map(|path| Output::open(Some(path))).transpose()?;
     let mut table = Output::open(None)?;
-    let Input { name, packing, .. } = input::read(&arguments.input, &Progress::new(false))?;
-    let report = match &packing.centres {
-        Centres::Two(centres) => measure(arguments, &name, &packing, centres),
-        Centres::Three(centres) => measure(arguments, &name, &packing, centres),
+    if arguments.input.cutoff.as_ref().is_some_and(|cutoff| cutoff.pairs().is_some()) {
+        return Err(Failure::Unusable(
+            "--cutoff by pairs of types is for fdem contacts: engines search with one cut-off, the largest"
+                .to_owned(),
+        ));
+    }
+    let input = input::read(&arguments.input, &Progress::new(false))?;
+    let name = &input.name;
+    let report = match &input.packing.centres {
+        Centres::Two(centres) => measure(arguments, &input, centres),
+        Centres::Three(centres) => measure(arguments, &input, centres),
     }?;
     table.write(|out| write!(out, "{report}"))?;
-    report.check(&name)?;
+    report.check(name)?;
     if let Some(mut json) = json.take() {
         json.write(|out| {
             serde_json::to_writer_pretty(&mut *out, &report.rows)?;
@@ -45,12 +52,12 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
 
 fn measure<const D: usize>(
     arguments: &BenchArguments,
-    name: &str,
-    packing: &Packing,
+    input: &Input,
     centres: &[[f64; D]],
 ) -> Result<Report, Failure> {
+    let Input { name, packing, .. } = input;
     let request = DetectionRequest {
-        sizes: sizes(&arguments.input, name, packing)?,
+        sizes: sizes(&arguments.input, input)?,
         bodies: None,
         tolerance: arguments.input.tolerance,
         engine: None,

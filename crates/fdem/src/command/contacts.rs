@@ -17,6 +17,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.labels.labels {
         return labels::run(arguments);
     }
+    refuse_types(arguments)?;
     let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
     if inputs().filter(|file| is_stdout(file)).count() > 1 {
         return Err(Failure::Unusable("standard input can only be read once".to_owned()));
@@ -72,7 +73,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     } else {
         (arguments, outputs)
     };
-    let mut input = opened.frame(&frames, frame, &arguments.input, arguments.bodies.as_deref(), &progress)?;
+    let mut input = opened.frame(&frames, frame, &arguments.input, arguments.named_columns(), &progress)?;
     input.seconds += opened.seconds;
     let of_several = frames.frames() > 1;
     drop(opened);
@@ -88,4 +89,19 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     // The summary is the last output, because it has the times of the others.
     summary.measure_peak();
     outputs.finish(&summary, arguments.quiet)
+}
+
+/// Refuses options that do not go with cut-offs by pairs of types, or without them.
+fn refuse_types(arguments: &ContactsArguments) -> Result<(), Failure> {
+    let by_types = arguments.pairs().is_some();
+    let problem = if by_types && arguments.explain {
+        "--explain estimates a search with one cut-off: give the largest, as --cutoff D"
+    } else if by_types && arguments.couples.couples.is_some() {
+        "--couples takes the couples from a file, whatever their types are: leave out --cutoff by pairs of types, or give one number"
+    } else if !by_types && arguments.type_column.is_some() {
+        "--type-column is for --cutoff by pairs of types, such as --cutoff H-C=1.3"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Unusable(problem.to_owned()))
 }

@@ -10,11 +10,13 @@ use std::sync::atomic::Ordering;
 use fdem_contact::Error;
 use fdem_io::numbers::grouped;
 use fdem_io::{
-    Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack_within,
+    Column, Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Role, Series,
+    TypeColumn, unpack_within,
 };
-use fdem_results::network::Sizes;
+use fdem_results::network::{PairCutoffs, Sizes};
 
-use crate::command::args::InputArguments;
+use crate::command::args::{InputArguments, NamedColumns};
+use crate::command::cutoff::{self, Cutoff};
 use crate::command::failure::{Failure, display_name};
 use crate::command::frames::{Frames, Selection};
 use crate::command::memory;
@@ -29,6 +31,8 @@ pub(crate) struct Input {
     /// The packing. Its bodies are in `bodies`.
     pub(crate) packing: Packing,
     pub(crate) bodies: Option<Bodies>,
+    /// The cut-off of each pair of elements, if `--cutoff` is by types.
+    pub(crate) pairs: Option<PairCutoffs>,
     /// Time to read it, s.
     pub(crate) seconds: f64,
 }
@@ -100,21 +104,24 @@ impl Opened {
             .map_err(|problem| Failure::Unusable(format!("{}: {problem}", self.name)))
     }
 
-    /// Reads a frame, and the column `bodies` if one is given. A flat packing becomes one in the plane. Warns
+    /// Reads a frame, and the columns that options name. A flat packing becomes one in the plane. Warns
     /// of skipped lines and of columns that may be an axis.
     pub(crate) fn frame(
         &self,
         series: &Series<'_>,
         frame: usize,
         arguments: &InputArguments,
-        bodies: Option<&str>,
+        columns: NamedColumns<'_>,
         progress: &Progress,
     ) -> Result<Input, Failure> {
+        let pairs = arguments.cutoff.as_ref().and_then(Cutoff::pairs);
         let options = ReadOptions {
             columns: arguments.columns.clone(),
             skip_bad_lines: arguments.skip_bad_lines,
             ignore_ids: arguments.ignore_ids,
-            bodies: bodies.map(str::to_owned),
+            bodies: columns.bodies.map(str::to_owned),
+            types: pairs
+                .map(|_| columns.types.map_or(TypeColumn::Usual, |name| TypeColumn::Named(name.to_owned()))),
         };
         let (packing, seconds) = progress.step("reading", Some(self.bytes.len() as u64), |position| {
             series.read(frame, &options, position).map_err(|error| unreadable(&self.name, &error))
@@ -124,14 +131,25 @@ impl Opened {
         if let Some(remark) = packing.source.unused_axis().filter(|_| options.columns.is_none()) {
             self.remark(remark);
         }
-        if let Some(remark) = arguments.cutoff.and_then(|cutoff| packing.layer(cutoff)) {
+        if let Some(remark) = arguments.cutoff.as_ref().and_then(|cutoff| packing.layer(cutoff.largest())) {
             self.remark(remark);
         }
         if let Some(remark) = largest_diameter(arguments, &packing).and_then(|reach| packing.flatten(reach)) {
             self.remark(remark);
         }
         let bodies = packing.bodies.take().map(|names| Bodies::new(&names));
-        Ok(Input { name: self.name.clone(), packing, bodies, seconds })
+        let pairs = match (pairs, packing.types.take()) {
+            (Some(pairs), Some(types)) => {
+                let role = |column: &&Column| column.role == Some(Role::Type);
+                let column = packing.source.columns.iter().find(role).map_or("", |column| &column.name);
+                let frame = if series.frames() > 1 { format!(": frame {frame}") } else { String::new() };
+                let found = cutoff::of_types(pairs, &types, column)
+                    .map_err(|problem| Failure::Unusable(format!("{}{frame}: {problem}", self.name)))?;
+                Some(found)
+            }
+            _ => None,
+        };
+        Ok(Input { name: self.name.clone(), packing, bodies, pairs, seconds })
     }
 
     /// Prints a remark on a frame, even with `--quiet`, unless an earlier frame had the same.
@@ -231,7 +249,7 @@ pub(crate) fn understand(
             )));
         }
     };
-    let mut input = opened.frame(&series, frame, arguments, None, progress)?;
+    let mut input = opened.frame(&series, frame, arguments, NamedColumns::default(), progress)?;
     input.seconds += opened.seconds;
     drop(opened);
     Ok(input)
@@ -315,14 +333,14 @@ fn report_skipped(name: &str, packing: &Packing, of_several: bool) {
 }
 
 /// Sizes of the elements. Options override the file.
-pub(crate) fn sizes<'a>(
-    arguments: &InputArguments,
-    name: &str,
-    packing: &'a Packing,
-) -> Result<Sizes<'a>, Failure> {
-    match (arguments.radius, arguments.cutoff, &packing.radii) {
+pub(crate) fn sizes<'a>(arguments: &InputArguments, input: &'a Input) -> Result<Sizes<'a>, Failure> {
+    let Input { name, packing, pairs, .. } = input;
+    if let Some(pairs) = pairs {
+        return Ok(Sizes::Pairs(pairs));
+    }
+    match (arguments.radius, &arguments.cutoff, &packing.radii) {
         (Some(radius), ..) => Ok(Sizes::All(radius)),
-        (_, Some(cutoff), _) => Ok(Sizes::Cutoff(cutoff)),
+        (_, Some(cutoff), _) => Ok(Sizes::Cutoff(cutoff.largest())),
         (_, _, Some(radii)) => Ok(Sizes::Each(radii)),
         (None, None, None) => {
             let columns =

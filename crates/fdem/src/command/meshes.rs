@@ -126,9 +126,14 @@ fn read(
     let mut input = input::understand(opened, &arguments.input, progress)?;
     refuse_periodic(&input, &arguments.periodic)?;
     seconds.read += input.seconds;
-    let radii = match sizes(&arguments.input, &name, &input.packing)? {
+    let radii = match sizes(&arguments.input, &input)? {
         Sizes::Each(radii) => radii.to_vec(),
-        Sizes::All(radius) | Sizes::Cutoff(radius) => vec![radius; input.packing.centres.len()],
+        Sizes::All(radius) => vec![radius; input.packing.centres.len()],
+        Sizes::Cutoff(_) | Sizes::Pairs(_) => {
+            return Err(Failure::Unusable(format!(
+                "{name}: --cutoff is for one packing, not for several files"
+            )));
+        }
     };
     match std::mem::replace(&mut input.packing.centres, Centres::Three(Vec::new())) {
         Centres::Three(centres) => Ok(BodyFile { name, content: Content::Spheres { input, centres, radii } }),

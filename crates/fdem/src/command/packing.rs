@@ -68,7 +68,7 @@ fn told<const D: usize>(
 
 fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<DetectionRequest<'a>, Failure> {
     Ok(DetectionRequest {
-        sizes: sizes(&arguments.input, &input.name, &input.packing)?,
+        sizes: sizes(&arguments.input, input)?,
         tolerance: arguments.input.tolerance,
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
         engine: arguments.engine.engine(),
@@ -155,8 +155,9 @@ fn find<const D: usize>(
     written?;
     seconds.write = writing;
     let of_file = takes_file_box(&arguments.periodic);
-    let summary =
-        Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis);
+    let summary = Summary::new(input, &space, of_file, &request, &found, verified, seconds)
+        .with_analysis(analysis)
+        .with_cutoffs(arguments.pairs());
     let summary = match file {
         Some(file) => summary.with_couples_of(&file.name),
         None => summary,

@@ -13,6 +13,7 @@ use fdem_io::{Centres, NpyRows, PackingFormat, ReadError, ReadOptions, Simulatio
 use fdem_results::network::{Couples, Network, Sizes, Space};
 
 use crate::command::args::ContactsArguments;
+use crate::command::cutoff::Cutoff;
 use crate::command::failure::{Failure, display_name};
 use crate::command::input::{self, Input, unreadable};
 use crate::command::output::{Output, TableFormat, is_stdout, refuse_to_overwrite};
@@ -75,6 +76,7 @@ fn refuse(arguments: &ContactsArguments, ranks: usize) -> Result<(), Failure> {
         ("--self-contact", arguments.meshes.self_contact),
         ("--bodies", arguments.bodies.is_some()),
         ("--couples", arguments.couples.couples.is_some()),
+        ("--cutoff by pairs of types", arguments.pairs().is_some()),
         ("--explain", arguments.explain),
         ("--verify", arguments.verify.is_some()),
         ("--analyse", arguments.analysis.analyse),
@@ -149,6 +151,7 @@ fn read(
         skip_bad_lines: false,
         ignore_ids: arguments.input.ignore_ids,
         bodies: None,
+        types: None,
     };
     let place = array.bytes(rows.clone());
     let (packing, _) = progress.step("reading", Some(place.end - place.start), |position| {
@@ -415,7 +418,8 @@ fn find<const D: usize>(
     output: &mut SharedFile,
 ) -> Result<RanksSummary, Failure> {
     let tolerance = arguments.input.tolerance;
-    let (given, cutoff) = (arguments.input.radius, arguments.input.cutoff);
+    let cutoff = arguments.input.cutoff.as_ref().map(Cutoff::largest);
+    let given = arguments.input.radius;
     let one_size = given.or(cutoff.map(|cutoff| cutoff * f64::HALF));
     if one_size.is_none() && !part.has_radii {
         return Err(Failure::Unusable(format!(

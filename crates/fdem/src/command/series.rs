@@ -38,7 +38,7 @@ pub(crate) fn run(
         own.json.take_if(|_| is_shared(&arguments.json));
         let mut outputs = Outputs::open(&own)?;
         outputs.series = table.take();
-        let input = opened.frame(frames, frame, &own.input, own.bodies.as_deref(), progress)?;
+        let input = opened.frame(frames, frame, &own.input, own.named_columns(), progress)?;
         let mut of_frame = packing::treat(&own, progress, &input, None, &mut outputs)?;
         of_frame.frame = Some(frame);
         of_frame.measure_peak();

@@ -8,6 +8,7 @@ use fdem_results::network::{Sizes, Space};
 use serde::Serialize;
 
 use crate::command::analyse::write_lines;
+use crate::command::cutoff::PairCutoff;
 use crate::command::input::{Input, id};
 
 pub(crate) use fdem_io::numbers::{brief, grouped};
@@ -44,6 +45,9 @@ pub(crate) struct Summary {
     /// Distance at which points touch, in place of discs or spheres.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutoff: Option<f64>,
+    /// Distances at which points of these types touch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutoffs: Option<Vec<PairCutoff>>,
     tolerance: f64,
     /// Periodic box.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,7 +147,8 @@ impl Summary {
             edges: cell.edges[..D].iter().map(|edge| edge[..D].to_vec()).collect(),
         });
         let cutoff = if let Sizes::Cutoff(cutoff) = request.sizes { Some(cutoff) } else { None };
-        let extent = |index| if cutoff.is_some() { 0.0 } else { request.sizes.radius(index) };
+        let of_points = request.sizes.are_points();
+        let extent = |index| if of_points { 0.0 } else { request.sizes.radius(index) };
         let mut radius: Option<[f64; 2]> = None;
         let mut domain = Vec::new();
         for (index, centre) in centres.iter().enumerate() {
@@ -169,9 +174,10 @@ impl Summary {
             dimensions: D,
             points: (0..centres.len()).filter(|&index| extent(index) == 0.0).count(),
             bodies: bodies.as_ref().map(|bodies| bodies.count),
-            radius: radius.filter(|_| cutoff.is_none()),
+            radius: radius.filter(|_| !of_points),
             domain,
             cutoff,
+            cutoffs: None,
             tolerance: request.tolerance,
             engine: found.plan.engine.name(),
             reason: found.plan.reason.clone(),
@@ -198,6 +204,12 @@ impl Summary {
         }
     }
 
+    /// For a cut-off by pairs of types.
+    pub(crate) fn with_cutoffs(mut self, pairs: Option<&[PairCutoff]>) -> Self {
+        self.cutoffs = pairs.map(<[PairCutoff]>::to_vec);
+        self
+    }
+
     pub(crate) fn with_analysis(mut self, analysis: Option<Analysis>) -> Self {
         self.analysis = analysis;
         self
@@ -221,10 +233,10 @@ impl fmt::Display for Summary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
         let unit = self.unit.as_deref().map(|unit| format!(" {unit}")).unwrap_or_default();
-        let shape = match (self.cutoff, self.dimensions) {
-            (Some(_), _) => "point",
-            (None, 2) => "disc",
-            (None, _) => "sphere",
+        let shape = match (self.cutoff.is_some() || self.cutoffs.is_some(), self.dimensions) {
+            (true, _) => "point",
+            (false, 2) => "disc",
+            (false, _) => "sphere",
         };
 
         line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(", ")))?;
@@ -241,7 +253,10 @@ impl fmt::Display for Summary {
             "elements",
             format!("{} {shape}{plural} in {}D{radius}", grouped(self.elements as u64), self.dimensions),
         )?;
-        if let Some(cutoff) = self.cutoff {
+        if let Some(cutoffs) = &self.cutoffs {
+            let cutoffs: Vec<String> = cutoffs.iter().map(PairCutoff::to_string).collect();
+            line("cut-off", format!("{}{unit}", cutoffs.join(", ")))?;
+        } else if let Some(cutoff) = self.cutoff {
             line("cut-off", format!("{}{unit}", brief(cutoff)))?;
         } else if self.points > 0 {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;

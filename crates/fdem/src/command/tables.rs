@@ -215,7 +215,7 @@ impl<'a, const D: usize> DrawnPacking<'a, D> {
             point::<D>(),
             Values::f64(move |k| centres[k / D][k % D]),
         );
-        if !matches!(network.sizes, Sizes::Cutoff(_)) {
+        if !network.sizes.are_points() {
             table = table.with("radii", Values::f64(move |k| network.sizes.radius(k)));
         }
         if packing.is_some_and(|packing| packing.ids.is_some() || packing.row_numbers.is_some()) {
@@ -254,7 +254,7 @@ impl<'a, const D: usize> DrawnPacking<'a, D> {
     ) -> Table<'a> {
         let network = self.network;
         let table = match network.sizes {
-            Sizes::Cutoff(_) => table,
+            Sizes::Cutoff(_) | Sizes::Pairs(_) => table,
             sizes => table.with("radius", Values::f64(move |k| sizes.radius(element(k)))),
         };
         table.with("coordination", Values::i32(move |k| degrees[element(k)].cast_signed()))

@@ -8,6 +8,7 @@
 //! - `generate`: packings from seeds.
 //! - `periodic`: boxes that repeat, threads, and predictions before a search.
 //! - `couples`: couples with forces that a file gives.
+//! - `pairs`: cut-offs by pairs of types.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
@@ -42,6 +43,7 @@ mod joints;
 mod labels;
 mod mesh;
 mod model;
+mod pairs;
 mod periodic;
 mod runs;
 mod scaling;

@@ -13,6 +13,7 @@ use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, Simulat
 use crate::place::Place;
 use crate::row::RowReader;
 use crate::table::UnassignedColumns;
+use crate::types::TypesOfRows;
 
 /// Number of lines between two reports of progress.
 const LINES_PER_REPORT: u64 = 1024;
@@ -38,7 +39,7 @@ impl RowTable {
             return Err(ReadError::TooManyColumns { line: Some(line) });
         }
         let table = UnassignedColumns { names, header: true, line: Some(line), row: &excerpt::line(shown) };
-        let roles = table.roles_and_body(options)?;
+        let roles = table.all_roles(options)?;
         let unit = table.unit(&roles)?;
         let reader = RowReader::new(Delimiter::Blank, &roles, names.iter().map(Name::shown).collect());
         Ok(Self { columns: Column::all(names, &roles, true), roles, unit, reader })
@@ -95,6 +96,7 @@ impl RowTable {
             radii: elements.radii,
             ids: elements.ids,
             bodies: elements.bodies,
+            types: elements.types.map(TypesOfRows::into_types),
             row_numbers: elements.row_numbers,
             cell,
             frame,

@@ -9,6 +9,7 @@ use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size};
 use crate::table::UnassignedColumns;
+use crate::types::TypeOfRow;
 
 /// Makes a packing of `rows` elements from columns with these names; only columns with a role are requested.
 pub(super) fn packing(
@@ -22,7 +23,7 @@ pub(super) fn packing(
     let shown =
         format!("{} of {}", excerpt::count(names.len() as u64, "column"), excerpt::count(rows as u64, "row"));
     let table = UnassignedColumns { names, header: true, line: None, row: &shown };
-    let roles = table.roles_and_body(options)?;
+    let roles = table.all_roles(options)?;
     let unit = table.unit(&roles)?;
     let mut chosen = Vec::new();
     for (place, role) in roles.iter().enumerate() {
@@ -52,16 +53,20 @@ pub(super) fn packing(
     }))
 }
 
-fn row(chosen: &[(Role, &Name, ColumnValues)], at: usize) -> Result<Row, String> {
+fn row(chosen: &[(Role, &Name, ColumnValues)], at: usize) -> Result<Row<'static>, String> {
     let mut row = Row::default();
     for (role, name, values) in chosen {
         let value = values.real(at);
         let place = match role {
-            Role::Id | Role::Body => {
+            Role::Id | Role::Body | Role::Type => {
                 let number = values.whole(at).ok_or_else(|| {
                     format!("the {role} in column {} is {value}, not a whole number up to 2^53", name.shown())
                 })?;
-                *(if *role == Role::Id { &mut row.id } else { &mut row.body }) = number;
+                match role {
+                    Role::Id => row.id = number,
+                    Role::Body => row.body = number,
+                    _ => row.type_of = TypeOfRow::Number(number),
+                }
                 continue;
             }
             Role::X => 0,

@@ -6,7 +6,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use fdem_io::{Centres, Columns, Delimiter, Format, Packing, ReadError, ReadOptions, Role, read};
+use fdem_io::{
+    Centres, Columns, Delimiter, Format, Packing, ReadError, ReadOptions, Role, TypeColumn, Types, read,
+};
 use npyz::WriterBuilder as _;
 
 fn with(bytes: &[u8], options: &ReadOptions) -> Packing {
@@ -316,6 +318,38 @@ fn record(descr: &str, rows: usize, data: &[u8]) -> Vec<u8> {
     bytes.extend(text.as_bytes());
     bytes.extend(data);
     bytes
+}
+
+#[test]
+fn types_are_read_when_asked() {
+    let types = |column| ReadOptions { types: Some(column), ..ReadOptions::default() };
+    let named = |column: &str| types(TypeColumn::Named(column.to_owned()));
+    let found = |names: [&str; 2], of: [u32; 3]| {
+        Some(Types { names: names.map(str::to_owned).to_vec(), of: of.to_vec() })
+    };
+    assert_eq!(plain("x,y,type\n1,2,H\n").types, None);
+    let text = "x,y,type,Element\n1,2,7,\"C a\"\n3,4,8,H # b\n5,6,8,C a\n";
+    let packing = with(text.as_bytes(), &types(TypeColumn::Usual));
+    assert_eq!(packing.types, found(["C a", "H"], [0, 1, 0]));
+    assert_eq!(roles(&packing), [Some(Role::X), Some(Role::Y), None, Some(Role::Type)]);
+    assert_eq!(with(text.as_bytes(), &named("type")).types, found(["7", "8"], [0, 1, 1]));
+    // A file without names, with a column of bodies.
+    let packing =
+        with(b"H 1 2 4\nC 1 3 4\nC 2 3 4\n", &ReadOptions { bodies: Some("2".into()), ..named("1") });
+    assert_eq!((packing.types, packing.bodies), (found(["H", "C"], [0, 1, 1]), Some(vec![1, 1, 2])));
+    assert_eq!(packing.centres, Centres::Two(vec![[2.0, 4.0], [3.0, 4.0], [3.0, 4.0]]));
+    // Whole numbers of an array, plain or with named fields.
+    let bytes = npy("<f8", &[3, 3], npyz::Order::C, &[0.0, 0.0, 2.0, 1.0, 1.0, -1.0, 2.0, 2.0, 2.0]);
+    assert_eq!(with(&bytes, &named("3")).types, found(["2", "-1"], [0, 1, 0]));
+    let error = read(&bytes, &types(TypeColumn::Usual), &AtomicU64::new(0)).unwrap_err().to_string();
+    assert!(error.contains("no column element, species, type") && error.contains("1, 2, 3"), "{error}");
+    let data: Vec<u8> = (0..3).flat_map(|k: u8| [k, k, u8::from(k == 1)]).collect();
+    let bytes = record("[('type', '|u1'), ('x', '|u1'), ('y', '|u1')]", 3, &data);
+    let packing = with(&bytes, &types(TypeColumn::Usual));
+    assert_eq!(
+        packing.types.map(|types| (types.names.join(" "), types.of)),
+        Some(("0 1 2".into(), vec![0, 1, 2]))
+    );
 }
 
 #[test]

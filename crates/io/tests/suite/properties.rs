@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicU64;
 
 use fdem_io::{
-    Centres, Packing, ReadError, ReadOptions, Table, Values, read, write_csv, write_packing_csv,
+    Centres, Packing, ReadError, ReadOptions, Table, TypeColumn, Values, read, write_csv, write_packing_csv,
     write_packing_npy,
 };
 use proptest::prelude::*;
@@ -14,12 +14,13 @@ use proptest::prelude::*;
 fn all_options() -> Vec<ReadOptions> {
     let mut all = Vec::new();
     for columns in [None, Some("radius,x,y,z"), Some("x=PosX[m],y=2,id=1"), Some("x=3,y=1")] {
-        for flags in 0..8 {
+        for flags in 0..16 {
             all.push(ReadOptions {
                 columns: columns.map(|columns| columns.parse().unwrap()),
                 skip_bad_lines: flags & 1 > 0,
                 ignore_ids: flags & 2 > 0,
                 bodies: (flags & 4 > 0).then(|| "4".to_owned()),
+                types: (flags & 8 > 0).then(|| TypeColumn::Named("5".to_owned())),
             });
         }
     }

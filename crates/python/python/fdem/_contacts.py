@@ -57,6 +57,7 @@ class Contacts:
     _groups: Optional[npt.NDArray[np.uint32]]
     _tolerance: float
     _cell: Any
+    _cutoffs: Optional[list[tuple[int, int, float]]]
     _engine: Engine
     _threads: int
     _pairs: npt.NDArray[np.uint32]
@@ -77,19 +78,28 @@ class Contacts:
         cell: Any,
         engine: Engine,
         threads: Optional[int],
+        cutoffs: Optional[list[tuple[int, int, float]]] = None,
     ) -> Contacts:
         count = threads_of(threads)
         pairs, shifts = _fdem.contacts(elements, engine, count)
+        if cutoffs is not None:
+            pairs, shifts = _fdem.within_cutoffs(elements, pairs, shifts)
         arguments = (elements, positions, kind, size, others, box, groups, tolerance, cell, engine, count)
-        return cls._of(arguments, pairs, shifts)
+        return cls._of(arguments, pairs, shifts, cutoffs)
 
     @classmethod
-    def _of(cls, arguments: tuple[Any, ...], pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> Contacts:
+    def _of(
+        cls,
+        arguments: tuple[Any, ...],
+        pairs: npt.NDArray[np.uint32],
+        shifts: npt.NDArray[np.int32],
+        cutoffs: Optional[list[tuple[int, int, float]]] = None,
+    ) -> Contacts:
         """The couples of some elements: the arguments of :meth:`_search`, with the number of threads."""
         self = cls.__new__(cls)
         self._elements, self._positions, self._kind, self._size, self._others = arguments[:5]
         self._box, self._groups, self._tolerance, self._cell, self._engine, self._threads = arguments[5:]
-        self._pairs, self._shifts, self._kept = pairs, shifts, {}
+        self._pairs, self._shifts, self._kept, self._cutoffs = pairs, shifts, {}, cutoffs
         return self
 
     def __getstate__(self) -> dict[str, Any]:
@@ -103,7 +113,7 @@ class Contacts:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._elements = _fdem.Elements(
-            self._positions, self._kind, self._size, self._others, self._tolerance, self._groups, self._cell, state["_elements"]
+            self._positions, self._kind, self._size, self._others, self._tolerance, self._groups, self._cell, state["_elements"], self._cutoffs
         )
 
     def _with(self, pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> Contacts:
@@ -455,6 +465,9 @@ class Contacts:
         if self._box is not None:
             _fdem.measure(self._elements, self._pairs[:0], self._shifts[:0], False, 1)
             return verify_periodic(self, self._cell[2], sample, seed)
+        if self._kind == "pairs":
+            _fdem.measure(self._elements, self._pairs[:0], self._shifts[:0], False, 1)
+            return verify_periodic(self, [False] * self._positions.shape[1], sample, seed)
         checked, mistake = _fdem.verify(self._elements, self._pairs, sample, seed)
         if mistake is not None:
             raise RuntimeError(f"the couples are wrong: {mistake}")
@@ -569,6 +582,8 @@ class Contacts:
         one = self.n == 1
         if self._kind == "upper":
             return ("rectangle" if one else "rectangles") if flat else ("box" if one else "boxes")
+        if self._kind == "pairs":
+            return f"{'point' if one else 'points'} within cut-offs up to {self._size:g}"
         if self._kind == "cutoff":
             return f"{'point' if one else 'points'} within {self._size:g}"
         return f"{'disc' if flat else 'sphere'}{'' if one else 's'}"

@@ -23,6 +23,7 @@ class Couples(Protocol):
     _box: Optional[Box]
     _groups: Optional[npt.NDArray[np.uint32]]
     _tolerance: float
+    _cutoffs: Optional[list[tuple[int, int, float]]]
     _pairs: npt.NDArray[np.uint32]
     _shifts: npt.NDArray[np.int32]
 

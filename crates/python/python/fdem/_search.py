@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Union
 
 import numpy.typing as npt
@@ -14,13 +14,15 @@ from ._box import cell_of
 from ._contacts import Contacts
 from ._input import Engine, Floats, alike, floats, is_number, number, numbers, points
 from ._read import Packing
+from ._types import PairCutoffs, numbered_types
 
 
 def contacts(
     positions: Union[npt.ArrayLike, Packing],
     radii: Optional[npt.ArrayLike] = None,
-    cutoff: Optional[float] = None,
+    cutoff: Union[float, Mapping[tuple[Any, Any], float], None] = None,
     *,
+    types: Optional[npt.ArrayLike] = None,
     box: Any = None,
     periodic: Union[bool, Sequence[bool]] = False,
     groups: Optional[npt.ArrayLike] = None,
@@ -37,8 +39,11 @@ def contacts(
         float32. The centres must not change before `distance`, `overlap` or `vector` of the result has been asked for.
     radii : array [n] or number, optional
         The radius of each element, or of all. If positions and radii have different types, both become float64.
-    cutoff : number, optional
-        The distance at which points touch. One of `radii` and `cutoff` must be given. A number is rounded to the type of the positions.
+    cutoff : number or dict, optional
+        The distance at which points touch, or a distance for each pair of `types`, ``{("H", "C"): 1.3, ("C", "C"): 1.9}``: pairs that the dict lacks form no couple. One of
+        `radii` and `cutoff` must be given. A number is rounded to the type of the positions.
+    types : array [n] of names or whole numbers, optional
+        The type of each element, for a `cutoff` by pairs.
     box : array or Box, optional
         The box that repeats: ``[D]`` lengths of its edges from 0; ``[D, 2]`` where it starts and ends on each axis; ``[D, D]`` edges, one a row; or a
         :class:`Box`.
@@ -64,7 +69,7 @@ def contacts(
     Raises
     ------
     ValueError
-        For NaN, infinity, negative sizes, arrays of different lengths, a box without volume. The message names the element.
+        For NaN, infinity, negative sizes, arrays of different lengths, a box without volume: the message names the element. For a type in `cutoff` that no element has.
     TypeError
         For arguments that are not numbers, and unless exactly one of `radii` and `cutoff` is given.
     MemoryError
@@ -90,6 +95,11 @@ def contacts(
     >>> found.shift.tolist(), found.distance.tolist()
     ([[-1, 0]], [1.0])
 
+    A cut-off for each pair of types:
+
+    >>> fdem.contacts([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], cutoff={("H", "C"): 1.3}, types=["C", "H", "H"]).pairs.tolist()
+    [[0, 1]]
+
     Errors name the element:
 
     >>> fdem.contacts([[0.0, 0.0], [1.0, float("nan")]], radii=1.0)
@@ -107,12 +117,24 @@ def contacts(
     if isinstance(positions, (str, os.PathLike)):
         raise TypeError(f"positions must be an array or a Packing; read the file first: fdem.read({os.fspath(positions)!r})")
     centres = points(positions, "positions")
-    kind, size, others, centres = sizes_of(centres, radii, cutoff)
+    kind: str
+    size: float
+    others: Optional[npt.NDArray[Any]]
+    cutoffs: Optional[PairCutoffs] = None
+    if isinstance(cutoff, Mapping):
+        if radii is not None:
+            raise TypeError("give radii, or the cutoff of points: one of the two")
+        others, cutoffs = numbered_types(cutoff, types, len(centres))
+        kind, size = "pairs", max((limit for _, _, limit in cutoffs), default=0.0)
+    elif types is not None:
+        raise TypeError('types are for a cutoff by pairs of types, such as {("H", "C"): 1.3}')
+    else:
+        kind, size, others, centres = sizes_of(centres, radii, cutoff)
     cell_box, cell = cell_of(box, periodic, centres.shape[1])
     bodies = None if groups is None else numbers(groups, "groups", len(centres))
-    elements = _fdem.Elements(centres, kind, size, others, number(tolerance, "tolerance"), bodies, cell)
-    found = Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads)
-    if kind != "cutoff" and (own := found._own_images()):
+    elements = _fdem.Elements(centres, kind, size, others, number(tolerance, "tolerance"), bodies, cell, cutoffs=cutoffs)
+    found = Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads, cutoffs)
+    if kind not in ("cutoff", "pairs") and (own := found._own_images()):
         warnings.warn(f"{own} couples are of an element with its own image: it touches itself across the whole box", stacklevel=2)
     return found
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::network::{Network, Sizes};
+use crate::network::Network;
 
 /// Overlaps of couples that touch, and gaps of couples that are only within the tolerance.
 ///
@@ -55,7 +55,7 @@ impl Overlaps {
         let overlaps = Spread::of(parts, |overlap| (overlap >= 0.0).then_some(overlap));
         let gaps = Spread::of(parts, |overlap| (overlap < 0.0).then_some(-overlap));
         let n = network.space.centres.len();
-        let of_points = matches!(network.sizes, Sizes::Cutoff(_));
+        let of_points = network.sizes.are_points();
         let mean_radius = (n > 0 && !of_points)
             .then(|| (0..n).fold(0.0, |sum, index| sum + network.sizes.radius(index)) / n as f64);
         let mean_over_radius = match (&overlaps, mean_radius) {

@@ -10,7 +10,7 @@ use crate::analysis::parts::Team;
 use crate::analysis::placed::Placed;
 use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
 use crate::arrays::each;
-use crate::network::{Network, Sizes};
+use crate::network::Network;
 
 /// Filled fraction of a region: of its area in 2D, of its volume in 3D.
 ///
@@ -76,7 +76,7 @@ impl<'a, const D: usize> Region<'a, D> {
                 limits: inner.map_or([0.0; 2], |limits| limits[axis]),
             });
         }
-        if let Sizes::Cutoff(_) = network.sizes {
+        if network.sizes.are_points() {
             return Ok(Err("points fill no space".to_owned()));
         }
         if network.space.centres.is_empty() {

@@ -1,8 +1,8 @@
 //! Elements and options of a detection.
 
-use fdem_contact::{Elements, Engine, Error, Filter};
+use fdem_contact::{Elements, Engine, Error, Filter, PeriodicCouple};
 
-use crate::network::Sizes;
+use crate::network::{Sizes, Space};
 
 /// Elements and options of a detection.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ pub struct DetectionRequest<'a> {
 }
 
 impl<'a> DetectionRequest<'a> {
-    /// Returns the elements.
+    /// Returns the elements. Points with cut-offs by pairs touch up to the largest one.
     ///
     /// # Errors
     /// The reason for which the library refuses them.
@@ -34,11 +34,31 @@ impl<'a> DetectionRequest<'a> {
             Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
             Sizes::All(radius) => Elements::spheres(centres, radius),
             Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
+            Sizes::Pairs(cutoffs) => Elements::points(centres, cutoffs.largest()),
         }?
         .with_tolerance(self.tolerance)?;
-        match self.bodies {
-            Some(bodies) => elements.with_filter(Filter::bodies(bodies)),
-            None => Ok(elements),
+        let filter = match (self.sizes, self.bodies) {
+            (Sizes::Pairs(cutoffs), Some(bodies)) => cutoffs.filter().with_bodies(bodies),
+            (Sizes::Pairs(cutoffs), None) => cutoffs.filter(),
+            (_, Some(bodies)) => Filter::bodies(bodies),
+            (_, None) => return Ok(elements),
+        };
+        elements.with_filter(filter)
+    }
+
+    /// Whether two elements that touch as [`Self::elements`] are a couple: points may be farther apart than
+    /// the cut-off of their types, with the tolerance.
+    #[inline]
+    pub(crate) fn keeps<const D: usize>(&self, space: &Space<'_, D>, couple: PeriodicCouple<D>) -> bool {
+        let Sizes::Pairs(cutoffs) = self.sizes else { return true };
+        match cutoffs.of(couple.i, couple.j) {
+            None => false,
+            // The search has compared these.
+            Some(cutoff) if cutoff == cutoffs.largest() => true,
+            Some(cutoff) => {
+                let reach = cutoff + self.tolerance;
+                space.distance_squared(couple) <= reach * reach
+            }
         }
     }
 }

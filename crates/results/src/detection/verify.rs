@@ -1,9 +1,9 @@
 //! Comparison of the couples of a sample of elements with brute force.
 
-use fdem_contact::{PeriodicBox, PeriodicCouple, verify};
+use fdem_contact::{Couple, PeriodicBox, PeriodicCouple, verify};
 
 use crate::detection::request::DetectionRequest;
-use crate::network::{Couples, Sizes, Space};
+use crate::network::{Couples, Sizes, Space, unshifted};
 
 /// [`check`](super::check), compiled where it is called.
 pub(super) fn check<const D: usize>(
@@ -14,6 +14,9 @@ pub(super) fn check<const D: usize>(
 ) -> Result<usize, String> {
     match (couples, &space.cell) {
         (Couples::Periodic(couples), Some(cell)) => check_periodic(space, cell, request, couples, sample),
+        (Couples::Plain(couples), _) if matches!(request.sizes, Sizes::Pairs(_)) => {
+            check_pairs(space, request, couples, sample)
+        }
         (Couples::Plain(couples), _) => {
             let elements = request.elements(space.centres).expect("the elements have been searched before");
             verify(&elements, couples, sample, 0).map_err(|mismatch| mismatch.to_string())
@@ -72,8 +75,41 @@ fn check_periodic<const D: usize>(
             });
         }
     }
-    touching.sort_unstable();
+    compare(listed, touching, picked.len())
+}
 
+/// Like [`check_periodic`], for points in open space with cut-offs by pairs of types.
+fn check_pairs<const D: usize>(
+    space: &Space<'_, D>,
+    request: &DetectionRequest<'_>,
+    couples: &[Couple],
+    sample: usize,
+) -> Result<usize, String> {
+    let n = space.centres.len();
+    let picked = pick(n, sample);
+    let is_picked = |element: u32| picked.binary_search(&element).is_ok();
+    let mut touching = Vec::new();
+    for &element in &picked {
+        for other in (0..n as u32).filter(|&other| other > element || (other < element && !is_picked(other)))
+        {
+            let (i, j) = (element.min(other), element.max(other));
+            if touch(request, i, &space.centres[i as usize], j, &space.centres[j as usize]) {
+                touching.push(unshifted::<D>(Couple { i, j }));
+            }
+        }
+    }
+    let listed = couples.iter().filter(|couple| is_picked(couple.i) || is_picked(couple.j));
+    compare(listed.copied().map(unshifted::<D>), touching, picked.len())
+}
+
+/// Compares the couples of a list, in ascending order, with those that touch. Returns the number of checked
+/// elements, or a description of the mismatch.
+fn compare<const D: usize>(
+    listed: impl Iterator<Item = PeriodicCouple<D>>,
+    mut touching: Vec<PeriodicCouple<D>>,
+    checked: usize,
+) -> Result<usize, String> {
+    touching.sort_unstable();
     let mut touching = touching.into_iter().peekable();
     for couple in listed {
         let PeriodicCouple { i, j, shift } = couple;
@@ -86,7 +122,7 @@ fn check_periodic<const D: usize>(
             };
         }
     }
-    touching.next().map_or(Ok(picked.len()), |missing| Err(missing_couple(missing)))
+    touching.next().map_or(Ok(checked), |missing| Err(missing_couple(missing)))
 }
 
 fn missing_couple<const D: usize>(couple: PeriodicCouple<D>) -> String {
@@ -101,6 +137,10 @@ fn touch<const D: usize>(request: &DetectionRequest<'_>, i: u32, a: &[f64; D], j
         Sizes::Each(_) => Sizes::Each(&radii),
         Sizes::All(radius) => Sizes::All(radius),
         Sizes::Cutoff(cutoff) => Sizes::Cutoff(cutoff),
+        Sizes::Pairs(cutoffs) => match cutoffs.of(i, j) {
+            Some(cutoff) => Sizes::Cutoff(cutoff),
+            None => return false,
+        },
     };
     let bodies = request.bodies.map(|bodies| [i, j].map(|element| bodies[element as usize]));
     let pair = [*a, *b];

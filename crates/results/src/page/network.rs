@@ -20,7 +20,7 @@ use fdem_io::numbers::{brief, grouped};
 use serde_json::json;
 
 use crate::analysis::Radial;
-use crate::network::{Couples, Network, Sizes, Space};
+use crate::network::{Couples, Network, PairCutoffs, Sizes, Space};
 use crate::page::{PageParts, STYLE, escape, rows};
 use crate::picture::camera::outline;
 use crate::picture::colour::{ALONE, HEAT, SEA};
@@ -126,7 +126,11 @@ pub fn html<const D: usize>(report: &NetworkReport<'_, D>) -> Result<String, Pic
         .iter()
         .map(|&number| ids.map_or(i64::from(number), |ids| ids[number as usize]))
         .collect();
-    let sizes = if let Sizes::Each(_) = network.sizes { Sizes::Each(&part.radii) } else { network.sizes };
+    let sizes = match (network.sizes, &part.pairs) {
+        (Sizes::Each(_), _) => Sizes::Each(&part.radii),
+        (Sizes::Pairs(_), Some(pairs)) => Sizes::Pairs(pairs),
+        (sizes, _) => sizes,
+    };
     let space = Space { centres: &part.centres, cell: network.space.cell };
     let shown = Network { space, sizes, couples: &part.couples, forces: part.forces.as_deref() };
     whole_page(&NetworkReport { network: shown, caption, ids: Some(&names), facts: &told }, radial)
@@ -158,6 +162,8 @@ struct Part<const D: usize> {
     centres: Vec<[f64; D]>,
     /// Radii, if each element has its own.
     radii: Vec<f64>,
+    /// Cut-offs by pairs of types, if the points have them.
+    pairs: Option<PairCutoffs>,
     /// Couples by the numbers in the part.
     couples: Couples<D>,
     /// The force of each couple, if the forces are known.
@@ -234,7 +240,11 @@ impl<const D: usize> Part<D> {
             Sizes::Each(radii) => numbers.iter().map(|&number| radii[number as usize]).collect(),
             _ => Vec::new(),
         };
-        Self { numbers, centres, radii, couples, forces }
+        let pairs = match network.sizes {
+            Sizes::Pairs(pairs) => Some(pairs.among(&numbers)),
+            _ => None,
+        };
+        Self { numbers, centres, radii, pairs, couples, forces }
     }
 }
 
@@ -359,7 +369,8 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
     let count = if equal { 1 } else { scene.centres.len() };
     arrays.f64("radius", (0..count).map(|index| network.sizes.radius(index)));
     arrays.f64("distance", scene.bonds.iter().map(|bond| bond.distance));
-    if scene.of_forces {
+    // The page computes overlaps from radii, or from the one cut-off.
+    if scene.of_forces || matches!(network.sizes, Sizes::Pairs(_)) {
         arrays.f64("overlap", scene.bonds.iter().map(|bond| bond.overlap));
     }
     if let Some(ids) = ids {
@@ -371,8 +382,12 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
         arrays.f32("branch", scene.bonds.iter().flat_map(|bond| bond.branch[..D].iter().map(|&x| x as f32)));
         arrays.i32("shift", network.couples.iter().flat_map(|couple| couple.shift));
     }
-    let cutoff = if let Sizes::Cutoff(cutoff) = network.sizes { Some(cutoff) } else { None };
-    packed(scene, &arrays, ids.is_some(), json!({ "cutoff": cutoff, "bodies": null, "facets": 0 }))
+    packed(
+        scene,
+        &arrays,
+        ids.is_some(),
+        json!({ "cutoff": network.sizes.cutoff(), "bodies": null, "facets": 0 }),
+    )
 }
 
 /// Like [`data`], for bodies.

@@ -1,6 +1,6 @@
 //! The scene: a network in 2D or 3D, prepared for drawing.
 
-use crate::network::{Network, Sizes};
+use crate::network::Network;
 use crate::picture::caption::Caption;
 use crate::picture::error::PictureError;
 
@@ -131,7 +131,7 @@ impl Scene {
         let magnitudes = network.magnitudes();
         let in_three = |point: [f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
         let n = space.centres.len();
-        let drawn = if matches!(sizes, Sizes::Cutoff(_)) { POINT } else { 1.0 };
+        let drawn = if sizes.are_points() { POINT } else { 1.0 };
         for (index, centre) in space.centres.iter().enumerate() {
             if !centre.iter().chain([&sizes.radius(index)]).all(|x| x.is_finite()) {
                 return Err(PictureError::NotFinite { index });
