@@ -1,6 +1,6 @@
 //! The types of elements, such as chemical species: names, of which a file has few.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// The type of each element.
 ///
@@ -46,12 +46,12 @@ impl Default for TypeOfRow<'_> {
 #[derive(Debug, Default)]
 pub(crate) struct TypesOfRows {
     types: Types,
-    numbers: HashMap<String, u32>,
+    numbers: BTreeMap<String, u32>,
 }
 
 impl TypesOfRows {
     pub(crate) fn new(of: Vec<u32>) -> Self {
-        Self { types: Types { names: Vec::new(), of }, numbers: HashMap::new() }
+        Self { types: Types { names: Vec::new(), of }, numbers: BTreeMap::new() }
     }
 
     pub(crate) fn push(&mut self, row: TypeOfRow<'_>) {

@@ -32,7 +32,7 @@ pub(crate) struct Input {
     pub(crate) packing: Packing,
     pub(crate) bodies: Option<Bodies>,
     /// The cut-off of each pair of elements, if `--cutoff` is by types.
-    pub(crate) pairs: Option<PairCutoffs>,
+    pub(crate) pairs: Option<Box<PairCutoffs>>,
     /// Time to read it, s.
     pub(crate) seconds: f64,
 }
@@ -145,7 +145,7 @@ impl Opened {
                 let frame = if series.frames() > 1 { format!(": frame {frame}") } else { String::new() };
                 let found = cutoff::of_types(pairs, &types, column)
                     .map_err(|problem| Failure::Unusable(format!("{}{frame}: {problem}", self.name)))?;
-                Some(found)
+                Some(Box::new(found))
             }
             _ => None,
         };

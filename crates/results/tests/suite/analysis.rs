@@ -22,7 +22,7 @@ fn analysed<const D: usize>(
         Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
         Sizes::All(radius) => Elements::spheres(centres, radius),
         Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
-        Sizes::Pairs(cutoffs) => Elements::points(centres, cutoffs.largest()),
+        Sizes::Pairs(_) => unreachable!("these networks have one cut-off"),
     };
     let elements = elements.unwrap().with_tolerance(tolerance).unwrap();
     let couples = if let Some(cell) = &cell {

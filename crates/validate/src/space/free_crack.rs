@@ -41,15 +41,15 @@ const BENT: f64 = 1.2e-3;
 
 /// The load on the specimen.
 #[derive(Clone, Copy)]
-enum Loading {
+enum PlateLoad {
     Tension,
     Bending,
 }
 
 /// A specimen: elements in the process zone and along the thickness, seed of its mesh.
 #[derive(Clone, Copy)]
-struct Specimen {
-    loading: Loading,
+struct NotchedPlate {
+    loading: PlateLoad,
     elements: u32,
     layers: u32,
     /// `None`: the crack is straight, on a joint set.
@@ -57,7 +57,7 @@ struct Specimen {
 }
 
 /// The crack of a specimen.
-struct Crack {
+struct PlateCrack {
     /// The load of growth: a factor of [`TRACTION`], or N.
     load: f64,
     /// Work of its joints over the fracture energy of the ligament.
@@ -67,37 +67,37 @@ struct Crack {
 }
 
 /// Largest errors that pass: of the mean toughness, of each, of the mean energy, of each.
-struct Bounds {
+struct PlateBounds {
     elements: u32,
     toughness: [f64; 2],
     energy: [f64; 2],
 }
 
 // Elements of a third of the zone are too large: the case says how far off they are.
-const COARSE: Bounds = Bounds { elements: 3, toughness: [0.5, 0.6], energy: [0.3, 0.6] };
+const COARSE: PlateBounds = PlateBounds { elements: 3, toughness: [0.5, 0.6], energy: [0.3, 0.6] };
 // The mean of eight meshes is 1.05; that of four is up to 1.07.
-const USUAL: Bounds = Bounds { elements: 6, toughness: [0.04, 0.08], energy: [0.08, 0.12] };
-const SMALL: Bounds = Bounds { elements: 12, toughness: [0.04, 0.08], energy: [0.05, 0.08] };
+const USUAL: PlateBounds = PlateBounds { elements: 6, toughness: [0.04, 0.08], energy: [0.08, 0.12] };
+const SMALL: PlateBounds = PlateBounds { elements: 12, toughness: [0.04, 0.08], energy: [0.05, 0.08] };
 
 pub(crate) fn tension(size: Size) -> Result<Vec<Outcome>, String> {
-    compared(Loading::Tension, size)
+    compared(PlateLoad::Tension, size)
 }
 
 pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
-    compared(Loading::Bending, size)
+    compared(PlateLoad::Bending, size)
 }
 
-fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
-    let seeds = size.choose(if let Loading::Tension = loading { 1..=2 } else { 1..=1 }, 1..=4);
+fn compared(loading: PlateLoad, size: Size) -> Result<Vec<Outcome>, String> {
+    let seeds = size.choose(if let PlateLoad::Tension = loading { 1..=2 } else { 1..=1 }, 1..=4);
     let layers: &[u32] = size.choose(&[2], &[2, 4]);
-    let sizes: &[Bounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
+    let sizes: &[PlateBounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
     let mut outcomes = Vec::new();
     for bounds in sizes {
         for &layers in layers {
-            let specimen = |seed| Specimen { loading, elements: bounds.elements, layers, seed };
-            let all: Vec<Specimen> =
+            let specimen = |seed| NotchedPlate { loading, elements: bounds.elements, layers, seed };
+            let all: Vec<NotchedPlate> =
                 [None].into_iter().chain(seeds.clone().map(Some)).map(specimen).collect();
-            let cracks = all.par_iter().map(Specimen::broken).collect::<Result<Vec<Crack>, String>>()?;
+            let cracks = all.par_iter().map(NotchedPlate::broken).collect::<Result<Vec<PlateCrack>, String>>()?;
             let Some((straight, free)) = cracks.split_first() else { continue };
             let case = format!("{} elements, {layers} in the thickness", bounds.elements);
             outcomes.extend(of_cracks(loading, free, straight, bounds, &case));
@@ -108,16 +108,16 @@ fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
 
 /// Free cracks over the straight one.
 fn of_cracks(
-    loading: Loading,
-    free: &[Crack],
-    straight: &Crack,
-    bounds: &Bounds,
+    loading: PlateLoad,
+    free: &[PlateCrack],
+    straight: &PlateCrack,
+    bounds: &PlateBounds,
     case: &str,
 ) -> Vec<Outcome> {
     let values =
-        |of: fn(&Crack) -> f64| -> Vec<f64> { free.iter().map(|crack| of(crack) / of(straight)).collect() };
+        |of: fn(&PlateCrack) -> f64| -> Vec<f64> { free.iter().map(|crack| of(crack) / of(straight)).collect() };
     let mut outcomes = Vec::new();
-    if let Loading::Tension = loading {
+    if let PlateLoad::Tension = loading {
         let name = format!("energy of the straight crack over G, {case}");
         outcomes.push(Outcome::absolute(name, 1.0, straight.energy, 0.01, ""));
     }
@@ -143,7 +143,7 @@ fn of_cracks(
     outcomes
 }
 
-impl Specimen {
+impl NotchedPlate {
     fn size(&self) -> f64 {
         ZONE / f64::from(self.elements)
     }
@@ -153,13 +153,13 @@ impl Specimen {
     }
 
     /// Breaks the specimen.
-    fn broken(&self) -> Result<Crack, String> {
+    fn broken(&self) -> Result<PlateCrack, String> {
         let model = self.model()?;
         let ligament = (WIDTH - NOTCH) * self.thickness();
         let mut run = start(model)?;
         let area = |run: &Simulation<3, 4>| run.crack_lengths().iter().sum::<f64>() / ligament;
         let load = match self.loading {
-            Loading::Tension => {
+            PlateLoad::Tension => {
                 while area(&run) < 0.1 {
                     advance(&mut run, 10)?;
                     if run.time() > 10.0 * RISE {
@@ -171,7 +171,7 @@ impl Specimen {
                 advance_to(&mut run, 2.6 * RISE)?;
                 load
             }
-            Loading::Bending => {
+            PlateLoad::Bending => {
                 let mut peak = 0.0_f64;
                 while run.time() < BENT {
                     let (mut sum, count) = (0.0, 20);
@@ -185,7 +185,7 @@ impl Specimen {
             }
         };
         let energy = run.energies().joint_dissipated() / (ENERGY * ligament);
-        Ok(Crack { load, energy, area: area(&run) })
+        Ok(PlateCrack { load, energy, area: area(&run) })
     }
 
     fn model(&self) -> Result<Model<3, 4>, String> {
@@ -259,7 +259,7 @@ fixed = "z"
         };
         let edge = 1e-4;
         match self.loading {
-            Loading::Tension => {
+            PlateLoad::Tension => {
                 let later = RISE + 0.65 / RATE;
                 let table = format!("table = [[0, 0], [{RISE}, 0.75], [{later}, 1.4]]");
                 let pulled = |name, y, sign: f64| {
@@ -268,7 +268,7 @@ fixed = "z"
                 };
                 pulled("upper end", [HALF - edge, 1.0], 1.0) + &pulled("lower end", [-1.0, edge - HALF], -1.0)
             }
-            Loading::Bending => {
+            PlateLoad::Bending => {
                 let speed = format!("velocity = [{}, 0, 0]\nramp = {RAMP}", -SPEED);
                 let support = |name, y| boundary(name, [[-1.0, edge], y], "fixed = \"x\"");
                 boundary("roller", [[WIDTH - edge, 1.0], [-self.size(), self.size()]], &speed)
