@@ -5,7 +5,8 @@
 //! collapse must keep
 //! - the topology: the two nodes of the edge have exactly the two neighbours of its facets in common;
 //! - the sides: no facet turns over, and none becomes thinner than the thinnest around was;
-//! - the place: the nodes of the original surface, and points along its edges, are within the tolerance of the
+//! - the place: the nodes of the original surface, and points along its edges, are within the tolerance of
+//!   the
 //!   new facets. Edges between faces collapse along themselves, and their nodes are within the tolerance of
 //!   the new edges.
 
@@ -106,8 +107,8 @@ impl Quadric {
     }
 }
 
-/// A collapse that is offered: the bits of its cost, the node that goes, the node that stays, and the changes of
-/// both so far.
+/// A collapse that is offered: the bits of its cost, the node that goes, the node that stays, and the changes
+/// of both so far.
 type Offered = (u64, u32, u32, [u32; 2]);
 
 /// A collapse that may be done: facets around the removed node with their corners from now on, and where
@@ -347,8 +348,8 @@ impl<'a> Work<'a> {
         Some(Collapse { facets, vanish: [first, second], points, crease })
     }
 
-    /// The edge between faces that a collapse makes; `None` if the collapse is not allowed, and nothing if the
-    /// node is inside of a face.
+    /// The edge between faces that a collapse makes; `None` if the collapse is not allowed, and nothing if
+    /// the node is inside of a face.
     #[allow(clippy::option_option, reason = "no collapse, or one without such an edge")]
     fn crease(&self, from: u32, to: u32, ring: &[u32], other: &[u32]) -> Option<Option<(u32, Vec<u32>)>> {
         let mut ends = ring.iter().copied().filter(|&node| self.is_crease(from, node));

@@ -265,8 +265,8 @@ impl<const D: usize> JointLaw<D> {
         (traction, holds)
     }
 
-    /// Squares of the cosine and of the sine of the angle of a vector to the normal of the plane. `squared`: the
-    /// square of its length.
+    /// Squares of the cosine and of the sine of the angle of a vector to the normal of the plane. `squared`:
+    /// the square of its length.
     #[inline]
     fn shares(&self, bond: [f64; D], squared: f64) -> [f64; 2] {
         let across = dot(bond, self.normal);

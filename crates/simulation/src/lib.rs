@@ -124,11 +124,12 @@
 //! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the
 //!   divergence theorem with a field of our own (`src/simplex/triangle/potential.rs`); the book clips
 //!   triangles against the three parts of the other. It is the same integral, in half of the time.
-//! - An overlap at the beginning that is ignored begins with the potential `U₀` that it has: the
-//!   energy of the couple is `(√U - √U₀)²` above `U₀`, and 0 below, where `U₀` falls with `U`: that of a spring
+//! - An overlap at the beginning that is ignored begins with the potential `U₀` that it has: the energy of
+//!   the couple is `(√U - √U₀)²` above `U₀`, and 0 below, where `U₀` falls with `U`. So a spring acts that is
 //!   compressed by the overlap less the initial one. `U₀` changes only where the energy is 0, so none is
 //!   created; force and energy are continuous, other than with couples that are left out until they have
-//!   parted. The function for elements at a joint that broke, `(U - U₀)²/U`, is too stiff for deep overlaps. See `src/contacts/elements/grips.rs`.
+//!   parted. The function for elements at a joint that broke, `(U - U₀)²/U`, is too stiff for deep overlaps
+//!   (`src/contacts/elements/grips.rs`).
 //! - Joints are inserted where the strength is reached, and begin with the traction that acts there by an
 //!   offset of their opening and sliding; the book has them on all edges (`insertion = "intrinsic"`), which
 //!   makes bodies softer.
@@ -136,9 +137,9 @@
 //!   a separate spring; in the book each softens on its axis. With that law a crack along the edges of an
 //!   unstructured mesh dissipates 1.3 to 1.6 times its fracture energy (`src/cohesive.rs`; tables in
 //!   `bench/NOTES.md`).
-//! - In space the joint of a face represents the plane across the largest tension where tension governs, at any
-//!   angle, and measures its mode from the normal of that plane (`joints/plane.rs`). An intrinsic joint takes
-//!   that plane when it leaves its elastic range.
+//! - In space the joint of a face represents the plane across the largest tension where tension governs, at
+//!   any angle, and measures its mode from the normal of that plane (`src/joints/plane.rs`). An intrinsic
+//!   joint takes that plane when it leaves its elastic range.
 //! - An edge fails as soon as a plane within 15° of it does, and its joint represents that plane; in the book
 //!   an edge fails by its own traction. Without this a block in compression is up to a quarter stronger than
 //!   its material (`src/joints/plane.rs`).

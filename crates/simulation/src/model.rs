@@ -311,8 +311,8 @@ pub struct ContactOptions {
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub buffer: f64,
     /// How bodies that overlap at the beginning act on each other: "push", the overlap presses them apart at
-    /// once; "ignore", the overlap that is there gives no force, and only an increase counts; "error", the model
-    /// is refused. Bodies that a stage adds begin in the same way. Default: "push".
+    /// once; "ignore", the overlap that is there gives no force, and only an increase counts; "error", the
+    /// model is refused. Bodies that a stage adds begin in the same way. Default: "push".
     pub initial_overlap: InitialOverlap,
 }
 

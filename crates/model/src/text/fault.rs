@@ -416,7 +416,7 @@ mod tests {
             of("top fz", &names),
             "did you mean \"top fx\"? there is top fx, top fy, left ux, left uy"
         );
-        assert_eq!(of("crown", &["left ux", "row"]), "there is row, left ux");
+        assert_eq!(of("zz", &["left ux", "row"]), "there is left ux, row");
         assert_eq!(of("top f", &["top fx"]), "did you mean \"top fx\"?");
         assert_eq!(of("a", &[]), "there is no column");
         let many: Vec<String> = (0..30).map(|k| format!("gauge {k} strain")).collect();

@@ -274,8 +274,9 @@ impl Palette {
             // The solid is bluish grey, and the cracks become paler in the light.
             colours.extend(fading([190, 201, 214], 24));
             colours.extend(fading([120, 144, 168], 12));
+            let steps = (256 - colours.len()) / CRACKS.len();
             for (_, crack) in CRACKS {
-                colours.extend((0..48_u32).map(|k| colour::mix(crack, [255; 3], f64::from(k) / 48.0)));
+                colours.extend((0..steps).map(|k| colour::mix(crack, [255; 3], k as f64 / steps as f64)));
             }
         } else {
             let of_field: Vec<Rgb> = if field.scale().is_none() {

@@ -477,9 +477,9 @@ where
     }
 
     /// Traction, Pa, with which group `sides[1]` holds group `sides[0]` across their cut, and the axes of the
-    /// cut: its unit normal, out of `sides[0]`, and directions along it. The cut consists of the closed joints
-    /// between the two groups at the vertex, among them `facet`, and of the facets `more`; each counts by its
-    /// projection on the plane of the cut.
+    /// cut: its unit normal, out of `sides[0]`, and directions along it. The cut consists of the closed
+    /// joints between the two groups at the vertex, among them `facet`, and of the facets `more`; each counts
+    /// by its projection on the plane of the cut.
     fn held_by(&self, facet: u32, sides: [u32; 2], more: &[u32]) -> (Point<D>, Matrix<D>) {
         let InsertionData { solid, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);

@@ -7,11 +7,12 @@
 //! represents that plane: it begins with the acting traction, which is then its strength, and its fracture
 //! energy is that of its projection on the plane.
 //!
-//! In space a crack is a staircase of faces at any angle to its plane, because the four faces of a tetrahedron
-//! seldom lie near it. The traction on such a face is along the tension, aslant to the face. A law that took
-//! the part along the face for sliding would give it the energy of sliding, up to `G_II`: cracks in free
-//! meshes dissipated 1.4 to 2.8 times the energy of a straight one. So where tension governs, the mode is
-//! measured from the normal of the plane across the largest tension, whatever its angle to the face.
+//! In space a crack is a staircase of faces at any angle to its plane, because the four faces of a
+//! tetrahedron seldom lie near it. The traction on such a face is along the tension, aslant to the face. A
+//! law that took the part along the face for sliding would give it the energy of sliding, up to `G_II`:
+//! cracks in free meshes dissipated 1.4 to 2.8 times the energy of a straight one. So where tension governs,
+//! the mode is measured from the normal of the plane across the largest tension, whatever its angle to the
+//! face.
 
 use crate::cohesive::{JointPlane, across, use_of};
 use crate::model::Strength;
@@ -25,8 +26,8 @@ use crate::vector::{Matrix, Point, matrix};
 /// the crack does not take; `bench/NOTES.md` has the table.
 const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
-/// Least area of the projection of a facet on the plane across the largest tension, over its own. A facet along
-/// the tension has this share, because without any strength it would slide freely beside the crack.
+/// Least area of the projection of a facet on the plane across the largest tension, over its own. A facet
+/// along the tension has this share, because without any strength it would slide freely beside the crack.
 const LEAST_AREA: f64 = 0.25;
 
 /// A reach that no plane is beyond.

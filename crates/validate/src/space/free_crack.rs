@@ -1,10 +1,11 @@
 //! A crack in space that chooses its surface through an unstructured mesh, and the same crack on a flat joint
 //! set.
 //!
-//! The specimen is a plate with a notch through its thickness, held so that its thickness does not change. Its
-//! ends are pulled by a growing traction, or it is bent on three lines. The toughness is seen in the load under
-//! which the crack grows, the energy in the work that its joints have taken. A joint that takes the opening of
-//! an aslant face for sliding needs up to 2.8 times the energy; sliding costs ten times as much as opening here.
+//! The specimen is a plate with a notch through its thickness, held so that its thickness does not change.
+//! Its ends are pulled by a growing traction, or it is bent on three lines. The toughness is seen in the load
+//! under which the crack grows, the energy in the work that its joints have taken. A joint that takes the
+//! opening of an aslant face for sliding needs up to 2.8 times the energy; sliding costs ten times as much as
+//! opening here.
 
 use fdem_simulation::{Model, Simulation};
 use rayon::prelude::*;
@@ -28,8 +29,8 @@ const ENERGY: f64 = 3.0;
 /// Length of the process zone, E' G/f², m.
 const ZONE: f64 = 0.015;
 /// Traction, Pa, at which K of linear elastic fracture mechanics is that of growth, √(E' G):
-/// K = 1.6625 σ √(π a) for a notch of 0.3 of the width (H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis
-/// of Cracks Handbook).
+/// K = 1.6625 σ √(π a) for a notch of 0.3 of the width (H. Tada, P. C. Paris, G. R. Irwin, The Stress
+/// Analysis of Cracks Handbook).
 const TRACTION: f64 = 848_600.0;
 /// Time in which three quarters of this traction are reached, s, and its growth afterwards, 1/s.
 const RISE: f64 = 2.5e-4;
@@ -97,7 +98,8 @@ fn compared(loading: PlateLoad, size: Size) -> Result<Vec<Outcome>, String> {
             let specimen = |seed| NotchedPlate { loading, elements: bounds.elements, layers, seed };
             let all: Vec<NotchedPlate> =
                 [None].into_iter().chain(seeds.clone().map(Some)).map(specimen).collect();
-            let cracks = all.par_iter().map(NotchedPlate::broken).collect::<Result<Vec<PlateCrack>, String>>()?;
+            let cracks =
+                all.par_iter().map(NotchedPlate::broken).collect::<Result<Vec<PlateCrack>, String>>()?;
             let Some((straight, free)) = cracks.split_first() else { continue };
             let case = format!("{} elements, {layers} in the thickness", bounds.elements);
             outcomes.extend(of_cracks(loading, free, straight, bounds, &case));
@@ -114,8 +116,9 @@ fn of_cracks(
     bounds: &PlateBounds,
     case: &str,
 ) -> Vec<Outcome> {
-    let values =
-        |of: fn(&PlateCrack) -> f64| -> Vec<f64> { free.iter().map(|crack| of(crack) / of(straight)).collect() };
+    let values = |of: fn(&PlateCrack) -> f64| -> Vec<f64> {
+        free.iter().map(|crack| of(crack) / of(straight)).collect()
+    };
     let mut outcomes = Vec::new();
     if let PlateLoad::Tension = loading {
         let name = format!("energy of the straight crack over G, {case}");

@@ -117,8 +117,8 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub close_holes: Option<f64>,
-    /// Facets of `surface` that are finer than `mesh_size` are made larger, where the surface moves by no more
-    /// than this, m. Default: facets are in the mesh as they are.
+    /// Facets of `surface` that are finer than `mesh_size` are made larger, where the surface moves by no
+    /// more than this, m. Default: facets are in the mesh as they are.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub surface_tolerance: Option<f64>,

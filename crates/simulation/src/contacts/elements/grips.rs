@@ -329,8 +329,8 @@ fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
 /// [`InitialOverlap`](crate::InitialOverlap).
 ///
 /// The overlap may be deep, where `(U - U₀)² / U` is up to four times as stiff as `U`. `(√U - √U₀)²` is as
-/// stiff as `U`: where `U` is the energy of a spring that is compressed by `x`, it is that of one compressed by
-/// `x - x₀`.
+/// stiff as `U`: where `U` is the energy of a spring that is compressed by `x`, it is that of one compressed
+/// by `x - x₀`.
 #[inline(always)]
 fn count_beyond(credited_energy: f64, potential: f64) -> (f64, f64) {
     let rest = 1.0 - (credited_energy / potential).sqrt();
