@@ -13,7 +13,6 @@ use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size, whole};
 use crate::table::UnassignedColumns;
-use crate::types::TypeOfRow;
 
 /// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
@@ -298,11 +297,7 @@ impl<'a> NpyArray<'a> {
             if matches!(role, Role::Id | Role::Body | Role::Type) {
                 let number = whole_number(bytes, &column.scalar)
                     .map_err(|problem| format!("the {role} in column {} {problem}", label()))?;
-                match role {
-                    Role::Id => row.id = number,
-                    Role::Body => row.body = number,
-                    _ => row.type_of = TypeOfRow::Number(number),
-                }
+                row.set_whole(*role, number);
                 continue;
             }
             let value = number(bytes, &column.scalar)

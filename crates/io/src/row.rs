@@ -35,6 +35,18 @@ pub(crate) struct Row<'a> {
     pub(crate) type_of: TypeOfRow<'a>,
 }
 
+impl Row<'_> {
+    /// Sets the id, the body or the type to a whole number of an array.
+    #[inline]
+    pub(crate) fn set_whole(&mut self, role: Role, number: i64) {
+        match role {
+            Role::Id => self.id = number,
+            Role::Body => self.body = number,
+            _ => self.type_of = TypeOfRow::Number(number),
+        }
+    }
+}
+
 /// Index of radius or diameter in [`Row::values`].
 pub(crate) const SIZE: usize = 3;
 

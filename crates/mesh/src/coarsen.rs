@@ -6,13 +6,13 @@
 //! - the topology: the two nodes of the edge have exactly the two neighbours of its facets in common;
 //! - the sides: no facet turns over, and none becomes thinner than the thinnest around was;
 //! - the place: the nodes of the original surface, and points along its edges, are within the tolerance of
-//!   the
-//!   new facets. Edges between faces collapse along themselves, and their nodes are within the tolerance of
-//!   the new edges.
+//!   the new facets. Edges between faces collapse along themselves, and their nodes are within the tolerance
+//!   of the new edges.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use crate::corners::sorted;
 use crate::tetrahedra::Surface;
 use crate::tetrahedra::vector::{Point, cross, distance, dot, length, minus, normal, plus, times};
 
@@ -120,7 +120,7 @@ struct Collapse {
     vanish: [u32; 2],
     /// For each facet that stays, points of the original surface nearest to it.
     points: Vec<Vec<u32>>,
-    /// Of an edge between faces: its new end besides the node that stays, and the nodes it has passed.
+    /// If the edge is between faces: the other end of the new edge, and the nodes that the new edge passes.
     crease: Option<(u32, Vec<u32>)>,
 }
 
@@ -137,7 +137,7 @@ struct Work<'a> {
     /// Whether each node must stay.
     fixed: Vec<bool>,
     quadrics: Vec<Quadric>,
-    /// How often the neighbours of each node have changed.
+    /// Number of changes of the neighbours of each node.
     changes: Vec<u32>,
     /// Points of the original surface, and those nearest to each facet.
     samples: Vec<Point>,
@@ -276,10 +276,7 @@ impl<'a> Work<'a> {
                 count += 1;
                 self.offer(to, &mut heap);
                 for other in self.neighbours(to) {
-                    if let Some(cost) = self.cost(other, to) {
-                        let change = [other, to].map(|node| self.changes[node as usize]);
-                        heap.push(Reverse((cost.to_bits(), other, to, change)));
-                    }
+                    self.offer_edge(other, to, &mut heap);
                 }
             }
         }
@@ -289,11 +286,16 @@ impl<'a> Work<'a> {
     /// Offers the edges from a node for their collapse.
     fn offer(&self, node: u32, heap: &mut BinaryHeap<Reverse<Offered>>) {
         for to in self.neighbours(node) {
-            // Costs are not negative, so their bits are in their order.
-            if let Some(cost) = self.cost(node, to) {
-                let change = [node, to].map(|node| self.changes[node as usize]);
-                heap.push(Reverse((cost.to_bits(), node, to, change)));
-            }
+            self.offer_edge(node, to, heap);
+        }
+    }
+
+    /// Offers an edge for its collapse to its second node.
+    fn offer_edge(&self, from: u32, to: u32, heap: &mut BinaryHeap<Reverse<Offered>>) {
+        // Costs are not negative, so their bits are in their order.
+        if let Some(cost) = self.cost(from, to) {
+            let change = [from, to].map(|node| self.changes[node as usize]);
+            heap.push(Reverse((cost.to_bits(), from, to, change)));
         }
     }
 
@@ -424,10 +426,6 @@ impl<'a> Work<'a> {
         }
         Coarsened { surface, distance: off }
     }
-}
-
-fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// Quality of a triangle: 1 for equal edges, 0 for a line.

@@ -171,7 +171,7 @@ pub(crate) fn measure<'py>(
     })
 }
 
-/// Those couples of a search up to the largest cut-off that are within the cut-off of their types.
+/// Keeps the couples that are within the cut-off of their types. A search finds all up to the largest one.
 #[pyfunction]
 pub(crate) fn within_cutoffs<'py>(
     py: Python<'py>,

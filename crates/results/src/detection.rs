@@ -267,6 +267,18 @@ fn plan_of_wrapped<const D: usize>(
     Detector::new().with_engine(request.engine).plan(&request.elements(&wrapped)?)
 }
 
+/// Checks the elements as a search does.
+///
+/// # Errors
+/// Elements that a search would refuse.
+pub fn check_elements<const D: usize>(
+    space: &Space<'_, D>,
+    request: &DetectionRequest<'_>,
+) -> Result<(), Error> {
+    request.elements(space.centres)?;
+    space.cell.as_ref().map_or(Ok(()), |cell| check_wrapped(space.centres, cell))
+}
+
 /// The detection of couples that are known, as those of a file: nothing is searched.
 ///
 /// # Errors
@@ -279,15 +291,12 @@ pub fn given<const D: usize>(
     request: &DetectionRequest<'_>,
     couples: Couples<D>,
 ) -> Result<Detection<D>, Error> {
-    let elements = request.elements(space.centres)?;
+    check_elements(space, request)?;
     let plan = match &space.cell {
-        None => Detector::new().plan(&elements),
-        Some(cell) => {
-            check_wrapped(space.centres, cell)?;
-            plan_of_wrapped(space, cell, request)
-        }
+        None => Detector::new().plan(&request.elements(space.centres)?),
+        Some(cell) => plan_of_wrapped(space, cell, request),
     }?;
-    let mut statistics = Statistics::new(elements.len());
+    let mut statistics = Statistics::new(space.centres.len());
     for couple in couples.iter() {
         statistics.add(couple, space.overlap(request.sizes, couple));
     }

@@ -313,7 +313,7 @@ pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) ->
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(bound(serialize = "[f64; D]: serde::Serialize", deserialize = "[f64; D]: serde::Deserialize<'de>"))]
 pub(crate) struct JointPlane<const D: usize = 2> {
-    /// Use of the strength on the plane over that on the joint, at least 1.
+    /// Factor by which the strengths of the joint's own plane exceed those of the joint.
     pub(crate) excess: f64,
     /// Area of the projection of the joint on the plane over that of the joint.
     pub(crate) area: f64,

@@ -36,7 +36,7 @@ use crate::topology::{NONE, Topology};
 use crate::vector::Point;
 
 impl InitialOverlap {
-    /// How couples begin that overlap at the beginning.
+    /// The way in which couples begin whose bodies overlap.
     fn of_couples(self) -> Overlap {
         match self {
             Self::Push | Self::Error => Overlap::Counts,
@@ -51,7 +51,7 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     laws: ContactLaws<N>,
     /// Elements that can touch.
     pub(crate) surface: Surface,
-    /// How couples of new elements begin.
+    /// The way in which couples of new elements begin.
     initial_overlap: Overlap,
     /// Couples of two elements.
     elements: Couples<D, ElementPair<D, N>>,

@@ -316,7 +316,7 @@ pub struct ContactOptions {
     pub initial_overlap: InitialOverlap,
 }
 
-/// How bodies that overlap at the beginning of a run act on each other.
+/// The action of bodies on each other that overlap at the beginning of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -2,7 +2,7 @@
 
 use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
 use fdem_io::{FileCouples, read_couples};
-use fdem_results::detection::{Detection, DetectionRequest, given};
+use fdem_results::detection::{Detection, DetectionRequest, check_elements, given};
 use fdem_results::network::{Couples, Space};
 
 use crate::command::args::CoupleArguments;
@@ -56,7 +56,7 @@ impl CoupleFile {
         request: &DetectionRequest<'_>,
     ) -> Result<Joined<D>, Failure> {
         // The elements are checked first: those that cannot be wrapped have no nearest image.
-        given(space, request, none(space)).map_err(|error| refused(&input.name, &input.packing, &error))?;
+        check_elements(space, request).map_err(|error| refused(&input.name, &input.packing, &error))?;
         let found = self.found(input, space)?;
         let couples = match &space.cell {
             None => Couples::Plain(
@@ -176,11 +176,6 @@ impl CoupleFile {
             self.failure(self.couples.header, problem)
         })
     }
-}
-
-/// No couples.
-fn none<const D: usize>(space: &Space<'_, D>) -> Couples<D> {
-    if space.cell.is_some() { Couples::Periodic(Vec::new()) } else { Couples::Plain(Vec::new()) }
 }
 
 /// A couple of a row.

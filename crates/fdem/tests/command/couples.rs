@@ -187,7 +187,8 @@ fn couples_that_do_not_fit_are_refused() {
     assert_eq!(bench.files(), ["atoms.dump", "pairs.dump"]);
 }
 
-/// Of a file of many time steps, that of the packing is taken; the box of half its edge has two images.
+/// From a file of many time steps, the one of the packing is read. In a box of half the edge two images are
+/// equally near.
 #[test]
 fn the_time_step_and_the_image_are_those_of_the_packing() {
     let bench = bench();

@@ -9,7 +9,6 @@ use crate::options::ReadOptions;
 use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::row::{Row, SIZE, check_size};
 use crate::table::UnassignedColumns;
-use crate::types::TypeOfRow;
 
 /// Makes a packing of `rows` elements from columns with these names; only columns with a role are requested.
 pub(super) fn packing(
@@ -62,11 +61,7 @@ fn row(chosen: &[(Role, &Name, ColumnValues)], at: usize) -> Result<Row<'static>
                 let number = values.whole(at).ok_or_else(|| {
                     format!("the {role} in column {} is {value}, not a whole number up to 2^53", name.shown())
                 })?;
-                match role {
-                    Role::Id => row.id = number,
-                    Role::Body => row.body = number,
-                    _ => row.type_of = TypeOfRow::Number(number),
-                }
+                row.set_whole(*role, number);
                 continue;
             }
             Role::X => 0,

@@ -1,24 +1,16 @@
 //! The advice that differs between models in two and in three dimensions.
 
+use fdem_contact::discretised::MeshElement;
+
 use crate::advice::ready::Ready;
-use crate::advice::{connected, locking, overlaps, warnings};
+use crate::advice::{connected, locking, warnings};
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::Placed;
-use crate::text::document::Document;
-use crate::text::fault::Fault;
 
 /// Warnings that differ between the dimensions.
-pub(crate) trait Advised<const D: usize, const N: usize>: Dimensions<D, N> {
+pub(crate) trait Advised<const D: usize, const N: usize>: Dimensions<D, N> + MeshElement<D> {
     /// Warnings of settings that are possible, but probably not meant.
     fn warnings(prepared: &Ready<'_, D, N>) -> Vec<String>;
-
-    /// Warns of overlaps at the beginning, or refuses them.
-    fn overlaps(
-        ready: &Ready<'_, D, N>,
-        document: &Document<'_>,
-        warnings: &mut Vec<String>,
-        faults: &mut Vec<Fault>,
-    );
 }
 
 /// Elements of which models are made: triangles in the plane, and tetrahedra in space.
@@ -36,15 +28,6 @@ impl Advised<2, 3> for [[f64; 2]; 3] {
         warnings.extend(warnings::of_plane(ready));
         warnings
     }
-
-    fn overlaps(
-        ready: &Ready<'_, 2, 3>,
-        document: &Document<'_>,
-        warnings: &mut Vec<String>,
-        faults: &mut Vec<Fault>,
-    ) {
-        overlaps::check(ready, document, warnings, faults);
-    }
 }
 
 impl Advised<3, 4> for [[f64; 3]; 4] {
@@ -60,14 +43,5 @@ impl Advised<3, 4> for [[f64; 3]; 4] {
         locking::warnings_in_space(ready.model, ready.placed, &mut warnings);
         warnings.extend(warnings::of_space(ready));
         warnings
-    }
-
-    fn overlaps(
-        ready: &Ready<'_, 3, 4>,
-        document: &Document<'_>,
-        warnings: &mut Vec<String>,
-        faults: &mut Vec<Fault>,
-    ) {
-        overlaps::check(ready, document, warnings, faults);
     }
 }

@@ -342,12 +342,17 @@ pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> String {
     match nearest(word, names.iter().copied()) {
         Some(name) => format!("did you mean \"{name}\"?"),
         None if names.is_empty() => format!("there is no {what}"),
-        None if names.len() <= LISTED => format!("there is {}", names.join(", ")),
-        None => {
-            let more = grouped((names.len() - LISTED) as u64);
-            format!("there is {}, and {more} more", names[..LISTED].join(", "))
-        }
+        None => listed(names),
     }
+}
+
+/// A list of names, shortened if it is long.
+fn listed(names: &[&str]) -> String {
+    if names.len() <= LISTED {
+        return format!("there is {}", names.join(", "));
+    }
+    let more = grouped((names.len() - LISTED) as u64);
+    format!("there is {}, and {more} more", names[..LISTED].join(", "))
 }
 
 /// Advice that lists the names, the nearest first, and asks whether it is the one that was meant if it is
@@ -364,11 +369,7 @@ pub(crate) fn nearest_first(word: &str, names: &[&str], what: &str) -> String {
     let meant = near.filter(|_| names.len() > 1).map(|name| format!("did you mean \"{name}\"? "));
     let listed = match (sorted.len(), near) {
         (0, _) | (1, Some(_)) => suggestion(word, &sorted, what),
-        (count, _) if count <= LISTED => format!("there is {}", sorted.join(", ")),
-        (count, _) => {
-            let more = grouped((count - LISTED) as u64);
-            format!("there is {}, and {more} more", sorted[..LISTED].join(", "))
-        }
+        _ => listed(&sorted),
     };
     meant.unwrap_or_default() + &listed
 }

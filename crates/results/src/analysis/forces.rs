@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::analysis::placed::Placed;
 use crate::arrays::each;
-use crate::network::magnitude;
 
 /// Forces of the couples, and the mean stress `σ_ab = 1/V Σ f_a l_b` over the couples.
 ///
@@ -17,8 +16,8 @@ use crate::network::magnitude;
 /// chains.
 ///
 /// # Units
-/// Those of the forces; stresses in theirs over the length unit of the centres squared, in 2D over the length
-/// unit.
+/// Forces are in the unit of the file, stresses in that unit over the length unit of the centres squared, in
+/// 2D over the length unit.
 ///
 /// # Source
 /// A.E.H. Love, A Treatise on the Mathematical Theory of Elasticity (1927), Note B; J. Weber, Bull. Liais.
@@ -50,7 +49,7 @@ impl Forces {
         let forces = placed.network.forces?;
         let couples = placed.network.couples;
         let count = forces.len();
-        let magnitudes: Vec<f64> = forces.iter().map(magnitude).collect();
+        let magnitudes = placed.network.magnitudes()?;
         // Divided first, so that the sum of large forces does not overflow.
         let mean = (count > 0).then(|| magnitudes.iter().map(|force| force / count as f64).sum::<f64>());
         let is_strong = |k: usize| mean.is_some_and(|mean| magnitudes[k] > mean);

@@ -69,7 +69,7 @@ pub struct EmittingJoint<const D: usize> {
     pub measure: f64,
 }
 
-/// How near two joints of one event are.
+/// Limits of distance and time within which two joints are linked.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clustering {
     /// Largest distance of linked joints, m. `None`: twice the size of a facet, the mean over all joints.

@@ -55,8 +55,8 @@ pub(crate) enum Overlap {
 pub(crate) struct Couple<B> {
     pub(super) parts: [u32; 2],
     pub(super) between: B,
-    /// How an overlap counts that no force has pressed apart. [`Overlap::Counts`] again when their forces
-    /// have been computed for the first time.
+    /// Whether an overlap counts that no force has pressed apart. Once the forces have been computed, this is
+    /// [`Overlap::Counts`].
     pub(super) initial_overlap: Overlap,
     /// Whether the two overlap. Then they have a history, at this place in the [`Histories`] of their chunk.
     pub(super) touches: bool,

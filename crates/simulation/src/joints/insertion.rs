@@ -492,11 +492,11 @@ where
             }
             mass[side] += solid.element(corner as usize / N).corner_mass(model);
         }
+        let is_between = |beside: [u32; 2]| beside == sides || beside == [sides[1], sides[0]];
         let closed = topology.facets_around(self.vertex).map(|(other, _)| other).filter(|&other| {
-            let beside = self.groups_beside(other);
             self.joints.of_facet[other as usize] != NONE
                 && self.closed(other)
-                && (beside == sides || beside == [sides[1], sides[0]])
+                && is_between(self.groups_beside(other))
         });
         let parts: Vec<(Point<D>, f64)> = (more.iter().copied().chain(closed))
             .map(|other| (self.normal(other, sides), part_of(other, self.state)))

@@ -76,19 +76,19 @@ pub(crate) fn plane_of<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let own = plane_near::<D, N>(facet, stress, strength);
-    let Some((tension, normal)) = <[[f64; D]; N]>::tension_across(facet, stress) else { return own };
+    let own = || plane_near::<D, N>(facet, stress, strength);
+    let Some((tension, normal)) = <[[f64; D]; N]>::tension_across(facet, stress) else { return own() };
     let (used, area) = (tension / strength.tensile, normal[0].max(LEAST_AREA));
     let shear = <[[f64; D]; N]>::tractions_near(facet, stress, strength.friction, ANY);
     let governs = shear[1..].iter().all(|(traction, _)| use_of(strength, *traction) <= used);
     if !(governs && used > 0.0 && used.is_finite()) {
-        return own;
+        return own();
     }
     JointPlane { excess: 1.0 / (area * used.max(1.0)), area, normal }
 }
 
-/// Whether a use of the strength of an edge breaks it or a plane near it. `plane`: that plane; it is found
-/// only if it can decide.
+/// Whether a use of the strength of an edge breaks it or a plane near it. `excess`: use of the strength on
+/// that plane over that on the edge; it is computed only if it can decide.
 pub(crate) fn breaks(used: f64, excess: impl FnOnce() -> f64) -> bool {
     used >= 1.0 || (MOST * used >= 1.0 && used * excess() >= 1.0)
 }
