@@ -54,7 +54,7 @@ fn a_lattice_is_not_in_step_with_the_sample() {
 
 #[test]
 fn few_elements_are_counted() {
-    for n in [0, 1, 2, 40, 1000, 1024] {
+    for n in [0, 1, 2, 40, 1024] {
         let cloud = gas::<3>(n, 5, 9.0, EQUAL).unwrap();
         for spread in [1.0, 1e9] {
             let centres: Vec<_> = cloud.centres.iter().map(|centre| centre.map(|x| x * spread)).collect();
@@ -212,7 +212,7 @@ fn couples_in_boxes_that_repeat_are_estimated() {
 
 #[test]
 fn few_elements_in_boxes_that_repeat_are_counted() {
-    for n in [0, 1, 2, 40, 1000, 1024] {
+    for n in [0, 1, 2, 40, 1024] {
         let cloud = gas::<3>(n, 5, 9.0, EQUAL).unwrap();
         let bodies: Vec<u32> = (0..n as u32).map(|k| k / 3).collect();
         let corners: Vec<_> = cloud.centres.iter().map(|centre| centre.map(|x| x + 0.8)).collect();
@@ -239,8 +239,8 @@ fn few_elements_in_boxes_that_repeat_are_counted() {
 
 #[test]
 fn the_bytes_of_a_periodic_search_are_told() {
-    let cloud = gas::<3>(50_000, 1, 12.0, EQUAL).unwrap();
-    let groups: Vec<u32> = (0..50_000).map(|k| k % 40).collect();
+    let cloud = gas::<3>(20_000, 1, 12.0, EQUAL).unwrap();
+    let groups: Vec<u32> = (0..20_000).map(|k| k % 40).collect();
     let equal = Elements::spheres(&cloud.centres, 0.5).unwrap();
     let radii = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
     for elements in [equal, radii, radii.with_filter(Filter::bodies(&groups)).unwrap()] {
