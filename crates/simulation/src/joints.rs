@@ -11,9 +11,11 @@
 //! releases no stress. This holds for adaptive insertion (`joints/insertion.rs`), and for intrinsic joints
 //! under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
+mod cut;
+mod demand;
+mod fan;
 mod insertion;
 mod joint;
-mod stress_level;
 mod plane;
 mod start;
 mod whole;
@@ -26,8 +28,9 @@ use crate::error::ModelError;
 use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
 use crate::joint_sets::common_set;
+use crate::joints::cut::Cut;
+use crate::joints::demand::{Demands, Slopes, Weakest};
 pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
-use crate::joints::stress_level::{Slopes, StressLevel, Weakest};
 use crate::joints::whole::{JointBatch, Link};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
@@ -177,22 +180,24 @@ pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
-    tips: Vec<Tip>,
-    /// Lowest strengths of the facets of each element, in batches, and how near its stress is to them; both
-    /// lists are empty if joints are not inserted.
+    tips: Vec<Tip<D>>,
+    /// Lowest strengths of the facets of each element, and what its stress asks of them, in batches; both lists
+    /// are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
-    near: Vec<StressLevel>,
+    demands: Vec<Demands>,
     slopes: Slopes,
 }
 
 /// A vertex on a free surface or at a joint, with the facets there that can get a joint.
 #[derive(Clone, Debug)]
-struct Tip {
+struct Tip<const D: usize> {
     vertex: u32,
     /// Joints that alone connect elements at the vertex: all of them in two dimensions.
     alone: Box<[u32]>,
     /// Joints that connect elements only together with others.
     together: Box<[u32]>,
+    /// Cuts that the last steps have looked at.
+    cuts: Vec<Cut<D>>,
 }
 
 /// The results of a pass over all joints.
@@ -288,19 +293,15 @@ impl<const D: usize> Joints<D> {
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
             weakest: Vec::new(),
-            near: Vec::new(),
+            demands: Vec::new(),
             slopes,
         };
         if inserts {
-            let weakest = |element: usize| {
-                let facets = topology.facet_of.get(element).into_iter().flatten();
-                let facets = facets.filter(|&&facet| facet != NONE && joints.set(facet).is_none());
-                Weakest::of(facets.filter_map(|&facet| joints.strength(facet)))
-            };
+            let weakest = |element: usize| joints.weakest_in(element as u32, topology);
             let batches = 0..mesh.elements.len().div_ceil(LANES);
             joints.weakest =
                 batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
-            joints.near = vec![StressLevel::Far; mesh.elements.len()];
+            joints.demands = vec![Demands::ZERO; joints.weakest.len()];
             let outer = joints.faces.vertices(topology);
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
             joints.find_tips(&outer, topology, share);
@@ -311,8 +312,11 @@ impl<const D: usize> Joints<D> {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
-        let Self { at_vertex, tips, weakest, near, directed, .. } = self;
-        let of_tip = |tip: &Tip| size_of::<Tip>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together);
+        let Self { at_vertex, tips, weakest, demands, directed, .. } = self;
+        let of_tip = |tip: &Tip<D>| {
+            let cuts: usize = tip.cuts.iter().map(Cut::bytes).sum();
+            size_of::<Tip<D>>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together) + cuts
+        };
         size_of_val(&**all)
             + size_of_val(&**links)
             + size_of_val(&**forces)
@@ -326,7 +330,7 @@ impl<const D: usize> Joints<D> {
             + size_of_val(&**at_vertex)
             + tips.iter().map(of_tip).sum::<usize>()
             + size_of_val(&**weakest)
-            + size_of_val(&**near)
+            + size_of_val(&**demands)
     }
 
     /// Whether a facet can ever get a joint.
@@ -343,6 +347,20 @@ impl<const D: usize> Joints<D> {
             cohesion: strength.cohesion * factor,
             ..*strength
         })
+    }
+
+    /// The lowest strengths of the facets of an element that may still get a joint.
+    fn weakest_in<const N: usize>(&self, element: u32, topology: &Topology<D, N>) -> Weakest {
+        let facets = topology.facet_of.get(element as usize).into_iter().flatten().copied();
+        let may = |facet: &u32| {
+            *facet != NONE && self.of_facet[*facet as usize] == NONE && self.set(*facet).is_none()
+        };
+        Weakest::of(facets.filter(may).filter_map(|facet| self.strength(facet)))
+    }
+
+    /// The strengths of a facet that its stress is compared with.
+    fn weakest_of(&self, facet: u32) -> Option<Weakest> {
+        self.strength(facet).map(|Strength { tensile, cohesion, .. }| Weakest { tensile, cohesion })
     }
 
     /// The law of a joint on a facet; `None` if the facet cannot break.
@@ -401,6 +419,12 @@ impl<const D: usize> Joints<D> {
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
+        }
+        if !self.weakest.is_empty() {
+            for element in sides.elements() {
+                self.weakest[element as usize / LANES][element as usize % LANES] =
+                    self.weakest_in(element, topology);
+            }
         }
         self.forces.push([[0.0; D]; D]);
         let measure = measure_of(model, topology, sides);

@@ -111,15 +111,16 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of `items`, with the number of the first item. Returns the results in the order
-    /// of the chunks.
-    pub(crate) fn change<T: Send, R: Send>(
+    /// Calls `work` on chunks of a list of batches of `LANES` items, with the number of the first batch. Returns
+    /// the results in the order of the chunks.
+    pub(crate) fn change_lanes<const LANES: usize, T: Send, R: Send>(
         &self,
-        items: &mut [T],
+        batches: &mut [T],
         work: impl Fn(usize, &mut [T]) -> R + Sync,
     ) -> Vec<R> {
-        let count = items.len();
-        self.each(count, items.chunks_mut(CHUNK), &|k, chunk| work(k * CHUNK, chunk))
+        let size = const { CHUNK / LANES };
+        let count = LANES * batches.len();
+        self.each(count, batches.chunks_mut(size), &|k, chunk| work(k * size, chunk))
     }
 
     /// Calls `work` on chunks of two lists of the same length, in the same way.

@@ -20,10 +20,12 @@
 //! of the vectors of its facets, and each facet takes a share by its projection.
 
 use crate::cohesive::{JointPlane, Memory, use_of};
+use crate::joints::cut::{Cut, InsertionData};
+use crate::joints::demand::{Demand, SUSPECT, find_demands};
+use crate::joints::fan::{Fan, end_at};
 use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
-use crate::joints::stress_level::{SUSPECT, StressLevel, nears};
 use crate::joints::whole::Link;
-use crate::joints::{Joints, Tip, VertexSplit, measure_of};
+use crate::joints::{Joints, Tip, VertexSplit};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::share::Share;
@@ -31,15 +33,7 @@ use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology};
-use crate::vector::{Matrix, Point, add, dot, minus, unit};
-
-/// The data of a run that insertion reads.
-#[derive(Clone, Copy)]
-struct InsertionData<'a, const D: usize, const N: usize> {
-    solid: &'a Solid<D, N>,
-    model: &'a Model<D, N>,
-    topology: &'a Topology<D, N>,
-}
+use crate::vector::{Point, dot, unit};
 
 impl<const D: usize> Joints<D> {
     /// Returns the facets, ascending, whose traction has reached their strength.
@@ -57,26 +51,18 @@ impl<const D: usize> Joints<D> {
             return Vec::new();
         }
         let state = InsertionData { solid, model, topology };
-        let mut near = std::mem::take(&mut self.near);
-        let suspects = team.change(&mut near, |first, chunk| {
-            let mut failing = Vec::new();
-            for (batch, near) in (first / LANES..).zip(chunk.chunks_mut(LANES)) {
-                let (weakest, deformed) = (&self.weakest[batch], solid.deformed(batch));
-                nears::<D, N>(solid.available, &self.slopes, deformed, weakest, near);
-                for (lane, near) in near.iter_mut().enumerate() {
-                    // The circle itself costs more than its bound.
-                    if *near == StressLevel::Failing {
-                        *near =
-                            self.slopes.near(weakest[lane], <[[f64; D]; N]>::circle(&deformed.stress(lane)));
-                    }
-                    if *near == StressLevel::Failing {
-                        failing.push((batch * LANES + lane) as u32);
-                    }
-                }
+        let mut demands = std::mem::take(&mut self.demands);
+        let (weakest, slopes) = (&self.weakest, &self.slopes);
+        let suspects = team.change_lanes::<LANES, _, _>(&mut demands, |first, chunk| {
+            let mut suspects = Vec::new();
+            for (batch, demands) in (first..).zip(chunk) {
+                let deformed = solid.deformed(batch);
+                let mut add = |lane: usize| suspects.push((batch * LANES + lane) as u32);
+                find_demands::<D, N>(solid.available, slopes, deformed, &weakest[batch], demands, &mut add);
             }
-            failing
+            suspects
         });
-        self.near = near;
+        self.demands = demands;
         let suspects = suspects.concat();
         let whole = team.look(suspects.len(), |range| {
             let mut failing = Vec::new();
@@ -85,14 +71,16 @@ impl<const D: usize> Joints<D> {
             }
             failing
         });
-        let tips = team.look(self.tips.len(), |range| {
+        let mut tips = std::mem::take(&mut self.tips);
+        let at_tips = team.change_lanes::<1, _, _>(&mut tips, |_, tips| {
             let mut failing = Vec::new();
-            for tip in &self.tips[range] {
+            for tip in tips {
                 self.failing_at(tip, state, &mut failing);
             }
             failing
         });
-        let mut failing = [whole, tips].concat().concat();
+        self.tips = tips;
+        let mut failing = [whole, at_tips].concat().concat();
         failing.sort_unstable();
         failing.dedup();
         failing
@@ -158,7 +146,7 @@ impl<const D: usize> Joints<D> {
             alone
                 .retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
             if !alone.is_empty() || !together.is_empty() {
-                self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together });
+                self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together, cuts: Vec::new() });
             }
         }
     }
@@ -222,103 +210,103 @@ impl<const D: usize> Joints<D> {
     {
         let InsertionData { topology, .. } = state;
         for facet in topology.facet_of[element as usize].into_iter().filter(|&facet| facet != NONE) {
-            let [first, _] = topology.facets[facet as usize].elements();
-            if first != element && self.near[first as usize] == StressLevel::Failing {
-                continue;
-            }
-            if breaks(self.used(facet, state), || self.excess(facet, state)) {
+            let beside = topology.facets[facet as usize].elements();
+            let of_first = beside[0] == element || !self.is_suspect(beside[0]);
+            if of_first
+                && self.may_reach(1.0, facet, beside)
+                && breaks(self.used(facet, state), || self.excess(facet, state))
+            {
                 failing.push(facet);
             }
         }
     }
 
+    /// Whether an edge of an element may fail by the stress of the element.
+    fn is_suspect(&self, element: u32) -> bool {
+        let (batch, lane) = (element as usize / LANES, element as usize % LANES);
+        self.demands[batch].get(lane).reaches(1.0, self.weakest[batch][lane])
+    }
+
+    /// Whether a facet without a joint, between these elements, may reach this share of its strength.
+    fn may_reach(&self, share: f64, facet: u32, beside: [u32; 2]) -> bool {
+        let demand = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
+        self.of_facet[facet as usize] == NONE
+            && self.weakest_of(facet).is_some_and(|of| Demand::mean(beside.map(demand)).reaches(share, of))
+    }
+
     /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that
     /// holds their two sides together at the vertex reaches the strength.
-    fn failing_at<const N: usize>(&self, tip: &Tip, state: InsertionData<'_, D, N>, failing: &mut Vec<u32>)
-    where
+    fn failing_at<const N: usize>(
+        &self,
+        tip: &mut Tip<D>,
+        state: InsertionData<'_, D, N>,
+        failing: &mut Vec<u32>,
+    ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let InsertionData { solid, topology, .. } = state;
-        let &Tip { vertex, ref alone, ref together } = tip;
+        let Tip { vertex, alone, together, cuts } = tip;
+        let vertex = *vertex;
         // The force that moves a held node is unknown here. There the mean traction of the elements decides.
         if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
             return;
         }
-        let used = |facet: u32| {
+        // Facets that cannot reach `least` are not computed.
+        let used = |least: f64, facet: u32| {
             let beside = topology.facets[facet as usize].elements();
-            let far = beside.iter().all(|&element| self.near[element as usize] == StressLevel::Far);
-            if far { 0.0 } else { self.used(facet, state) }
+            if self.may_reach(least, facet, beside) { self.used(facet, state) } else { 0.0 }
         };
-        for &facet in alone.iter().filter(|&&facet| used(facet) >= SUSPECT) {
-            self.fails_with(&[facet], vertex, state, failing);
+        for &facet in alone.iter().filter(|&&facet| used(SUSPECT, facet) >= SUSPECT) {
+            let known = cuts.iter().position(|cut| cut.facet == facet && cut.holds(vertex, state));
+            let place = known.unwrap_or_else(|| {
+                cuts.retain(|cut| cut.facet != facet);
+                cuts.push(Fan::new(vertex, &[facet], self, state).cut(facet, &[facet]));
+                cuts.len() - 1
+            });
+            self.fails_along(&cuts[place], vertex, state, failing);
         }
-        let all = together.iter().map(|&facet| (used(facet), facet)).filter(|(used, _)| *used >= SUSPECT);
-        let most = all.reduce(|most, next| if next.0 > most.0 { next } else { most });
-        if let Some(cut) = most.and_then(|(_, facet)| self.cut_along(facet, vertex, state)) {
-            self.fails_with(&cut, vertex, state, failing);
+        let most = together.iter().fold(None, |most: Option<(f64, u32)>, &facet| {
+            let least = most.map_or(SUSPECT, |(most, _)| most);
+            let used = used(least, facet);
+            if used > least || (most.is_none() && used >= SUSPECT) { Some((used, facet)) } else { most }
+        });
+        let Some((_, facet)) = most else { return };
+        if !cuts.iter().any(|cut| cut.facet == facet && cut.holds(vertex, state)) {
+            // One cut through several facets is kept.
+            cuts.retain(|cut| alone.contains(&cut.facet));
+            cuts.extend(Fan::new(vertex, &[], self, state).cut_along(facet));
+        }
+        if let Some(cut) = cuts.iter().find(|cut| cut.facet == facet) {
+            self.fails_along(cut, vertex, state, failing);
         }
     }
 
-    /// The facets that separate the elements at a vertex on the two sides of the plane of a facet, that facet
-    /// first; `None` if one of them cannot get a joint.
-    fn cut_along<const N: usize>(
-        &self,
-        facet: u32,
-        vertex: u32,
-        state: InsertionData<'_, D, N>,
-    ) -> Option<Vec<u32>>
+    /// Force of elements, contacts and joints on a corner, N.
+    fn force_on<const N: usize>(&self, corner: u32, solid: &Solid<D, N>) -> Point<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let InsertionData { solid, topology, .. } = state;
-        let whole = |facet: u32| self.of_facet[facet as usize] == NONE;
-        let mut groups = Vec::new();
-        topology.groups(vertex, whole, &mut groups);
-        let fan = Fan { vertex, groups: &groups, joints: self, state };
-        let normal = <[[f64; D]; N]>::facet_normal(&side(solid, &topology.facets[facet as usize]));
-        let above = |corner: u32| {
-            let middle = solid.shape(corner / N as u32);
-            let at = middle[corner as usize % N];
-            middle.iter().map(|&place| dot(minus(place, at), normal)).sum::<f64>() > 0.0
-        };
-        let group = fan.groups_beside(facet)[0];
-        let mut cut = vec![facet];
-        for (other, _) in topology.facets_around(vertex).filter(|(other, _)| *other != facet && whole(*other))
-        {
-            let [a, b] = fan.beside(other).map(above);
-            if fan.groups_beside(other)[0] == group && a != b {
-                if !self.may_part(other) {
-                    return None;
-                }
-                cut.push(other);
-            }
-        }
-        Some(cut)
+        let mut total = solid.force(corner);
+        self.add_force(corner, &mut total);
+        total
     }
 
-    /// Adds these facets to those that fail if the traction at the vertex does that holds the two sides of
-    /// the first together, when all are cut.
-    fn fails_with<const N: usize>(
+    /// Adds the facets of a cut to those that fail if the traction at the vertex does that holds its two sides
+    /// together.
+    fn fails_along<const N: usize>(
         &self,
-        cut: &[u32],
+        cut: &Cut<D>,
         vertex: u32,
         state: InsertionData<'_, D, N>,
         failing: &mut Vec<u32>,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let InsertionData { topology, .. } = state;
-        let Some(&facet) = cut.first() else { return };
-        let mut groups = Vec::new();
-        let holds = |other| !cut.contains(&other) && self.of_facet[other as usize] == NONE;
-        topology.groups(vertex, holds, &mut groups);
-        let fan = Fan { vertex, groups: &groups, joints: self, state };
-        let sides = fan.groups_beside(facet);
-        let (held, axes) = fan.held_by(facet, sides, cut);
+        let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, state.solid), state);
         let traction = axes.map(|axis| dot(held, axis));
-        let used = self.strength(facet).map_or(0.0, |strength| use_of(&strength, traction));
-        if breaks(used, || self.excess(facet, state)) {
-            failing.extend(cut);
+        let used = self.strength(cut.facet).map_or(0.0, |strength| use_of(&strength, traction));
+        if breaks(used, || self.excess(cut.facet, state)) {
+            failing.extend(&cut.facets);
         }
     }
 
@@ -337,25 +325,24 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let corners = topology.corners_of(vertex);
-        let mut groups = Vec::new();
-        topology.groups(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut groups);
+        let state = InsertionData { solid, model, topology };
+        let fan = Fan::new(vertex, &[], self, state);
         // Tractions of the ends that open now, computed before the nodes are split.
         let mut begin: Vec<(u32, [f64; D])> = Vec::new();
         if pulled && solid.hold_at(corners[0]) == NONE {
-            let state = InsertionData { solid, model, topology };
-            let fan = Fan { vertex, groups: &groups, joints: self, state };
             let owned = |(_, corner): &(u32, u32)| solid.share().corner(*corner);
             for (facet, corner) in topology.facets_around(vertex).filter(owned) {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
-                    let (held, axes) = fan.held_by(facet, sides, &[]);
-                    let share = <[[f64; D]; N]>::projection(fan.normal(facet, sides), axes[0]);
+                    let cut = fan.cut(facet, &[]);
+                    let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, state.solid), state);
+                    let share = <[[f64; D]; N]>::projection(cut.normal(state), axes[0]);
                     let traction = held.map(|x| share * x);
                     begin.push((facet, components(traction, solid, &topology.facets[facet as usize])));
                 }
             }
         }
-        let (owned, groups) = solid.share().owned(corners, &groups);
+        let (owned, groups) = solid.share().owned(corners, fan.groups());
         for node in solid.split(&owned, &groups) {
             solid.weigh(node, model);
         }
@@ -418,118 +405,6 @@ impl<const D: usize> Joints<D> {
         }
         self.links[number] = Link::of(joint, solid.thickness);
     }
-}
-
-/// The part of an undeformed facet that belongs to each of its vertices, m or m².
-fn part_of<const D: usize, const N: usize>(facet: u32, state: InsertionData<'_, D, N>) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    measure_of(state.model, state.topology, &state.topology.facets[facet as usize]) / D as f64
-}
-
-/// The elements around a vertex, in groups.
-struct Fan<'a, const D: usize, const N: usize> {
-    vertex: u32,
-    groups: &'a [u32],
-    joints: &'a Joints<D>,
-    state: InsertionData<'a, D, N>,
-}
-
-impl<const D: usize, const N: usize> Fan<'_, D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    fn corners(&self) -> &[u32] {
-        self.state.topology.corners_of(self.vertex)
-    }
-
-    /// The corners at this vertex on the two sides of a facet.
-    fn beside(&self, facet: u32) -> [u32; 2] {
-        let facet = &self.state.topology.facets[facet as usize];
-        let end = end_at(facet, self.vertex, self.state.topology);
-        facet.corners.map(|side| side[end])
-    }
-
-    /// Groups on the two sides of a facet.
-    fn groups_beside(&self, facet: u32) -> [u32; 2] {
-        let group =
-            |corner: u32| self.corners().binary_search(&corner).map_or(NONE, |place| self.groups[place]);
-        self.beside(facet).map(group)
-    }
-
-    /// Whether the end of a joint at this vertex is closed: one node on both sides.
-    fn closed(&self, facet: u32) -> bool {
-        let [a, b] = self.beside(facet).map(|corner| self.state.solid.node_at(corner));
-        a == b
-    }
-
-    /// How many groups share the node of a corner.
-    fn groups_of_node(&self, corner: u32) -> usize {
-        let solid = self.state.solid;
-        let node = solid.node_at(corner);
-        let all = self.corners().iter().zip(self.groups);
-        let mut groups: Vec<u32> =
-            all.filter(|(corner, _)| solid.node_at(**corner) == node).map(|(_, &group)| group).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        groups.len()
-    }
-
-    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]` across their cut, and the axes of the
-    /// cut: its unit normal, out of `sides[0]`, and directions along it. The cut consists of the closed
-    /// joints between the two groups at the vertex, among them `facet`, and of the facets `more`; each counts
-    /// by its projection on the plane of the cut.
-    fn held_by(&self, facet: u32, sides: [u32; 2], more: &[u32]) -> (Point<D>, Matrix<D>) {
-        let InsertionData { solid, model, topology } = self.state;
-        let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
-        for (&corner, &group) in self.corners().iter().zip(self.groups) {
-            let Some(side) = sides.iter().position(|&side| side == group) else { continue };
-            let mut total = solid.force(corner);
-            self.joints.add_force(corner, &mut total);
-            for axis in 0..D {
-                force[side][axis] += total[axis];
-            }
-            mass[side] += solid.element(corner as usize / N).corner_mass(model);
-        }
-        let is_between = |beside: [u32; 2]| beside == sides || beside == [sides[1], sides[0]];
-        let closed = topology.facets_around(self.vertex).map(|(other, _)| other).filter(|&other| {
-            self.joints.of_facet[other as usize] != NONE
-                && self.closed(other)
-                && is_between(self.groups_beside(other))
-        });
-        let parts: Vec<(Point<D>, f64)> = (more.iter().copied().chain(closed))
-            .map(|other| (self.normal(other, sides), part_of(other, self.state)))
-            .collect();
-        let mut sum = [0.0; D];
-        for (normal, part) in &parts {
-            add(&mut sum, *normal, *part);
-        }
-        let axes = <[[f64; D]; N]>::cut_axes(&side(solid, &topology.facets[facet as usize]), sum);
-        let width: f64 =
-            parts.iter().map(|(normal, part)| part * <[[f64; D]; N]>::projection(*normal, axes[0])).sum();
-        // Gravity accelerates both sides equally, so it cancels. With added mass it cancels at rest, because
-        // the masses are the true ones here.
-        let share = mass[0] / (mass[0] + mass[1]);
-        let held = std::array::from_fn(|axis| {
-            let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];
-            held / (width * solid.thickness)
-        });
-        (held, axes)
-    }
-
-    /// The unit normal of a facet, out of group `sides[0]`.
-    fn normal(&self, facet: u32, sides: [u32; 2]) -> Point<D> {
-        let InsertionData { solid, topology, .. } = self.state;
-        let normal = unit(<[[f64; D]; N]>::facet_normal(&side(solid, &topology.facets[facet as usize])));
-        if self.groups_beside(facet)[0] == sides[0] { normal } else { normal.map(|x| -x) }
-    }
-}
-
-/// The end of a facet that is at a vertex.
-fn end_at<const D: usize, const N: usize>(facet: &Facet<D>, vertex: u32, topology: &Topology<D, N>) -> usize {
-    let at = |corner: &u32| topology.vertices[*corner as usize] == vertex;
-    facet.corners[0].iter().position(at).unwrap_or_default()
 }
 
 /// Components of a traction on side 0 of a facet: across it (tension positive) and along it.

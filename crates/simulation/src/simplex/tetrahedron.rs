@@ -172,6 +172,11 @@ impl Simplex<3, 4> for Tetrahedron {
         [mean + 0.288_675_2 * radius + rounding, radius + rounding]
     }
 
+    #[inline(always)]
+    fn circle_close(stress: &Matrix<3>) -> [f64; 2] {
+        eigen::circle_close(stress)
+    }
+
     fn is_plate(_: Plane) -> bool {
         false
     }

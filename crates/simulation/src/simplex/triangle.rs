@@ -148,6 +148,11 @@ impl Simplex<2, 3> for Triangle {
         Self::circle(stress)
     }
 
+    #[inline(always)]
+    fn circle_close(stress: &Matrix) -> [f64; 2] {
+        Self::circle(stress)
+    }
+
     fn is_plate(plane: Plane) -> bool {
         plane == Plane::Stress
     }

@@ -352,9 +352,9 @@ impl Heap {
             let freedoms = SphereFreedoms { radius, mass, forces: &forces };
             let now = MovedNow { moves: |_| true, speed_limit: 100.0 };
             let mut moved = MotionSums::<Sum, 3>::default();
-            moved.add_chunks(
-                team.change(all, |first, chunk| now.advance_chunk(&freedoms, first, chunk.iter_mut())),
-            );
+            moved.add_chunks(team.change_lanes::<1, _, _>(all, |first, chunk| {
+                now.advance_chunk(&freedoms, first, chunk.iter_mut())
+            }));
             assert_eq!(moved.runaway, None);
             for couples in [among, on_floor] {
                 couples.note_motion(STEP * moved.fastest);

@@ -1,4 +1,4 @@
-//! Finds the elements whose stress is near the strength of their edges in any direction. Only the edges of
+//! Finds the elements whose stress reaches the strength of their edges in any direction. Only the edges of
 //! these elements are checked one by one.
 //!
 //! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≤ 0` and
@@ -22,21 +22,55 @@ pub(crate) const SUSPECT: f64 = 0.25;
 /// Relative tolerance for rounding: the bounds are not computed by the same formulas as the tractions.
 const ROUNDING: f64 = 1e-9;
 
-/// The distance of an element's stress from the strength of its edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum StressLevel {
-    Far,
-    /// An edge may reach [`SUSPECT`].
-    Suspect,
-    /// An edge may fail.
-    Failing,
+/// Largest values over all planes of the two limits, Pa, for a tensile strength and for a cohesion. They may be
+/// larger than the true ones by a part in a million, and in batches far from failure by more.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Demand {
+    tension: f64,
+    shear: f64,
+}
+
+impl Demand {
+    /// A bound for the mean of two stresses: both limits are convex in the stress.
+    #[inline]
+    pub(crate) fn mean([one, two]: [Self; 2]) -> Self {
+        Self { tension: 0.5 * (one.tension + two.tension), shear: 0.5 * (one.shear + two.shear) }
+    }
+
+    /// Whether an edge with these strengths, Pa, may reach this share of them. Any traction that does makes this
+    /// true.
+    #[inline(always)]
+    #[allow(
+        clippy::needless_bitwise_bool,
+        reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+    )]
+    pub(crate) fn reaches(self, share: f64, of: Weakest) -> bool {
+        let share = share * (1.0 - ROUNDING);
+        (self.tension >= share * of.tensile) | (self.shear >= share * of.cohesion)
+    }
+}
+
+/// The demands of the elements of a batch.
+#[derive(Clone, Debug)]
+pub(crate) struct Demands {
+    tension: Lanes,
+    shear: Lanes,
+}
+
+impl Demands {
+    pub(crate) const ZERO: Self = Self { tension: Lanes::ZERO, shear: Lanes::ZERO };
+
+    #[inline]
+    pub(crate) fn get(&self, lane: usize) -> Demand {
+        Demand { tension: self.tension.get(lane), shear: self.shear.get(lane) }
+    }
 }
 
 /// Lowest tensile strength and lowest cohesion of the edges of an element, Pa.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weakest {
-    tensile: f64,
-    cohesion: f64,
+    pub(crate) tensile: f64,
+    pub(crate) cohesion: f64,
 }
 
 impl Weakest {
@@ -72,77 +106,64 @@ impl Slopes {
         }
     }
 
-    /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an
-    /// element's edges.
-    #[inline]
-    pub(crate) fn near(&self, weakest: Weakest, circle: [f64; 2]) -> StressLevel {
-        StressLevel::of(self.level(weakest, circle))
-    }
-
-    /// 2 if an edge may fail, 1 if it may reach [`SUSPECT`], else 0.
+    /// The demand of a stress, by the middle and the radius of Mohr's largest circle.
     #[inline(always)]
-    #[allow(
-        clippy::needless_bitwise_bool,
-        reason = "a lazy operator is a branch, of which the compiler makes no vectors"
-    )]
-    fn level(&self, weakest: Weakest, [mean, radius]: [f64; 2]) -> f64 {
+    pub(crate) fn demand(&self, [mean, radius]: [f64; 2]) -> Demand {
         let [one, other] = self.friction.map(|[friction, secant]| friction * mean + secant * radius);
-        let (tension, shear) = (mean + self.chord * radius, larger(one, other));
-        let reaches = |share: f64| (tension >= share * weakest.tensile) | (shear >= share * weakest.cohesion);
-        let suspect = if reaches(SUSPECT - ROUNDING) { 1.0 } else { 0.0 };
-        if reaches(1.0 - ROUNDING) { 2.0 } else { suspect }
+        Demand { tension: mean + self.chord * radius, shear: larger(one, other) }
     }
 }
 
-impl StressLevel {
-    #[inline]
-    fn of(level: f64) -> Self {
-        if level >= 2.0 {
-            Self::Failing
-        } else if level >= 1.0 {
-            Self::Suspect
-        } else {
-            Self::Far
-        }
-    }
-}
-
-/// Compares the stresses of a batch, by bounds of Mohr's circles, with the strengths.
-pub(crate) fn nears<const D: usize, const N: usize>(
+/// Computes the demands of a batch, and calls `failing` with each lane of which an edge may fail.
+pub(crate) fn find_demands<const D: usize, const N: usize>(
     available: Available,
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
-    near: &mut [StressLevel],
+    demands: &mut Demands,
+    mut failing: impl FnMut(usize),
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut levels = Lanes::ZERO;
-    levels_of::<D, N>(available, slopes, deformed, weakest, &mut levels);
-    for (lane, near) in near.iter_mut().enumerate() {
-        *near = StressLevel::of(levels.get(lane));
+    let mut reached = Lanes::ZERO;
+    demands_of::<D, N, false>(available, slopes, deformed, weakest, demands, &mut reached);
+    let any = |reached: &Lanes| (0..LANES).any(|lane| reached.get(lane) > 0.0);
+    // In two dimensions the bound is the circle itself.
+    if !<[[f64; D]; N]>::IS_TRIANGLE && any(&reached) {
+        demands_of::<D, N, true>(available, slopes, deformed, weakest, demands, &mut reached);
     }
+    (0..LANES).filter(|&lane| reached.get(lane) > 0.0).for_each(&mut failing);
 }
 
-compiled_for_vectors!(fn levels_of = all_levels<const D: usize, const N: usize>(
+compiled_for_vectors!(fn demands_of = all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
-    levels: &mut Lanes
+    demands: &mut Demands,
+    reached: &mut Lanes
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 #[inline(always)]
-fn all_levels<const D: usize, const N: usize>(
+fn all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
-    levels: &mut Lanes,
+    demands: &mut Demands,
+    reached: &mut Lanes,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     for lane in 0..LANES {
-        let circle = <[[f64; D]; N]>::circle_bound(&deformed.stress(lane));
-        levels.set(lane, slopes.level(weakest[lane], circle));
+        let stress = deformed.stress(lane);
+        let circle = if CLOSE {
+            <[[f64; D]; N]>::circle_close(&stress)
+        } else {
+            <[[f64; D]; N]>::circle_bound(&stress)
+        };
+        let demand = slopes.demand(circle);
+        demands.tension.set(lane, demand.tension);
+        demands.shear.set(lane, demand.shear);
+        reached.set(lane, if demand.reaches(1.0, weakest[lane]) { 1.0 } else { 0.0 });
     }
 }
 
@@ -176,12 +197,11 @@ mod tests {
         }
     }
 
-    /// Every edge that fails by the mean of two stresses is found, and so is every edge that reaches
-    /// [`SUSPECT`] of its strength.
+    /// The demand of a mean stress, and the mean of two demands, are at least the use of any edge.
     #[test]
-    fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
+    fn the_demand_bounds_the_use_on_any_plane() {
         let (strong, weak) = (strength(1.5, 0.2), strength(1.0, 0.7));
-        let (weakest, slopes) = (Weakest::of([strong, weak].into_iter()), Slopes::of(&[strong, weak]));
+        let slopes = Slopes::of(&[strong, weak]);
         let mut next = (0..).map(|k| 2.0 * random::uniform(7, k) - 1.0);
         let mut random = |scale: f64| scale * next.next().unwrap_or(0.0);
         let (mut failed, mut suspected, mut near, mut far) = (0, 0, 0, 0);
@@ -192,32 +212,30 @@ mod tests {
             let (sin, cos) = random(4.0).sin_cos();
             let normal = xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos;
             let tangential = (xx - yy) * sin * cos + xy * (sin * sin - cos * cos);
-            let found = pair
-                .map(|[xx, yy, xy]| slopes.near(weakest, <[[f64; 2]; 3]>::circle(&[[xx, xy], [xy, yy]])))
-                .into_iter()
-                .max();
-            let share = |share: f64| {
-                let used = |strength| use_of(strength, [normal, tangential]);
-                used(&strong) >= share || used(&weak) >= share
-            };
-            if share(1.0) {
-                failed += 1;
-                assert_eq!(found, Some(StressLevel::Failing), "{pair:?}");
-            } else if share(SUSPECT) {
-                suspected += 1;
-                assert!(found >= Some(StressLevel::Suspect), "{pair:?}");
+            let demands =
+                pair.map(|[xx, yy, xy]| slopes.demand(<[[f64; 2]; 3]>::circle(&[[xx, xy], [xy, yy]])));
+            let mean = Demand::mean(demands);
+            for strength in [strong, weak] {
+                let used = use_of(&strength, [normal, tangential]);
+                let of = Weakest { tensile: strength.tensile, cohesion: strength.cohesion };
+                for share in [1.0, SUSPECT, used] {
+                    let reached = used >= share && share > 0.0;
+                    assert!(!reached || mean.reaches(share, of), "{pair:?} {share}");
+                    let either = demands.iter().any(|demand| demand.reaches(share, of));
+                    assert!(!reached || either, "{pair:?} {share}");
+                }
+                failed += usize::from(used >= 1.0);
+                suspected += usize::from((SUSPECT..1.0).contains(&used));
+                near += usize::from(used < SUSPECT && mean.reaches(1.0, of));
+                far += usize::from(!mean.reaches(SUSPECT, of));
             }
-            near += usize::from(found == Some(StressLevel::Suspect));
-            far += usize::from(found == Some(StressLevel::Far));
         }
         assert!([failed, suspected, near, far].into_iter().all(|count| count > 1000));
     }
 
     #[test]
-    fn nothing_reaches_what_cannot_break() {
-        assert_eq!(
-            Slopes::of(&[strength(1.0, 0.5)]).near(Weakest::of([].into_iter()), [1e150; 2]),
-            StressLevel::Far
-        );
+    fn nothing_reaches_the_strength_of_what_cannot_break() {
+        let demand = Slopes::of(&[strength(1.0, 0.5)]).demand([1e150; 2]);
+        assert!(!demand.reaches(1.0, Weakest::of([].into_iter())));
     }
 }
