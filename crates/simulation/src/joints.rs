@@ -158,8 +158,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     breaks: Vec<Break>,
     /// Outer facets, and facets of broken joints.
     pub(crate) faces: Faces<D>,
-    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet
-    /// can break.
+    /// Open ends of joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if
+    /// no facet can break.
     at_corner: Vec<[u32; D]>,
     /// The joint of each facet, or [`NONE`].
     pub(crate) of_facet: Vec<u32>,
@@ -407,15 +407,6 @@ impl<const D: usize> Joints<D> {
         let number = self.all.len() as u32;
         self.of_facet[facet as usize] = number;
         let sides = &topology.facets[facet as usize];
-        for (side, corners) in sides.corners.into_iter().enumerate() {
-            for (end, corner) in corners.into_iter().enumerate() {
-                let code = 2 * (D as u32 * number + end as u32) + side as u32;
-                let at = topology.facets_at(corner);
-                for slot in (0..D).filter(|&slot| at[slot] == facet) {
-                    self.at_corner[corner as usize][slot] = code;
-                }
-            }
-        }
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
@@ -437,6 +428,22 @@ impl<const D: usize> Joints<D> {
         joint.open_from_start = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
         self.links.push(Link::of(&joint, model.thickness));
         self.all.push(joint);
+    }
+
+    /// Lets the force at an end of a joint act on the corners of its elements. Ends that are closed have no force,
+    /// and most ends in a body near its strength are.
+    fn connect<const N: usize>(&mut self, number: usize, end: usize, topology: &Topology<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let facet = self.all[number].facet;
+        for (side, corners) in topology.facets[facet as usize].corners.into_iter().enumerate() {
+            let corner = corners[end];
+            let at = topology.facets_at(corner);
+            for slot in (0..D).filter(|&slot| at[slot] == facet) {
+                self.at_corner[corner as usize][slot] = (2 * (D * number + end) + side) as u32;
+            }
+        }
     }
 
     /// Looks up the nodes of all joints again.
@@ -561,6 +568,12 @@ impl<const D: usize> Joints<D> {
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
         }
+        for number in 0..self.all.len() {
+            let open = self.all[number].open;
+            for end in (0..D).filter(|&end| open[end]) {
+                self.connect(number, end, topology);
+            }
+        }
         if !self.weakest.is_empty() {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
@@ -606,7 +619,7 @@ impl<const D: usize> Joints<D> {
                             *forces = found;
                             continue;
                         }
-                        if link.is_gone() {
+                        if link.is_idle() {
                             continue;
                         }
                         if joint.state == JointState::Removed {

@@ -23,7 +23,7 @@ use crate::cohesive::{JointPlane, Memory, use_of};
 use crate::joints::cut::{Cut, InsertionData};
 use crate::joints::demand::{Demand, SUSPECT, find_demands};
 use crate::joints::fan::{Fan, end_at};
-use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
+use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction, used_on};
 use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, VertexSplit};
 use crate::lanes::LANES;
@@ -193,9 +193,8 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let strength = self.strength(facet).filter(|_| self.of_facet[facet as usize] == NONE);
-        strength.map_or(0.0, |strength| {
-            use_of(&strength, traction(state.solid, &state.topology.facets[facet as usize]))
-        })
+        strength
+            .map_or(0.0, |strength| used_on(&strength, state.solid, &state.topology.facets[facet as usize]))
     }
 
     /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet
@@ -404,6 +403,9 @@ impl<const D: usize> Joints<D> {
             }
         }
         self.links[number] = Link::of(joint, solid.thickness);
+        if joint.open[end] {
+            self.connect(number, end, topology);
+        }
     }
 }
 

@@ -27,6 +27,8 @@ enum JointCase {
     Whole,
     /// It softens, or is broken.
     Any,
+    /// None of its ends has two nodes.
+    Closed,
     /// It has been removed, and nothing changes any more.
     Gone,
 }
@@ -57,6 +59,8 @@ impl<const D: usize> Link<D> {
             && joint.ends.iter().all(|end| end.is_whole(&joint.law));
         let kind = if joint.state == JointState::Removed && joint.fading == 0.0 {
             JointCase::Gone
+        } else if joint.open == [false; D] && joint.holds() && joint.fading == 0.0 {
+            JointCase::Closed
         } else if !whole {
             JointCase::Any
         } else if joint.ends.iter().all(|end| end.origin() == [0.0; D]) {
@@ -83,6 +87,12 @@ impl<const D: usize> Link<D> {
     #[inline]
     fn is_whole(&self) -> bool {
         matches!(self.kind, JointCase::AtRest | JointCase::Whole)
+    }
+
+    /// Whether a step changes nothing in the joint.
+    #[inline]
+    pub(super) fn is_idle(&self) -> bool {
+        matches!(self.kind, JointCase::Closed | JointCase::Gone)
     }
 
     /// Whether the joint has been removed, and nothing changes any more.
