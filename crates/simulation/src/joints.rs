@@ -18,6 +18,7 @@ mod insertion;
 mod joint;
 mod plane;
 mod start;
+mod uses;
 mod whole;
 
 use fdem_distributed::wire;
@@ -185,6 +186,11 @@ pub(crate) struct Joints<const D: usize = 2> {
     /// are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     demands: Vec<Demands>,
+    /// Of each facet, empty as well if joints are not inserted: its strengths, infinite if it cannot get a joint,
+    /// or has one; the use of its strength; and whether it has been at a tip.
+    limits: Vec<Weakest>,
+    uses: Vec<f64>,
+    near_tip: Vec<bool>,
     slopes: Slopes,
 }
 
@@ -294,9 +300,18 @@ impl<const D: usize> Joints<D> {
             insertion: model.fracture.insertion,
             weakest: Vec::new(),
             demands: Vec::new(),
+            limits: Vec::new(),
+            uses: Vec::new(),
+            near_tip: Vec::new(),
             slopes,
         };
         if inserts {
+            let count = topology.facets.len();
+            let limit = |facet: usize| {
+                Weakest::of(joints.strength(facet as u32).filter(|_| joints.set(facet as u32).is_none()))
+            };
+            joints.limits = (0..count).map(limit).collect();
+            (joints.uses, joints.near_tip) = (vec![0.0; count], vec![false; count]);
             let weakest = |element: usize| joints.weakest_in(element as u32, topology);
             let batches = 0..mesh.elements.len().div_ceil(LANES);
             joints.weakest =
@@ -312,7 +327,7 @@ impl<const D: usize> Joints<D> {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
-        let Self { at_vertex, tips, weakest, demands, directed, .. } = self;
+        let Self { at_vertex, tips, weakest, demands, directed, limits, uses, near_tip, .. } = self;
         let of_tip = |tip: &Tip<D>| {
             let cuts: usize = tip.cuts.iter().map(Cut::bytes).sum();
             size_of::<Tip<D>>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together) + cuts
@@ -331,6 +346,9 @@ impl<const D: usize> Joints<D> {
             + tips.iter().map(of_tip).sum::<usize>()
             + size_of_val(&**weakest)
             + size_of_val(&**demands)
+            + size_of_val(&**limits)
+            + size_of_val(&**uses)
+            + size_of_val(&**near_tip)
     }
 
     /// Whether a facet can ever get a joint.
@@ -351,16 +369,8 @@ impl<const D: usize> Joints<D> {
 
     /// The lowest strengths of the facets of an element that may still get a joint.
     fn weakest_in<const N: usize>(&self, element: u32, topology: &Topology<D, N>) -> Weakest {
-        let facets = topology.facet_of.get(element as usize).into_iter().flatten().copied();
-        let may = |facet: &u32| {
-            *facet != NONE && self.of_facet[*facet as usize] == NONE && self.set(*facet).is_none()
-        };
-        Weakest::of(facets.filter(may).filter_map(|facet| self.strength(facet)))
-    }
-
-    /// The strengths of a facet that its stress is compared with.
-    fn weakest_of(&self, facet: u32) -> Option<Weakest> {
-        self.strength(facet).map(|Strength { tensile, cohesion, .. }| Weakest { tensile, cohesion })
+        let facets = topology.facet_of.get(element as usize).into_iter().flatten();
+        Weakest::least(facets.filter_map(|&facet| self.limits.get(facet as usize).copied()))
     }
 
     /// The law of a joint on a facet; `None` if the facet cannot break.
@@ -412,6 +422,7 @@ impl<const D: usize> Joints<D> {
             self.at_vertex[vertex as usize] = true;
         }
         if !self.weakest.is_empty() {
+            self.limits[facet as usize] = Weakest::NONE;
             for element in sides.elements() {
                 self.weakest[element as usize / LANES][element as usize % LANES] =
                     self.weakest_in(element, topology);

@@ -69,17 +69,24 @@ impl Demands {
 /// Lowest tensile strength and lowest cohesion of the edges of an element, Pa.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weakest {
-    pub(crate) tensile: f64,
-    pub(crate) cohesion: f64,
+    tensile: f64,
+    cohesion: f64,
 }
 
 impl Weakest {
-    /// The weakest of the given strengths, or infinity without any.
-    pub(crate) fn of(strengths: impl Iterator<Item = Strength>) -> Self {
-        let none = Self { tensile: f64::INFINITY, cohesion: f64::INFINITY };
-        strengths.fold(none, |weakest, strength| Self {
-            tensile: weakest.tensile.min(strength.tensile),
-            cohesion: weakest.cohesion.min(strength.cohesion),
+    /// Strengths that nothing reaches.
+    pub(crate) const NONE: Self = Self { tensile: f64::INFINITY, cohesion: f64::INFINITY };
+
+    /// The strengths of a facet; [`Weakest::NONE`] without one.
+    pub(crate) fn of(strength: Option<Strength>) -> Self {
+        strength.map_or(Self::NONE, |Strength { tensile, cohesion, .. }| Self { tensile, cohesion })
+    }
+
+    /// The lowest of these.
+    pub(crate) fn least(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::NONE, |least, next| Self {
+            tensile: least.tensile.min(next.tensile),
+            cohesion: least.cohesion.min(next.cohesion),
         })
     }
 }
@@ -114,33 +121,36 @@ impl Slopes {
     }
 }
 
-/// Computes the demands of a batch, and calls `failing` with each lane of which an edge may fail.
+/// Computes the demands of a batch. Returns whether an edge of its elements may reach [`SUSPECT`].
 pub(crate) fn find_demands<const D: usize, const N: usize>(
     available: Available,
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
-    mut failing: impl FnMut(usize),
-) where
+) -> bool
+where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut reached = Lanes::ZERO;
-    demands_of::<D, N, false>(available, slopes, deformed, weakest, demands, &mut reached);
-    let any = |reached: &Lanes| (0..LANES).any(|lane| reached.get(lane) > 0.0);
+    let mut levels = Lanes::ZERO;
+    demands_of::<D, N, false>(available, slopes, deformed, weakest, demands, &mut levels);
+    let most = (0..LANES).map(|lane| levels.get(lane)).fold(0.0, larger);
     // In two dimensions the bound is the circle itself.
-    if !<[[f64; D]; N]>::IS_TRIANGLE && any(&reached) {
-        demands_of::<D, N, true>(available, slopes, deformed, weakest, demands, &mut reached);
+    if !<[[f64; D]; N]>::IS_TRIANGLE && most == FAILING {
+        demands_of::<D, N, true>(available, slopes, deformed, weakest, demands, &mut levels);
     }
-    (0..LANES).filter(|&lane| reached.get(lane) > 0.0).for_each(&mut failing);
+    most > 0.0
 }
+
+/// Level of an element of which an edge may fail.
+const FAILING: f64 = 2.0;
 
 compiled_for_vectors!(fn demands_of = all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
-    reached: &mut Lanes
+    levels: &mut Lanes
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 #[inline(always)]
@@ -149,7 +159,7 @@ fn all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
-    reached: &mut Lanes,
+    levels: &mut Lanes,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -163,7 +173,8 @@ fn all_demands<const D: usize, const N: usize, const CLOSE: bool>(
         let demand = slopes.demand(circle);
         demands.tension.set(lane, demand.tension);
         demands.shear.set(lane, demand.shear);
-        reached.set(lane, if demand.reaches(1.0, weakest[lane]) { 1.0 } else { 0.0 });
+        let suspect = if demand.reaches(SUSPECT, weakest[lane]) { 1.0 } else { 0.0 };
+        levels.set(lane, if demand.reaches(1.0, weakest[lane]) { FAILING } else { suspect });
     }
 }
 
@@ -217,7 +228,7 @@ mod tests {
             let mean = Demand::mean(demands);
             for strength in [strong, weak] {
                 let used = use_of(&strength, [normal, tangential]);
-                let of = Weakest { tensile: strength.tensile, cohesion: strength.cohesion };
+                let of = Weakest::of(Some(strength));
                 for share in [1.0, SUSPECT, used] {
                     let reached = used >= share && share > 0.0;
                     assert!(!reached || mean.reaches(share, of), "{pair:?} {share}");
@@ -236,6 +247,6 @@ mod tests {
     #[test]
     fn nothing_reaches_the_strength_of_what_cannot_break() {
         let demand = Slopes::of(&[strength(1.0, 0.5)]).demand([1e150; 2]);
-        assert!(!demand.reaches(1.0, Weakest::of([].into_iter())));
+        assert!(!demand.reaches(1.0, Weakest::NONE));
     }
 }

@@ -23,7 +23,8 @@ use crate::cohesive::{JointPlane, Memory, use_of};
 use crate::joints::cut::{Cut, InsertionData};
 use crate::joints::demand::{Demand, SUSPECT, find_demands};
 use crate::joints::fan::{Fan, end_at};
-use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction, used_on};
+use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
+use crate::joints::uses::UseBatch;
 use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, VertexSplit};
 use crate::lanes::LANES;
@@ -53,24 +54,26 @@ impl<const D: usize> Joints<D> {
         let state = InsertionData { solid, model, topology };
         let mut demands = std::mem::take(&mut self.demands);
         let (weakest, slopes) = (&self.weakest, &self.slopes);
-        let suspects = team.change_lanes::<LANES, _, _>(&mut demands, |first, chunk| {
-            let mut suspects = Vec::new();
+        let suspect = team.change_lanes::<LANES, _, _>(&mut demands, |first, chunk| {
+            let mut suspect = false;
             for (batch, demands) in (first..).zip(chunk) {
                 let deformed = solid.deformed(batch);
-                let mut add = |lane: usize| suspects.push((batch * LANES + lane) as u32);
-                find_demands::<D, N>(solid.available, slopes, deformed, &weakest[batch], demands, &mut add);
+                suspect |= find_demands::<D, N>(solid.available, slopes, deformed, &weakest[batch], demands);
             }
-            suspects
+            suspect
         });
         self.demands = demands;
-        let suspects = suspects.concat();
-        let whole = team.look(suspects.len(), |range| {
-            let mut failing = Vec::new();
-            for &element in &suspects[range] {
-                self.failing_beside(element, state, &mut failing);
-            }
-            failing
+        if suspect.iter().all(|suspect| !suspect) {
+            return Vec::new();
+        }
+        let mut uses = std::mem::take(&mut self.uses);
+        let whole = team.change_lanes::<1, _, _>(&mut uses, |first, uses| {
+            self.find_uses(first as u32, uses, state);
+            let facets = (first as u32..).zip(uses);
+            let fails = |(facet, used): &(u32, &mut f64)| breaks(**used, || self.excess(*facet, state));
+            facets.filter(fails).map(|(facet, _)| facet).collect::<Vec<u32>>()
         });
+        self.uses = uses;
         let mut tips = std::mem::take(&mut self.tips);
         let at_tips = team.change_lanes::<1, _, _>(&mut tips, |_, tips| {
             let mut failing = Vec::new();
@@ -145,6 +148,9 @@ impl<const D: usize> Joints<D> {
                 .collect();
             alone
                 .retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
+            for &facet in alone.iter().chain(&together) {
+                self.near_tip[facet as usize] = true;
+            }
             if !alone.is_empty() || !together.is_empty() {
                 self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together, cuts: Vec::new() });
             }
@@ -186,51 +192,29 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    /// Use of the strength of a facet by the mean stress of its two elements; 0 if the facet has a joint or
-    /// cannot break.
-    fn used<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> f64
+    /// Computes the uses of the strengths of facets by the mean stress of their two elements. A use is 0 if the
+    /// facet has a joint or cannot break, or if it is certain to be too little to count: below 1 on all planes,
+    /// and below [`SUSPECT`] at a tip.
+    fn find_uses<const N: usize>(&self, first: u32, uses: &mut [f64], state: InsertionData<'_, D, N>)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let strength = self.strength(facet).filter(|_| self.of_facet[facet as usize] == NONE);
-        strength
-            .map_or(0.0, |strength| used_on(&strength, state.solid, &state.topology.facets[facet as usize]))
-    }
-
-    /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet
-    /// between two such elements belongs to the first.
-    fn failing_beside<const N: usize>(
-        &self,
-        element: u32,
-        state: InsertionData<'_, D, N>,
-        failing: &mut Vec<u32>,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let InsertionData { topology, .. } = state;
-        for facet in topology.facet_of[element as usize].into_iter().filter(|&facet| facet != NONE) {
-            let beside = topology.facets[facet as usize].elements();
-            let of_first = beside[0] == element || !self.is_suspect(beside[0]);
-            if of_first
-                && self.may_reach(1.0, facet, beside)
-                && breaks(self.used(facet, state), || self.excess(facet, state))
+        let InsertionData { solid, topology, .. } = state;
+        let demand = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
+        let mut batch = UseBatch::EMPTY;
+        for place in 0..uses.len() {
+            let facet = first + place as u32;
+            let sides = &topology.facets[facet as usize];
+            let least = if self.near_tip[facet as usize] { SUSPECT } else { 1.0 };
+            let asked = Demand::mean(sides.elements().map(demand));
+            uses[place] = 0.0;
+            if asked.reaches(least, self.limits[facet as usize])
+                && let Some(strength) = self.strength(facet)
             {
-                failing.push(facet);
+                batch.push(place, &strength, sides, solid, uses);
             }
         }
-    }
-
-    /// Whether an edge of an element may fail by the stress of the element.
-    fn is_suspect(&self, element: u32) -> bool {
-        let (batch, lane) = (element as usize / LANES, element as usize % LANES);
-        self.demands[batch].get(lane).reaches(1.0, self.weakest[batch][lane])
-    }
-
-    /// Whether a facet without a joint, between these elements, may reach this share of its strength.
-    fn may_reach(&self, share: f64, facet: u32, beside: [u32; 2]) -> bool {
-        let demand = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
-        self.of_facet[facet as usize] == NONE
-            && self.weakest_of(facet).is_some_and(|of| Demand::mean(beside.map(demand)).reaches(share, of))
+        batch.write::<N>(solid.available, uses);
     }
 
     /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that
@@ -250,12 +234,8 @@ impl<const D: usize> Joints<D> {
         if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
             return;
         }
-        // Facets that cannot reach `least` are not computed.
-        let used = |least: f64, facet: u32| {
-            let beside = topology.facets[facet as usize].elements();
-            if self.may_reach(least, facet, beside) { self.used(facet, state) } else { 0.0 }
-        };
-        for &facet in alone.iter().filter(|&&facet| used(SUSPECT, facet) >= SUSPECT) {
+        let used = |facet: u32| self.uses[facet as usize];
+        for &facet in alone.iter().filter(|&&facet| used(facet) >= SUSPECT) {
             let known = cuts.iter().position(|cut| cut.facet == facet && cut.holds(vertex, state));
             let place = known.unwrap_or_else(|| {
                 cuts.retain(|cut| cut.facet != facet);
@@ -264,11 +244,8 @@ impl<const D: usize> Joints<D> {
             });
             self.fails_along(&cuts[place], vertex, state, failing);
         }
-        let most = together.iter().fold(None, |most: Option<(f64, u32)>, &facet| {
-            let least = most.map_or(SUSPECT, |(most, _)| most);
-            let used = used(least, facet);
-            if used > least || (most.is_none() && used >= SUSPECT) { Some((used, facet)) } else { most }
-        });
+        let all = together.iter().map(|&facet| (used(facet), facet)).filter(|(used, _)| *used >= SUSPECT);
+        let most = all.reduce(|most, next| if next.0 > most.0 { next } else { most });
         let Some((_, facet)) = most else { return };
         if !cuts.iter().any(|cut| cut.facet == facet && cut.holds(vertex, state)) {
             // One cut through several facets is kept.

@@ -19,7 +19,7 @@ use crate::model::Strength;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Facet;
-use crate::vector::{Matrix, Point, applied, dot, matrix, minus};
+use crate::vector::{Matrix, Point, matrix};
 
 /// Largest angle between an edge and the plane that its joint represents. Six edges meet at a vertex on
 /// average, so the nearest one is 15° off on average, and at most 30°. With a larger reach edges fail that
@@ -99,26 +99,6 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     <[[f64; D]; N]>::traction_on(&side(solid, facet), &mean_stress(solid, facet))
-}
-
-/// Use of a strength on a facet by the mean stress of its two elements. Without directions along the facet, which
-/// cost twice as much.
-pub(crate) fn used_on<const D: usize, const N: usize>(
-    strength: &Strength,
-    solid: &Solid<D, N>,
-    facet: &Facet<D>,
-) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let normal = <[[f64; D]; N]>::facet_normal(&side(solid, facet));
-    let (whole, squared) = (applied(&mean_stress(solid, facet), normal), dot(normal, normal));
-    let across = dot(whole, normal) / squared;
-    let along = minus(whole, normal.map(|x| across * x));
-    let mut traction = [0.0; D];
-    traction[0] = across;
-    traction[1] = (dot(along, along) / squared).sqrt();
-    use_of(strength, traction)
 }
 
 /// Mean stress of the two elements at a facet, Pa.

@@ -55,6 +55,7 @@ impl Simplex<3, 4> for Tetrahedron {
         0.5 * length(cross3(minus(*b, *a), minus(*c, *a)))
     }
 
+    #[inline(always)]
     fn facet_normal(facet: &[Point<3>; 3]) -> Point<3> {
         Self::axes(facet)[0].map(|x| 0.5 * x)
     }
@@ -64,7 +65,7 @@ impl Simplex<3, 4> for Tetrahedron {
         (4.0 / 3.0_f64.sqrt() * measure).sqrt()
     }
 
-    #[inline]
+    #[inline(always)]
     fn axes([a, b, c]: &[Point<3>; 3]) -> Matrix<3> {
         let along = minus(*b, *a);
         let normal = cross3(along, minus(*c, *a));

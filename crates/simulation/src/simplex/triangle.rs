@@ -49,7 +49,7 @@ impl Simplex<2, 3> for Triangle {
         length(minus(*b, *a))
     }
 
-    #[inline]
+    #[inline(always)]
     fn facet_normal(facet: &[Point; 2]) -> Point {
         Self::axes(facet)[0]
     }
@@ -58,7 +58,7 @@ impl Simplex<2, 3> for Triangle {
         measure
     }
 
-    #[inline]
+    #[inline(always)]
     fn axes([a, b]: &[Point; 2]) -> Matrix {
         let [x, y] = minus(*b, *a);
         [[y, -x], [x, y]]
