@@ -182,6 +182,11 @@ where
         ((self.prepared.end_time / self.run.time_step()).ceil() as u64).max(1)
     }
 
+    /// Whether the run has ended: by its end time, its condition, or its last stage.
+    pub(crate) fn is_over(&self) -> bool {
+        self.reached.over || self.run.steps() >= self.total()
+    }
+
     /// A snapshot of the run with displacements that count from the last stage that has set them back.
     pub(crate) fn counted(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
         if let Some(origin) = &self.observer.origin {
