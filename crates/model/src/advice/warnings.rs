@@ -1,6 +1,7 @@
 //! Warnings of settings that are possible, but probably not meant.
 
 mod gravity;
+mod ground;
 
 use std::collections::BTreeMap;
 
@@ -62,6 +63,7 @@ where
     if ready.file.initial.ground.is_none() {
         gravity::sudden(ready.model, ready.bodies, warnings);
     }
+    ground::warn(ready, warnings);
     quasi_static::advice(ready.file, ready.model, warnings);
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
