@@ -202,10 +202,10 @@ where
         (self.with_joints(self.counted(snapshot)), forces)
     }
 
-    /// The snapshot with its whole joints, if the model asks for them.
+    /// The snapshot with the joints that hold, if the model asks for them.
     pub(crate) fn with_joints(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
         if self.prepared.output.intact_joints {
-            snapshot.intact = self.run.intact_joints();
+            snapshot.intact = Some(self.run.intact_joints());
         }
         snapshot
     }
