@@ -11,7 +11,7 @@ use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
-use crate::advice::{equilibrium, fine, process_zone, quasi_static};
+use crate::advice::{coarse, equilibrium, fine, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
 use crate::text::file;
 
@@ -58,6 +58,7 @@ fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
+    coarse::warn(ready, warnings);
     fine::warn(ready, warnings);
     // Ground at rest carries its weight from the beginning.
     if ready.file.initial.ground.is_none() {
