@@ -9,9 +9,9 @@ use fdem_contact::narrow::{Contact, Measure};
 /// elements of the files, and contacts of parts of one element are left out. `pairs`: the contacts of these
 /// elements as bodies, where there are others than depths.
 ///
-/// Parts of an element have no volume in common, so that lengths, areas and volumes are sums. Point and normal
-/// are means, weighted by them, and those of the common face of solids that only touch. Of the depths of a
-/// sphere in several parts the largest counts, with its point and normal.
+/// Parts of an element have no volume in common, so that lengths, areas and volumes are sums. Point and
+/// normal are means, weighted by them, and those of the common face of solids that only touch. Of the depths
+/// of a sphere in several parts the largest counts, with its point and normal.
 pub(crate) fn combined<const D: usize>(
     mut contacts: Vec<(Couple, Contact<D>)>,
     pairs: &[BodyContact<D>],

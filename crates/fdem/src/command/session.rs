@@ -309,20 +309,23 @@ where
     }
 
     /// Takes the given number of steps, or fewer if the run is over before. Stages, conditions and servos of
-    /// the model act as in `fdem run`.
+    /// the model act as in `fdem run`, and the energy balance is checked at the end of the run.
     ///
     /// # Errors
     /// The reason why the run cannot continue.
     pub fn advance(&mut self, steps: u64) -> Result<(), String> {
         let end = self.run().steps().saturating_add(steps);
         while self.run().steps() < end && !self.is_over() {
-            let passed = self.course.advance(end).map_err(|stop| stop.to_string())?;
+            // A program may continue after the end time.
+            let before_end = !self.course.is_over();
+            let limit = if before_end { end.min(self.total()) } else { end };
+            let passed = self.course.advance(limit).map_err(|stop| stop.to_string())?;
             let turned = self.course.turn(&passed).map_err(|failure| failure.to_string())?;
             self.told.extend(turned.told);
-        }
-        // As at the end of `fdem run`.
-        if self.course.is_over() {
-            self.run().check_balance().map_err(|stop| stop.to_string())?;
+            // As at the end of `fdem run`.
+            if before_end && self.course.is_over() {
+                self.run().check_balance().map_err(|stop| stop.to_string())?;
+            }
         }
         Ok(())
     }
@@ -429,6 +432,7 @@ initial_overlap = "push"
         run.advance(24).expect("steps before the last");
         let error = run.advance(1).expect_err("the last step");
         assert!(error.starts_with("step 24: the energy balance is off by 6."), "{error}");
+        run.advance(1).expect("a step after the end time, which is not checked");
     }
 
     /// A run that is saved continues with the same bits, in a separate file.

@@ -8,8 +8,8 @@ use crate::advice::ready::Ready;
 /// `mesh_size` over the smallest width of a body from which this has no element across, in whole numbers.
 const NONE: f64 = 2.0;
 
-/// Warns of a `mesh_size` above twice the smallest width of a body, as where a length is in another unit. One warning for each table of the file; bodies with places to refine have
-/// other sizes.
+/// Warns of a `mesh_size` above twice the smallest width of a body, as where a length is in another unit. One
+/// warning for each table of the file; bodies with places to refine have other sizes.
 pub(crate) fn warn<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &mut Vec<String>) {
     for (table, body) in ready.file.body.iter().enumerate() {
         let Some(size) = body.mesh_size.filter(|_| body.refine.is_empty()) else { continue };

@@ -146,9 +146,9 @@ fn of_drawing<T>(
     Ok(Shapes { shapes, notes })
 }
 
-/// One shape a row, which `of` makes of its numbers, with the number of the row. A first row of words is a heading, which has to name
-/// these columns in this unit. `form`: description of a row, for messages; first letters of the names of its
-/// columns, over and over; unit.
+/// One shape a row, which `of` makes of its numbers, with the number of the row. A first row of words is a
+/// heading, which has to name these columns in this unit. `form`: description of a row, for messages; first
+/// letters of the names of its columns, over and over; unit.
 pub(crate) fn rows<T>(
     text: &str,
     of: impl Fn(&[f64]) -> Option<T>,

@@ -26,8 +26,8 @@ pub const MOST_INSIDE: usize = 300_000;
 const OF_ELEMENTS: usize = 12 + SCALES.len() + 8;
 /// Number of arrays with an entry for each crack: two halves of both facets, the code, the opening.
 const OF_CRACKS: usize = 6;
-/// Number of arrays with an entry for each whole or softening joint: nine coordinates of corners, two halves of the body
-/// and of the fragment.
+/// Number of arrays with an entry for each whole or softening joint: nine coordinates of corners, two halves
+/// of the body and of the fragment.
 const OF_HOLDING: usize = 13;
 
 /// The part of a snapshot in three dimensions that pictures and pages show, in a few bytes per element: the

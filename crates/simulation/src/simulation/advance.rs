@@ -67,8 +67,8 @@ where
         <[[f64; D]; N]>::take(self, steps, None)
     }
 
-    /// Checks the energy balance after the last step of [`Simulation::advance`], which does so every 100 steps
-    /// only. Call it at the end of a run. The run is not changed, and can continue.
+    /// Checks the energy balance after the last step of [`Simulation::advance`], which does so every 100
+    /// steps only. Call it at the end of a run. The run is not changed, and can continue.
     ///
     /// # Errors
     /// The reasons for which [`Simulation::advance`] would have stopped, if it had checked the last step.
