@@ -222,7 +222,7 @@ fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
         names: &Names::default(),
     };
     let page = report.html().unwrap();
-    assert!(page.contains(&format!("\"intact\":{count}")) && page.contains("\"intact\":0"));
+    assert!(page.contains(&format!("\"holding\":[{count},0]")) && page.contains("\"holding\":[0,0]"));
 }
 
 #[test]
