@@ -51,7 +51,7 @@ fn a_run_of_fewer_steps_than_between_two_checks_is_checked_at_its_end() {
     assert_eq!(again.code, Some(1), "{}", again.stderr);
     assert_eq!(bench.json("short_results/run.json")["status"], summary["status"]);
 
-    bench.write("loose.toml", &SHORT.replace("end_time", "energy_bound = 0.9\nend_time"));
+    bench.write("loose.toml", SHORT.replace("end_time", "energy_bound = 0.9\nend_time"));
     let run = bench.run(&["run", "loose.toml", "--quiet"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
 

@@ -8,7 +8,7 @@ use crate::shapes::outline::Point;
 
 const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
     row: points,
-    extends,
+    extends: |chain| extends(chain),
     empty: "has no length",
     row_is: "x1,y1,x2,y2,…",
     columns: &["x", "y"],
@@ -39,7 +39,7 @@ pub(crate) fn points(numbers: &[f64]) -> Option<Vec<Point>> {
 }
 
 /// Whether a polyline has a length.
-pub(crate) fn extends(chain: &Vec<Point>) -> bool {
+pub(crate) fn extends(chain: &[Point]) -> bool {
     chain.iter().any(|point| point != &chain[0])
 }
 

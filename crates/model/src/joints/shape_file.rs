@@ -68,10 +68,10 @@ pub(crate) fn read<T>(
                 let before = shapes.len();
                 number += 1;
                 (form.geometry)(kind, coordinates, &mut shapes)?;
-                match shapes[before..].iter().all(form.extends) {
-                    true => Ok(()),
-                    false => Err(format!("geometry {number}, a {kind}, {}", form.empty)),
+                if shapes[before..].iter().all(form.extends) {
+                    return Ok(());
                 }
+                Err(format!("geometry {number}, a {kind}, {}", form.empty))
             })
             .map(|()| shapes)
         }
@@ -87,9 +87,8 @@ pub(crate) fn read<T>(
 /// # Errors
 /// Names the row.
 fn shapes_of_rows<T>(text: &str, form: &ShapeForm<T>) -> Result<Vec<T>, String> {
-    let shape = |(row, shape): (usize, T)| match (form.extends)(&shape) {
-        true => Ok(shape),
-        false => Err(format!("row {row} {}", form.empty)),
+    let shape = |(row, shape): (usize, T)| {
+        if (form.extends)(&shape) { Ok(shape) } else { Err(format!("row {row} {}", form.empty)) }
     };
     rows(text, form.row, (form.row_is, form.columns, "m"))?.into_iter().map(shape).collect()
 }

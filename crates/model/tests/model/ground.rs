@@ -1,5 +1,7 @@
 //! Ground whose surface is not where the bodies end, and ground in plane stress.
 
+use fdem_model::{AnyPrepared, prepare_any};
+
 use crate::{read, right};
 
 /// A block of 60 m by 45 m, held at its base and at its sides.
@@ -62,6 +64,32 @@ fn ground_above_a_free_top_is_a_warning() {
         "polygon = { points = [[0, 0], [60, 0], [60, 30], [30, 45], [0, 30]] }",
     );
     assert_eq!(about_surface(&gable).len(), 1);
+}
+
+#[test]
+fn ground_in_space_has_the_same_warnings() {
+    let text = BLOCK
+        .replace("plane = \"strain\"\n", "")
+        .replace("[0, -9.81]", "[0, 0, -9.81]")
+        .replace(
+            "rectangle = { min = [0, 0], max = [60, 45] }",
+            "box = { min = [0, 0, 0], max = [60, 60, 45] }",
+        )
+        .replace("mesh_size = 5", "mesh_size = 20")
+        .replace("fixed = \"xy\"", "fixed = \"xyz\"");
+    for (level, part) in [
+        ("300", "\"g\" ends at 45 m with a free top, 255 m below the surface"),
+        ("45", ""),
+        ("10", "\"g\" reaches 45 m, above the surface at 10 m"),
+    ] {
+        let text = text.replace("surface = 45", &format!("surface = {level}"));
+        let prepared = prepare_any(&text, "m.toml", &mut |_| Err("no files".to_owned()), None);
+        let Ok(AnyPrepared::Space(prepared)) = prepared else { panic!("a model in space") };
+        let found: Vec<&String> =
+            prepared.warnings.iter().filter(|warning| warning.starts_with("[initial] ground")).collect();
+        assert_eq!(found.len(), usize::from(!part.is_empty()), "{found:?}");
+        assert!(found.iter().all(|warning| warning.contains(part)), "{found:?}");
+    }
 }
 
 #[test]

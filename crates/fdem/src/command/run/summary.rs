@@ -103,12 +103,17 @@ where
     facts
 }
 
+/// Share of the largest energy below which another is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The terms of the energy balance that are not zero: those present or dissipated add up to those supplied,
 /// but for the error of the balance.
 fn of_energies(energies: &Energies) -> String {
-    let terms = energies.terms().into_iter().filter(|term| term.value != 0.0);
-    let terms: Vec<String> = terms.map(|term| format!("{} {}", term.key, brief(term.value))).collect();
-    if terms.is_empty() { "none".to_owned() } else { terms.join(", ") }
+    let terms = energies.terms();
+    let largest = terms.iter().fold(0.0, |largest: f64, term| largest.max(term.value.abs()));
+    let shown = terms.iter().filter(|term| term.value.abs() > ROUNDING * largest || term.value.is_nan());
+    let shown: Vec<String> = shown.map(|term| format!("{} {}", term.key, brief(term.value))).collect();
+    if shown.is_empty() { "none".to_owned() } else { shown.join(", ") }
 }
 
 /// `2 frames` and `1 frame`.
