@@ -11,6 +11,7 @@ mod bench;
 mod check;
 mod contacts;
 mod couples;
+mod cut_elements;
 mod cutoff;
 mod drawings;
 mod explain;

@@ -433,6 +433,7 @@ const WRONG: &[Wrong] = &[
     ("a.obj", OBJ, "f 1 2 3", "f 1 2", 4, "element 0 is a polygon of 2 corners"),
     ("a.obj", OBJ, "f 1 2 3", "f 1 2 3 1", 4, "element 0 (quadrilateral) names node 1 twice"),
     ("a.obj", OBJ, "f 1 2 3", "v 1 1 0\nf 1 4 2 3", 5, "element 0 (quadrilateral) crosses itself"),
+    ("a.obj", OBJ, "f 1 2 3", "f 1 2 \\", 5, "the file ends here: expected the rest of a line after '\\'"),
     ("a.obj", OBJ, "v 1 0 0", "v 1 0", 2, "expected x, y and z of a vertex, found 2 numbers"),
     ("a.obj", OBJ, "f 1 2 3", "cstype bezier", 4, "the statement 'cstype'"),
     ("a.stl", STL, "vertex 1 0 0\n", "", 6, "expected 'vertex' three times, then 'endloop', found 'endloop'"),

@@ -12,6 +12,7 @@ pub(crate) mod process_zone;
 pub(crate) mod compliance;
 pub(crate) mod loading_rate;
 pub(crate) mod fine;
+pub(crate) mod coarse;
 pub(crate) mod quasi_static;
 pub(crate) mod plausible;
 pub(crate) mod equilibrium;

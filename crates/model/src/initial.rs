@@ -37,6 +37,16 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, is_in_space: bool
                     .help("write gravity = [0, -9.81], in three dimensions [0, 0, -9.81], or give stress and stress_gradient"),
             );
         }
+        if !is_in_space && file.model.plane == fdem_simulation::Plane::Stress {
+            faults.push(
+                Fault::at(
+                    document.key(table, "ground"),
+                    "\"ground\" has a stress across the plane, and plane stress has none",
+                )
+                .label("a thin plate is no ground")
+                .help("write plane = \"strain\" in [model]: a slice of the ground"),
+            );
+        }
         if file.model.gravity_ramp.is_some() {
             faults.push(
                 Fault::at(document.key(table, "ground"), "\"ground\" is at rest under the whole of gravity")

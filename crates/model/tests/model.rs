@@ -4,6 +4,7 @@
 //! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
 //! - `cavities`: pressures in holes and cracks, schedules of loads.
+//! - `ground`: the surface of ground at rest.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
 //! - `included`: files that a model includes, and copies of a body.
@@ -32,6 +33,8 @@ mod bonds;
 mod cavities;
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/ground.rs"]
+mod ground;
 #[path = "model/joint_sets.rs"]
 mod joint_sets;
 #[path = "model/joint_planes.rs"]

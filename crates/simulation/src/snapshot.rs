@@ -39,9 +39,9 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     /// the beginning are marked.
     pub cracks: Vec<Crack<D>>,
     /// Whole joints, of joint sets and of models that have a joint on each facet, in the order of their
-    /// elements. Snapshots of a run leave them out: [`Simulation::intact_joints`](crate::Simulation) and
-    /// [`Leader`](crate::Leader) return them on request.
-    pub intact: Vec<Crack<D>>,
+    /// elements. `None` if they are not shown, nor are joints that soften. Snapshots of a run leave them out:
+    /// [`Simulation::intact_joints`](crate::Simulation) and [`Leader`](crate::Leader) return them on request.
+    pub intact: Option<Vec<Crack<D>>>,
     /// Strength of each material; `None` for a material that does not break.
     pub strengths: Vec<Option<Strength>>,
     /// Law of each material, which strengths may depend on; empty for laws without directions.
@@ -64,7 +64,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             materials: Vec::new(),
             fragments: Vec::new(),
             cracks: Vec::new(),
-            intact: Vec::new(),
+            intact: None,
             strengths: Vec::new(),
             laws: Vec::new(),
         }

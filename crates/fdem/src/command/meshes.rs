@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use fdem_contact::discretised::{
-    BodyContact, DiscretisedError, MeshElement, MeshSearch, MeshView, body_contacts, gather,
+    BodyContact, DiscretisedError, MeshElement, MeshSearch, MeshView, SphereContact, body_contacts, gather,
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
@@ -13,6 +13,7 @@ use fdem_results::network::Sizes;
 use fdem_results::picture::MeshDrawing;
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
+use crate::command::cut_elements::{combined, count_couples};
 use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
@@ -164,7 +165,8 @@ fn notes_of(mesh: &fdem_io::MeshFile) -> Vec<String> {
 struct Model<const D: usize, const N: usize> {
     points: Vec<[f64; D]>,
     elements: Vec<[u32; N]>,
-    /// Body of each element of the meshes; `mesh_numbers` has its number among all elements.
+    /// Body of each element of the meshes; `mesh_numbers` has its number among all elements. Parts of an
+    /// element that was cut when it was read have one number.
     mesh_bodies: Vec<u32>,
     mesh_numbers: Vec<u32>,
     centres: Vec<[f64; D]>,
@@ -174,6 +176,8 @@ struct Model<const D: usize, const N: usize> {
     /// Id of each element in its file; `bodies` has its body.
     ids: Vec<i64>,
     bodies: Vec<u32>,
+    /// Whether an element of a mesh was cut.
+    is_cut: bool,
     /// Number of the first node or the first sphere of each file.
     starts: Vec<usize>,
     described: Vec<FileOf>,
@@ -265,6 +269,7 @@ impl MeshTask<'_> {
             sphere_bodies: Vec::new(),
             ids: Vec::new(),
             bodies: Vec::new(),
+            is_cut: false,
             starts: Vec::new(),
             described: Vec::new(),
             named: Vec::new(),
@@ -362,11 +367,16 @@ impl MeshTask<'_> {
             .with_self_contact(self.arguments.meshes.self_contact);
         let mut elements = Vec::new();
         search.contacts(&mesh, &mut elements)?;
-        let bodies = body_contacts(&mesh, &elements)?;
+        let mut bodies = body_contacts(&mesh, &elements)?;
         let number = |k: u32| model.mesh_numbers[k as usize];
-        let contacts =
+        let mut contacts: Vec<_> =
             elements.iter().map(|c| (Couple { i: number(c.i), j: number(c.j) }, c.contact)).collect();
-        let couples = Couples { meshes: elements.len(), ..Couples::default() };
+        if model.is_cut {
+            let by_number = MeshView::new(&model.points, &model.elements, &model.mesh_numbers)?;
+            contacts = combined(contacts, &body_contacts(&by_number, &elements)?);
+            count_couples(&mut bodies, &contacts, |couple| model.bodies_of(couple));
+        }
+        let couples = Couples { meshes: contacts.len(), ..Couples::default() };
         let mut found = MeshResult { contacts, bodies, couples, verified: None, verifying: 0.0 };
         if let Some(sample) = self.arguments.verify {
             let start = Instant::now();
@@ -410,7 +420,6 @@ impl MeshTask<'_> {
             found.verifying += start.elapsed().as_secs_f64();
         }
         found.couples.spheres = couples.len();
-        found.couples.spheres_and_meshes = walls.len();
 
         let sphere = |k: u32| Sphere::new(centres[k as usize], radii[k as usize]);
         for Couple { i, j } in couples {
@@ -419,15 +428,21 @@ impl MeshTask<'_> {
             let [i, j] = [i, j].map(|k| model.sphere_numbers[k as usize]);
             found.contacts.push((Couple { i, j }, contact));
         }
-        for wall in walls {
+        let with_wall = |wall: SphereContact| {
             let sphere = model.sphere_numbers[wall.sphere as usize];
             let triangle = model.mesh_numbers[wall.contact.triangle as usize];
             let mut contact = wall.contact.contact;
             if triangle < sphere {
                 contact.normal = contact.normal.map(|x| -x);
             }
-            found.contacts.push((Couple::new(sphere, triangle), contact));
+            (Couple::new(sphere, triangle), contact)
+        };
+        let mut walls: Vec<_> = walls.into_iter().map(with_wall).collect();
+        if model.is_cut {
+            walls = combined(walls, &[]);
         }
+        found.couples.spheres_and_meshes = walls.len();
+        found.contacts.extend(walls);
         found.contacts.sort_unstable_by_key(|(couple, _)| *couple);
         // The contacts of bodies are gathered from those of elements alone, because surfaces share no further
         // boundary.
@@ -478,7 +493,7 @@ impl MeshTask<'_> {
             files: model.described.clone(),
             bodies_of_meshes: model.named.clone(),
             dimensions: D,
-            elements: model.ids.len(),
+            elements: model.described.iter().map(|file| file.elements).sum(),
             bodies,
             engine: self.arguments.engine.engine().map_or("auto", Engine::name),
             threads: self.arguments.threads,
@@ -581,17 +596,6 @@ impl<const D: usize, const N: usize> Model<D, N> {
         bodies: &[u32],
         numbers: &[u64],
     ) -> Result<(), Failure> {
-        let first = self.ids.len() as u32;
-        self.mesh_numbers.extend(first..first + bodies.len() as u32);
-        for &number in numbers {
-            let id = i64::try_from(number);
-            self.ids.push(id.map_err(|_| {
-                Failure::Unusable(format!(
-                    "{}: the element number {number} needs more than 63 bits",
-                    source.name
-                ))
-            })?);
-        }
         // Bodies that have elements of this kind, in the order of the file.
         let mut elements = vec![0_usize; mesh.bodies.len()];
         for &body in bodies {
@@ -605,9 +609,26 @@ impl<const D: usize, const N: usize> Model<D, N> {
             self.named.push(BodyOf { body: self.body_count, file, number, name, elements });
             self.body_count += 1;
         }
-        let bodies = bodies.iter().map(|&body| global[body as usize]);
-        self.mesh_bodies.extend(bodies.clone());
-        self.bodies.extend(bodies);
+        let fdem_io::MeshSource { quadrilaterals, polygons, cut_solids, .. } = mesh.source;
+        let is_cut = quadrilaterals + polygons + cut_solids > 0;
+        self.is_cut |= is_cut;
+        let mut before = None;
+        for (&number, &body) in numbers.iter().zip(bodies) {
+            let body = global[body as usize];
+            // The parts of an element follow each other.
+            if !is_cut || before.replace((number, body)) != Some((number, body)) {
+                let id = i64::try_from(number);
+                self.ids.push(id.map_err(|_| {
+                    Failure::Unusable(format!(
+                        "{}: the element number {number} needs more than 63 bits",
+                        source.name
+                    ))
+                })?);
+                self.bodies.push(body);
+            }
+            self.mesh_bodies.push(body);
+            self.mesh_numbers.push(self.ids.len() as u32 - 1);
+        }
         let triangles = if kind == "tetrahedra" { mesh.triangles.len() } else { 0 };
         let left_out = LeftOut {
             triangles,

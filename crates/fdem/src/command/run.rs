@@ -422,7 +422,13 @@ where
     /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and
     /// checkpoint are on the disk.
     fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
-        let end = self.steps()?;
+        let mut end = self.steps()?;
+        // The checks during the run do not include its last step.
+        if !matches!(end, End::Stopped(_))
+            && let Err(stop) = self.course.run.check_balance()
+        {
+            end = End::Stopped(stop);
+        }
         match &end {
             End::Finished => self.save()?,
             End::Interrupted(_) => {
@@ -433,6 +439,7 @@ where
                 }
             }
             // The frame shows the reason. The last good checkpoint is kept.
+            End::Stopped(_) if self.framed == Some(self.course.run.steps()) => {}
             End::Stopped(_) => self.frame(false)?,
         }
         let start = Instant::now();
@@ -444,7 +451,7 @@ where
     fn steps(&mut self) -> Result<End, Failure> {
         let mut slice = 1;
         let frames = self.before.intervals[0] / self.course.run.time_step();
-        while self.course.run.steps() < self.total && !self.course.reached.over {
+        while !self.course.is_over() {
             let step = self.course.run.steps();
             let frame = next(step, frames);
             let checkpoint = match self.course.prepared.output.checkpoint {
@@ -487,7 +494,8 @@ where
                     since >= seconds && (self.writer.has_room() || since >= 2.0 * seconds)
                 }
             };
-            if due {
+            // At the end, the checkpoint is written after the last check.
+            if due && !self.course.is_over() {
                 self.save()?;
             }
             self.writer.check()?;

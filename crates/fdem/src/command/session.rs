@@ -309,16 +309,23 @@ where
     }
 
     /// Takes the given number of steps, or fewer if the run is over before. Stages, conditions and servos of
-    /// the model act as in `fdem run`.
+    /// the model act as in `fdem run`, and the energy balance is checked at the end of the run.
     ///
     /// # Errors
     /// The reason why the run cannot continue.
     pub fn advance(&mut self, steps: u64) -> Result<(), String> {
         let end = self.run().steps().saturating_add(steps);
         while self.run().steps() < end && !self.is_over() {
-            let passed = self.course.advance(end).map_err(|stop| stop.to_string())?;
+            // A program may continue after the end time.
+            let before_end = !self.course.is_over();
+            let limit = if before_end { end.min(self.total()) } else { end };
+            let passed = self.course.advance(limit).map_err(|stop| stop.to_string())?;
             let turned = self.course.turn(&passed).map_err(|failure| failure.to_string())?;
             self.told.extend(turned.told);
+            // As at the end of `fdem run`.
+            if before_end && self.course.is_over() {
+                self.run().check_balance().map_err(|stop| stop.to_string())?;
+            }
         }
         Ok(())
     }
@@ -392,6 +399,41 @@ where
 mod tests {
     use super::*;
     use fdem_model::STARTER;
+
+    /// Two squares that overlap, with a time step at which their energy grows.
+    const UNBALANCED: &str = r#"
+[model]
+end_time = 0.01
+time_step = 4e-4
+[[body]]
+name = "a"
+material = "m"
+rectangle = { min = [0, 0], max = [1, 1] }
+mesh_size = 0.25
+[[body]]
+name = "b"
+material = "m"
+rectangle = { min = [0.98, 0], max = [2, 1] }
+mesh_size = 0.25
+[[material]]
+name = "m"
+density = 2000
+youngs_modulus = 1e7
+poissons_ratio = 0.2
+[contact]
+initial_overlap = "push"
+"#;
+
+    /// As `fdem run`, a program that takes the last step learns that the energy balance is off.
+    #[test]
+    fn the_last_step_checks_the_energy_balance() {
+        let ready = Ready::new(UNBALANCED.to_owned(), "model.toml", Path::new("")).expect("a model");
+        let AnySession::Plane(mut run) = ready.begin(1, None).expect("a run") else { panic!("of triangles") };
+        run.advance(24).expect("steps before the last");
+        let error = run.advance(1).expect_err("the last step");
+        assert!(error.starts_with("step 24: the energy balance is off by 6."), "{error}");
+        run.advance(1).expect("a step after the end time, which is not checked");
+    }
 
     /// A run that is saved continues with the same bits, in a separate file.
     #[test]

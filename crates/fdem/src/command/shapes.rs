@@ -12,7 +12,8 @@ use fdem_results::picture::{Bodies, BodyJoint};
 pub(crate) struct BodyParts<'a, const D: usize, const N: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) elements: &'a [[u32; N]],
-    /// Body of each element; `numbers` has its number among all elements and spheres.
+    /// Body of each element; `numbers` has its number among all elements and spheres, which parts of one
+    /// element share.
     pub(crate) bodies: &'a [u32],
     pub(crate) numbers: &'a [u32],
     pub(crate) centres: &'a [[f64; D]],
@@ -187,12 +188,21 @@ impl Branches {
         parts: &BodyParts<'_, D, N>,
         contacts: &[(Couple, Contact<D>)],
     ) -> Self {
-        let count = parts.numbers.len() + parts.sphere_numbers.len();
+        let numbers = parts.numbers.iter().chain(parts.sphere_numbers);
+        let count = numbers.max().map_or(0, |&last| last as usize + 1);
         let mut places = vec![[0.0; 3]; count];
         let mut radii = vec![0.0; count];
         let mut is_sphere = vec![false; count];
+        // The centre of an element of several parts is the mean of theirs.
+        let mut sizes = vec![0.0; count];
         for (nodes, &number) in parts.elements.iter().zip(parts.numbers) {
-            places[number as usize] = mean(&nodes.map(|node| in_three(parts.points[node as usize])));
+            let corners = nodes.map(|node| in_three(parts.points[node as usize]));
+            let (size, whole) = (measure(&corners), &mut sizes[number as usize]);
+            *whole += size;
+            let share = if *whole > size { size / *whole } else { 1.0 };
+            for (x, now) in places[number as usize].iter_mut().zip(mean(&corners)) {
+                *x = if share < 1.0 { *x + share * (now - *x) } else { now };
+            }
         }
         for ((&number, &centre), &radius) in parts.sphere_numbers.iter().zip(parts.centres).zip(parts.radii) {
             places[number as usize] = in_three(centre);
@@ -286,6 +296,27 @@ mod tests {
         assert!(middles[0].iter().all(|found| (found - x).abs() < 1e-15), "{middles:?}");
         // The triangle counts its node at 9 twice.
         assert_eq!(middles[2][1], 4.5, "a body without volume has the mean of its elements");
+    }
+
+    /// The two halves of a square have one centre, that of the square.
+    #[test]
+    fn lines_begin_at_the_middle_of_an_element_that_was_cut() {
+        let parts = BodyParts {
+            points: &[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [3.0, 1.0]],
+            elements: &[[0, 1, 2], [0, 2, 3], [1, 4, 2]],
+            bodies: &[0, 0, 1],
+            numbers: &[0, 0, 1],
+            centres: &[],
+            radii: &[],
+            sphere_bodies: &[],
+            sphere_numbers: &[],
+            body_count: 2,
+        };
+        let contact = Contact { point: [2.0, 1.0], normal: [1.0, 0.0], measure: Measure::Area(0.0) };
+        let branches = Branches::new(&parts, &[(Couple::new(0, 1), contact)]);
+        let [x, y, z] = branches.places[0];
+        assert!((x - 1.0).abs() < 1e-15 && (y - 1.0).abs() < 1e-15 && z == 0.0, "{:?}", branches.places);
+        assert_eq!(branches.lines, [([0, 2], 0), ([2, 1], 0)]);
     }
 
     /// The line to a wall ends at the contact point.

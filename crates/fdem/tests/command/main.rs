@@ -18,6 +18,7 @@
 //! - `joints`: joints that are open from the start, and the energies of joints.
 //! - `scaling`: runs with mass scaling.
 //! - `earlier`: runs that begin with the end of another one.
+//! - `balance`: the energy balance at the end of a run.
 //! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, each with its box, of any format.
 //! - `sweeps`: many runs of one model.
@@ -28,6 +29,7 @@
 
 mod analyse;
 mod bad_input;
+mod balance;
 mod beds;
 mod bench;
 mod bodies;

@@ -302,3 +302,51 @@ fn the_summary_has_notes_on_mesh_files() {
     }
     assert_eq!(bench.json("a.json")["files"][0]["notes"].as_array().map(Vec::len), Some(2));
 }
+
+/// Elements that are cut when they are read have one contact for each pair of them.
+#[test]
+fn pairs_of_hexahedra_are_one_row() {
+    let bench = Bench::new();
+    let hexahedron = |first: usize, low: f64| -> String {
+        let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        let nodes = (0..8).map(|k| {
+            let [x, y] = corners[k % 4];
+            format!("{}, {}, {y}, {}\n", first + k, low + f64::from(x), k / 4)
+        });
+        nodes.collect()
+    };
+    let file = |low: f64| {
+        format!(
+            "*NODE\n{}{}*ELEMENT, TYPE=C3D8R, ELSET=A\n1, 1,2,3,4,5,6,7,8\n*ELEMENT, TYPE=C3D8, ELSET=B\n2, 11,12,13,14,15,16,17,18\n",
+            hexahedron(1, 0.0),
+            hexahedron(11, low)
+        )
+    };
+    let rows = |text: &str| -> Vec<Vec<String>> {
+        text.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
+    };
+    // They share a face, or a quarter of their volume.
+    for (low, volume, shared, least) in [(1.0, 0.0, 1.0, 0.999), (0.75, 0.25, 0.0, 0.9)] {
+        bench.write("hex.inp", file(low));
+        let options = ["--body-table", "b.csv", "--json", "s.json", "--verify", "9"];
+        let run = bench.run(&[&["contacts", "hex.inp"], &options[..]].concat()).succeeds();
+        let found = rows(&run.stdout);
+        assert_eq!(found.len(), 1, "{}", run.stdout);
+        assert_eq!(found[0][..5], ["1", "2", "0", "1", "volume"]);
+        let numbers: Vec<f64> = found[0][5..].iter().map(|number| number.parse().unwrap()).collect();
+        assert!((numbers[0] - volume).abs() < 1e-14, "{numbers:?}");
+        assert!((numbers[1] - 0.5 * (1.0 + low)).abs() < 1e-14 && numbers[4] > least, "{numbers:?}");
+        let bodies = rows(&bench.read("b.csv"));
+        assert_eq!(bodies[0][..3], ["0", "1", "1"], "one couple of elements");
+        let [overlap, area] = [3, 4].map(|column| bodies[0][column].parse::<f64>().unwrap());
+        assert!((overlap - volume).abs() < 1e-14 && (area - shared).abs() < 1e-14, "{bodies:?}");
+        let json = bench.json("s.json");
+        assert_eq!((&json["couples"], &json["couples_by_kind"]["meshes"]), (&1.into(), &1.into()));
+    }
+    // Above the diagonal of a square, a sphere touches both halves.
+    bench.write("floor.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n");
+    bench.write("ball.csv", "x,y,z,radius\n2,2,0.75,1\n");
+    let run = bench.run(&["contacts", "floor.obj", "ball.csv", "--verify", "9"]).succeeds();
+    assert_eq!(run.stdout.lines().count(), 2, "{}", run.stdout);
+    assert!(run.stdout.contains("\n0,0,0,1,depth,0.25,2.0,2.0,0.0,0.0,0.0,1.0\n"), "{}", run.stdout);
+}

@@ -36,30 +36,33 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
         parts: Vec::new(),
     };
     let mut cursor = Cursor::new(bytes);
-    while let Some((place, line)) = statement(&mut cursor) {
+    while let Some((place, line)) = statement(&mut cursor)? {
         reader.statement(&line, place).map_err(|problem| (place, problem))?;
     }
     Ok(reader.finish())
 }
 
+/// A statement with the place of its first line.
+type Statement<'a> = (Place, std::borrow::Cow<'a, [u8]>);
+
 /// The next line without its comment, joined with continuation lines after a backslash.
-fn statement<'a>(cursor: &mut Cursor<'a>) -> Option<(Place, std::borrow::Cow<'a, [u8]>)> {
+fn statement<'a>(cursor: &mut Cursor<'a>) -> Result<Option<Statement<'a>>, Fault> {
     let bare = |line: &'a [u8]| match memchr::memchr(b'#', line) {
         Some(at) => line[..at].trim_ascii(),
         None => line,
     };
-    let (place, line) = cursor.line()?;
-    let Some(start) = bare(line).strip_suffix(b"\\") else { return Some((place, bare(line).into())) };
+    let Some((place, line)) = cursor.line() else { return Ok(None) };
+    let Some(start) = bare(line).strip_suffix(b"\\") else { return Ok(Some((place, bare(line).into()))) };
     let mut joined = start.to_vec();
-    while let Some((_, line)) = cursor.line() {
+    loop {
+        let Some((_, line)) = cursor.line() else { return cursor.cut_off("the rest of a line after '\\'") };
         joined.push(b' ');
         let Some(more) = bare(line).strip_suffix(b"\\") else {
             joined.extend_from_slice(bare(line));
-            break;
+            return Ok(Some((place, joined.into())));
         };
         joined.extend_from_slice(more);
     }
-    Some((place, joined.into()))
 }
 
 /// Names in the order of their first appearance; index 0 means everything before the first name.

@@ -1,6 +1,7 @@
 //! Warnings of settings that are possible, but probably not meant.
 
 mod gravity;
+mod ground;
 
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
 use crate::advice::ready::Ready;
-use crate::advice::{equilibrium, fine, process_zone, quasi_static};
+use crate::advice::{coarse, equilibrium, fine, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
 use crate::text::file;
 
@@ -57,11 +58,13 @@ fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
+    coarse::warn(ready, warnings);
     fine::warn(ready, warnings);
     // Ground at rest carries its weight from the beginning.
     if ready.file.initial.ground.is_none() {
         gravity::sudden(ready.model, ready.bodies, warnings);
     }
+    ground::warn(ready, warnings);
     quasi_static::advice(ready.file, ready.model, warnings);
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }

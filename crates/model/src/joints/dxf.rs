@@ -72,6 +72,8 @@ impl DxfDrawing<'_> {
 /// An entity, or a vertex of one, by the rows of its group codes.
 struct Raw<'a> {
     kind: &'a str,
+    /// Number of the row of its kind.
+    row: usize,
     /// Group code, value, and the number of the row of the value.
     pairs: Vec<(u32, &'a str, usize)>,
     vertices: Vec<Raw<'a>>,
@@ -80,16 +82,21 @@ struct Raw<'a> {
 /// Reads a file: pairs of rows, a group code and its value. Entities are those of the section ENTITIES.
 ///
 /// # Errors
-/// Names the row.
+/// Names the row. A file without the group EOF at its end is cut off.
 pub(crate) fn drawing(text: &str) -> Result<DxfDrawing<'_>, String> {
     let rows: Vec<&str> = text.lines().map(str::trim).collect();
     let (mut section, mut variable, mut unit) = ("", "", 0);
     let mut all: Vec<Raw<'_>> = Vec::new();
+    let mut ends = false;
     for (number, pair) in rows.chunks_exact(2).enumerate() {
         let code: u32 = pair[0].parse().map_err(|_| format!("row {}: no group code", 2 * number + 1))?;
         let (value, row) = (pair[1], 2 * number + 2);
         match (code, section) {
             (2, "SECTION") => section = value,
+            (0, _) if value == "EOF" => {
+                ends = true;
+                break;
+            }
             (0, _) if value == "SECTION" => section = "SECTION",
             (0, _) if value == "ENDSEC" => section = "",
             (9, "HEADER") => variable = value,
@@ -97,7 +104,7 @@ pub(crate) fn drawing(text: &str) -> Result<DxfDrawing<'_>, String> {
                 unit = value.parse().map_err(|_| format!("row {row}: no number of a unit"))?;
             }
             (0, "ENTITIES") => {
-                let raw = Raw { kind: value, pairs: Vec::new(), vertices: Vec::new() };
+                let raw = Raw { kind: value, row, pairs: Vec::new(), vertices: Vec::new() };
                 match all.last_mut().filter(|last| last.kind == "POLYLINE") {
                     Some(last) if value == "VERTEX" => last.vertices.push(raw),
                     Some(_) if value == "SEQEND" => {}
@@ -114,6 +121,19 @@ pub(crate) fn drawing(text: &str) -> Result<DxfDrawing<'_>, String> {
             _ => {}
         }
     }
+    if !ends || !section.is_empty() {
+        let row = rows.len();
+        let missing = if ends { "a section has no ENDSEC" } else { "it does not end with EOF" };
+        return Err(match all.last().filter(|_| !ends && section == "ENTITIES") {
+            Some(last) => {
+                format!(
+                    "row {row}: the file is cut off after the {} of row {}: {missing}",
+                    last.kind, last.row
+                )
+            }
+            None => format!("row {row}: the file is cut off: {missing}"),
+        });
+    }
     let entities = all.iter().map(Raw::entity).collect::<Result<Vec<_>, _>>()?;
     Ok(DxfDrawing { entities, unit })
 }
@@ -129,13 +149,18 @@ impl<'a> Raw<'a> {
         Ok(self.find(code)?.unwrap_or(default))
     }
 
+    /// The number of a group code that has to be there.
+    fn needed(&self, code: u32) -> Result<f64, String> {
+        self.find(code)?.ok_or_else(|| format!("row {}: the {} has no group {code}", self.row, self.kind))
+    }
+
     fn flags(&self) -> Result<u32, String> {
         Ok(self.number(70, 0.0)? as u32)
     }
 
-    /// The point whose x has this group code.
+    /// The point whose x has this group code. Flat drawings may have no z.
     fn point(&self, code: u32) -> Result<[f64; 3], String> {
-        Ok([self.number(code, 0.0)?, self.number(code + 10, 0.0)?, self.number(code + 20, 0.0)?])
+        Ok([self.needed(code)?, self.needed(code + 10)?, self.number(code + 20, 0.0)?])
     }
 
     fn entity(&self) -> Result<Entity<'a>, String> {
@@ -145,7 +170,11 @@ impl<'a> Raw<'a> {
             // In the space of a sheet of paper: no part of the model.
             _ if READ.contains(&kind) && self.find(67)? == Some(1.0) => kind = "paper space",
             "LINE" => corners.extend([self.point(10)?, self.point(11)?]),
-            "3DFACE" => corners.extend([self.point(10)?, self.point(11)?, self.point(12)?, self.point(13)?]),
+            "3DFACE" => {
+                corners.extend([self.point(10)?, self.point(11)?, self.point(12)?]);
+                let is_triangle = self.find(13)?.is_none();
+                corners.push(self.point(if is_triangle { 12 } else { 13 })?);
+            }
             "LWPOLYLINE" => {
                 is_closed = self.flags()? & 1 == 1;
                 corners = self.bulged(&self.flat_vertices()?, is_closed)?;
@@ -160,7 +189,7 @@ impl<'a> Raw<'a> {
                 corners = self.round([0.0, TAU])?;
             }
             "ARC" => {
-                let [from, to] = [self.number(50, 0.0)?, self.number(51, 360.0)?].map(f64::to_radians);
+                let [from, to] = [self.needed(50)?, self.needed(51)?].map(f64::to_radians);
                 corners = self.round([from, if to > from { to } else { to + TAU }])?;
             }
             "ELLIPSE" => {
@@ -177,14 +206,23 @@ impl<'a> Raw<'a> {
     /// Corners of an LWPOLYLINE, each with the bulge of the edge after it.
     fn flat_vertices(&self) -> Result<Vec<([f64; 3], f64)>, String> {
         let elevation = self.number(38, 0.0)?;
-        let mut vertices = Vec::new();
+        let (mut vertices, mut heights): (Vec<([f64; 3], f64)>, usize) = (Vec::new(), 0);
         for (code, value, row) in self.pairs.iter().filter(|(code, ..)| [10, 20, 42].contains(code)) {
             let value: f64 = value.parse().map_err(|_| format!("row {row}: no number"))?;
             if *code == 10 {
                 vertices.push(([value, 0.0, elevation], 0.0));
             } else if let Some((corner, bulge)) = vertices.last_mut() {
+                heights += usize::from(*code == 20);
                 *(if *code == 20 { &mut corner[1] } else { bulge }) = value;
             }
+        }
+        let found = vertices.len();
+        let said = self.number(90, found as f64)?;
+        if heights != found || said != found as f64 {
+            return Err(format!(
+                "row {}: the LWPOLYLINE has {found} x and {heights} y of its {said} vertices",
+                self.row
+            ));
         }
         Ok(vertices)
     }
@@ -232,7 +270,7 @@ impl<'a> Raw<'a> {
 
     /// Corners of a circle, or of the arc between two angles.
     fn round(&self, [from, to]: [f64; 2]) -> Result<Vec<[f64; 3]>, String> {
-        let (centre, radius) = (self.point(10)?, self.number(40, 0.0)?);
+        let (centre, radius) = (self.point(10)?, self.needed(40)?);
         let place = |angle: f64| {
             let (sine, cosine) = libm::sincos(angle);
             [centre[0] + radius * cosine, centre[1] + radius * sine, centre[2]]
@@ -242,7 +280,7 @@ impl<'a> Raw<'a> {
 
     /// Corners of an ellipse, or of its part between two parameters.
     fn ellipse(&self, [from, to]: [f64; 2]) -> Result<Vec<[f64; 3]>, String> {
-        let (centre, long, ratio) = (self.point(10)?, self.point(11)?, self.number(40, 1.0)?);
+        let (centre, long, ratio) = (self.point(10)?, self.point(11)?, self.needed(40)?);
         let short = cross(self.normal()?, long).map(|x| ratio * x);
         let place = |angle: f64| {
             let (sine, cosine) = libm::sincos(angle);
@@ -335,6 +373,40 @@ mod tests {
         assert_eq!(half.corners.len(), 19, "the closing edge is straight");
         assert!(is_near(half.corners[9], [1.0, -1.0, 0.0]), "{half:?}");
         assert!(is_near(mirrored.corners[1], [-3.0, 4.0, 0.0]), "{mirrored:?}");
+    }
+
+    /// A file that is cut off anywhere is refused, with the row at which it ends.
+    #[test]
+    fn a_file_that_is_cut_off_is_refused() {
+        let whole = "0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 ENTITIES \
+                     0 LINE 10 -100 20 500 11 2000 21 500 0 LWPOLYLINE 90 2 70 0 10 300 20 0 10 300 20 1000 \
+                     0 ENDSEC 0 EOF";
+        let rows: Vec<&str> = whole.split(' ').filter(|row| !row.is_empty()).collect();
+        drawing(&rows.join("\n")).expect("a drawing");
+        drawing(&(rows.join("\r\n") + "\r\n\u{1a}")).expect("a drawing with an old mark of the end");
+        for end in 0..rows.len() {
+            let error = drawing(&rows[..end].join("\n")).expect_err("a file that is cut off");
+            assert!(error.starts_with(&format!("row {end}: the file is cut off")), "{end}: {error}");
+        }
+        let cut = drawing(&rows[..38].join("\n")).expect_err("a file that is cut off");
+        assert_eq!(
+            cut,
+            "row 38: the file is cut off after the LWPOLYLINE of row 26: it does not end with EOF"
+        );
+    }
+
+    #[test]
+    fn entities_without_a_coordinate_are_refused() {
+        for (entity, part) in [
+            ("0 LINE 10 1 20 1 11 2", "row 6: the LINE has no group 21"),
+            ("0 CIRCLE 10 1 20 1", "row 6: the CIRCLE has no group 40"),
+            ("0 LWPOLYLINE 70 0 10 1 20 1 10 2", "row 6: the LWPOLYLINE has 2 x and 1 y of its 2 vertices"),
+            ("0 LWPOLYLINE 90 3 10 1 20 1 10 2 20 2", "has 2 x and 2 y of its 3 vertices"),
+        ] {
+            let rows = format!("0 SECTION 2 ENTITIES {entity} 0 ENDSEC 0 EOF").replace(' ', "\n");
+            let error = drawing(&rows).expect_err("a coordinate is missing");
+            assert!(error.contains(part), "{error}");
+        }
     }
 
     #[test]

@@ -7,13 +7,13 @@ pub(crate) fn geometries(
     value: &Value,
     add: &mut impl FnMut(&str, &Value) -> Result<(), String>,
 ) -> Result<(), String> {
-    let mut each = |list: &str| {
-        let list = value[list].as_array().into_iter().flatten();
-        list.into_iter().try_for_each(|value| geometries(value, add))
+    let mut each = |kind: &str, list: &str| {
+        let values = value[list].as_array().ok_or_else(|| format!("a {kind} has no list \"{list}\""))?;
+        values.iter().try_for_each(|value| geometries(value, add))
     };
     match value["type"].as_str() {
-        Some("FeatureCollection") => each("features"),
-        Some("GeometryCollection") => each("geometries"),
+        Some(kind @ "FeatureCollection") => each(kind, "features"),
+        Some(kind @ "GeometryCollection") => each(kind, "geometries"),
         Some("Feature") => geometries(&value["geometry"], add),
         Some(kind) => add(kind, &value["coordinates"]),
         None => Err("it is not GeoJSON: an object has no \"type\"".to_owned()),

@@ -10,6 +10,8 @@ pub(crate) type SpacePolygon = Vec<[f64; 3]>;
 
 const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
     row: corners,
+    extends: |polygon| polygon.iter().any(|corner| corner != &polygon[0]),
+    empty: "is a point",
     row_is: "x1,y1,z1,x2,y2,z2,x3,y3,z3,…",
     columns: &["x", "y", "z"],
     entity,
@@ -62,7 +64,10 @@ fn geometry(kind: &str, coordinates: &Value, polygons: &mut Vec<SpacePolygon>) -
     };
     match kind {
         "Polygon" => add(coordinates),
-        "MultiPolygon" => coordinates.as_array().into_iter().flatten().try_for_each(add),
+        "MultiPolygon" => {
+            let polygons = coordinates.as_array();
+            polygons.ok_or("coordinates of a MultiPolygon are no list")?.iter().try_for_each(add)
+        }
         other => Err(format!("a {other} is no polygon: it has to be Polygon or MultiPolygon")),
     }
 }
@@ -141,6 +146,8 @@ mod tests {
             ("[]", "a.json", "type"),
             ("x\ny\n", "a.dxf", "group code"),
             ("0,0,0,1,0,0,1,1,inf\n", "a.csv", "coordinate"),
+            ("1,1,1,1,1,1,1,1,1\n", "a.csv", "row 1 is a point"),
+            ("{\"type\":\"MultiPolygon\"}", "a.json", "no list"),
         ] {
             let message = read(text.as_bytes(), name).expect_err("refused");
             assert!(message.contains(part) && message.contains(name), "{message}");

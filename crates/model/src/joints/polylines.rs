@@ -8,6 +8,8 @@ use crate::shapes::outline::Point;
 
 const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
     row: points,
+    extends: |chain| extends(chain),
+    empty: "has no length",
     row_is: "x1,y1,x2,y2,…",
     columns: &["x", "y"],
     entity,
@@ -34,6 +36,11 @@ pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shape
 pub(crate) fn points(numbers: &[f64]) -> Option<Vec<Point>> {
     let whole = numbers.len() >= 4 && numbers.len().is_multiple_of(2);
     whole.then(|| numbers.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
+}
+
+/// Whether a polyline has a length.
+pub(crate) fn extends(chain: &[Point]) -> bool {
+    chain.iter().any(|point| point != &chain[0])
 }
 
 /// Adds the lines of a geometry.
@@ -133,6 +140,13 @@ mod tests {
             ("[]", "a.json", "type"),
             ("x\ny\n", "a.dxf", "group code"),
             ("0,1,2,inf\n", "a.csv", "coordinate"),
+            ("0,0.5,1,0.5\n0.2,0.2,0.2,0.2\n", "a.csv", "row 2 has no length"),
+            (
+                "{\"type\":\"LineString\",\"coordinates\":[[1,2],[1,2]]}",
+                "a.json",
+                "geometry 1, a LineString, has no length",
+            ),
+            ("{\"type\":\"FeatureCollection\"}", "a.json", "a FeatureCollection has no list \"features\""),
         ] {
             let message = read(text.as_bytes(), name).expect_err("refused");
             assert!(message.contains(part) && message.contains(name), "{message}");

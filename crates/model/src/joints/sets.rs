@@ -164,12 +164,16 @@ impl Check<'_> {
     /// The numbers of lists.
     fn numbers(&self, faults: &mut Vec<Fault>) {
         let set = self.set;
-        if let Some(wrong) =
-            set.lines.iter().flatten().position(|numbers| polylines::points(numbers).is_none())
-        {
-            let fault = self.fault("lines", &format!("line {} is not [x1, y1, x2, y2, …]", wrong + 1));
-            let span = self.document.entry(self.table, "lines", wrong);
+        for (place, numbers) in set.lines.iter().flatten().enumerate() {
+            let wrong = match polylines::points(numbers) {
+                None => "is not [x1, y1, x2, y2, …]",
+                Some(chain) if !polylines::extends(&chain) => "has no length",
+                Some(_) => continue,
+            };
+            let fault = self.fault("lines", &format!("line {} {wrong}", place + 1));
+            let span = self.document.entry(self.table, "lines", place);
             faults.push(Fault { span: Some(span), ..fault }.label("this line"));
+            break;
         }
         if let Some(wrong) =
             set.polygons.iter().flatten().position(|numbers| polygons::corners(numbers).is_none())

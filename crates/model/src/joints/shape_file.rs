@@ -12,6 +12,10 @@ use crate::joints::geojson::geometries;
 pub(crate) struct ShapeForm<T> {
     /// The shape of the numbers of a row; `None` if they are none.
     pub(crate) row: fn(&[f64]) -> Option<T>,
+    /// Whether a shape has two places that differ.
+    pub(crate) extends: fn(&T) -> bool,
+    /// Description of a shape that does not extend, for messages.
+    pub(crate) empty: &'static str,
     /// Description of a row, for messages.
     pub(crate) row_is: &'static str,
     /// First letters of the names of its columns, over and over.
@@ -59,15 +63,34 @@ pub(crate) fn read<T>(
     let shapes = match extension.as_str() {
         "json" | "geojson" => {
             let value = serde_json::from_str(text).map_err(|error| format!("{name} is not JSON: {error}"))?;
-            let mut shapes = Vec::new();
-            geometries(&value, &mut |kind, coordinates| (form.geometry)(kind, coordinates, &mut shapes))
-                .map(|()| shapes)
+            let (mut shapes, mut number) = (Vec::new(), 0);
+            geometries(&value, &mut |kind, coordinates| {
+                let before = shapes.len();
+                number += 1;
+                (form.geometry)(kind, coordinates, &mut shapes)?;
+                if shapes[before..].iter().all(form.extends) {
+                    return Ok(());
+                }
+                Err(format!("geometry {number}, a {kind}, {}", form.empty))
+            })
+            .map(|()| shapes)
         }
-        _ => rows(text, form.row, (form.row_is, form.columns, "m")),
+        _ => shapes_of_rows(text, form),
     };
     let mut shapes = shapes.map_err(in_file)?;
     scaled(&mut shapes, scale.unwrap_or(1.0), form);
     Ok(Shapes { shapes, notes: Vec::new() })
+}
+
+/// One shape a row.
+///
+/// # Errors
+/// Names the row.
+fn shapes_of_rows<T>(text: &str, form: &ShapeForm<T>) -> Result<Vec<T>, String> {
+    let shape = |(row, shape): (usize, T)| {
+        if (form.extends)(&shape) { Ok(shape) } else { Err(format!("row {row} {}", form.empty)) }
+    };
+    rows(text, form.row, (form.row_is, form.columns, "m"))?.into_iter().map(shape).collect()
 }
 
 fn scaled<T>(shapes: &mut [T], scale: f64, form: &ShapeForm<T>) {
@@ -84,7 +107,7 @@ fn of_drawing<T>(
     form: &ShapeForm<T>,
 ) -> Result<Shapes<T>, String> {
     let (mut shapes, mut notes) = (Vec::new(), Vec::new());
-    let mut unused: BTreeMap<&str, u64> = BTreeMap::new();
+    let mut unused: BTreeMap<String, u64> = BTreeMap::new();
     for entity in &drawing.entities {
         if form.refused.contains(&entity.kind) {
             return Err(format!(
@@ -93,8 +116,9 @@ fn of_drawing<T>(
             ));
         }
         match (form.entity)(entity) {
-            Some(shape) => shapes.push(shape),
-            None => *unused.entry(entity.kind).or_default() += 1,
+            Some(shape) if (form.extends)(&shape) => shapes.push(shape),
+            Some(_) => *unused.entry(format!("{} that {}", entity.kind, form.empty)).or_default() += 1,
+            None => *unused.entry(entity.kind.to_owned()).or_default() += 1,
         }
     }
     if !unused.is_empty() {
@@ -121,14 +145,14 @@ fn of_drawing<T>(
     Ok(Shapes { shapes, notes })
 }
 
-/// One shape a row, which `of` makes of its numbers. A first row of words is a heading, which has to name
-/// these columns in this unit. `form`: description of a row, for messages; first letters of the names of its
-/// columns, over and over; unit.
+/// One shape a row, which `of` makes of its numbers, with the number of the row. A first row of words is a
+/// heading, which has to name these columns in this unit. `form`: description of a row, for messages; first
+/// letters of the names of its columns, over and over; unit.
 pub(crate) fn rows<T>(
     text: &str,
     of: impl Fn(&[f64]) -> Option<T>,
     (form, columns, unit): (&str, &[&str], &str),
-) -> Result<Vec<T>, String> {
+) -> Result<Vec<(usize, T)>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut found = Vec::new();
     for (number, row) in (1..).zip(text.lines()) {
@@ -156,7 +180,7 @@ pub(crate) fn rows<T>(
             row.split(|c: char| ",;".contains(c) || c.is_whitespace()).filter(|cell| !cell.is_empty());
         let numbers: Result<Vec<f64>, _> = cells.map(str::parse).collect();
         match numbers.ok().and_then(|numbers| of(&numbers)) {
-            Some(one) => found.push(one),
+            Some(one) => found.push((number, one)),
             None if number == 1 && row.chars().any(char::is_alphabetic) => check_heading(row, columns, unit)?,
             None => return Err(format!("row {number} is not {form}: {row:.60}")),
         }

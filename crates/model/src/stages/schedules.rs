@@ -90,6 +90,7 @@ fn read(name: &str, load: &mut Load<'_>) -> Result<Vec<[f64; 2]>, String> {
     let times =
         rows(&text, |numbers| <[f64; 2]>::try_from(numbers).ok(), ("a time and a factor", &["t", ""], "s"));
     let times = times.map_err(|why| format!("{name}: {why}"))?;
+    let times: Vec<[f64; 2]> = times.into_iter().map(|(_, pair)| pair).collect();
     if times.is_empty() {
         return Err(format!("{name} has no rows"));
     }

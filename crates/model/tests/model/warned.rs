@@ -51,6 +51,27 @@ fn numbers_in_other_units_are_asked_about() {
 }
 
 #[test]
+fn a_mesh_size_above_the_width_of_a_body_is_told() {
+    let with_size = |size: &str| SMALL.replace("mesh_size = 0.1", &format!("mesh_size = {size}"));
+    for (size, times) in [("1.05", "2.1"), ("500", "1000")] {
+        warned(
+            &with_size(size),
+            &format!("[[body]] \"block\": mesh_size = {size} m is {times} times its smallest width, 0.5 m"),
+        );
+    }
+    let about_size = |text: &str| right(text).warnings.iter().any(|warning| warning.contains("mesh_size"));
+    for text in [
+        with_size("0.9"),
+        with_size("5\nrefine = [{ point = [0, 0], size = 0.1, reach = 1 }]"),
+        with(
+            "[[body]]\nname = \"p\"\nmaterial = \"rock\"\nmesh_size = 0.3\npacking = { count = 5, radius = [0.1, 0.2], within = { min = [2, 0], max = [4, 2] } }",
+        ),
+    ] {
+        assert!(!about_size(&text), "{text}");
+    }
+}
+
+#[test]
 fn keys_without_effect_are_told() {
     let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
     for (text, part) in [

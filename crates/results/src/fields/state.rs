@@ -102,7 +102,7 @@ impl<'a, const D: usize, const N: usize> Instant<'a, D, N> {
         let joints = match state {
             JointState::Broken => cracks.iter().filter(|crack| crack.time.is_some()).collect(),
             JointState::Damaged => cracks.iter().filter(|crack| crack.time.is_none()).collect(),
-            JointState::Intact => self.snapshot.intact.iter().collect(),
+            JointState::Intact => self.snapshot.intact.iter().flatten().collect(),
         };
         Self { joints, ..self }
     }

@@ -91,8 +91,8 @@ pub struct Event<const D: usize> {
     pub place: [f64; D],
     /// Energy, J.
     pub energy: f64,
-    /// Magnitude.
-    pub magnitude: f64,
+    /// Magnitude; `None` without energy, which has none.
+    pub magnitude: Option<f64>,
     /// Number of joints.
     pub joints: u64,
     /// Length, m, or area, m².
@@ -187,7 +187,7 @@ pub fn events<const D: usize>(joints: &[EmittingJoint<D>], [distance, window]: [
                 duration: 0.0,
                 place: [0.0; D],
                 energy: 0.0,
-                magnitude: 0.0,
+                magnitude: None,
                 joints: 0,
                 measure: 0.0,
             });
@@ -203,7 +203,7 @@ pub fn events<const D: usize>(joints: &[EmittingJoint<D>], [distance, window]: [
     }
     for event in &mut events {
         event.place = event.place.map(|sum| sum / event.measure);
-        event.magnitude = magnitude(event.energy);
+        event.magnitude = Some(event.energy).filter(|energy| *energy > 0.0).map(magnitude);
     }
     events
 }
@@ -213,7 +213,7 @@ fn magnitude(energy: f64) -> f64 {
     (libm::log10(energy) - 4.8) / 1.5
 }
 
-/// The events as delimited text.
+/// The events as delimited text. The magnitude of an event without energy is an empty field.
 pub fn events_csv<const D: usize>(events: &[Event<D>]) -> String {
     let axes = ["x [m]", "y [m]", "z [m]"][..D].join(",");
     let measure = if D == 3 { "area [m²]" } else { "length [m]" };
@@ -222,9 +222,14 @@ pub fn events_csv<const D: usize>(events: &[Event<D>]) -> String {
         // Writing to a string does not fail.
         let _ = write!(text, "{number},{},{}", event.kind.word(), event.joints);
         let numbers = [event.time, event.duration].into_iter().chain(event.place);
-        for number in numbers.chain([event.energy, event.magnitude, event.measure]) {
+        for number in numbers.chain([event.energy]) {
             push_number(&mut text, number);
         }
+        match event.magnitude {
+            Some(magnitude) => push_number(&mut text, magnitude),
+            None => text.push(','),
+        }
+        push_number(&mut text, event.measure);
         text.push('\n');
     }
     text
@@ -267,8 +272,7 @@ impl BValue {
 /// Plots how many events have at least a magnitude, as a decimal logarithm, and the line of the b-value if
 /// there is one. `None` for fewer than two events.
 pub fn magnitude_frequency<const D: usize>(events: &[Event<D>]) -> Option<Plot> {
-    let mut magnitudes: Vec<f64> =
-        events.iter().map(|event| event.magnitude).filter(|m| m.is_finite()).collect();
+    let mut magnitudes: Vec<f64> = events.iter().filter_map(|event| event.magnitude).collect();
     magnitudes.sort_by(f64::total_cmp);
     let most = *magnitudes.last()?;
     if magnitudes.len() < 2 {
@@ -349,6 +353,19 @@ mod tests {
         assert!(events_csv(&found).contains("\n1,softening,2,0.2,"), "{}", events_csv(&found));
     }
 
+    /// A joint of a set that opens without fracture energy.
+    #[test]
+    fn an_event_without_energy_has_no_magnitude() {
+        let found = events(&[broken(0.0, 0.0, 0.0), broken(1.0, 0.0, 2.0)], [1.0, 0.5]);
+        assert!(found[0].magnitude.is_none() && found[1].magnitude.is_some());
+        let text = events_csv(&found);
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(rows[1], "0,break,1,0,0,0,0,0,,0.1");
+        assert_eq!(rows[1].matches(',').count(), rows[0].matches(',').count());
+        assert!(!text.contains("inf"), "{text}");
+        assert_eq!(magnitude_frequency(&found), None, "one magnitude is no frequency");
+    }
+
     #[test]
     fn limits_follow_from_the_facets_and_the_waves() {
         let breaks = [broken(0.0, 0.0, 1.0), broken(1.0, 0.0, 1.0)];
@@ -396,7 +413,7 @@ mod tests {
             duration: 0.0,
             place: [0.0; 2],
             energy: 1.0,
-            magnitude,
+            magnitude: Some(magnitude),
             joints: 1,
             measure: 1.0,
         };

@@ -14,7 +14,7 @@ use crate::run::sample::Sample;
 use crate::run::snapshot::{SnapshotError, checked};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemfrm5";
+const MAGIC: &[u8; 8] = b"fdemfrm6";
 
 /// Level at which frames are deflated: level 6 makes them 3 % smaller and takes three times as long.
 pub(crate) const LEVEL: u8 = 1;
@@ -26,8 +26,8 @@ const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
 const OF_SAMPLES: usize = 2;
 /// Number of arrays with an entry for each crack: four coordinates of ends, the kind.
 const OF_CRACKS: usize = 5;
-/// Number of arrays with an entry for each whole joint: four coordinates of ends.
-const OF_INTACT: usize = 4;
+/// Number of arrays with an entry for each whole or softening joint: four coordinates of ends.
+const OF_HOLDING: usize = 4;
 
 /// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values
 /// have 16 bits between the least and the greatest of the frame, and are deflated. Only broken joints are
@@ -58,13 +58,16 @@ pub struct Frame {
     pub(crate) cracks: usize,
     /// Number of whole joints.
     pub(crate) intact: usize,
+    /// Number of joints that soften, where whole ones are shown.
+    pub(crate) softening: usize,
     /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 2],
     pub(crate) scales: [Scale; SCALES.len()],
     /// Total lengths of the joints that broke in tension, in shear and in mixed mode, m.
     pub(crate) lengths: [f64; 3],
-    /// Total lengths of the joints that are open from the start, and of the whole joints of the snapshot, m.
-    pub(crate) others: [f64; 2],
+    /// Total lengths of the joints that are open from the start, and of those that are whole and that soften,
+    /// m: see [`holding`].
+    pub(crate) others: [f64; 3],
     /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
     pub(crate) deflated: Vec<u8>,
@@ -83,6 +86,8 @@ pub(crate) struct Opened {
     pub(crate) cracks: Vec<([[f64; 2]; 2], CrackKind)>,
     /// Ends of the whole joints.
     pub(crate) intact: Vec<[[f64; 2]; 2]>,
+    /// Ends of the joints that soften.
+    pub(crate) softening: Vec<[[f64; 2]; 2]>,
 }
 
 impl Opened {
@@ -192,22 +197,25 @@ impl Frame {
         }
 
         let mut broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
-        let mut intact: Vec<&Crack> = snapshot.intact.iter().collect();
-        let (lengths, others) = measures(&broken, &intact);
+        let mut holding = holding(snapshot);
+        let (lengths, others) = measures(&broken, &holding);
         if let Some(sample) = &sample {
             sample.cracks(&mut broken, |crack| crack.corners, |crack| CrackKind::of(crack).code());
-            sample.cracks(&mut intact, |crack| crack.corners, |_| 0);
+            for joints in &mut holding {
+                sample.cracks(joints, |crack| crack.corners, |_| 0);
+            }
         }
         pack_ends(&mut packed, &broken, &bounds);
         packed.numbers(&broken.iter().map(|crack| CrackKind::of(crack).code()).collect::<Vec<_>>());
-        pack_ends(&mut packed, &intact, &bounds);
+        pack_ends(&mut packed, &holding.concat(), &bounds);
         Ok(Self {
             step: snapshot.step,
             time: snapshot.time,
             whole,
             elements,
             cracks: broken.len(),
-            intact: intact.len(),
+            intact: holding[0].len(),
+            softening: holding[1].len(),
             bounds,
             scales,
             lengths,
@@ -237,7 +245,8 @@ impl Frame {
         let mut bytes = [MAGIC, line_of_keys().as_bytes()].concat();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
-        for number in [self.whole, self.elements, self.cracks, self.intact, self.size] {
+        let counts = [self.whole, self.elements, self.cracks, self.intact, self.softening, self.size];
+        for number in counts {
             bytes.extend((number as u64).to_le_bytes());
         }
         let scales = self.scales.iter().flat_map(|scale| [scale.ends, scale.usual]).flatten();
@@ -265,11 +274,12 @@ impl Frame {
                 elements: usize::try_from(words.u64()?).ok()?,
                 cracks: usize::try_from(words.u64()?).ok()?,
                 intact: usize::try_from(words.u64()?).ok()?,
+                softening: usize::try_from(words.u64()?).ok()?,
                 size: usize::try_from(words.u64()?).ok()?,
                 bounds: [words.pair()?, words.pair()?],
                 scales: words.scales()?,
                 lengths: [words.f64()?, words.f64()?, words.f64()?],
-                others: words.pair()?,
+                others: [words.f64()?, words.f64()?, words.f64()?],
                 deflated: words.bytes.to_vec(),
             })
         })();
@@ -304,8 +314,9 @@ impl Frame {
         let of_samples = if self.is_sample() { OF_SAMPLES } else { 0 };
         let of_elements = self.elements.checked_mul(2 * (OF_ELEMENTS + of_samples))?;
         let of_cracks = self.cracks.checked_mul(2 * OF_CRACKS)?;
-        let of_intact = self.intact.checked_mul(2 * OF_INTACT)?;
-        let expected = of_elements.checked_add(of_cracks)?.checked_add(of_intact)?;
+        let holding = self.intact.checked_add(self.softening)?;
+        let of_holding = holding.checked_mul(2 * OF_HOLDING)?;
+        let expected = of_elements.checked_add(of_cracks)?.checked_add(of_holding)?;
         let bytes = miniz_oxide::inflate::decompress_to_vec_with_limit(&self.deflated, self.size).ok()?;
         if expected != self.size || bytes.len() != expected {
             return None;
@@ -326,8 +337,9 @@ impl Frame {
         let ends = self.points(&mut arrays, self.cracks)?;
         let kinds = arrays.numbers(self.cracks)?.into_iter().map(CrackKind::with_code);
         let cracks = ends.into_iter().zip(kinds).collect();
-        let intact = self.points(&mut arrays, self.intact)?;
-        let opened = Opened { corners, values, bodies, materials, outlines, cracks, intact };
+        let mut intact = self.points(&mut arrays, holding)?;
+        let softening = intact.split_off(self.intact);
+        let opened = Opened { corners, values, bodies, materials, outlines, cracks, intact, softening };
         arrays.is_empty().then_some(opened)
     }
 }
@@ -340,9 +352,18 @@ fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
     }
 }
 
+/// Returns the joints that hold, if the snapshot has its whole joints: these, and those that soften.
+pub(crate) fn holding<const D: usize, const N: usize>(snapshot: &Snapshot<D, N>) -> [Vec<&Crack<D>>; 2] {
+    let Some(intact) = &snapshot.intact else { return [Vec::new(), Vec::new()] };
+    [intact.iter().collect(), snapshot.cracks.iter().filter(|crack| crack.time.is_none()).collect()]
+}
+
 /// Returns the total lengths or areas of the joints that broke in tension, in shear and in mixed mode, and of
-/// those that are open from the start and that are whole.
-pub(crate) fn measures<const D: usize>(broken: &[&Crack<D>], intact: &[&Crack<D>]) -> ([f64; 3], [f64; 2]) {
+/// those that are open from the start, that are whole and that soften.
+pub(crate) fn measures<const D: usize>(
+    broken: &[&Crack<D>],
+    holding: &[Vec<&Crack<D>>; 2],
+) -> ([f64; 3], [f64; 3]) {
     let (mut by_mode, mut open) = ([0.0; 3], 0.0);
     for crack in broken {
         match CrackKind::of(crack) {
@@ -350,7 +371,9 @@ pub(crate) fn measures<const D: usize>(broken: &[&Crack<D>], intact: &[&Crack<D>
             CrackKind::Open => open += crack.measure,
         }
     }
-    (by_mode, [open, intact.iter().map(|joint| joint.measure).sum()])
+    let [whole, softening] =
+        [0, 1].map(|state: usize| holding[state].iter().map(|joint| joint.measure).sum());
+    (by_mode, [open, whole, softening])
 }
 
 /// Appends the ends of joints. A joint beside an element that is not drawn may reach beyond the bounds.

@@ -31,20 +31,20 @@ const NARROWEST: f64 = 620.0;
 const MOST_VECTORS: usize = 20_000;
 
 /// Names and colours of cracks in tension, in shear and in mixed mode, and of joints that are open from the
-/// start, in the order of [`CrackKind::code`], and of whole joints. No field has these colours, and a white
-/// seam separates the cracks from the elements.
-pub(crate) const CRACKS: [(&str, Rgb); 5] = [
+/// start, in the order of [`CrackKind::code`], of whole joints, and of joints that soften. No field has these
+/// colours, and a white seam separates the cracks from the elements.
+pub(crate) const CRACKS: [(&str, Rgb); 6] = [
     ("tension", [17, 24, 39]),
     ("shear", [200, 0, 170]),
     ("mixed", [232, 116, 0]),
     ("open", [110, 116, 124]),
-    ("whole", INTACT_COLOUR),
+    ("whole", [0, 122, 78]),
+    ("softening", [118, 66, 200]),
 ];
-/// Place of whole joints in [`CRACKS`].
-const WHOLE: usize = 4;
-/// Colour and width of joints that are whole. They have no seam.
-pub(crate) const INTACT_COLOUR: Rgb = [0, 122, 78];
-const INTACT: f64 = 1.2;
+/// Places of whole joints and of joints that soften in [`CRACKS`].
+pub(crate) const HOLDING: [usize; 2] = [4, 5];
+/// Widths of whole joints and of joints that soften. They have no seam.
+const WIDTHS: [f64; 2] = [1.2, 1.8];
 
 /// Samples along the side of a pixel.
 const SAMPLES: usize = 2;
@@ -293,8 +293,12 @@ impl Pictures<'_> {
                 fill.square_line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
             }
         }
-        for ends in &opened.intact {
-            fill.square_line(ends.map(pixel), INTACT * scale, INTACT_COLOUR);
+        for ((joints, width), kind) in
+            [&opened.intact, &opened.softening].into_iter().zip(WIDTHS).zip(HOLDING)
+        {
+            for ends in joints {
+                fill.square_line(ends.map(pixel), width * scale, CRACKS[kind].1);
+            }
         }
         for (ends, _) in &opened.cracks {
             fill.square_line(ends.map(pixel), SEAM * scale, [255; 3]);
@@ -341,19 +345,23 @@ impl Pictures<'_> {
         }
         let mut lines: [String; CRACKS.len()] = Default::default();
         let kinds = opened.cracks.iter().map(|(ends, kind)| (ends, usize::from(kind.code())));
-        let whole = opened.intact.iter().map(|ends| (ends, WHOLE));
-        for (ends, kind) in kinds.chain(whole) {
+        let holding = [&opened.intact, &opened.softening].into_iter().zip(HOLDING);
+        let holding = holding.flat_map(|(joints, kind)| joints.iter().map(move |ends| (ends, kind)));
+        for (ends, kind) in kinds.chain(holding) {
             let [a, b] = ends.map(|end| page.place(end));
             if [a, b].iter().flatten().all(|x| x.is_finite()) {
                 let _ = write!(lines[kind], "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
             }
         }
-        let whole = std::mem::take(&mut lines[WHOLE]);
-        if !whole.is_empty() {
-            svg.put(format_args!(
-                r#"<path class="whole" d="{whole}" stroke="{}" stroke-width="{INTACT}"/>"#,
-                hex(INTACT_COLOUR)
-            ));
+        for (kind, width) in HOLDING.into_iter().zip(WIDTHS) {
+            let (name, colour) = CRACKS[kind];
+            let line = std::mem::take(&mut lines[kind]);
+            if !line.is_empty() {
+                svg.put(format_args!(
+                    r#"<path class="{name}" d="{line}" stroke="{}" stroke-width="{width}"/>"#,
+                    hex(colour)
+                ));
+            }
         }
         let all = lines.concat();
         if !all.is_empty() {
@@ -381,9 +389,9 @@ impl Pictures<'_> {
     }
 }
 
-/// Draws a line and the name of each mode of cracks, of joints that are open from the start, and of whole
-/// joints, if their total length or area is above 0.
-pub(crate) fn crack_legend(svg: &mut Svg, [x, y]: [f64; 2], cracks: [f64; 3], others: [f64; 2]) {
+/// Draws a line and the name of each mode of cracks, of joints that are open from the start, that are whole
+/// and that soften, if their total length or area is above 0.
+pub(crate) fn crack_legend(svg: &mut Svg, [x, y]: [f64; 2], cracks: [f64; 3], others: [f64; 3]) {
     let totals = CRACKS.iter().zip(cracks.into_iter().chain(others));
     let shown: Vec<_> = totals.filter(|(_, total)| *total > 0.0).map(|(kind, _)| kind).collect();
     for (place, (name, colour)) in shown.iter().enumerate() {

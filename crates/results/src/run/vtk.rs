@@ -78,7 +78,7 @@ where
     write_joints(out, snapshot, JointState::Broken)
 }
 
-/// Writes the damaged joints, which soften but still hold, in the format of [`write_cracks_vtp`]: `broken` is
+/// Writes the damaged joints, which soften and still hold, in the format of [`write_cracks_vtp`]: `broken` is
 /// 0, and the time of failure is NaN.
 ///
 /// # Errors

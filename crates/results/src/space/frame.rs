@@ -7,7 +7,7 @@ use fdem_simulation::{Crack, Snapshot};
 use crate::fields::field::{Field, SCALES, line_of_keys};
 use crate::fields::range::{Range, Scale};
 use crate::fields::state::Instant;
-use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, measures};
+use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, holding, measures};
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
 use crate::space::facets::{FACETS, Marks};
@@ -15,7 +15,7 @@ use crate::space::opened::{OpenedCrack, OpenedSpace};
 use crate::space::shell::{Shell, VisibleParts};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemspc3";
+const MAGIC: &[u8; 8] = b"fdemspc4";
 
 /// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have
 /// only the elements at the surface.
@@ -26,9 +26,9 @@ pub const MOST_INSIDE: usize = 300_000;
 const OF_ELEMENTS: usize = 12 + SCALES.len() + 8;
 /// Number of arrays with an entry for each crack: two halves of both facets, the code, the opening.
 const OF_CRACKS: usize = 6;
-/// Number of arrays with an entry for each whole joint: nine coordinates of corners, two halves of the body
-/// and of the fragment.
-const OF_INTACT: usize = 13;
+/// Number of arrays with an entry for each whole or softening joint: nine coordinates of corners, two halves
+/// of the body and of the fragment.
+const OF_HOLDING: usize = 13;
 
 /// The part of a snapshot in three dimensions that pictures and pages show, in a few bytes per element: the
 /// elements that have facets on the surface or on broken joints, and, if the mesh has at most [`MOST_INSIDE`]
@@ -69,13 +69,16 @@ pub struct SpaceFrame {
     pub(crate) cracks: usize,
     /// Number of whole joints.
     pub(crate) intact: usize,
+    /// Number of joints that soften, where whole ones are shown.
+    pub(crate) softening: usize,
     /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 3],
     pub(crate) scales: [Scale; SCALES.len()],
     /// Total areas of the joints that broke in tension, in shear and in mixed mode, m².
     pub(crate) areas: [f64; 3],
-    /// Total areas of the joints that are open from the start, and of the whole joints of the snapshot, m².
-    pub(crate) others: [f64; 2],
+    /// Total areas of the joints that are open from the start, and of those that are whole and that soften,
+    /// m²: see [`holding`].
+    pub(crate) others: [f64; 3],
     /// The least and the greatest opening of a crack, m.
     pub(crate) openings: [f64; 2],
     /// Sizes of the arrays of elements at the surface with the cracks, and of elements inside, before they
@@ -178,15 +181,17 @@ impl SpaceFrame {
         let inside = pack(surface..numbers.len());
 
         let broken: Vec<&Crack<3>> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
-        let mut intact: Vec<&Crack<3>> = snapshot.intact.iter().collect();
-        let (areas, others) = measures(&broken, &intact);
-        intact.retain(|joint| joint.elements.iter().all(|&element| drawn[element as usize]));
+        let mut holding = holding(snapshot);
+        let (areas, others) = measures(&broken, &holding);
+        for joints in &mut holding {
+            joints.retain(|joint| joint.elements.iter().all(|&element| drawn[element as usize]));
+        }
         let openings: Vec<f64> =
             seen.cracks.iter().map(|crack| snapshot.cracks[crack.place].opening).collect();
         let ends = Scale::of(&openings).ends;
         pack_cracks(&mut at_surface, snapshot, &seen, &numbers[..surface]);
         at_surface.places(&openings, ends);
-        pack_intact(&mut at_surface, snapshot, &intact, &bounds);
+        pack_holding(&mut at_surface, snapshot, &holding.concat(), &bounds);
 
         let packed = [at_surface.bytes, inside.bytes];
         Ok(Self {
@@ -199,7 +204,8 @@ impl SpaceFrame {
             facets: seen.marks.iter().map(|marks| (marks.0 & 15).count_ones() as usize).sum(),
             fragments: snapshot.fragments.iter().max().map_or(0, |&last| last as usize + 1),
             cracks: seen.cracks.len(),
-            intact: intact.len(),
+            intact: holding[0].len(),
+            softening: holding[1].len(),
             bounds,
             scales: scales.map(|(scale, _)| scale),
             areas,
@@ -234,6 +240,7 @@ impl SpaceFrame {
             self.fragments,
             self.cracks,
             self.intact,
+            self.softening,
         ];
         for number in counts.into_iter().chain(self.sizes).chain([self.deflated[0].len()]) {
             bytes.extend((number as u64).to_le_bytes());
@@ -257,15 +264,15 @@ impl SpaceFrame {
         let mut words = Words { bytes: rest };
         let frame = (|| {
             let (step, time) = (words.u64()?, words.f64()?);
-            let mut counts = [0; 11];
+            let mut counts = [0; 12];
             for count in &mut counts {
                 *count = usize::try_from(words.u64()?).ok()?;
             }
-            let [whole, surface, inside, solid, facets, fragments, cracks, intact, outer, inner, first] =
-                counts;
+            let [whole, surface, inside, solid, facets, fragments, counts @ ..] = counts;
+            let [cracks, intact, softening, outer, inner, first] = counts;
             let bounds = [words.pair()?, words.pair()?, words.pair()?];
             let (scales, areas) = (words.scales()?, [words.f64()?, words.f64()?, words.f64()?]);
-            let (others, openings) = (words.pair()?, words.pair()?);
+            let (others, openings) = ([words.f64()?, words.f64()?, words.f64()?], words.pair()?);
             let (one, other) = words.bytes.split_at_checked(first)?;
             let deflated = [one.to_vec(), other.to_vec()];
             let (sizes, solid) = ([outer, inner], [false, true].get(solid).copied()?);
@@ -280,6 +287,7 @@ impl SpaceFrame {
                 fragments,
                 cracks,
                 intact,
+                softening,
                 bounds,
                 scales,
                 areas,
@@ -301,8 +309,9 @@ impl SpaceFrame {
 
     fn try_open(&self) -> Option<OpenedSpace> {
         let elements = self.surface.checked_add(self.inside).filter(|&elements| elements <= self.whole)?;
+        let holding = self.intact.checked_add(self.softening)?;
         let of_cracks =
-            self.cracks.checked_mul(2 * OF_CRACKS)?.checked_add(self.intact.checked_mul(2 * OF_INTACT)?)?;
+            self.cracks.checked_mul(2 * OF_CRACKS)?.checked_add(holding.checked_mul(2 * OF_HOLDING)?)?;
         let expected = [
             self.surface.checked_mul(2 * OF_ELEMENTS)?.checked_add(of_cracks)?,
             self.inside.checked_mul(2 * OF_ELEMENTS)?,
@@ -322,6 +331,7 @@ impl SpaceFrame {
             marks: Vec::with_capacity(elements),
             cracks: Vec::with_capacity(self.cracks),
             intact: Vec::new(),
+            softening: Vec::new(),
         };
         for (part, count) in [self.surface, self.inside].into_iter().enumerate() {
             let size = self.sizes[part];
@@ -334,7 +344,7 @@ impl SpaceFrame {
             self.elements(&mut arrays, count, &mut opened)?;
             if part == 0 {
                 self.opened_cracks(&mut arrays, &mut opened)?;
-                self.opened_intact(&mut arrays, &mut opened)?;
+                self.opened_holding(&mut arrays, &mut opened)?;
             }
             if !arrays.is_empty() {
                 return None;
@@ -375,19 +385,21 @@ impl SpaceFrame {
         Some(())
     }
 
-    /// Reads the whole joints, after the cracks.
-    fn opened_intact(&self, arrays: &mut Unpacked<'_>, opened: &mut OpenedSpace) -> Option<()> {
-        opened.intact.resize(self.intact, [[f64::NAN; 3]; 3]);
+    /// Reads the joints that hold, after the cracks.
+    fn opened_holding(&self, arrays: &mut Unpacked<'_>, opened: &mut OpenedSpace) -> Option<()> {
+        let count = self.intact + self.softening;
+        opened.intact.resize(count, [[f64::NAN; 3]; 3]);
         for corner in 0..3 {
             for (axis, &bounds) in self.bounds.iter().enumerate() {
-                for (corners, x) in opened.intact.iter_mut().zip(arrays.places(self.intact, bounds)?) {
+                for (corners, x) in opened.intact.iter_mut().zip(arrays.places(count, bounds)?) {
                     corners[corner][axis] = x;
                 }
             }
         }
+        opened.softening = opened.intact.split_off(self.intact);
         // Pictures need neither their bodies nor their fragments.
-        arrays.halves(self.intact)?;
-        arrays.halves(self.intact)?;
+        arrays.halves(count)?;
+        arrays.halves(count)?;
         Some(())
     }
 
@@ -423,8 +435,13 @@ impl SpaceFrame {
     }
 }
 
-/// Appends the whole joints: their corners, and the body and the fragment of the first of their elements.
-fn pack_intact(packed: &mut Packed, snapshot: &Snapshot<3, 4>, joints: &[&Crack<3>], bounds: &[[f64; 2]; 3]) {
+/// Appends the joints that hold: their corners, and the body and the fragment of the first of their elements.
+fn pack_holding(
+    packed: &mut Packed,
+    snapshot: &Snapshot<3, 4>,
+    joints: &[&Crack<3>],
+    bounds: &[[f64; 2]; 3],
+) {
     for corner in 0..3 {
         for (axis, &bounds) in bounds.iter().enumerate() {
             packed

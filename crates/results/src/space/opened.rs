@@ -23,6 +23,8 @@ pub(crate) struct OpenedSpace {
     pub(crate) cracks: Vec<OpenedCrack>,
     /// Corners of the whole joints, m.
     pub(crate) intact: Vec<[[f64; 3]; 3]>,
+    /// Corners of the joints that soften, m.
+    pub(crate) softening: Vec<[[f64; 3]; 3]>,
 }
 
 /// A facet that is seen.

@@ -15,7 +15,7 @@ use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
-use crate::run::pictures::{INTACT_COLOUR, colour_bar, crack_colour, crack_legend, time_text};
+use crate::run::pictures::{CRACKS, HOLDING, colour_bar, crack_colour, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, CrackFacet, Edge, Facet, SpaceCamera, SpaceScene, Tetrahedron};
 use crate::space::frame::SpaceFrame;
@@ -266,11 +266,14 @@ impl SpacePictures<'_> {
             .cracks
             .iter()
             .map(|crack| CrackFacet { corners: crack.middle(), colour: crack_colour(crack.kind) });
-        let intact = opened.intact.iter().map(|&corners| CrackFacet { corners, colour: INTACT_COLOUR });
+        let holding = [&opened.intact, &opened.softening].into_iter().zip(HOLDING);
+        let holding = holding.flat_map(|(joints, kind)| {
+            joints.iter().map(move |&corners| CrackFacet { corners, colour: CRACKS[kind].1 })
+        });
         Ok(SpaceScene {
             facets,
             tetrahedra,
-            cracks: cracks.chain(intact).collect(),
+            cracks: cracks.chain(holding).collect(),
             closed: self.cut.is_none() || opened.solid,
         })
     }

@@ -135,28 +135,36 @@ fn couples(mesh: &Mesh<3, 4>) -> Vec<([u32; 2], [usize; 2])> {
 }
 
 #[test]
-fn whole_joints_are_in_frames() {
+fn joints_that_hold_are_in_frames() {
     let mesh = cuboid([2, 2, 2]);
     let mut snapshot = separate(&mesh);
     let couples = couples(&mesh);
-    snapshot.intact = couples
-        .iter()
-        .map(|([a, b], [facet, _])| {
-            let corners = FACETS[*facet].map(|corner| mesh.elements[*a as usize][corner]);
-            let corners = corners.map(|node| mesh.nodes[node as usize]);
-            Crack { corners, damage: 0.0, time: None, ..crack([*a, *b], Mode::Tension) }
-        })
-        .collect();
+    let all = couples.iter().map(|([a, b], [facet, _])| {
+        let corners = FACETS[*facet].map(|corner| mesh.elements[*a as usize][corner]);
+        let corners = corners.map(|node| mesh.nodes[node as usize]);
+        Crack { corners, damage: 0.0, time: None, ..crack([*a, *b], Mode::Tension) }
+    });
+    let mut joints: Vec<Crack<3>> = all.collect();
+    // Half of them soften.
+    snapshot.cracks = joints.split_off(joints.len() / 2);
+    snapshot.cracks.iter_mut().for_each(|joint| joint.damage = 0.5);
+    snapshot.intact = Some(joints);
     // Joints beside an element that is not drawn are not shown.
     snapshot.positions[4 * 3 + 1][2] = f64::NAN;
-    let shown = snapshot.intact.iter().filter(|joint| !joint.elements.contains(&3));
-    let expected: Vec<_> = shown.map(|joint| joint.corners).collect();
-    assert!(expected.len() > 10 && expected.len() < couples.len());
+    let shown = |joints: &[Crack<3>]| -> Vec<_> {
+        let shown = joints.iter().filter(|joint| !joint.elements.contains(&3));
+        shown.map(|joint| joint.corners).collect()
+    };
+    let expected = [shown(snapshot.intact.as_deref().unwrap()), shown(&snapshot.cracks)];
+    assert!(expected.iter().all(|joints| joints.len() > 10) && expected.concat().len() < couples.len());
     let frame = SpaceFrame::new(&snapshot, &Shell::new(&mesh, &[])).unwrap();
     assert_eq!(SpaceFrame::from_bytes(&frame.to_bytes()).as_ref(), Ok(&frame));
-    let found = frame.open().unwrap().intact;
-    let far = found.as_flattened().as_flattened().iter().zip(expected.as_flattened().as_flattened());
-    assert!(found.len() == expected.len() && far.into_iter().all(|(a, b)| (a - b).abs() < 1e-4));
+    let opened = frame.open().unwrap();
+    for (found, expected) in [opened.intact, opened.softening].iter().zip(&expected) {
+        let far = found.as_flattened().as_flattened().iter().zip(expected.as_flattened().as_flattened());
+        assert!(found.len() == expected.len() && far.into_iter().all(|(a, b)| (a - b).abs() < 1e-4));
+    }
+    assert!(opened.cracks.is_empty() && frame.others[1] > 0.0 && frame.others[2] > 0.0);
 }
 
 #[test]

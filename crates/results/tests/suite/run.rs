@@ -147,17 +147,50 @@ fn broken_joints_and_damaged_ones_are_apart() {
 /// The joints of a snapshot that are broken are whole, but for the last, which is open from the start.
 fn whole_joints(mut snapshot: Snapshot) -> Snapshot {
     let broken = snapshot.cracks.iter().filter(|crack| crack.time.is_some());
-    snapshot.intact = broken.map(|crack| Crack { damage: 0.0, time: None, ..*crack }).collect();
-    snapshot.cracks = snapshot.intact.split_off(snapshot.intact.len() - 1);
+    let mut intact: Vec<Crack> = broken.map(|crack| Crack { damage: 0.0, time: None, ..*crack }).collect();
+    snapshot.cracks = intact.split_off(intact.len() - 1);
+    snapshot.intact = Some(intact);
     snapshot.cracks[0].open_from_start = true;
     snapshot.cracks[0].time = Some(0.0);
     snapshot
 }
 
+/// Joints that soften are drawn where whole ones are asked for, also if none is whole any more.
+#[test]
+fn joints_that_soften_are_a_third_state() {
+    let snapshot = Disc::new(8).snapshot(0.6);
+    let count = snapshot.cracks.iter().filter(|crack| crack.time.is_none()).count();
+    assert!(count > 2);
+    let asked = Frame::new(&Snapshot { intact: Some(Vec::new()), ..snapshot.clone() }).unwrap();
+    assert_eq!(Frame::from_bytes(&asked.to_bytes()).as_ref(), Ok(&asked));
+    let frames = [asked, Frame::new(&snapshot).unwrap()];
+    let drawn = frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).svg(frame).unwrap());
+    let [with, without] = drawn.each_ref().map(|svg| {
+        let path = svg.split("class=\"softening\" d=\"").nth(1).map(|rest| rest.split('"').next().unwrap());
+        (path.map_or(0, |path| path.matches('M').count()), svg.contains(">softening<"))
+    });
+    assert_eq!((with, without), ((count, true), (0, false)));
+    let [with, without] =
+        frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).png(frame, None).unwrap());
+    assert_ne!(with, without);
+    let report = Report {
+        title: "joints",
+        facts: &[],
+        plots: &[],
+        frames: &frames,
+        fragments: &Fragments::default(),
+        field: Field::DAMAGE,
+        names: &Names::default(),
+    };
+    let page = report.html().unwrap();
+    assert!(page.contains(&format!("\"holding\":[0,{count}]")) && page.contains("\"holding\":[0,0]"));
+    assert!(page.contains("\"name\":\"softening\""));
+}
+
 #[test]
 fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
     let snapshot = whole_joints(Disc::new(8).snapshot(0.6));
-    let count = snapshot.intact.len();
+    let count = snapshot.intact.iter().flatten().count();
     assert!(count > 2);
     let mut file = Vec::new();
     write_intact_joints_vtp(&mut file, &snapshot).unwrap();
@@ -166,7 +199,7 @@ fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
 
     let frame = Frame::new(&snapshot).unwrap();
     assert_eq!(Frame::from_bytes(&frame.to_bytes()).as_ref(), Ok(&frame));
-    let without = Frame::new(&Snapshot { intact: Vec::new(), ..snapshot.clone() }).unwrap();
+    let without = Frame::new(&Snapshot { intact: None, ..snapshot.clone() }).unwrap();
     assert_ne!(frame, without);
     let frames = [frame, without];
     let drawn = frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).svg(frame).unwrap());
@@ -189,7 +222,7 @@ fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
         names: &Names::default(),
     };
     let page = report.html().unwrap();
-    assert!(page.contains(&format!("\"intact\":{count}")) && page.contains("\"intact\":0"));
+    assert!(page.contains(&format!("\"holding\":[{count},0]")) && page.contains("\"holding\":[0,0]"));
 }
 
 #[test]

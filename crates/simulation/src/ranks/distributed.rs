@@ -140,6 +140,14 @@ where
         Ok(())
     }
 
+    /// Checks the energy balance at the end of a run: see [`Simulation::check_balance`]. All ranks call it.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::check_balance`], the same on all ranks.
+    pub fn check_balance(&self) -> Result<(), Stop> {
+        self.run.audit_end(&self.links)
+    }
+
     /// Divides the work among the ranks again, by the present cost of each element, before the next step. A
     /// run does this automatically when one rank has much more than others.
     pub fn rebalance(&mut self) {

@@ -254,7 +254,7 @@ where
             materials: self.materials.clone(),
             fragments: self.fragments.clone(),
             cracks,
-            intact: Vec::new(),
+            intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }

@@ -34,10 +34,11 @@ enum LeaderOrder {
     SetProbes,
     Measure,
     SetFactor,
+    CheckBalance,
 }
 
 impl LeaderOrder {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 14] = [
         Self::End,
         Self::Replace,
         Self::Advance,
@@ -51,6 +52,7 @@ impl LeaderOrder {
         Self::SetProbes,
         Self::Measure,
         Self::SetFactor,
+        Self::CheckBalance,
     ];
 }
 
@@ -124,6 +126,14 @@ where
         *self.whole.get_mut() = None;
         give(self.communicator, LeaderOrder::Advance, &[steps]);
         self.run.get_mut().advance(steps)
+    }
+
+    /// Checks the energy balance at the end of a run: see [`Simulation::check_balance`].
+    ///
+    /// # Errors
+    /// Those of [`Simulation::check_balance`].
+    pub fn check_balance(&self) -> Result<(), Stop> {
+        self.all(LeaderOrder::CheckBalance, &[], Distributed::check_balance)
     }
 
     /// Sets the factor of a boundary from the next step on, in place of its schedule: see
@@ -336,6 +346,8 @@ where
                 communicator.broadcast(&mut bytes);
                 probes = value_of::<Vec<Probe<D, N>>>(&bytes);
             }
+            // The leader gets the same error, and reports it.
+            LeaderOrder::CheckBalance => drop(run.check_balance()),
             LeaderOrder::Measure => drop(run.measure(&probes)),
             // The leader gets the same error, and reports it.
             LeaderOrder::SetFactor => {

@@ -1,5 +1,6 @@
 //! Many steps, in one process or on a rank of many.
 
+use crate::compiled::compiled;
 use crate::error::Stop;
 use crate::machine::list::Machines;
 use crate::model::Model;
@@ -64,6 +65,21 @@ where
     /// The reason why the run cannot continue. The run stays at the step in which this was found.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
         <[[f64; D]; N]>::take(self, steps, None)
+    }
+
+    /// Checks the energy balance after the last step of [`Simulation::advance`], which does so every 100
+    /// steps only. Call it at the end of a run. The run is not changed, and can continue.
+    ///
+    /// # Errors
+    /// The reasons for which [`Simulation::advance`] would have stopped, if it had checked the last step.
+    pub fn check_balance(&self) -> Result<(), Stop> {
+        let run = self;
+        compiled!((run: reference [Simulation<2, 3>, Simulation<3, 4>])
+            -> [Result<(), Stop>, Result<(), Stop>] = Simulation::audit_alone)
+    }
+
+    fn audit_alone(&self) -> Result<(), Stop> {
+        self.audit_end(&Alone)
     }
 }
 

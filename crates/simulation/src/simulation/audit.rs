@@ -59,37 +59,45 @@ where
             reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
     }
 
-    /// Checks the energy balance.
+    /// Checks the energy balance during a run, and keeps the largest energies.
     pub(super) fn audit(&mut self, peers: &dyn Peers<D, N>) -> Result<(), Stop> {
-        let energies = self.energies;
-        self.totals.exchanged = energies.exchanged;
-        self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
-        let (step, bound) = (self.step, self.model.time.energy_bound);
+        self.totals.exchanged = self.energies.exchanged;
+        self.totals.most_cohesive = self.totals.most_cohesive.max(self.energies.cohesive);
+        self.balanced(self.step, || self.hottest(peers))
+    }
+
+    /// Checks the energy balance at the end of a run, with the energies of its last step.
+    ///
+    /// It keeps nothing: a run that continues from here must be as one that never ended here. All ranks look
+    /// for the element, so that their calls are the same, and the answer of rank 0 counts.
+    pub(crate) fn audit_end(&self, peers: &dyn Peers<D, N>) -> Result<(), Stop> {
+        let element = self.hottest(peers);
+        self.balanced(self.step.saturating_sub(1), || element)
+    }
+
+    /// Whether the energies of a step are in balance. `hottest`: finds the element that an error names.
+    fn balanced(&self, step: u64, hottest: impl Fn() -> u32) -> Result<(), Stop> {
+        let (energies, bound) = (self.energies, self.model.time.energy_bound);
         let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
         if scale <= self.scales.negligible {
             return Ok(());
         }
         if error.abs() > bound || error.is_nan() {
-            return Err(Stop::Energy { element: self.hottest(peers), step, error, bound });
+            return Err(Stop::Energy { element: hottest(), step, error, bound });
         }
         if energies.kinetic > available + bound * scale {
-            return Err(Stop::Kinetic {
-                element: self.hottest(peers),
-                step,
-                kinetic: energies.kinetic,
-                available,
-            });
+            return Err(Stop::Kinetic { element: hottest(), step, kinetic: energies.kinetic, available });
         }
         // Joints that are there from the beginning store elastic energy and return it, as elements do.
         let returned = match self.model.fracture.insertion {
             Insertion::Adaptive if self.model.joint_sets.is_empty() => {
-                self.totals.most_cohesive - energies.cohesive
+                self.totals.most_cohesive.max(energies.cohesive) - energies.cohesive
             }
             Insertion::Adaptive | Insertion::Intrinsic => -energies.cohesive,
         };
         let share = returned / scale;
         if share > bound {
-            return Err(Stop::Returned { element: self.hottest(peers), step, share, bound });
+            return Err(Stop::Returned { element: hottest(), step, share, bound });
         }
         Ok(())
     }
@@ -182,7 +190,12 @@ mod tests {
             solid.set_velocity(node, solid.velocity(node).map(|v| 2.0 * v));
         }
         run.totals.damping.add(-3.0 * kinetic);
-        let stop = run.advance(100).expect_err("three times the energy from nowhere");
+        run.advance(20).expect("no check before step 200");
+        let before = run.totals.clone();
+        let stop = run.check_balance().expect_err("the check at the end of a run");
+        assert!(matches!(stop, Stop::Kinetic { step: 169, .. }), "{stop}");
+        assert_eq!(run.totals, before, "the check changes nothing");
+        let stop = run.advance(80).expect_err("three times the energy from nowhere");
         assert!(matches!(stop, Stop::Kinetic { step: 200, .. }), "{stop}");
     }
 }

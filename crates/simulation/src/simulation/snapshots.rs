@@ -52,7 +52,7 @@ where
             materials: self.model.mesh.materials.clone(),
             fragments: self.fragments(),
             cracks,
-            intact: Vec::new(),
+            intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
         }

@@ -312,6 +312,38 @@ impl Drawn {
     }
 }
 
+/// The check at the end of a run finds the same on any number of ranks and after a resume, and changes
+/// nothing.
+#[test]
+fn the_energy_balance_at_the_end_is_checked_the_same_on_ranks() {
+    let mut model = crate::resume::crash(Insertion::Adaptive);
+    let mut whole = Simulation::new(model.clone(), 1).expect("a model");
+    whole.advance(1150).expect("steps");
+    whole.check_balance().expect("a sound run");
+    let state = whole.state();
+    // With this bound it would have stopped at the first check after the blocks met.
+    model.time.energy_bound = 1e-15;
+    let again =
+        |state: State| Simulation::resume(model.clone(), state, 1).expect("a state of the same bodies");
+    let resumed = again(state.clone());
+    let before = bytes(&resumed.state());
+    let stop = resumed.check_balance().expect_err("rounding is above the bound");
+    assert!(matches!(stop, Stop::Energy { step: 1149, .. }), "{stop}");
+    assert!(bytes(&resumed.state()) == before);
+    for size in [1, 2, 3] {
+        threads::run(size, |communicator: &dyn Communicator| {
+            if communicator.rank() > 0 {
+                return follow(communicator, 1).expect("threads");
+            }
+            let run = Leader::new(communicator, again(state.clone()), 1).expect("threads");
+            let before = bytes(&run.state());
+            let found = run.check_balance().expect_err("rounding is above the bound");
+            assert_eq!(found.to_string(), stop.to_string(), "{size} ranks");
+            assert!(bytes(&run.state()) == before);
+        });
+    }
+}
+
 /// Runs on changing numbers of ranks and threads, saved and resumed, divided again at any time.
 #[test]
 fn any_run_is_the_same_on_any_ranks() {

@@ -182,6 +182,11 @@ where
         ((self.prepared.end_time / self.run.time_step()).ceil() as u64).max(1)
     }
 
+    /// Whether the run has ended: by its end time, its condition, or its last stage.
+    pub(crate) fn is_over(&self) -> bool {
+        self.reached.over || self.run.steps() >= self.total()
+    }
+
     /// A snapshot of the run with displacements that count from the last stage that has set them back.
     pub(crate) fn counted(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
         if let Some(origin) = &self.observer.origin {
@@ -197,10 +202,10 @@ where
         (self.with_joints(self.counted(snapshot)), forces)
     }
 
-    /// The snapshot with its whole joints, if the model asks for them.
+    /// The snapshot with the joints that hold, if the model asks for them.
     pub(crate) fn with_joints(&self, mut snapshot: Snapshot<D, N>) -> Snapshot<D, N> {
         if self.prepared.output.intact_joints {
-            snapshot.intact = self.run.intact_joints();
+            snapshot.intact = Some(self.run.intact_joints());
         }
         snapshot
     }

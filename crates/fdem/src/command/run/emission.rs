@@ -40,7 +40,7 @@ impl Emission {
         let limits = clustering.limits(&joints, shear_wave(&prepared.model.materials));
         let found = events(&joints, limits);
         let softens = |kind: EmissionKind| kind == EmissionKind::Softening;
-        let magnitudes: Vec<f64> = found.iter().map(|event| event.magnitude).collect();
+        let magnitudes: Vec<f64> = found.iter().filter_map(|event| event.magnitude).collect();
         Some(Self {
             counts: [found.len(), joints.len()],
             softening: [

@@ -15,6 +15,9 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     /// Takes steps.
     fn advance(&mut self, steps: u64) -> Result<(), Stop>;
 
+    /// Checks the energy balance at the end of a run, and changes nothing.
+    fn check_balance(&self) -> Result<(), Stop>;
+
     /// Sets the factor of a boundary from the next step on.
     fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String>;
 
@@ -54,6 +57,10 @@ macro_rules! of_the_same_name {
     () => {
         fn advance(&mut self, steps: u64) -> Result<(), Stop> {
             self.advance(steps)
+        }
+
+        fn check_balance(&self) -> Result<(), Stop> {
+            self.check_balance()
         }
 
         fn steps(&self) -> u64 {

@@ -2,6 +2,7 @@
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Fragments;
+use fdem_simulation::Energies;
 
 use crate::command::run::account::{Account, PARTS};
 use crate::command::run::engine::Engine;
@@ -63,14 +64,7 @@ where
     facts.push(("fragments", in_words(fragments)));
     facts.extend(more);
     facts.extend([
-        (
-            "energies (J)",
-            energies
-                .changing()
-                .map(|term| format!("{} {}", term.key, brief(term.value)))
-                .collect::<Vec<_>>()
-                .join(", "),
-        ),
+        ("energies (J)", of_energies(&energies)),
         (
             "balance",
             format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
@@ -107,6 +101,19 @@ where
     ]);
     facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
     facts
+}
+
+/// Share of the largest energy below which another is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The terms of the energy balance that are not zero: those present or dissipated add up to those supplied,
+/// but for the error of the balance.
+fn of_energies(energies: &Energies) -> String {
+    let terms = energies.terms();
+    let largest = terms.iter().fold(0.0, |largest: f64, term| largest.max(term.value.abs()));
+    let shown = terms.iter().filter(|term| term.value.abs() > ROUNDING * largest || term.value.is_nan());
+    let shown: Vec<String> = shown.map(|term| format!("{} {}", term.key, brief(term.value))).collect();
+    if shown.is_empty() { "none".to_owned() } else { shown.join(", ") }
 }
 
 /// `2 frames` and `1 frame`.

@@ -31,9 +31,9 @@ pub struct Output {
     #[serde(default)]
     #[schemars(range(min = 100, max = 1_000_000))]
     pub shown_elements: Option<u32>,
-    /// true: joints that are whole are shown as well: a layer of the report's page, thin lines of pictures,
-    /// and `intact_joints.pvd`. They are those of joint sets, such as faults and bedding; with intrinsic
-    /// joints every facet has one. Default: false.
+    /// true: joints that hold are shown as well, whole ones and ones that soften: a layer of the report's
+    /// page, thin lines of pictures, and for the whole ones `intact_joints.pvd`. They are those of joint
+    /// sets, such as faults and bedding; with intrinsic joints every facet has one. Default: false.
     #[serde(default)]
     pub intact_joints: bool,
     /// Names of bodies whose fragments are counted in the history, the summary and the plots. Default: all

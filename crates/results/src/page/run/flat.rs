@@ -157,7 +157,7 @@ impl Report<'_> {
                 "elements": frame.elements,
                 "sample": frame.is_sample(),
                 "cracks": frame.cracks,
-                "intact": frame.intact,
+                "holding": [frame.intact, frame.softening],
                 "sizes": [frame.size],
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),

@@ -116,8 +116,8 @@ class Page {
       legends.push(box);
     }
     const { broken } = this.shown.about, { cracks, intact } = this.view.visible;
-    // The last of the sizes is that of the whole joints.
-    const shown = broken.map((size, kind) => (kind < broken.length - 1 ? cracks : intact) && size > 0);
+    // The last two of the sizes are those of the joints that hold: whole ones, and those that soften.
+    const shown = broken.map((size, kind) => (kind < broken.length - 2 ? cracks : intact) && size > 0);
     if (shown.some((yes) => yes)) {
       const box = make("div", "", { class: "legend" }), list = make("div", "", { class: "cracks" });
       meta.cracks.forEach(({ name }, mode) => {
@@ -186,7 +186,7 @@ class Page {
         this.paint();
       });
     }
-    $("show-intact").parentElement.hidden = !meta.frames.some((about) => about.intact > 0);
+    $("show-intact").parentElement.hidden = !meta.frames.some((about) => about.holding.some((count) => count > 0));
     $("zoom-in").addEventListener("click", () => view.zoom(1.25));
     $("zoom-out").addEventListener("click", () => view.zoom(0.8));
     $("reset").addEventListener("click", () => view.home());

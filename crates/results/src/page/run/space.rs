@@ -219,7 +219,7 @@ impl SpaceReport<'_> {
                 "facets": frame.facets,
                 "fragments": frame.fragments,
                 "cracks": frame.cracks,
-                "intact": frame.intact,
+                "holding": [frame.intact, frame.softening],
                 "sizes": frame.sizes[..if solid { 2 } else { 1 }],
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),

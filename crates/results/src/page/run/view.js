@@ -68,3 +68,9 @@ class Screen {
 }
 
 const packedColour = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+
+// The colours of the joints of a frame that hold: whole ones, then those that soften.
+function holdingColours({ holding }) {
+  const [whole, softening] = meta.cracks.slice(-2).map(({ colour }) => packedColour(colour));
+  return new Uint32Array(holding[0] + holding[1]).fill(whole, 0, holding[0]).fill(softening, holding[0]);
+}

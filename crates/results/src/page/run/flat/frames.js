@@ -15,7 +15,7 @@ function openedFrame(about, [arrays]) {
   const number = (i) => (sample && i >= 0 ? sample[i] : i);
   const place = (element) => (sample ? placeOf(element, sample, 0, n) : element < n ? element : -1);
   const cracks = arrays.points(about.cracks, 2, about.bounds);
-  const modes = arrays.numbers(about.cracks), intact = arrays.points(about.intact, 2, about.bounds);
+  const modes = arrays.numbers(about.cracks), intact = arrays.points(about.holding[0] + about.holding[1], 2, about.bounds);
   return { corners, scales, number, place, body, material, outlines, cracks, modes, intact };
 }
 

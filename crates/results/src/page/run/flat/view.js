@@ -93,7 +93,7 @@ class View extends Screen {
       this.fill(this.buffers.corners, frame.corners);
       this.fill(this.buffers.ends, frame.cracks);
       this.fill(this.buffers.intact, frame.intact);
-      this.fill(this.buffers.intactColours, new Uint32Array(frame.about.intact).fill(packedColour(meta.cracks.at(-1).colour)));
+      this.fill(this.buffers.intactColours, holdingColours(frame.about));
       frame.outlines.forEach(({ ends }, kind) => {
         this.fill(this.buffers.outlines[kind], ends);
         this.fill(this.buffers.outlineColours[kind], new Uint32Array(ends.length / 4).fill(packedColour(meta.outlines[kind].colour)));
@@ -136,11 +136,11 @@ class View extends Screen {
       gl.uniform1f(this.strips.seam, 0);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, ends.length / 4);
     });
-    if (this.visible.intact && this.frame.about.intact) {
+    if (this.visible.intact && this.frame.intact.length) {
       gl.bindVertexArray(this.ofIntact);
-      gl.uniform1f(this.strips.width, 1.4 * ratio);
+      gl.uniform1f(this.strips.width, 1.6 * ratio);
       gl.uniform1f(this.strips.seam, 0);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.frame.about.intact);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.frame.intact.length / 4);
     }
     if (this.visible.cracks && this.frame.about.cracks) {
       gl.bindVertexArray(this.ofStrips);

@@ -25,7 +25,7 @@ function openedFrame(about, parts) {
   // Mode of the crack on each facet, from 1; 0 where there is none.
   const modes = new Uint8Array(4 * surface);
   for (const side of sides) for (let c = 0; c < m; c++) modes[side[c]] = (codes[c] & 3) + 1;
-  const w = about.intact, intact = { count: w, corners: parts[0].points(w, 3, about.bounds), body: parts[0].halves(w), fragment: parts[0].halves(w) };
+  const w = about.holding[0] + about.holding[1], intact = { count: w, corners: parts[0].points(w, 3, about.bounds), body: parts[0].halves(w), fragment: parts[0].halves(w) };
   const number = (i) => (i >= 0 ? numbers[i] : -1);
   const place = (element) => {
     const found = placeOf(element, numbers, 0, surface);

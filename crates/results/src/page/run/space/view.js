@@ -112,7 +112,7 @@ class View extends Screen {
     const { gl } = this, uniforms = ["turn", "pan", "zoom", "deep", "plane"];
     this.surface = this.program(SURFACE, [...uniforms, "mesh", "opacity", "kind", "open"]);
     this.strips = this.program(LINES, [...uniforms, "pixel", "width", "tint", "lift", "opacity", "slack"]);
-    // Triangles: the surface, the section, the facets of cracks, and whole joints.
+    // Triangles: the surface, the section, the facets of cracks, and joints that hold.
     const triangles = () => {
       const array = gl.createVertexArray(), corners = gl.createBuffer(), colours = gl.createBuffer();
       gl.bindVertexArray(array);
@@ -250,7 +250,7 @@ class View extends Screen {
     this.crackOwners = crackOwners.all;
     this.fill(this.triangles.surface.corners, this.facets);
     this.fill(this.triangles.cracks.corners, this.crackFacets);
-    this.intactCorners = this.wholeJoints();
+    [this.intactCorners, this.intactColours] = this.holdingJoints();
     this.fill(this.triangles.intact.corners, this.intactCorners);
     this.setLines(this.lines.angles, angles.all, meta.outlines[1].colour);
     this.setLines(this.lines.borders, borders.all, meta.outlines[0].colour);
@@ -260,14 +260,17 @@ class View extends Screen {
     this.built = frame;
   }
 
-  // The corners of the whole joints of the bodies that are shown, each with its fragment.
-  wholeJoints() {
-    const { count, corners, body, fragment } = this.frame.intact, all = new Growing(Float32Array);
+  // The corners of the joints that hold, of the bodies that are shown, each moved with its fragment, and their
+  // colours.
+  holdingJoints() {
+    const { count, corners, body, fragment } = this.frame.intact, all = new Growing(Float32Array), colours = new Growing(Uint32Array);
+    const each = holdingColours(this.frame.about);
     for (let joint = 0; joint < count; joint++) {
       if (this.hiddenBodies.has(body[joint])) continue;
+      colours.push(each[joint]);
       for (let k = 0; k < 9; k++) all.push(corners[9 * joint + k] + (this.offsets ? this.offsets[3 * fragment[joint] + (k % 3)] : 0));
     }
-    return all.all;
+    return [all.all, colours.all];
   }
 
   // The edges at which cracks end on the surface, and their modes.
@@ -344,8 +347,7 @@ class View extends Screen {
 
   paintTriangles() {
     const { surface, cracks, intact } = this.triangles, { colours } = this;
-    const whole = packedColour(meta.cracks.at(-1).colour);
-    this.paintEach(intact, this.intactCorners.length / 9, () => coloured(whole, 7));
+    this.paintEach(intact, this.intactColours.length, (k) => coloured(this.intactColours[k], 7));
     this.paintEach(surface, this.owners.length, (k) => coloured(colours[this.owners[k]], 7));
     // Dark colours are made lighter, so that the light on them is seen.
     const modes = meta.cracks.map((_, mode) => packedColour(this.modeColour(mode).map((x) => Math.round(x + 0.16 * (255 - x)))));
