@@ -2,6 +2,7 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
+use super::failing::Failing;
 use super::parts::{CELL, calm, moved, of_rock, pressed, together};
 
 /// The body of triangles that is simulated.
@@ -20,12 +21,27 @@ pub enum Plane {
     /// Fragments of 18 elements with joints on all edges, which press each other on all sides in a box that
     /// shrinks.
     Heap,
+    /// A square at 0.9 of its strength.
+    Near,
+    /// A square with joints on all edges, a tenth of which soften.
+    Softening,
+    /// A square that comes to pieces while it is timed.
+    Breaking,
 }
 
 impl Plane {
     /// All bodies.
-    pub const ALL: [Self; 6] =
-        [Self::Bar, Self::Disc, Self::Joined, Self::Adaptive, Self::Intrinsic, Self::Heap];
+    pub const ALL: [Self; 9] = [
+        Self::Bar,
+        Self::Disc,
+        Self::Joined,
+        Self::Adaptive,
+        Self::Intrinsic,
+        Self::Heap,
+        Self::Near,
+        Self::Softening,
+        Self::Breaking,
+    ];
 
     /// The name in one word.
     pub fn name(self) -> &'static str {
@@ -36,6 +52,9 @@ impl Plane {
             Self::Adaptive => "adaptive",
             Self::Intrinsic => "intrinsic",
             Self::Heap => "heap",
+            Self::Near => "near",
+            Self::Softening => "softening",
+            Self::Breaking => "breaking",
         }
     }
 
@@ -48,12 +67,15 @@ impl Plane {
             Self::Adaptive => "square that may break anywhere, and does not yet",
             Self::Intrinsic => "two squares that collide, joints on every edge",
             Self::Heap => "fragments of 18 elements that press each other, joints on every edge",
+            Self::Near => "square at 0.9 of its strength",
+            Self::Softening => "square, joints on every edge, a tenth of them soften",
+            Self::Breaking => "square that comes to pieces",
         }
     }
 
     /// Whether it has joints on all edges from the beginning.
     pub fn has_joints(self) -> bool {
-        matches!(self, Self::Joined | Self::Intrinsic | Self::Heap)
+        matches!(self, Self::Joined | Self::Intrinsic | Self::Heap | Self::Softening)
     }
 
     /// The model, with approximately this number of elements.
@@ -94,6 +116,9 @@ impl Plane {
                     .collect();
                 (mesh, velocities)
             }
+            Self::Near => return Failing::Near.model(square(side)),
+            Self::Softening => return Failing::Softening.model(square(side)),
+            Self::Breaking => return Failing::Breaking.model(square(side)),
             Self::Heap => {
                 let shift = |[_, row]: [usize; 2]| [if row % 2 == 0 { 0.0 } else { 0.45 }, 0.0];
                 let (mesh, velocities, walls) =

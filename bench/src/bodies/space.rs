@@ -2,6 +2,7 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
+use super::failing::Failing;
 use super::parts::{CELL, calm, of_rock, pressed};
 
 /// Cells along each edge of a fragment of the debris, and of one among fewer elements than [`FEW`]: there is
@@ -24,11 +25,25 @@ pub enum Space {
     /// Cubes of 6,000 elements, or of 384 if there are few elements, which press each other on all sides in a
     /// box that shrinks.
     Debris,
+    /// A cube at 0.9 of its strength.
+    CubeNear,
+    /// A cube with joints on all faces, a tenth of which soften.
+    CubeSoftening,
+    /// A cube that comes to pieces while it is timed.
+    CubeBreaking,
 }
 
 impl Space {
     /// All bodies.
-    pub const ALL: [Self; 4] = [Self::Cube, Self::CubeAdaptive, Self::CubeJoined, Self::Debris];
+    pub const ALL: [Self; 7] = [
+        Self::Cube,
+        Self::CubeAdaptive,
+        Self::CubeJoined,
+        Self::Debris,
+        Self::CubeNear,
+        Self::CubeSoftening,
+        Self::CubeBreaking,
+    ];
 
     /// The name, without spaces.
     pub fn name(self) -> &'static str {
@@ -37,6 +52,9 @@ impl Space {
             Self::CubeAdaptive => "cube-adaptive",
             Self::CubeJoined => "cube-joined",
             Self::Debris => "debris",
+            Self::CubeNear => "cube-near",
+            Self::CubeSoftening => "cube-softening",
+            Self::CubeBreaking => "cube-breaking",
         }
     }
 
@@ -47,6 +65,19 @@ impl Space {
             Self::CubeAdaptive => "3D: cube that may break anywhere, and does not yet",
             Self::CubeJoined => "3D: cube, ringing, joints on every face",
             Self::Debris => "3D: elastic fragments that press each other in a box that shrinks",
+            Self::CubeNear => "3D: cube at 0.9 of its strength",
+            Self::CubeSoftening => "3D: cube, joints on every face, a tenth of them soften",
+            Self::CubeBreaking => "3D: cube that comes to pieces",
+        }
+    }
+
+    /// How near its strength it is, if that is near.
+    fn failing(self) -> Option<Failing> {
+        match self {
+            Self::CubeNear => Some(Failing::Near),
+            Self::CubeSoftening => Some(Failing::Softening),
+            Self::CubeBreaking => Some(Failing::Breaking),
+            Self::Cube | Self::CubeAdaptive | Self::CubeJoined | Self::Debris => None,
         }
     }
 
@@ -63,6 +94,9 @@ impl Space {
             return calm(Model { boundaries, ..of_rock(mesh, velocities, false, Insertion::Adaptive) });
         }
         let mesh = cubes(count((elements as f64 / 6.0).cbrt()));
+        if let Some(failing) = self.failing() {
+            return failing.model(mesh);
+        }
         let speed = |[x, y, z]: [f64; 3]| [(300.0 * x).sin(), (200.0 * y).cos(), (250.0 * z).sin()];
         let velocities = mesh.nodes.iter().map(|&node| speed(node).map(|v| 0.01 * v)).collect();
         let insertion = if self == Self::CubeJoined { Insertion::Intrinsic } else { Insertion::Adaptive };

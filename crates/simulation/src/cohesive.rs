@@ -213,6 +213,10 @@ impl<const D: usize> JointLaw<D> {
 
     /// Coefficient of friction at this damage.
     fn friction_at(&self, damage: f64) -> f64 {
+        // The curve takes an exponential, and most joints do not need it.
+        if self.residual == self.friction {
+            return self.friction;
+        }
         self.residual + (self.friction - self.residual) * softening(damage)
     }
 
