@@ -48,6 +48,15 @@ impl Demand {
         let share = share * (1.0 - ROUNDING);
         (self.tension >= share * of.tensile) | (self.shear >= share * of.cohesion)
     }
+
+    /// The largest use of strengths on any plane, or more.
+    pub(crate) fn most(self, of: Weakest) -> f64 {
+        if of.tensile > 0.0 && of.cohesion > 0.0 {
+            larger(self.tension / of.tensile, self.shear / of.cohesion) * (1.0 + ROUNDING)
+        } else {
+            f64::INFINITY
+        }
+    }
 }
 
 /// The demands of the elements of a batch.
@@ -235,6 +244,7 @@ mod tests {
                     let either = demands.iter().any(|demand| demand.reaches(share, of));
                     assert!(!reached || either, "{pair:?} {share}");
                 }
+                assert!(mean.most(of) >= used, "{pair:?}");
                 failed += usize::from(used >= 1.0);
                 suspected += usize::from((SUSPECT..1.0).contains(&used));
                 near += usize::from(used < SUSPECT && mean.reaches(1.0, of));

@@ -70,7 +70,7 @@ impl<const D: usize> Joints<D> {
         let whole = team.change_lanes::<1, _, _>(&mut uses, |first, uses| {
             self.find_uses(first as u32, uses, state);
             let facets = (first as u32..).zip(uses);
-            let fails = |(facet, used): &(u32, &mut f64)| breaks(**used, || self.excess(*facet, state));
+            let fails = |(facet, used): &(u32, &mut f64)| self.fails(**used, **used, *facet, state);
             facets.filter(fails).map(|(facet, _)| facet).collect::<Vec<u32>>()
         });
         self.uses = uses;
@@ -192,6 +192,22 @@ impl<const D: usize> Joints<D> {
         })
     }
 
+    /// Whether a use of the strength of a facet breaks it or a plane near it. `own`: the use by the mean stress of its
+    /// two elements.
+    fn fails<const N: usize>(&self, used: f64, own: f64, facet: u32, state: InsertionData<'_, D, N>) -> bool
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let most = || self.demand_on(facet, state).most(self.limits[facet as usize]) / own;
+        breaks(used, most, || self.excess(facet, state))
+    }
+
+    /// The demand of the mean stress of the two elements of a facet.
+    fn demand_on<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> Demand {
+        let of = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
+        Demand::mean(state.topology.facets[facet as usize].elements().map(of))
+    }
+
     /// Computes the uses of the strengths of facets by the mean stress of their two elements. A use is 0 if the
     /// facet has a joint or cannot break, or if it is certain to be too little to count: below 1 on all planes,
     /// and below [`SUSPECT`] at a tip.
@@ -200,15 +216,13 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let InsertionData { solid, topology, .. } = state;
-        let demand = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
         let mut batch = UseBatch::EMPTY;
         for place in 0..uses.len() {
             let facet = first + place as u32;
             let sides = &topology.facets[facet as usize];
             let least = if self.near_tip[facet as usize] { SUSPECT } else { 1.0 };
-            let asked = Demand::mean(sides.elements().map(demand));
             uses[place] = 0.0;
-            if asked.reaches(least, self.limits[facet as usize])
+            if self.demand_on(facet, state).reaches(least, self.limits[facet as usize])
                 && let Some(strength) = self.strength(facet)
             {
                 batch.push(place, &strength, sides, solid, uses);
@@ -281,7 +295,7 @@ impl<const D: usize> Joints<D> {
         let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, state.solid), state);
         let traction = axes.map(|axis| dot(held, axis));
         let used = self.strength(cut.facet).map_or(0.0, |strength| use_of(&strength, traction));
-        if breaks(used, || self.excess(cut.facet, state)) {
+        if self.fails(used, self.uses[cut.facet as usize], cut.facet, state) {
             failing.extend(&cut.facets);
         }
     }

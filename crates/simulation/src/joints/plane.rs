@@ -88,9 +88,10 @@ where
 }
 
 /// Whether a use of the strength of an edge breaks it or a plane near it. `excess`: use of the strength on
-/// that plane over that on the edge; it is computed only if it can decide.
-pub(crate) fn breaks(used: f64, excess: impl FnOnce() -> f64) -> bool {
-    used >= 1.0 || (MOST * used >= 1.0 && used * excess() >= 1.0)
+/// that plane over that on the edge; it is computed only if it can decide. `most`: a number that it does not
+/// exceed.
+pub(crate) fn breaks(used: f64, most: impl FnOnce() -> f64, excess: impl FnOnce() -> f64) -> bool {
+    used >= 1.0 || (MOST * used >= 1.0 && used * most() >= 1.0 && used * excess() >= 1.0)
 }
 
 /// Traction across a facet, tension positive, and along it, Pa, from the mean stress of its two elements.
