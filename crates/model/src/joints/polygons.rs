@@ -16,6 +16,7 @@ const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
     entities: "3DFACE, closed POLYLINE and LWPOLYLINE, CIRCLE and ELLIPSE",
     refused: &["INSERT", "3DSOLID", "BODY", "MESH", "POLYLINE of a mesh", "REGION", "SURFACE"],
     coordinates: |polygon| polygon.as_flattened_mut(),
+    geometries: "Polygon and MultiPolygon",
     geometry,
 };
 

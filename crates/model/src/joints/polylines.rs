@@ -14,6 +14,7 @@ const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
     entities: "LINE, LWPOLYLINE, POLYLINE, CIRCLE, ARC and ELLIPSE",
     refused: &["SPLINE", "INSERT", "MLINE", "HELIX", "RAY", "XLINE"],
     coordinates: |chain| chain.as_flattened_mut(),
+    geometries: "LineString and MultiLineString",
     geometry,
 };
 
@@ -23,11 +24,11 @@ const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
 /// # Errors
 /// A message about a file that is not of lines, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<[Point; 2]>, String> {
-    let Shapes { shapes: chains, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
+    let Shapes { shapes: chains, scale, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
     let lines: Vec<[Point; 2]> =
         chains.iter().flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]])).collect();
     check(name, "lines", lines.is_empty(), lines.iter().flatten().flatten())?;
-    Ok(Shapes { shapes: lines, notes })
+    Ok(Shapes { shapes: lines, scale, notes })
 }
 
 /// The points of a list x1, y1, x2, y2, …; `None` if it is not that.
@@ -118,6 +119,30 @@ mod tests {
         assert_eq!(read(json.as_bytes(), "a.geojson"), Ok(vec![chain[0], chain[1], line]));
         let dxf = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n1\n11\n2\n21\n3\n0\nLWPOLYLINE\n70\n0\n10\n0\n20\n1\n10\n2\n20\n3\n10\n4\n20\n5\n0\nENDSEC\n0\nEOF\n";
         assert_eq!(read(dxf.as_bytes(), "a.dxf"), Ok(vec![line, chain[0], chain[1]]));
+    }
+
+    /// Exports have points and labels beside their lines. What could have been meant for a line is refused.
+    #[test]
+    fn points_of_a_geojson_file_are_not_used_and_counted() {
+        let feature = |kind: &str, coordinates: &str| {
+            format!(
+                r#"{{"type":"Feature","properties":{{}},"geometry":{{"type":"{kind}","coordinates":{coordinates}}}}}"#
+            )
+        };
+        let file = |last: &str| {
+            let features =
+                [feature("LineString", "[[0,1],[2,3]]"), feature("Point", "[0,1]"), last.to_owned()];
+            format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, features.join(","))
+        };
+        let without = r#"{"type":"Feature","properties":{},"geometry":null}"#;
+        let of = super::read(file(without).as_bytes(), "a.geojson", None).expect("lines");
+        assert_eq!(of.shapes, [[[0.0, 1.0], [2.0, 3.0]]]);
+        let note =
+            "a.geojson: not used: 1 Point, 1 Feature without geometry; LineString and MultiLineString are";
+        assert_eq!(of.notes, [note]);
+        let polygon = file(&feature("Polygon", "[[[0,0],[1,0],[1,1],[0,0]]]"));
+        let message = read(polygon.as_bytes(), "a.geojson").expect_err("a polygon");
+        assert!(message.starts_with("a.geojson: feature 3: a Polygon is no line"), "{message}");
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub(crate) struct ShapeForm<T> {
     pub(crate) refused: &'static [&'static str],
     /// The coordinates of a shape.
     pub(crate) coordinates: fn(&mut T) -> &mut [f64],
+    /// The geometries of a GeoJSON file that are shapes, for messages.
+    pub(crate) geometries: &'static str,
     /// Adds the shapes of a geometry of a GeoJSON file by its type and its coordinates.
     pub(crate) geometry: fn(&str, &Value, &mut Vec<T>) -> Result<(), String>,
 }
@@ -31,6 +33,8 @@ pub(crate) struct ShapeForm<T> {
 /// The shapes of a file.
 pub(crate) struct Shapes<T> {
     pub(crate) shapes: Vec<T>,
+    /// Length of the unit of the file that was taken, m.
+    pub(crate) scale: f64,
     /// Notes on how the file was read.
     pub(crate) notes: Vec<String>,
 }
@@ -59,15 +63,41 @@ pub(crate) fn read<T>(
     let shapes = match extension.as_str() {
         "json" | "geojson" => {
             let value = serde_json::from_str(text).map_err(|error| format!("{name} is not JSON: {error}"))?;
-            let mut shapes = Vec::new();
-            geometries(&value, &mut |kind, coordinates| (form.geometry)(kind, coordinates, &mut shapes))
-                .map(|()| shapes)
+            of_geojson(&value, form)
         }
-        _ => rows(text, form.row, (form.row_is, form.columns, "m")),
+        _ => rows(text, form.row, (form.row_is, form.columns, "m")).map(|shapes| Shapes {
+            shapes,
+            scale: 1.0,
+            notes: Vec::new(),
+        }),
     };
     let mut shapes = shapes.map_err(in_file)?;
-    scaled(&mut shapes, scale.unwrap_or(1.0), form);
-    Ok(Shapes { shapes, notes: Vec::new() })
+    shapes.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
+    shapes.scale = scale.unwrap_or(1.0);
+    scaled(&mut shapes.shapes, shapes.scale, form);
+    Ok(shapes)
+}
+
+/// The shapes of a GeoJSON file, without its points.
+fn of_geojson<T>(value: &Value, form: &ShapeForm<T>) -> Result<Shapes<T>, String> {
+    let mut shapes = Vec::new();
+    let mut add = |kind: &str, coordinates: &Value| {
+        (form.geometry)(kind, coordinates, &mut shapes)
+            .map_err(|why| format!("{why}; take it out of the file, or into one of its own"))
+    };
+    let unused = geometries(value, &mut add)?;
+    let notes: Vec<String> = not_used(&unused, form.geometries).into_iter().collect();
+    match notes.first() {
+        Some(note) if shapes.is_empty() => Err(note.clone()),
+        _ => Ok(Shapes { shapes, scale: 1.0, notes }),
+    }
+}
+
+/// A note on parts of a file that are not used, by their kinds; `None` if all are. `used`: kinds that are.
+fn not_used(unused: &BTreeMap<&str, u64>, used: &str) -> Option<String> {
+    let kinds: Vec<String> =
+        unused.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count))).collect();
+    (!kinds.is_empty()).then(|| format!("not used: {}; {used} are", kinds.join(", ")))
 }
 
 fn scaled<T>(shapes: &mut [T], scale: f64, form: &ShapeForm<T>) {
@@ -97,11 +127,7 @@ fn of_drawing<T>(
             None => *unused.entry(entity.kind).or_default() += 1,
         }
     }
-    if !unused.is_empty() {
-        let kinds: Vec<String> =
-            unused.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count))).collect();
-        notes.push(format!("not used: {}; {} are", kinds.join(", "), form.entities));
-    }
+    notes.extend(not_used(&unused, form.entities));
     let scale = match scale {
         Some(scale) => scale,
         None => match drawing.unit()? {
@@ -118,7 +144,7 @@ fn of_drawing<T>(
         },
     };
     scaled(&mut shapes, scale, form);
-    Ok(Shapes { shapes, notes })
+    Ok(Shapes { shapes, scale, notes })
 }
 
 /// One shape a row, which `of` makes of its numbers. A first row of words is a heading, which has to name
