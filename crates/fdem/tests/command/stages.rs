@@ -408,7 +408,7 @@ fn a_run_that_stops_names_the_overlap_of_a_body_that_appears() {
     );
     bench.write("push.toml", &model);
     let run = bench.run(&["run", "push.toml"]);
-    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
     let end = run.stderr.split("error: ").last().unwrap_or_default();
     assert!(end.contains("the energy balance is off by"), "{end}");
     assert!(
