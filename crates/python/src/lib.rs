@@ -70,6 +70,7 @@ mod tree;
 
 use std::ffi::OsString;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 /// Runs the command line `arguments`, of which the first is the program's name, and returns its exit code.
@@ -80,6 +81,8 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 
 #[pymodule]
 fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    // Looks NumPy up now: at the first array, Ctrl-C would end that in a panic.
+    PyArray1::<f64>::zeros(module.py(), 0, false);
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<elements::Elements>()?;
     module.add_class::<buffered::Buffered>()?;

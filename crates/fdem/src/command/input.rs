@@ -238,7 +238,7 @@ fn needed(start: &[u8], size: u64) -> u64 {
     if start.contains(&0) || start.is_empty() {
         return size.saturating_mul(2);
     }
-    let rows = start.iter().filter(|byte| **byte == b'\n').count().max(1) as u64;
+    let rows = start.split(|byte| *byte == b'\n').count() as u64;
     let rows = size.saturating_mul(rows) / start.len() as u64;
     let rows = elements_of_frame(start).map_or(rows, |elements| elements.min(rows));
     size.saturating_add(OF_ROW.saturating_mul(rows))

@@ -426,8 +426,7 @@ where
         if warnings.is_empty() {
             return String::new();
         }
-        let lines: String = warnings.iter().map(|warning| format!("  {warning}\n")).collect();
-        format!("the check of the model has warned of possible causes:\n{lines}")
+        format!("the check of the model has warned of possible causes:\n  {}\n", warnings.join("\n  "))
     }
 
     /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and

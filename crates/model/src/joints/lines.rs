@@ -65,12 +65,12 @@ impl<'f> JointLines<'f> {
                 let read = read.and_then(|bytes| {
                     let notes_of_file = if dimensions == 2 {
                         let read = polylines::read(&bytes, name, set.scale)?;
-                        lines.extend(read.shapes);
+                        lines.extend(read.all);
                         scales[index] = Some(read.scale);
                         read.notes
                     } else {
                         let read = polygons::read(&bytes, name, set.scale)?;
-                        polygons.extend(read.shapes);
+                        polygons.extend(read.all);
                         scales[index] = Some(read.scale);
                         read.notes
                     };

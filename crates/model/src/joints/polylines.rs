@@ -24,11 +24,11 @@ const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
 /// # Errors
 /// A message about a file that is not of lines, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<[Point; 2]>, String> {
-    let Shapes { shapes: chains, scale, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
+    let Shapes { all: chains, scale, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
     let lines: Vec<[Point; 2]> =
         chains.iter().flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]])).collect();
     check(name, "lines", lines.is_empty(), lines.iter().flatten().flatten())?;
-    Ok(Shapes { shapes: lines, scale, notes })
+    Ok(Shapes { all: lines, scale, notes })
 }
 
 /// The points of a list x1, y1, x2, y2, …; `None` if it is not that.
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
-        super::read(bytes, name, None).map(|lines| lines.shapes)
+        super::read(bytes, name, None).map(|lines| lines.all)
     }
 
     /// A drawing in millimetres with a hole, a note and a polyline of the older kind.
@@ -86,9 +86,9 @@ mod tests {
             lines.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
         };
         let of = super::read(drawing("4", "").as_bytes(), "a.dxf", None).expect("lines");
-        assert_eq!(of.shapes.len(), 37);
+        assert_eq!(of.all.len(), 37);
         let expected = 36.0 * libm::sin(5.0_f64.to_radians()) + 2.0;
-        assert!((length(&of.shapes) - expected).abs() < 1e-9, "{}", length(&of.shapes));
+        assert!((length(&of.all) - expected).abs() < 1e-9, "{}", length(&of.all));
         let notes = of.notes.join("\n");
         for part in
             ["a.dxf: not used: 1 TEXT;", "its unit is millimetres ($INSUNITS), so that 1 of it is 0.001 m"]
@@ -96,7 +96,7 @@ mod tests {
             assert!(notes.contains(part), "{notes}");
         }
         let of = super::read(drawing("4", "").as_bytes(), "a.dxf", Some(0.1)).expect("lines");
-        assert!((length(&of.shapes) - 100.0 * expected).abs() < 1e-9);
+        assert!((length(&of.all) - 100.0 * expected).abs() < 1e-9);
         assert_eq!(of.notes.len(), 1, "the model says the unit: {:?}", of.notes);
         for (unit, more, part) in [
             ("15", "", "$INSUNITS 15, is not known here: say scale"),
@@ -136,7 +136,7 @@ mod tests {
         };
         let without = r#"{"type":"Feature","properties":{},"geometry":null}"#;
         let of = super::read(file(without).as_bytes(), "a.geojson", None).expect("lines");
-        assert_eq!(of.shapes, [[[0.0, 1.0], [2.0, 3.0]]]);
+        assert_eq!(of.all, [[[0.0, 1.0], [2.0, 3.0]]]);
         let note =
             "a.geojson: not used: 1 Point, 1 Feature without geometry; LineString and MultiLineString are";
         assert_eq!(of.notes, [note]);

@@ -32,7 +32,7 @@ pub(crate) struct ShapeForm<T> {
 
 /// The shapes of a file.
 pub(crate) struct Shapes<T> {
-    pub(crate) shapes: Vec<T>,
+    pub(crate) all: Vec<T>,
     /// Length of the unit of the file that was taken, m.
     pub(crate) scale: f64,
     /// Notes on how the file was read.
@@ -66,7 +66,7 @@ pub(crate) fn read<T>(
             of_geojson(&value, form)
         }
         _ => rows(text, form.row, (form.row_is, form.columns, "m")).map(|shapes| Shapes {
-            shapes,
+            all: shapes,
             scale: 1.0,
             notes: Vec::new(),
         }),
@@ -74,7 +74,7 @@ pub(crate) fn read<T>(
     let mut shapes = shapes.map_err(in_file)?;
     shapes.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
     shapes.scale = scale.unwrap_or(1.0);
-    scaled(&mut shapes.shapes, shapes.scale, form);
+    scaled(&mut shapes.all, shapes.scale, form);
     Ok(shapes)
 }
 
@@ -89,7 +89,7 @@ fn of_geojson<T>(value: &Value, form: &ShapeForm<T>) -> Result<Shapes<T>, String
     let notes: Vec<String> = not_used(&unused, form.geometries).into_iter().collect();
     match notes.first() {
         Some(note) if shapes.is_empty() => Err(note.clone()),
-        _ => Ok(Shapes { shapes, scale: 1.0, notes }),
+        _ => Ok(Shapes { all: shapes, scale: 1.0, notes }),
     }
 }
 
@@ -144,7 +144,7 @@ fn of_drawing<T>(
         },
     };
     scaled(&mut shapes, scale, form);
-    Ok(Shapes { shapes, scale, notes })
+    Ok(Shapes { all: shapes, scale, notes })
 }
 
 /// One shape a row, which `of` makes of its numbers. A first row of words is a heading, which has to name
