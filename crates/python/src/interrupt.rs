@@ -70,7 +70,7 @@ fn attend(py: Python<'_>, is_long: bool, stop: &Stop, work: &mut (dyn FnMut() + 
 /// Runs `work`, which owns all that it reads, without the interpreter's lock.
 ///
 /// It runs on another thread while this one runs the handlers of signals. When one of them raises, the
-/// exception is raised at once; the work goes on without anybody who waits for it, and its result is dropped.
+/// exception is raised at once; the thread continues to the end of the work, whose result is dropped.
 /// This is for work that cannot be stopped midway, and that changes nothing outside.
 ///
 /// # Errors

@@ -16,7 +16,7 @@
 //! `python/fdem` checks and converts arguments and holds the documented interface. The extension module in
 //! `src` borrows arrays in C order, searches without the interpreter's lock, and moves its results into NumPy
 //! arrays. Couples are one array of two columns, with `i` and `j` as views, because splitting them would take
-//! a fifth of a search. Long searches run on another thread while the caller's thread watches for signals.
+//! a fifth of a search. Long work runs on another thread while the caller's thread watches for signals.
 //! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A
 //! search reuses the memory of the last one (`src/last_search.rs`), which saves a third of the time.
 //!
