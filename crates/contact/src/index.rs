@@ -188,8 +188,8 @@ impl<T: Real, const D: usize> Index<T, D> {
         Ok(self)
     }
 
-    /// The same, but [`Index::build`] ends with [`Error::Stopped`](crate::Error::Stopped) soon after `stop` is
-    /// set, as with [`Detector::stopped_by`](crate::Detector::stopped_by); then the index is not built.
+    /// The same, but [`Index::build`] ends with [`Error::Stopped`] soon after `stop` is set, as with
+    /// [`Detector::stopped_by`](crate::Detector::stopped_by); then the index is not built.
     /// Questions run to their end.
     #[must_use]
     pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Runs `work` on each of `tasks`, on up to `threads` threads; 0 is one thread for each processor. Once `stop`
-/// is set, no more tasks begin.
+/// Runs `work` on each of `tasks`, on up to `threads` threads; 0 is one thread for each processor. Once
+/// `stop` is set, no more tasks begin.
 pub(crate) fn run<T: Send>(
     (threads, stop): (usize, &AtomicBool),
     tasks: impl ExactSizeIterator<Item = T> + Send,

@@ -70,8 +70,8 @@ impl Ord for Hit {
 
 impl Tree {
     /// Sorts `points`, rows of `dimensions` finite numbers; where `sides` are positive the numbers are at
-    /// least 0 and below them. Leaves have up to `leaf` points. Once `stop` is set, the rest stays unsorted, and
-    /// the tree must not be used.
+    /// least 0 and below them. Leaves have up to `leaf` points. Once `stop` is set, the rest stays unsorted,
+    /// and the tree must not be used.
     pub(crate) fn new(
         points: &[f64],
         dimensions: usize,

@@ -201,7 +201,7 @@ impl fmt::Display for ModelError {
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
             }
             Self::FractureEnergy { material, element, least, sliding } => {
-                let Mode { of, numeral, .. } = Mode::new(*sliding);
+                let ModeWords { of, numeral, .. } = ModeWords::new(*sliding);
                 write!(
                     out,
                     "material '{material}': joints at element {element} store more than the fracture energy of {of} before they soften: \
@@ -210,7 +210,7 @@ impl fmt::Display for ModelError {
                 )
             }
             Self::SetEnergy { set, element, least, sliding } => {
-                let Mode { of, numeral, strength, stiffness } = Mode::new(*sliding);
+                let ModeWords { of, numeral, strength, stiffness } = ModeWords::new(*sliding);
                 write!(
                     out,
                     "joint set '{set}': joints at element {element} store more than the fracture energy of {of} before they soften: \
@@ -235,14 +235,14 @@ impl fmt::Display for ModelError {
 impl std::error::Error for ModelError {}
 
 /// Words for a mode of fracture.
-struct Mode {
+struct ModeWords {
     of: &'static str,
     numeral: &'static str,
     strength: &'static str,
     stiffness: &'static str,
 }
 
-impl Mode {
+impl ModeWords {
     fn new(sliding: bool) -> Self {
         if sliding {
             Self { of: "sliding", numeral: "ii", strength: "cohesion", stiffness: "shear_stiffness" }

@@ -2,19 +2,19 @@
 
 use fdem_io::numbers::brief;
 
-/// Units that are mistaken for each other: what 1 of the file is in the unit that was taken.
+/// Units that are mistaken for each other: length of one in the other.
 const UNITS: [f64; 4] = [1e-3, 1e3, 1e-2, 1e2];
 
 /// Width over that of the bodies from which, and below one over which, lines are in another unit.
 const UNLIKE: f64 = 10.0;
 
 /// Least and largest coordinates, m.
-pub(crate) type Box = [Vec<f64>; 2];
+pub(crate) type Limits = [Vec<f64>; 2];
 
 /// The box of points; `None` without any.
-pub(crate) fn around(mut points: impl Iterator<Item = Vec<f64>>) -> Option<Box> {
+pub(crate) fn around(mut points: impl Iterator<Item = Vec<f64>>) -> Option<Limits> {
     let first = points.next()?;
-    let with = |[mut low, mut high]: Box, point: Vec<f64>| {
+    let with = |[mut low, mut high]: Limits, point: Vec<f64>| {
         for (axis, x) in point.into_iter().enumerate() {
             low[axis] = low[axis].min(x);
             high[axis] = high[axis].max(x);
@@ -25,12 +25,13 @@ pub(crate) fn around(mut points: impl Iterator<Item = Vec<f64>>) -> Option<Box> 
 }
 
 /// Advice for a set without joints; `None` if its shapes may be in the bodies. `shapes`: box of its lines or
-/// polygons. `bodies`: box of the bodies. `scale`: length of the unit of its file, m; `None` if the set is not
-/// from a file.
-pub(crate) fn advice(shapes: &Box, bodies: &Box, scale: Option<f64>) -> Option<String> {
+/// polygons. `bodies`: box of the bodies. `scale`: length of the unit of its file, m; `None` if the set is
+/// not from a file.
+pub(crate) fn advice(shapes: &Limits, bodies: &Limits, scale: Option<f64>) -> Option<String> {
     let of_bodies = width(bodies);
-    let scaled =
-        |factor: f64| -> Box { shapes.each_ref().map(|corner| corner.iter().map(|x| factor * x).collect()) };
+    let scaled = |factor: f64| -> Limits {
+        shapes.each_ref().map(|corner| corner.iter().map(|x| factor * x).collect())
+    };
     let unlikeness = |factor: f64| (factor * width(shapes) / of_bodies).ln().abs();
     let is_alike = |factor: f64| unlikeness(factor) <= UNLIKE.ln() && meet(&scaled(factor), bodies);
     if is_alike(1.0) {
@@ -56,16 +57,16 @@ pub(crate) fn advice(shapes: &Box, bodies: &Box, scale: Option<f64>) -> Option<S
     Some(format!("the set is {}, and the bodies are {}{unit}", words(shapes), words(bodies)))
 }
 
-fn words([low, high]: &Box) -> String {
+fn words([low, high]: &Limits) -> String {
     let corner = |corner: &[f64]| corner.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
     format!("from [{}] to [{}] m", corner(low), corner(high))
 }
 
-fn width([low, high]: &Box) -> f64 {
+fn width([low, high]: &Limits) -> f64 {
     low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max)
 }
 
-fn meet([low, high]: &Box, [least, most]: &Box) -> bool {
+fn meet([low, high]: &Limits, [least, most]: &Limits) -> bool {
     (0..low.len()).all(|axis| low[axis] <= most[axis] && least[axis] <= high[axis])
 }
 

@@ -121,7 +121,8 @@ mod tests {
         assert_eq!(read(dxf.as_bytes(), "a.dxf"), Ok(vec![line, chain[0], chain[1]]));
     }
 
-    /// Exports have points and labels beside their lines. What could have been meant for a line is refused.
+    /// Exports have points and labels beside their lines. A geometry that could have been meant for a line is
+    /// refused.
     #[test]
     fn points_of_a_geojson_file_are_not_used_and_counted() {
         let feature = |kind: &str, coordinates: &str| {

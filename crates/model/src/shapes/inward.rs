@@ -1,8 +1,6 @@
 //! Surfaces whose triangles point inward.
 
-use crate::shapes::holes;
-
-type Corner = [f64; 3];
+use crate::shapes::holes::{self, Corner};
 
 /// Turns all triangles of a closed surface around if it encloses a negative volume: then they point inward.
 /// Returns a note on that.

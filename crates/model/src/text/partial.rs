@@ -1,8 +1,8 @@
 //! Reads the valid parts of a model file with errors, so that users see all errors together.
 //!
-//! Keys with faults are taken out of their tables. A table that cannot be read without them is replaced by one
-//! that has its name and nothing to complain of. Faults that are found in such a table later, or that follow
-//! from it, are no news.
+//! Keys with faults are taken out of their tables. A table that cannot be read without them is replaced by
+//! one that has its name and nothing to complain of. Faults that are found in such a table later, or that
+//! follow from it, are no news.
 
 use std::ops::Range;
 
@@ -173,8 +173,8 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Takes keys with faults out of a table that comes once, or all of it if it still cannot be read. `rest`:
-    /// keys that it needs.
+    /// Takes keys with faults out of a table that comes once, or all of it if it still cannot be read.
+    /// `rest`: keys that it needs.
     fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str, rest: &[(&str, Value)]) {
         let Some(value) = root.get_mut(name) else { return };
         self.look(Table::one(name));

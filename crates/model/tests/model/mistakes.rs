@@ -691,7 +691,7 @@ fn a_body_with_one_bracket_is_the_only_error() {
     refused(&text, "[body]", &["\"body\" is a table, not a list", "two brackets: [[body]]"]);
 }
 
-/// Other keys of `[model]` count, and what needs a key that has no value is not blamed.
+/// Other keys of `[model]` count, and a table that needs a key without a value is not blamed.
 #[test]
 fn a_wrong_value_of_the_model_brings_no_errors_elsewhere() {
     let rest = "\n[initial]\nground = { k0 = 0.5, surface = 0.5 }\n\

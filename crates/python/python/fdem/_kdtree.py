@@ -484,8 +484,8 @@ class KDTree:
         i = np.repeat(np.arange(self.n, dtype=np.intp), np.diff(offsets))
         if output_type == "dict":
             distances: dict[tuple[int, int], float] = {}
-            for rows in _pieces(len(v)):
-                distances.update(zip(zip(i[rows].tolist(), j[rows].tolist()), v[rows].tolist()))
+            for piece in _pieces(len(v)):
+                distances.update(zip(zip(i[piece].tolist(), j[piece].tolist()), v[piece].tolist()))
             return distances
         if output_type == "ndarray":
             rows = np.empty(len(v), np.dtype([("i", np.intp), ("j", np.intp), ("v", np.float64)], align=True))

@@ -67,8 +67,8 @@ struct Pairs<'a, W, M> {
 impl Tree {
     /// For each of the ascending distances `r` the weight of the pairs that are farther than the distance
     /// before it and not farther than it; the last entry is the weight of pairs that are farther than all.
-    /// The weight of a pair is the product of the weights of its points, 1 where there are none. Once `stop` is
-    /// set, the rest is not counted.
+    /// The weight of a pair is the product of the weights of its points, 1 where there are none. Once `stop`
+    /// is set, the rest is not counted.
     pub(crate) fn count_pairs(
         &self,
         other: &Self,
