@@ -116,8 +116,8 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets
     /// `stop`; the list is then empty.
     ///
-    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements;
-    /// sorting runs to its end. Other engines check it for each element.
+    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements, and
+    /// between the three passes that sort the elements. Other engines check it for each element.
     ///
     /// # Example
     /// ```

@@ -6,6 +6,9 @@ mod part;
 mod rows;
 mod sort;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use crate::couple::{Couple, CrossCouple};
 use crate::csr::Csr;
 use crate::elements::{Bounds, Elements, Shape};
@@ -19,6 +22,7 @@ use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
 use crate::simd::task::Arrays;
 use crate::simd::{Available, Simd};
+use crate::stop::Stop;
 
 use part::PointsPart;
 
@@ -180,8 +184,17 @@ impl<T: Real, const D: usize> Index<T, D> {
     /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate
     /// was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
-        self.pool = Pool::new(threads)?;
+        self.pool = Pool::new(threads)?.stopped_by(self.pool.stop().clone());
         Ok(self)
+    }
+
+    /// The same, but [`Index::build`] ends with [`Error::Stopped`] soon after `stop` is set, as with
+    /// [`Detector::stopped_by`](crate::Detector::stopped_by); then the index is not built.
+    /// Questions run to their end.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.pool = self.pool.stopped_by(Stop::new(stop));
+        self
     }
 
     /// Number of elements; 0 before the index is built.

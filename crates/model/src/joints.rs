@@ -5,6 +5,7 @@ pub(crate) mod geojson;
 pub(crate) mod shape_file;
 pub(crate) mod polylines;
 pub(crate) mod polygons;
+pub(crate) mod off_body;
 pub(crate) mod lines;
 pub(crate) mod planes;
 pub(crate) mod sets;

@@ -345,7 +345,7 @@ impl Checked<'_> {
             time: time_options(file),
         };
         let mut idle = Vec::new();
-        let joint_sets = sets::put(&mut model, &placed, (file, document), &mut idle);
+        let joint_sets = sets::put(&mut model, &placed, (file, document, &lines), &mut idle);
         let (quality, bodies) = (Quality::of(&model.mesh), bodies_of(&placed));
         warnings.extend(notes_of(file, &placed));
         warnings.extend(lines.notes);

@@ -3,6 +3,7 @@
 pub(crate) mod limits;
 pub(crate) mod outline;
 pub(crate) mod holes;
+pub(crate) mod inward;
 pub(crate) mod packing;
 pub(crate) mod extent;
 pub(crate) mod coincident;

@@ -1,6 +1,6 @@
 //! Work without the interpreter's lock, which Ctrl-C ends.
 
-use std::panic::resume_unwind;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -55,12 +55,7 @@ fn attend(py: Python<'_>, is_long: bool, stop: &Stop, work: &mut (dyn FnMut() + 
             let thread = thread::Builder::new().spawn_scoped(scope, work);
             let thread = thread.map_err(|error| Problem::System(format!("no thread can be had: {error}")))?;
             while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
-                #[allow(
-                    clippy::redundant_closure_for_method_calls,
-                    reason = "the method is not general enough"
-                )]
-                let handled = Python::attach(|py| py.check_signals());
-                if let Err(error) = handled {
+                if let Err(error) = handle_signals() {
                     stop.store(true, Ordering::Relaxed);
                     raised.get_or_insert(error);
                 }
@@ -70,4 +65,38 @@ fn attend(py: Python<'_>, is_long: bool, stop: &Stop, work: &mut (dyn FnMut() + 
         })
     })?;
     raised.map_or(Ok(()), Err)
+}
+
+/// Runs `work`, which owns all that it reads, without the interpreter's lock.
+///
+/// It runs on another thread while this one runs the handlers of signals. When one of them raises, the
+/// exception is raised at once; the thread continues to the end of the work, whose result is dropped.
+/// This is for work that cannot be stopped midway, and that changes nothing outside.
+///
+/// # Errors
+/// The exception that a handler raised, or that no thread can be had.
+pub(crate) fn leave<R: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> PyResult<R> {
+    let (sender, receiver) = channel();
+    // A panic is that of the caller, if there still is one.
+    let work = move || drop(sender.send(catch_unwind(AssertUnwindSafe(work))));
+    let thread = thread::Builder::new().spawn(work);
+    thread.map_err(|error| Problem::System(format!("no thread can be had: {error}")))?;
+    py.detach(move || {
+        loop {
+            match receiver.recv_timeout(PERIOD) {
+                Ok(done) => return Ok(done.unwrap_or_else(|panic| resume_unwind(panic))),
+                Err(RecvTimeoutError::Timeout) => handle_signals()?,
+                Err(RecvTimeoutError::Disconnected) => unreachable!("the work sends its result"),
+            }
+        }
+    })
+}
+
+/// Runs the handlers of signals that have come.
+fn handle_signals() -> PyResult<()> {
+    #[allow(clippy::redundant_closure_for_method_calls, reason = "the method is not general enough")]
+    Python::attach(|py| py.check_signals())
 }

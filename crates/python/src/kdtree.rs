@@ -1,5 +1,7 @@
 //! The k-d tree as Python has it.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
@@ -9,6 +11,7 @@ use pyo3::prelude::*;
 use crate::interrupt::{self, Stop};
 use crate::number::entries_of;
 use crate::problem::{Problem, zeros};
+use crate::search::is_long;
 use crate::tasks;
 use crate::tree::{Hit, Norm, Tree};
 
@@ -78,8 +81,8 @@ impl PyTree {
             )
             .into());
         }
-        let tree =
-            interrupt::run(py, false, &Stop::default(), || Tree::new(values, dimensions, &sides, leaf))?;
+        let (stop, is_long) = (Stop::default(), is_long(points.shape()[0]));
+        let tree = interrupt::run(py, is_long, &stop, || Tree::new(values, dimensions, &sides, leaf, &stop))?;
         Ok(Self { tree, dimensions })
     }
 
@@ -95,13 +98,14 @@ impl PyTree {
         threads: usize,
     ) -> PyResult<Nearest<'py>> {
         let (norm, values, rows) = (norm_of(p)?, self.rows_of(&at)?, at.shape()[0]);
-        let (distances, numbers) = interrupt::run(py, false, &Stop::default(), || {
+        let stop = Stop::default();
+        let (distances, numbers) = interrupt::run(py, is_long(rows), &stop, || {
             let mut distances = zeros::<f64>(rows.saturating_mul(k))?;
             let mut numbers = zeros::<i64>(rows.saturating_mul(k))?;
             let parts = values
                 .chunks(CHUNK * self.dimensions)
                 .zip(distances.chunks_mut((CHUNK * k).max(1)).zip(numbers.chunks_mut((CHUNK * k).max(1))));
-            tasks::run(threads, parts, |(at, (distances, numbers))| {
+            tasks::run((threads, &stop), parts, |(at, (distances, numbers))| {
                 distances.fill(f64::INFINITY);
                 numbers.fill(self.tree.len().cast_signed() as i64);
                 let rows = distances.chunks_mut(k.max(1)).zip(numbers.chunks_mut(k.max(1)));
@@ -174,18 +178,25 @@ impl PyTree {
         threads: usize,
     ) -> PyResult<Within<'py>> {
         let (norm, values, radii) = (norm_of(p)?, self.rows_of(&at)?, entries_of(&r)?);
-        let (offsets, numbers, distances) = interrupt::run(py, false, &Stop::default(), || {
+        let (stop, is_long) = (Stop::default(), is_long(radii.len().max(self.tree.len())));
+        let (offsets, numbers, distances) = interrupt::run(py, is_long, &stop, || {
             let mut found: Vec<(Vec<usize>, Vec<Hit>)> =
                 vec![Default::default(); radii.len().div_ceil(CHUNK)];
             let parts = values.chunks(CHUNK * self.dimensions).zip(radii.chunks(CHUNK)).zip(&mut found);
-            tasks::run(threads, parts, |((at, radii), (counts, hits))| {
+            tasks::run((threads, &stop), parts, |((at, radii), (counts, hits))| {
                 for (at, &r) in at.chunks(self.dimensions).zip(radii) {
+                    if stop.load(Relaxed) {
+                        break;
+                    }
                     let start = hits.len();
                     self.tree.within(norm, at, r, &mut |hit| hits.push(hit));
                     hits[start..].sort_unstable_by_key(|hit| hit.number);
                     counts.push(hits.len() - start);
                 }
             });
+            if stop.load(Relaxed) {
+                return Ok(<(Vec<i64>, Vec<i64>, Vec<f64>)>::default());
+            }
             let len = found.iter().map(|(_, hits)| hits.len()).sum();
             let (mut offsets, mut end) = (zeros::<i64>(radii.len() + 1)?, 0);
             let counts = found.iter().flat_map(|(counts, _)| counts);
@@ -213,11 +224,12 @@ impl PyTree {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (norm, values, radii) = (norm_of(p)?, self.rows_of(&at)?, entries_of(&r)?);
-        let counts = interrupt::run(py, false, &Stop::default(), || {
+        let (stop, is_long) = (Stop::default(), is_long(radii.len().max(self.tree.len())));
+        let counts = interrupt::run(py, is_long, &stop, || {
             let mut counts = zeros::<i64>(radii.len())?;
             let parts =
                 values.chunks(CHUNK * self.dimensions).zip(radii.chunks(CHUNK)).zip(counts.chunks_mut(CHUNK));
-            tasks::run(threads, parts, |((at, radii), counts)| {
+            tasks::run((threads, &stop), parts, |((at, radii), counts)| {
                 for ((at, &r), count) in at.chunks(self.dimensions).zip(radii).zip(counts) {
                     *count = self.tree.count_within(norm, at, r).cast_signed() as i64;
                 }
@@ -251,8 +263,9 @@ impl PyTree {
             )
             .into());
         }
-        let mut counts = interrupt::run(py, false, &Stop::default(), || {
-            self.tree.count_pairs(&other.tree, norm, radii, [weights, other_weights])
+        let (stop, is_long) = (Stop::default(), is_long(self.tree.len().max(other.tree.len())));
+        let mut counts = interrupt::run(py, is_long, &stop, || {
+            self.tree.count_pairs(&other.tree, norm, radii, [weights, other_weights], &stop)
         })?;
         counts.truncate(radii.len());
         Ok(counts.into_pyarray(py))

@@ -16,7 +16,7 @@
 //! `python/fdem` checks and converts arguments and holds the documented interface. The extension module in
 //! `src` borrows arrays in C order, searches without the interpreter's lock, and moves its results into NumPy
 //! arrays. Couples are one array of two columns, with `i` and `j` as views, because splitting them would take
-//! a fifth of a search. Long searches run on another thread while the caller's thread watches for signals.
+//! a fifth of a search. Long work runs on another thread while the caller's thread watches for signals.
 //! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A
 //! search reuses the memory of the last one (`src/last_search.rs`), which saves a third of the time.
 //!
@@ -70,6 +70,7 @@ mod tree;
 
 use std::ffi::OsString;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 /// Runs the command line `arguments`, of which the first is the program's name, and returns its exit code.
@@ -80,6 +81,8 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 
 #[pymodule]
 fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    // Looks NumPy up now: at the first array, Ctrl-C would end that in a panic.
+    PyArray1::<f64>::zeros(module.py(), 0, false);
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<elements::Elements>()?;
     module.add_class::<buffered::Buffered>()?;

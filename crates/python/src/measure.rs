@@ -9,15 +9,19 @@ use crate::elements::{Elements, Set, SetSizes};
 use crate::interrupt::{self, Stop};
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
-use crate::search::{FoundPairs, into_pairs, threads_for};
+use crate::search::{FoundPairs, into_pairs, is_long, threads_for};
 use crate::tasks;
 
 /// Couples that a thread measures at a time: enough to be worth a thread.
 const PART: usize = 1 << 15;
 
-/// Fills `values` on up to `threads` threads; `value` gets the place of the value.
-fn fill<V: Copy + Send>(values: &mut [V], threads: usize, value: impl Fn(usize) -> V + Sync) {
-    tasks::run(threads, values.chunks_mut(PART).enumerate(), |(part, values)| {
+/// Fills `values` on up to `threads` threads, until `stop` is set; `value` gets the place of the value.
+fn fill<V: Copy + Send>(
+    values: &mut [V],
+    (threads, stop): (usize, &Stop),
+    value: impl Fn(usize) -> V + Sync,
+) {
+    tasks::run((threads, stop), values.chunks_mut(PART).enumerate(), |(part, values)| {
         values.iter_mut().zip(part * PART..).for_each(|(to, place)| *to = value(place));
     });
 }
@@ -152,7 +156,7 @@ pub(crate) fn measure<'py>(
             pairs: rows_of(&pairs)?,
             shifts: rows_of(&shifts)?,
         };
-        let values = interrupt::run(py, false, &stop, || {
+        let values = interrupt::run(py, is_long(couples.pairs.len()), &stop, || {
             couples.check()?;
             let n = couples.set.points.len();
             if let SetSizes::Each(radii) = couples.set.sizes && radii.len() != n {
@@ -161,9 +165,9 @@ pub(crate) fn measure<'py>(
             let mut values = zeros::<T>(couples.pairs.len())?;
             let threads = threads_for(threads, couples.pairs.len());
             if overlap {
-                fill(&mut values, threads, |couple| couples.overlap(couple));
+                fill(&mut values, (threads, &stop), |couple| couples.overlap(couple));
             } else {
-                fill(&mut values, threads, |couple| couples.distance(couple));
+                fill(&mut values, (threads, &stop), |couple| couples.distance(couple));
             }
             Ok(values)
         })?;

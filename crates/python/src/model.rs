@@ -10,6 +10,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
+use crate::interrupt;
+
 /// A model that has passed all checks.
 #[pyclass(frozen, module = "fdem._fdem", name = "Ready")]
 pub(crate) struct PyReady(pub(crate) Arc<Ready>);
@@ -65,10 +67,10 @@ impl PyReady {
     #[new]
     #[pyo3(signature = (text, name, place))]
     fn new(py: Python<'_>, text: Option<String>, name: String, place: PathBuf) -> PyResult<Self> {
-        let ready = py.detach(|| match text {
+        let ready = interrupt::leave(py, move || match text {
             Some(text) => Ready::new(text, &name, &place),
             None => Ready::read(&place),
-        });
+        })?;
         ready.map(|ready| Self(Arc::new(ready))).map_err(PyValueError::new_err)
     }
 

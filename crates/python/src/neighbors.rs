@@ -251,12 +251,12 @@ fn deal<M: Measure, C: TwoSided<M>>(
     couples: &[C],
     atoms: &Atoms<'_>,
     buckets: Buckets,
-    threads: usize,
+    (threads, stop): (usize, &Stop),
 ) -> Result<Vec<Dealt<C::Side>>, Problem> {
     let chunks = couples.len().div_ceil(CHUNK);
     let mut dealt: Vec<_> =
         (0..chunks).map(|_| Ok(Dealt { neighbours: Vec::new(), starts: Vec::new() })).collect();
-    tasks::run(threads, couples.chunks(CHUNK).zip(&mut dealt), |(couples, dealt)| {
+    tasks::run((threads, stop), couples.chunks(CHUNK).zip(&mut dealt), |(couples, dealt)| {
         *dealt = deal_chunk(couples, atoms, buckets);
     });
     dealt.into_iter().collect()
@@ -431,8 +431,8 @@ fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<De
     }
     couples.truncate(plain);
     Ok(DealtOut {
-        plain: deal::<M, _>(&couples, atoms, buckets, threads)?,
-        shifted: deal::<M, _>(&shifted, atoms, buckets, threads)?,
+        plain: deal::<M, _>(&couples, atoms, buckets, (threads, stop))?,
+        shifted: deal::<M, _>(&shifted, atoms, buckets, (threads, stop))?,
         buckets,
     })
 }
@@ -539,11 +539,11 @@ fn listed<'py, M: Measure>(
                 .transpose()?
                 .map(|rows| rows.as_chunks_mut().0),
         };
-        interrupt::run(py, false, &stop, || {
+        interrupt::run(py, true, &stop, || {
             let parts: Vec<_> =
                 (0..buckets).map(|bucket| (bucket, columns.split_off(found.len(bucket, atoms)))).collect();
             let problem = Mutex::new(None);
-            tasks::run(threads, parts.into_iter(), |(bucket, mut columns)| {
+            tasks::run((threads, &stop), parts.into_iter(), |(bucket, mut columns)| {
                 if let Err(error) = found.write(bucket, atoms, &mut columns) {
                     *problem.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
                 }

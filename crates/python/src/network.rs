@@ -77,24 +77,26 @@ impl<const D: usize> Owned<D> {
     }
 }
 
-/// Does `work` on the network of these contacts, without the interpreter's lock.
-fn on_network<T: Number, const D: usize, R: Send>(
+/// Does `work` on a copy of the network of these contacts, without the interpreter's lock.
+fn on_network<T: Number, const D: usize, R: Send + 'static>(
     py: Python<'_>,
     elements: &Elements,
     pairs: &PyReadonlyArray2<'_, u32>,
     shifts: &PyReadonlyArray2<'_, i32>,
-    work: impl FnOnce(&Network<'_, D>) -> Result<R, Problem> + Send,
+    work: impl FnOnce(&Network<'_, D>) -> Result<R, Problem> + Send + 'static,
 ) -> PyResult<R> {
     let held = elements.hold::<T>(py)?;
     elements.check_unchanged(&held)?;
     let set = held.set::<D>(elements)?;
     let cell = elements.cell::<f64, D>()?;
     let (pairs, shifts) = (rows_of(pairs)?, rows_of(shifts)?);
-    interrupt::run(py, false, &Stop::default(), || {
-        let owned = Owned::new(&set, pairs, shifts, cell.is_some())?;
+    let copy = || Owned::new(&set, pairs, shifts, cell.is_some());
+    let owned = interrupt::run(py, false, &Stop::default(), copy)?;
+    let done = interrupt::leave(py, move || {
         let space = Space { centres: &owned.centres, cell };
         work(&Network { space, sizes: owned.sizes(), couples: &owned.couples, forces: None })
-    })
+    })?;
+    Ok(done?)
 }
 
 /// The analysis as JSON; the number of contacts, the cluster, whether it is a rattler, and the void ratio if
@@ -127,7 +129,7 @@ pub(crate) fn analyse<'py>(
         let inner = inner.map(<[[f64; 2]; D]>::try_from).transpose();
         let inner = inner.map_err(|_| Problem::Arguments(format!("inner must have two limits for each of {D} axes")))?;
         let options = Options { min_contacts, inner, radial, voids, threads: 0 };
-        on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
+        on_network::<T, D, _>(py, elements, &pairs, &shifts, move |network| {
             let analysis = analysed(network, &options).map_err(|error| Problem::Arguments(error.to_string()))?;
             let json = serde_json::to_string(&analysis).map_err(|error| Problem::System(error.to_string()))?;
             let Analysis { coordination, clusters, without_rattlers, voids, .. } = analysis;
@@ -149,7 +151,7 @@ pub(crate) fn file<'py>(
     name: PathBuf,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let bytes = with_kind!(elements.kind, T, D => {
-        on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
+        on_network::<T, D, _>(py, elements, &pairs, &shifts, move |network| {
             network_file(network, &name).map_err(Problem::Arguments)
         })?
     });
@@ -166,15 +168,15 @@ pub(crate) fn draw<'py>(
     elements: &Elements,
     pairs: PyReadonlyArray2<'py, u32>,
     shifts: PyReadonlyArray2<'py, i32>,
-    what: &str,
-    form: &str,
-    title: &str,
+    what: String,
+    form: String,
+    title: String,
     width: Option<u32>,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    let caption = Caption { title, unit: None };
     let bytes = with_kind!(elements.kind, T, D => {
-        on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
-            match (what, form) {
+        on_network::<T, D, _>(py, elements, &pairs, &shifts, move |network| {
+            let caption = Caption { title: &title, unit: None };
+            match (&what[..], &form[..]) {
                 ("picture", "svg") => picture::svg(network, &caption).map(String::into_bytes),
                 ("picture", "png") => picture::png(network, &caption, width),
                 ("plots", "svg") => picture::plots_svg(network, &caption).map(String::into_bytes),

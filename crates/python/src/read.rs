@@ -1,6 +1,7 @@
 //! Files of packings and meshes.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use fdem::pieces::FilesBeside;
@@ -10,7 +11,10 @@ use fdem_io::{
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyDict;
+
+use crate::interrupt;
 
 /// The content of a file: "packing" or "mesh", and its columns.
 type Read<'py> = (&'static str, Bound<'py, PyDict>);
@@ -22,18 +26,17 @@ type Read<'py> = (&'static str, Bound<'py, PyDict>);
 #[allow(clippy::too_many_arguments, reason = "one for each option")]
 pub(crate) fn read<'py>(
     py: Python<'py>,
-    bytes: &[u8],
-    name: &str,
+    bytes: PyBackedBytes,
+    name: String,
     format: Option<&str>,
     frame: Option<isize>,
     columns: Option<&str>,
     bodies: Option<String>,
     skip_bad_lines: bool,
 ) -> PyResult<Read<'py>> {
-    let frames = Frames::new(py, bytes, name.to_owned(), format, columns, bodies, skip_bad_lines);
-    let frames = match frames {
-        Err(Unopened::Mesh(bytes)) if frame.is_none() => return Ok(("mesh", read_mesh(py, &bytes, name)?)),
-        frames => frames.map_err(|unopened| unopened.refused(name, CHOICES))?,
+    let frames = match Frames::new(py, bytes, &name, format, columns, bodies, skip_bad_lines)? {
+        Err(Unopened::Mesh(bytes)) if frame.is_none() => return Ok(("mesh", read_mesh(py, bytes, name)?)),
+        frames => frames.map_err(|unopened| unopened.refused(&name, CHOICES))?,
     };
     let count = frames.__len__();
     let frame = match frame {
@@ -51,7 +54,11 @@ pub(crate) fn read<'py>(
 /// The frames of a file of packings, each of which is read when it is asked for.
 #[pyclass(frozen, module = "fdem._fdem")]
 #[derive(Debug)]
-pub(crate) struct Frames {
+pub(crate) struct Frames(Arc<Content>);
+
+/// The content of a file of packings.
+#[derive(Debug)]
+struct Content {
     bytes: Vec<u8>,
     index: FrameIndex,
     /// The files that it lists, if it is a collection.
@@ -80,46 +87,66 @@ impl Unopened {
     }
 }
 
-impl Frames {
+impl Content {
+    /// Opens the bytes of a file. `format`: that of the file, if it is given.
     fn new(
-        py: Python<'_>,
         bytes: &[u8],
         name: String,
-        format: Option<&str>,
-        columns: Option<&str>,
-        bodies: Option<String>,
-        skip_bad_lines: bool,
+        format: Option<PackingFormat>,
+        options: ReadOptions,
     ) -> Result<Self, Unopened> {
-        let refused = |error: &str| Unopened::Refused(PyValueError::new_err(format!("{name}: {error}")));
         let unread = |error: ReadError| Unopened::Refused(PyValueError::new_err(unreadable(&name, &error)));
-        let format = format.map(str::parse::<PackingFormat>).transpose();
-        let format = format.map_err(|error| refused(&error))?;
-        let columns = columns.map(str::parse).transpose();
-        let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(&error.to_string()))?;
-        let has_choices = columns.is_some() || bodies.is_some();
-        let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies, types: None };
-
-        let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unread)?.0.into_owned();
+        let has_choices = options.columns.is_some() || options.bodies.is_some();
+        let bytes = unpack(bytes.into(), |_| true).map_err(unread)?.0.into_owned();
         let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
         if format.is_none() && matches!(FileKind::of(&bytes, bare).map_err(unread)?, FileKind::Mesh(_)) {
             let mesh = Unopened::Mesh(bytes);
             return Err(if has_choices { Unopened::Refused(mesh.refused(&name, CHOICES)) } else { mesh });
         }
         let files = FilesBeside::new(Path::new(&name), None);
-        let index = py.detach(|| {
-            let may_list = matches!(format, None | Some(PackingFormat::VtkXml));
-            let collection = if may_list { Series::of_collection(&bytes, &files)? } else { None };
-            match collection {
-                Some(series) => Ok((series.index(), true)),
-                None => Series::open(&bytes, bare, format).map(|series| (series.index(), false)),
-            }
-        });
-        let (index, is_collection) = index.map_err(unread)?;
+        let may_list = matches!(format, None | Some(PackingFormat::VtkXml));
+        let collection = if may_list { Series::of_collection(&bytes, &files) } else { Ok(None) };
+        let is_collection = matches!(collection, Ok(Some(_)));
+        let index = match collection.map_err(unread)? {
+            Some(series) => series.index(),
+            None => Series::open(&bytes, bare, format).map_err(unread)?.index(),
+        };
         Ok(Self { bytes, index, pieces: is_collection.then_some(files), name, options })
     }
 
+    /// Reads a frame.
+    fn read(&self, frame: usize) -> Result<Packing, ReadError> {
+        let Self { bytes, index, pieces, options, .. } = self;
+        let collection = pieces.as_ref().map(|files| Series::of_collection(bytes, files)).transpose()?;
+        let series = collection.flatten().unwrap_or_else(|| Series::of_index(bytes, index.clone()));
+        series.read(frame, options, &AtomicU64::new(0))
+    }
+}
+
+impl Frames {
+    /// Opens the bytes of a file; the outer error is the exception of a handler of signals.
+    fn new(
+        py: Python<'_>,
+        bytes: PyBackedBytes,
+        name: &str,
+        format: Option<&str>,
+        columns: Option<&str>,
+        bodies: Option<String>,
+        skip_bad_lines: bool,
+    ) -> PyResult<Result<Self, Unopened>> {
+        let refused = |error: &str| PyValueError::new_err(format!("{name}: {error}"));
+        let format = format.map(str::parse::<PackingFormat>).transpose();
+        let format = format.map_err(|error| refused(&error))?;
+        let columns = columns.map(str::parse).transpose();
+        let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(&error.to_string()))?;
+        let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies, types: None };
+        let name = name.to_owned();
+        let content = interrupt::leave(py, move || Content::new(&bytes, name, format, options))?;
+        Ok(content.map(|content| Self(Arc::new(content))))
+    }
+
     fn refused(&self, error: &str) -> PyErr {
-        PyValueError::new_err(format!("{}: {error}", self.name))
+        PyValueError::new_err(format!("{}: {error}", self.0.name))
     }
 }
 
@@ -128,32 +155,29 @@ impl Frames {
     #[new]
     fn opened(
         py: Python<'_>,
-        bytes: &[u8],
-        name: String,
+        bytes: PyBackedBytes,
+        name: &str,
         format: Option<&str>,
         columns: Option<&str>,
         bodies: Option<String>,
         skip_bad_lines: bool,
     ) -> PyResult<Self> {
-        let frames = Self::new(py, bytes, name.clone(), format, columns, bodies, skip_bad_lines);
-        frames.map_err(|unopened| unopened.refused(&name, "frames"))
+        let frames = Self::new(py, bytes, name, format, columns, bodies, skip_bad_lines)?;
+        frames.map_err(|unopened| unopened.refused(name, "frames"))
     }
 
     fn __len__(&self) -> usize {
-        self.index.frames()
+        self.0.index.frames()
     }
 
     /// The columns of a frame, counted from 0.
     fn read<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Bound<'py, PyDict>> {
-        let Self { bytes, index, pieces, name, options } = self;
+        let Content { index, name, options, .. } = &*self.0;
         if frame >= index.frames() {
             return Err(self.refused(&format!("there is no frame {frame} among {}", index.frames())));
         }
-        let packing = py.detach(|| {
-            let collection = pieces.as_ref().map(|files| Series::of_collection(bytes, files)).transpose()?;
-            let series = collection.flatten().unwrap_or_else(|| Series::of_index(bytes, index.clone()));
-            series.read(frame, options, &AtomicU64::new(0))
-        });
+        let content = Arc::clone(&self.0);
+        let packing = interrupt::leave(py, move || content.read(frame))?;
         let mut packing = packing.map_err(|error| PyValueError::new_err(unreadable(name, &error)))?;
         let unused = packing.source.unused_axis().filter(|_| options.columns.is_none());
         let diameter = packing.radii.iter().flatten().copied().reduce(f64::max).map(|radius| 2.0 * radius);
@@ -207,9 +231,9 @@ fn rows<V: numpy::Element, const D: usize>(py: Python<'_>, rows: Vec<[V; D]>) ->
 }
 
 /// The nodes and elements of a mesh.
-fn read_mesh<'py>(py: Python<'py>, bytes: &[u8], name: &str) -> PyResult<Bound<'py, PyDict>> {
+fn read_mesh(py: Python<'_>, bytes: Vec<u8>, name: String) -> PyResult<Bound<'_, PyDict>> {
     let mut load = |path: &str| std::fs::read(path).map_err(|error| error.to_string());
-    let mesh = py.detach(|| fdem_io::read_mesh_with(bytes, name, &mut load));
+    let mesh = interrupt::leave(py, move || fdem_io::read_mesh_with(&bytes, &name, &mut load))?;
     let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let found = PyDict::new(py);
     let names: Vec<_> = mesh.bodies.iter().map(|body| (body.number, body.name.clone())).collect();

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::fields::values;
+use crate::interrupt;
 use crate::model::{PyReady, about, described};
 use crate::number::rows_of;
 
@@ -104,12 +105,14 @@ impl PyRun {
     #[pyo3(signature = (model, threads, earlier))]
     fn new(py: Python<'_>, model: &PyReady, threads: usize, earlier: Option<PathBuf>) -> PyResult<Self> {
         let ready = model.0.clone();
-        py.detach(|| ready.begin(threads, earlier.as_deref())).map(Self).map_err(PyValueError::new_err)
+        let run = interrupt::leave(py, move || ready.begin(threads, earlier.as_deref()))?;
+        run.map(Self).map_err(PyValueError::new_err)
     }
 
     #[staticmethod]
     fn resume(py: Python<'_>, path: PathBuf, threads: usize) -> PyResult<Self> {
-        py.detach(|| AnySession::resume(&path, threads)).map(Self).map_err(PyValueError::new_err)
+        let run = interrupt::leave(py, move || AnySession::resume(&path, threads))?;
+        run.map(Self).map_err(PyValueError::new_err)
     }
 
     /// Takes the given number of steps, or fewer if the run is over before, without the interpreter's lock.

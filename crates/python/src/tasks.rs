@@ -1,12 +1,14 @@
 //! Independent tasks on several threads.
 
 use std::num::NonZero;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Runs `work` on each of `tasks`, on up to `threads` threads; 0 is one thread for each processor.
+/// Runs `work` on each of `tasks`, on up to `threads` threads; 0 is one thread for each processor. Once
+/// `stop` is set, no more tasks begin.
 pub(crate) fn run<T: Send>(
-    threads: usize,
+    (threads, stop): (usize, &AtomicBool),
     tasks: impl ExactSizeIterator<Item = T> + Send,
     work: impl Fn(T) + Sync,
 ) {
@@ -18,7 +20,9 @@ pub(crate) fn run<T: Send>(
     let waiting = Mutex::new(tasks);
     let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
     let all = || {
-        while let Some(task) = next() {
+        while !stop.load(Ordering::Relaxed)
+            && let Some(task) = next()
+        {
             work(task);
         }
     };

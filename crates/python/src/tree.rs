@@ -12,6 +12,8 @@ mod norm;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 
 use crate::problem::{Problem, zeros};
 use metric::{Metric, with_metric};
@@ -68,12 +70,14 @@ impl Ord for Hit {
 
 impl Tree {
     /// Sorts `points`, rows of `dimensions` finite numbers; where `sides` are positive the numbers are at
-    /// least 0 and below them. Leaves have up to `leaf` points.
+    /// least 0 and below them. Leaves have up to `leaf` points. Once `stop` is set, the rest stays unsorted,
+    /// and the tree must not be used.
     pub(crate) fn new(
         points: &[f64],
         dimensions: usize,
         sides: &[f64],
         leaf: usize,
+        stop: &AtomicBool,
     ) -> Result<Self, Problem> {
         let n = points.len().checked_div(dimensions).unwrap_or(0);
         let too_many = || Problem::Arguments(format!("{n} points are too many"));
@@ -94,10 +98,13 @@ impl Tree {
         };
         if n > 0 {
             let mut numbers = std::mem::take(&mut tree.numbers);
-            tree.split(points, &mut numbers, 0);
+            tree.split(points, &mut numbers, 0, stop);
             tree.numbers = numbers;
         }
         for (row, &number) in tree.points.chunks_exact_mut(dimensions.max(1)).zip(&tree.numbers) {
+            if stop.load(Relaxed) {
+                break;
+            }
             row.copy_from_slice(&points[number as usize * dimensions..][..dimensions]);
         }
         Ok(tree)
@@ -105,7 +112,10 @@ impl Tree {
 
     /// Adds the node of these points, which start at `start`, and all nodes below it. Every split halves the
     /// points, so the depth is that of a logarithm.
-    fn split(&mut self, points: &[f64], numbers: &mut [u32], start: usize) {
+    fn split(&mut self, points: &[f64], numbers: &mut [u32], start: usize, stop: &AtomicBool) {
+        if stop.load(Relaxed) {
+            return;
+        }
         let dimensions = self.dimensions;
         let at = |number: u32, axis: usize| points[number as usize * dimensions + axis];
         let corner = self.corners.len();
@@ -131,9 +141,9 @@ impl Tree {
             numbers
                 .select_nth_unstable_by(half, |&a, &b| at(a, axis).total_cmp(&at(b, axis)).then(a.cmp(&b)));
             let (left, right) = numbers.split_at_mut(half);
-            self.split(points, left, start);
+            self.split(points, left, start, stop);
             self.nodes[node].right = self.nodes.len() as u32;
-            self.split(points, right, start + half);
+            self.split(points, right, start + half, stop);
         }
     }
 

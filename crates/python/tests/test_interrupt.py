@@ -1,4 +1,4 @@
-"""The interpreter runs while a search runs, and Ctrl-C stops a search."""
+"""The interpreter runs while a search runs, and Ctrl-C stops searches and other long work."""
 
 import signal
 import subprocess
@@ -46,6 +46,61 @@ def test_ctrl_c_ends_a_search(engine, threads):
             print("interrupted")
     """
     run = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "interrupted\n"
+
+
+FINE = """
+[model]
+end_time = 1
+[[body]]
+name = "b"
+material = "m"
+mesh_size = 0.0005
+fine = true
+rectangle = { min = [0, 0], max = [1, 1] }
+[[material]]
+name = "m"
+density = 2000
+youngs_modulus = 1e7
+poissons_ratio = 0.2
+"""
+
+OTHERS = {
+    # A question to a tree, which takes a minute and stops at once.
+    "tree": (
+        "tree = fdem.KDTree(np.random.default_rng(0).random((2_000_000, 3)))",
+        "tree.count_neighbors(tree, np.linspace(0.01, 0.3, 30))",
+    ),
+    # Millions of triangles, which are meshed to the end in the background.
+    "model": (f"text = {FINE!r}", "fdem.Model.from_toml(text)"),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl-C there")
+@pytest.mark.parametrize("work", OTHERS)
+def test_ctrl_c_ends_other_work(work):
+    setup, call = OTHERS[work]
+    program = f"""
+import os, signal, threading, time
+import numpy as np, fdem
+signal.signal(signal.SIGINT, signal.default_int_handler)
+{setup}
+at = []
+def interrupt():
+    time.sleep(1)
+    at.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
+try:
+    {call}
+except KeyboardInterrupt:
+    # A small part of a second, but for a machine that is busy.
+    assert time.perf_counter() - at[0] < 10
+    print("interrupted", flush=True)
+    os._exit(0)
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
     assert run.returncode == 0, run.stderr
     assert run.stdout == "interrupted\n"
 

@@ -148,7 +148,9 @@ impl<const D: usize> JointLaw<D> {
             [false, false] => [OPEN * length; 2],
         };
         match critical.iter().position(|&length| length <= 0.0 || length.is_nan()) {
-            Some(mode) => {
+            Some(place) => {
+                // Without a strength of its own, a mode takes the length of the other one.
+                let mode = if strengths[place] > 0.0 { place } else { 1 - place };
                 let least = 0.5 * strengths[mode] * strengths[mode] / penalty;
                 Err(TooLittle { least, sliding: mode == 1 })
             }
@@ -865,5 +867,15 @@ pub(crate) mod tests {
         let brittle = Strength { energy_ii: 0.4, ..ROCK };
         let refused = JointLaw::<2>::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
         assert_eq!(refused, Err(TooLittle { least: 0.45, sliding: true }));
+    }
+
+    /// The mode without a strength has no energy, and is not the one to name.
+    #[test]
+    fn too_little_energy_is_that_of_the_mode_that_has_a_strength() {
+        let of = |strength: Strength| JointLaw::<2>::new(&strength, 1e13, CriticalOpening::Exact, true, 1.0);
+        let sliding = Strength { tensile: 0.0, energy_i: 0.0, energy_ii: 0.4, ..ROCK };
+        assert_eq!(of(sliding), Err(TooLittle { least: 0.45, sliding: true }));
+        let opening = Strength { cohesion: 0.0, energy_ii: 0.0, energy_i: 0.04, ..ROCK };
+        assert_eq!(of(opening), Err(TooLittle { least: 0.05, sliding: false }));
     }
 }

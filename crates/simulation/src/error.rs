@@ -200,18 +200,22 @@ impl fmt::Display for ModelError {
                 let axis = ["x", "y", "z"][*axis];
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
             }
-            Self::FractureEnergy { material, element, least, sliding } => write!(
-                out,
-                "material '{material}': joints at element {element} store more than the fracture energy of {} before they soften: \
-                 it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive",
-                if *sliding { "sliding" } else { "opening" }
-            ),
+            Self::FractureEnergy { material, element, least, sliding } => {
+                let ModeWords { of, numeral, .. } = ModeWords::new(*sliding);
+                write!(
+                    out,
+                    "material '{material}': joints at element {element} store more than the fracture energy of {of} before they soften: \
+                     fracture_energy_{numeral} must be above {} J/m², or the joint penalty larger, or joints adaptive",
+                    rounded_up(*least)
+                )
+            }
             Self::SetEnergy { set, element, least, sliding } => {
-                let (mode, of) = if *sliding { ("ii", "sliding") } else { ("i", "opening") };
+                let ModeWords { of, numeral, strength, stiffness } = ModeWords::new(*sliding);
                 write!(
                     out,
                     "joint set '{set}': joints at element {element} store more than the fracture energy of {of} before they soften: \
-                     fracture_energy_{mode} must be above {least:.3} J/m², or the stiffness larger"
+                     fracture_energy_{numeral} must be above {strength}²/(2 {stiffness}) = {} J/m², or {stiffness} larger",
+                    rounded_up(*least)
                 )
             }
             Self::Threads { message } => write!(out, "no threads: {message}"),
@@ -229,6 +233,31 @@ impl fmt::Display for ModelError {
 }
 
 impl std::error::Error for ModelError {}
+
+/// Words for a mode of fracture.
+struct ModeWords {
+    of: &'static str,
+    numeral: &'static str,
+    strength: &'static str,
+    stiffness: &'static str,
+}
+
+impl ModeWords {
+    fn new(sliding: bool) -> Self {
+        if sliding {
+            Self { of: "sliding", numeral: "ii", strength: "cohesion", stiffness: "shear_stiffness" }
+        } else {
+            Self { of: "opening", numeral: "i", strength: "tensile_strength", stiffness: "normal_stiffness" }
+        }
+    }
+}
+
+/// A positive number to four digits, rounded up unless the rest is an error of rounding.
+fn rounded_up(number: f64) -> f64 {
+    let digit = libm::pow(10.0, libm::floor(libm::log10(number)) - 3.0);
+    let up = libm::ceil(number / digit - 1e-6) * digit;
+    format!("{up:.3e}").parse().unwrap_or(number)
+}
 
 /// Reason why a run stopped before its end.
 #[derive(Clone, Debug, PartialEq)]

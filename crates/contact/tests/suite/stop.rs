@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use fdem_contact::{Detector, Elements, Engine, Error, PeriodicBox, PeriodicSearch, Search};
+use fdem_contact::{Csr, Detector, Elements, Engine, Error, Index, PeriodicBox, PeriodicSearch, Search};
 
 use crate::ENGINES;
 
@@ -89,4 +89,21 @@ fn a_search_ends_soon_after_it_is_stopped_and_may_run_again() {
             assert_eq!(shifted.len(), 3 * 15 * 16 * 16);
         }
     }
+}
+
+#[test]
+fn an_index_is_not_built_once_it_is_stopped_and_is_built_after_that() {
+    let centres = points(16);
+    let elements = Elements::points(&centres, 1.0).unwrap();
+    let stop = Arc::new(AtomicBool::new(true));
+    let mut index = Index::new().stopped_by(stop.clone()).with_threads(2).unwrap();
+    assert_eq!(index.build(&elements), Err(Error::Stopped));
+    assert_eq!(index.len(), 0);
+    stop.store(false, Ordering::Relaxed);
+    index.build(&elements).unwrap();
+    let (mut plain, mut found, mut expected) = (Index::new(), Csr::new(), Csr::new());
+    plain.build(&elements).unwrap();
+    index.nearest(&centres, 4, &mut found).unwrap();
+    plain.nearest(&centres, 4, &mut expected).unwrap();
+    assert_eq!(found.neighbours(), expected.neighbours());
 }

@@ -210,7 +210,15 @@ fn forces_lines(line: &mut impl FnMut(&str, String) -> fmt::Result, forces: &For
                 format!("[{}]", entries.join(", "))
             };
             let rows: Vec<_> = stress.iter().map(row).collect();
-            line("stress", format!("{}, tension positive; pressure {}", rows.join(", "), brief(pressure)))
+            line(
+                "stress",
+                format!(
+                    "{}, tension positive; pressure {}; V = {}",
+                    rows.join(", "),
+                    brief(pressure),
+                    brief(forces.measure)
+                ),
+            )
         }
         _ => line("stress", "none: the domain has no area or volume".to_owned()),
     }

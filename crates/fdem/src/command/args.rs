@@ -377,9 +377,9 @@ pub(crate) struct InputArguments {
     #[arg(long)]
     pub(crate) skip_bad_lines: bool,
 
-    /// Most memory that a compressed FILE may take, with its elements: bytes, or a number with kB, MB, GB or
-    /// TB, such as `8GB` [default: three quarters of the memory of the machine, or of the limit of the
-    /// process].
+    /// Most memory that FILE may take, with its elements, as estimated from its size before it is read, or
+    /// from its content if it is compressed: bytes, or a number with kB, MB, GB or TB, such as `8GB`
+    /// [default: three quarters of the memory of the machine, or of the limit of the process].
     #[arg(long, value_name = "SIZE", value_parser = memory)]
     pub(crate) max_memory: Option<u64>,
 

@@ -183,13 +183,17 @@ pub(crate) fn open(
 ) -> Result<Opened, Failure> {
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
     let (opened, seconds) = progress.step("opening, bytes", None, |position| {
-        let bytes = read_bytes(file, &name, position)?;
-        let wanted = |start: &[u8]| !is_rubbish(start, bytes.len() as u64, &name);
         let most = max_memory.or_else(memory::default_limit);
+        let bytes = read_bytes(file, &name, most, position)?;
+        let wanted = |start: &[u8]| !is_rubbish(start, bytes.len() as u64, &name);
         // The elements take about as much as the text of their rows.
         let limit = most.map_or(u64::MAX, |most| most.saturating_sub(bytes.len() as u64) / 2);
         let unpacked = unpack_within((&bytes).into(), limit, wanted).map_err(|error| match error {
-            ReadError::TooLarge { compression, bytes, .. } => too_large(&name, compression, bytes, most),
+            ReadError::TooLarge { compression, bytes, .. } => {
+                let content =
+                    format!("the content of this {compression} file has {} MB or more", megabytes(bytes));
+                too_large(&name, &content, bytes.saturating_mul(2), most)
+            }
             error => unreadable(&name, &error),
         })?;
         let unpacked = match unpacked {
@@ -209,16 +213,48 @@ pub(crate) fn open(
     Ok(Opened { name, bytes, kind, seconds, pieces, remarks: RefCell::default() })
 }
 
-/// The failure for content that takes more memory than is allowed.
-fn too_large(name: &str, compression: Compression, content: u64, most: Option<u64>) -> Failure {
-    let megabytes = |bytes: u64| grouped(bytes.div_ceil(1_000_000));
+/// The failure for a file that takes more memory than is allowed. `content`: its size in words; `needed`:
+/// memory for it and its elements, bytes.
+fn too_large(name: &str, content: &str, needed: u64, most: Option<u64>) -> Failure {
     Failure::Unusable(format!(
-        "{name}: the content of this {compression} file has {} MB or more; with its elements it may take {} MB of memory, \
-         and {} MB are allowed: --max-memory SIZE allows more",
-        megabytes(content),
-        megabytes(content.saturating_mul(2)),
+        "{name}: {content}; with its elements it may take {} MB of memory, and {} MB are allowed: --max-memory SIZE \
+         allows more",
+        megabytes(needed),
         megabytes(most.unwrap_or(u64::MAX)),
     ))
+}
+
+fn megabytes(bytes: u64) -> String {
+    grouped(bytes.div_ceil(1_000_000))
+}
+
+/// Memory of an element of a row of text beside the text, bytes: three coordinates, the radius, the
+/// identifier and its body, or four corners and the body.
+const OF_ROW: u64 = 48;
+
+/// Memory for a file of this size that begins with `start`, with its elements, bytes. The numbers of a binary
+/// file are as many bytes again.
+fn needed(start: &[u8], size: u64) -> u64 {
+    if start.contains(&0) || start.is_empty() {
+        return size.saturating_mul(2);
+    }
+    let rows = start.split(|byte| *byte == b'\n').count() as u64;
+    let rows = size.saturating_mul(rows) / start.len() as u64;
+    let rows = elements_of_frame(start).map_or(rows, |elements| elements.min(rows));
+    size.saturating_add(OF_ROW.saturating_mul(rows))
+}
+
+/// Number of elements of the first frame of a LAMMPS dump or an XYZ file: frames are read one by one.
+fn elements_of_frame(start: &[u8]) -> Option<u64> {
+    let head = String::from_utf8_lossy(&start[..start.len().min(1000)]);
+    let mut lines = head.lines().map(str::trim);
+    let first = lines.next()?;
+    let number = if first == "ITEM: TIMESTEP" {
+        lines.skip_while(|line| *line != "ITEM: NUMBER OF ATOMS").nth(1)?
+    } else {
+        first
+    };
+    number.parse().ok()
 }
 
 /// File name without the extension of its compression.
@@ -255,29 +291,51 @@ pub(crate) fn understand(
     Ok(input)
 }
 
-fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {
+/// Reads a file, or standard input, unless it would take more than `most` bytes with its elements.
+fn read_bytes(file: &Path, name: &str, most: Option<u64>, position: &Position) -> Result<Vec<u8>, Failure> {
     let failed = |error: io::Error| Failure::reading(name, &error);
     if is_stdout(file) {
-        return read_all(io::stdin().lock(), 0, name, position).map_err(failed);
+        return read_all(io::stdin().lock(), 0, (name, most), position);
     }
     if file.is_dir() {
         return Err(Failure::Unusable(format!("cannot read {name}: it is a directory")));
     }
     let input = fs::File::open(file).map_err(failed)?;
     let size = input.metadata().map_or(0, |metadata| metadata.len());
-    read_all(input, size, name, position).map_err(failed)
+    read_all(input, size, (name, most), position)
 }
 
 /// Reads to the end. Stops after the first block if it can be neither a packing nor a mesh: `/dev/zero` has
-/// no end.
-fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) -> io::Result<Vec<u8>> {
+/// no end. `size`: that of the file, or 0 if it is not known.
+fn read_all(
+    mut input: impl Read,
+    size: u64,
+    (name, most): (&str, Option<u64>),
+    position: &Position,
+) -> Result<Vec<u8>, Failure> {
+    let failed = |error: io::Error| Failure::reading(name, &error);
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
+    let mut first = 0;
     loop {
-        let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes)?;
+        let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes).map_err(failed)?;
         position.store(bytes.len() as u64, Ordering::Relaxed);
         if read == 0 || (bytes.len() as u64 <= BLOCK && is_rubbish(&bytes, size, name)) {
             return Ok(bytes);
+        }
+        if first == 0 {
+            first = read;
+        }
+        let or_more = if size == 0 { " or more" } else { "" };
+        let size = size.max(bytes.len() as u64);
+        // Content that is unpacked has its own bound.
+        let needed = if Compression::of(&bytes).is_none() { needed(&bytes[..first], size) } else { size };
+        if most.is_some_and(|most| needed > most) {
+            let content = format!("this file has {} MB{or_more}", megabytes(size));
+            return Err(too_large(name, &content, needed, most));
+        }
+        if first == bytes.len() {
+            let rest = usize::try_from(size).unwrap_or(usize::MAX).saturating_sub(bytes.len());
+            bytes.try_reserve_exact(rest).map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
         }
     }
 }

@@ -107,6 +107,25 @@ impl MeshSummary {
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();
     }
+
+    /// The overlap and the shared boundary in words. Files of meshes do not name their unit of length.
+    fn measures(&self) -> [&'static str; 2] {
+        let has = |kind: &str| self.files.iter().any(|file| file.kind == kind);
+        match (self.dimensions, has("tetrahedra"), has("triangles")) {
+            (2, ..) => ["an area, in units of the file squared", "a length, in units of the file"],
+            (_, true, false) => {
+                ["a volume, in units of the file cubed", "an area, in units of the file squared"]
+            }
+            (_, false, _) => [
+                "length of the lines in which surfaces cross, in units of the file",
+                "an area, in units of the file squared",
+            ],
+            (_, true, true) => [
+                "volumes of tetrahedra and lengths of the lines in which surfaces cross, in units of the file",
+                "an area, in units of the file squared",
+            ],
+        }
+    }
 }
 
 impl fmt::Display for MeshSummary {
@@ -148,8 +167,9 @@ impl fmt::Display for MeshSummary {
         line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;
         line("without contact", grouped(self.without_contact as u64))?;
         if spheres == 0 && spheres_and_meshes == 0 {
-            line("overlap", brief(self.overlap))?;
-            line("shared boundary", brief(self.shared))?;
+            let [overlap, shared] = self.measures();
+            line("overlap", format!("{} ({overlap})", brief(self.overlap)))?;
+            line("shared boundary", format!("{} ({shared})", brief(self.shared)))?;
         }
         write_end(out, self.verified, &self.seconds, self.peak_bytes)
     }

@@ -36,8 +36,12 @@ impl PieceFiles for FilesBeside {
         if chain.is_empty() {
             return Ok(PieceFile { place, bytes: Vec::new() });
         }
-        let bytes = fs::read(&path).map_err(|error| failed(&error))?;
         let limit = self.max_memory.or_else(memory::default_limit).unwrap_or(u64::MAX);
+        let size = fs::metadata(&path).map_err(|error| failed(&error))?.len();
+        if size > limit {
+            return Err(format!("{} has {size} bytes, and {limit} are allowed for reading", path.display()));
+        }
+        let bytes = fs::read(&path).map_err(|error| failed(&error))?;
         let (bytes, _) = unpack_within(bytes.into(), limit, |_| true).map_err(|error| error.to_string())?;
         Ok(PieceFile { place, bytes: bytes.into_owned() })
     }

@@ -414,9 +414,19 @@ where
                 signal,
             }),
             End::Stopped(stop) => Err(Failure::Wrong(format!(
-                "{stop}\nthe last frame in {place} shows this state; the checkpoint is from an earlier step"
+                "{stop}\n{}the last frame in {place} shows this state; the checkpoint is from an earlier step",
+                self.possible_causes()
             ))),
         }
+    }
+
+    /// The warnings of the model, which may say why a run has stopped; they were printed at its beginning.
+    fn possible_causes(&self) -> String {
+        let warnings = &self.course.prepared.warnings;
+        if warnings.is_empty() {
+            return String::new();
+        }
+        format!("the check of the model has warned of possible causes:\n  {}\n", warnings.join("\n  "))
     }
 
     /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and
@@ -595,7 +605,7 @@ where
         if let Some([one, other]) = self.course.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
             self.told.say(&format!(
-                "warning: at step {} elements {one} and {other} overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
+                "warning: at step {} elements {one} and {other} overlap up to the centroid of one: contacts are too soft, unless these bodies overlapped at the beginning; increase penalty in [contact]",
                 self.course.run.steps()
             ));
         }

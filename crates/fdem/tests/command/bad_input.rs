@@ -232,6 +232,27 @@ fn compressed_content_beyond_the_memory() {
     assert_eq!(bench.files(), ["in.csv.gz"]);
 }
 
+/// A plain file is refused by its size and the length of its rows, before it is read.
+#[test]
+fn a_file_beyond_the_memory_is_refused_before_it_is_read() {
+    let bench = Bench::new();
+    let rows = "1,1,1\n".repeat(1 << 19);
+    bench.write("in.csv", &rows);
+    let run = bench.run(&["contacts", "in.csv", "--radius", "1", "--max-memory", "20MB", "--count"]);
+    run.refused_with(&[
+        "in.csv: this file has 4 MB; with its elements it may take 29 MB of memory, and 20 MB are allowed: --max-memory",
+    ]);
+    let run = bench
+        .run_with(&["contacts", "-", "--radius", "1", "--max-memory", "20MB", "--count"], rows.as_bytes());
+    run.refused_with(&["standard input: this file has ", " MB or more; with its elements it may take "]);
+    bench.write("two.xyz", "2\n\nH 0 0 0\nH 1 0 0\n".repeat(50_000));
+    let first = ["contacts", "two.xyz", "--cutoff", "1", "--frames", "0"];
+    let run = bench.run(&[&first[..], &["--max-memory", "2MB", "--count"]].concat());
+    // A file of frames takes its bytes and one frame.
+    assert_eq!(run.succeeds().stdout.trim(), "1");
+    assert_eq!(bench.files(), ["in.csv", "two.xyz"]);
+}
+
 /// Coordinates whose extent is no number any more.
 #[test]
 fn a_domain_that_is_too_wide_to_draw() {

@@ -76,7 +76,7 @@ fn the_stress_of_a_dump_local_is_that_by_hand() {
     assert_eq!((&forces["strong"], &forces["strong_pressure_share"]), (&1.into(), &0.8.into()));
     for part in [
         "forces           mean 5.25, largest 8; 1 above the mean, 0.5000 of the couples, which carry 0.8000 of the pressure",
-        "tension positive; pressure 0.005",
+        "tension positive; pressure 0.005; V = 1000\n",
     ] {
         assert!(run.stderr.contains(part), "{part:?} is not in\n{}", run.stderr);
     }

@@ -50,8 +50,12 @@ fn a_mesh_of_two_bodies() {
             bench.read("bodies.csv"),
             "i,j,couples,overlap,shared,x,y,nx,ny\n0,1,3,0.0,1.0,1.0,0.5,1.0,0.0\n"
         );
-        for line in ["Gmsh: 4 triangles, without 1 segments", "couples          3\n", "shared boundary  1\n"]
-        {
+        for line in [
+            "Gmsh: 4 triangles, without 1 segments",
+            "couples          3\n",
+            "overlap          0 (an area, in units of the file squared)\n",
+            "shared boundary  1 (a length, in units of the file)\n",
+        ] {
             assert!(run.stderr.contains(line), "{line:?} is not in\n{}", run.stderr);
         }
         let json = bench.json("s.json");

@@ -386,3 +386,33 @@ fixed = "xy"
     bench.write("wrong.toml", flat.replace("k0 = 0.5", "k0 = [0.5, 0.5]"));
     bench.run(&["check", "wrong.toml"]).refused_with(&["one horizontal axis"]);
 }
+
+/// The last lines of a run that stops repeat the warnings of the model, which may be the cause.
+#[test]
+fn a_run_that_stops_names_the_overlap_of_a_body_that_appears() {
+    let bench = Bench::new();
+    let body = |name: &str, left: f64, right: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"m\"\nmesh_size = 0.2\n\
+             rectangle = {{ min = [{left}, 0], max = [{right}, 1] }}\n"
+        )
+    };
+    let model = format!(
+        "[model]\nend_time = 0.02\nplane = \"strain\"\n{}{}\
+         [[material]]\nname = \"m\"\ndensity = 2000\nyoungs_modulus = 1e8\npoissons_ratio = 0\n\
+         [[boundary]]\nname = \"l\"\nbody = \"a\"\nside = \"left\"\nfixed = \"xy\"\n\
+         [[stage]]\nname = \"one\"\nduration = 0.005\n\
+         [[stage]]\nname = \"two\"\nactivate = [\"b\"]\n",
+        body("a", 0.0, 1.0),
+        body("b", 0.98, 2.0)
+    );
+    bench.write("push.toml", &model);
+    let run = bench.run(&["run", "push.toml"]);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    let end = run.stderr.split("error: ").last().unwrap_or_default();
+    assert!(end.contains("the energy balance is off by"), "{end}");
+    assert!(
+        end.contains("\"a\" and \"b\" overlap by 0.02 m² at the beginning of stage \"two\", in "),
+        "{end}"
+    );
+}

@@ -43,9 +43,19 @@ pub(crate) fn check<const D: usize, const N: usize>(
     let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
     let contact = &ready.model.contact;
     let effect = match contact.initial_overlap {
-        InitialOverlap::Push | InitialOverlap::Error => "they will be driven apart".to_owned(),
+        InitialOverlap::Push | InitialOverlap::Error => {
+            "they will be driven apart; [contact] initial_overlap = \"ignore\" prevents that"
+        }
         InitialOverlap::Ignore => {
-            "it gives no force, as [contact] has initial_overlap = \"ignore\"".to_owned()
+            "this overlap gives no force, as [contact] has initial_overlap = \"ignore\""
+        }
+    };
+    let file = ready.file;
+    let when = |pair: &[u32; 2]| {
+        let first = pair.map(|body| lifetime(file, &ready.bodies[body as usize].name).start);
+        match first[0].max(first[1]) {
+            0 => "at the beginning".to_owned(),
+            stage => format!("at the beginning of stage \"{}\"", file.stage[stage].name),
         }
     };
     let unit = if D == 2 { "m²" } else { "m³" };
@@ -63,16 +73,17 @@ pub(crate) fn check<const D: usize, const N: usize>(
         )
     };
     let mut found = Vec::new();
-    for ([body, _], overlap) in inside {
+    for (pair, overlap) in inside {
         found.push(format!(
-            "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} at the beginning, {}",
-            name(*body),
+            "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} {}, {}",
+            name(pair[0]),
             brief(overlap.common),
+            when(pair),
             extent(overlap)
         ));
     }
     let most = between.iter().max_by(|a, b| a.1.common.total_cmp(&b.1.common).then(b.0.cmp(a.0)));
-    if let Some(([a, b], overlap)) = most {
+    if let Some((pair, overlap)) = most {
         let more = match between.len() {
             1 => String::new(),
             count => {
@@ -84,10 +95,11 @@ pub(crate) fn check<const D: usize, const N: usize>(
             }
         };
         found.push(format!(
-            "\"{}\" and \"{}\" overlap by {} {unit} at the beginning{more}, {}",
-            name(*a),
-            name(*b),
+            "\"{}\" and \"{}\" overlap by {} {unit} {}{more}, {}",
+            name(pair[0]),
+            name(pair[1]),
             brief(overlap.common),
+            when(pair),
             extent(overlap)
         ));
     }

@@ -20,7 +20,7 @@ use crate::shapes::outline::{self, area};
 use crate::shapes::packing::{self, Ball, Motion, Room};
 use crate::shapes::piece::{Piece, with_notes};
 use crate::shapes::refine::{self, grading};
-use crate::shapes::{coincident, distant, holes};
+use crate::shapes::{coincident, distant, holes, inward};
 use crate::text::fault::Problem;
 use crate::text::file::{
     self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
@@ -217,6 +217,13 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
                 ..Problem::new(key, format!("[[body]] \"{}\": {error}", body.name))
             };
         }
+        MeshError::Inverted { .. } | MeshError::Orientation { .. } if body.surface.is_some() => {
+            let help = "in the program that made it, turn the normals of all triangles outward";
+            return Problem {
+                help: Some(help.to_owned()),
+                ..Problem::new(key, format!("[[body]] \"{}\": {error}", body.name))
+            };
+        }
         _ => return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name)),
     };
     if let Some(problem) = refine::blamed(body, self::elements(body, size), Some(elements)) {
@@ -409,8 +416,10 @@ fn surface(
         ("voronoi", shape)
     } else if let Some(name) = &body.surface {
         let mut triangles = mesh_file::triangles(load, name, mesh_file::scale_of(body))?;
-        let note = body.close_holes.and_then(|width| holes::close(&mut triangles, width));
-        let notes: Vec<String> = note.into_iter().map(|note| format!("{name}: {note}")).collect();
+        let closed = body.close_holes.and_then(|width| holes::close(&mut triangles, width));
+        let turned = inward::turn_outward(&mut triangles);
+        let notes: Vec<String> =
+            closed.into_iter().chain(turned).map(|note| format!("{name}: {note}")).collect();
         let shape = Surface::from_triangles(&triangles, CREASE);
         ("surface", shape.map(|surface| Shape { notes, ..Shape::numbered(surface) }))
     } else {

@@ -5,6 +5,7 @@ use fdem_mesh::triangles::{OutlineError, Triangles, add_lines, lengths_inside, t
 use fdem_mesh::{Corners, Grading};
 use fdem_scenes::random::Random;
 
+use crate::joints::off_body;
 use crate::joints::polygons::{self, SpacePolygon};
 use crate::joints::polylines;
 use crate::shapes::outline::{Domain, Point};
@@ -27,6 +28,8 @@ pub(crate) struct JointLines<'f> {
     sets: Vec<(&'f JointSet, Vec<Line>)>,
     /// For each set, whether its joints are between groups of mesh files.
     between_groups: Vec<bool>,
+    /// Length of the unit of the file of each set, m; `None` for sets that are not from files.
+    scales: Vec<Option<f64>>,
     /// Polygons of each set.
     pub(crate) polygons: Vec<(&'f JointSet, Vec<SpacePolygon>)>,
     /// Notes on the files of all sets.
@@ -49,6 +52,7 @@ impl<'f> JointLines<'f> {
         faults: &mut Vec<Fault>,
     ) -> Self {
         let (mut sets, mut in_space, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut scales = vec![None; file.joint_set.len()];
         for (index, set) in file.joint_set.iter().enumerate() {
             let given = set.lines.iter().flatten().filter_map(|numbers| polylines::points(numbers));
             let chains = given
@@ -61,11 +65,13 @@ impl<'f> JointLines<'f> {
                 let read = read.and_then(|bytes| {
                     let notes_of_file = if dimensions == 2 {
                         let read = polylines::read(&bytes, name, set.scale)?;
-                        lines.extend(read.shapes);
+                        lines.extend(read.all);
+                        scales[index] = Some(read.scale);
                         read.notes
                     } else {
                         let read = polygons::read(&bytes, name, set.scale)?;
-                        polygons.extend(read.shapes);
+                        polygons.extend(read.all);
+                        scales[index] = Some(read.scale);
                         read.notes
                     };
                     let noted = |note| format!("[[joint_set]] \"{}\": {note}", set.name);
@@ -86,7 +92,20 @@ impl<'f> JointLines<'f> {
             in_space.push((set, polygons));
         }
         let between_groups = file.joint_set.iter().map(|set| is_between_groups(set, file)).collect();
-        Self { sets, between_groups, polygons: in_space, notes }
+        Self { sets, scales, between_groups, polygons: in_space, notes }
+    }
+
+    /// Advice for a set, by its number, that has no joints in the bodies with these nodes.
+    pub(crate) fn advice<const D: usize>(
+        &self,
+        set: usize,
+        nodes: impl Iterator<Item = [f64; D]>,
+    ) -> Option<String> {
+        let of_lines = self.sets[set].1.iter().flatten().map(|end| end.to_vec());
+        let of_polygons = self.polygons[set].1.iter().flatten().map(|corner| corner.to_vec());
+        let shapes = off_body::around(of_lines.chain(of_polygons))?;
+        let bodies = off_body::around(nodes.map(|node| node.to_vec()))?;
+        off_body::advice(&shapes, &bodies, self.scales[set])
     }
 
     /// The lines in a body, in the coordinates in which it is meshed.

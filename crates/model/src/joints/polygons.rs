@@ -18,6 +18,7 @@ const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
     entities: "3DFACE, closed POLYLINE and LWPOLYLINE, CIRCLE and ELLIPSE",
     refused: &["INSERT", "3DSOLID", "BODY", "MESH", "POLYLINE of a mesh", "REGION", "SURFACE"],
     coordinates: |polygon| polygon.as_flattened_mut(),
+    geometries: "Polygon and MultiPolygon",
     geometry,
 };
 
@@ -27,7 +28,7 @@ const POLYGONS: ShapeForm<SpacePolygon> = ShapeForm {
 /// A message about a file that is not of polygons, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<SpacePolygon>, String> {
     let read = shape_file::read(bytes, name, scale, &POLYGONS)?;
-    let polygons = &read.shapes;
+    let polygons = &read.all;
     check(name, "polygons", polygons.is_empty(), polygons.iter().flatten().flatten())?;
     Ok(read)
 }
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8], name: &str) -> Result<Vec<SpacePolygon>, String> {
-        super::read(bytes, name, None).map(|polygons| polygons.shapes)
+        super::read(bytes, name, None).map(|polygons| polygons.all)
     }
 
     #[test]

@@ -16,6 +16,7 @@ const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
     entities: "LINE, LWPOLYLINE, POLYLINE, CIRCLE, ARC and ELLIPSE",
     refused: &["SPLINE", "INSERT", "MLINE", "HELIX", "RAY", "XLINE"],
     coordinates: |chain| chain.as_flattened_mut(),
+    geometries: "LineString and MultiLineString",
     geometry,
 };
 
@@ -25,11 +26,11 @@ const POLYLINES: ShapeForm<Vec<Point>> = ShapeForm {
 /// # Errors
 /// A message about a file that is not of lines, or has none.
 pub(crate) fn read(bytes: &[u8], name: &str, scale: Option<f64>) -> Result<Shapes<[Point; 2]>, String> {
-    let Shapes { shapes: chains, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
+    let Shapes { all: chains, scale, notes } = shape_file::read(bytes, name, scale, &POLYLINES)?;
     let lines: Vec<[Point; 2]> =
         chains.iter().flat_map(|chain| chain.windows(2).map(|pair| [pair[0], pair[1]])).collect();
     check(name, "lines", lines.is_empty(), lines.iter().flatten().flatten())?;
-    Ok(Shapes { shapes: lines, notes })
+    Ok(Shapes { all: lines, scale, notes })
 }
 
 /// The points of a list x1, y1, x2, y2, …; `None` if it is not that.
@@ -74,7 +75,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8], name: &str) -> Result<Vec<[Point; 2]>, String> {
-        super::read(bytes, name, None).map(|lines| lines.shapes)
+        super::read(bytes, name, None).map(|lines| lines.all)
     }
 
     /// A drawing in millimetres with a hole, a note and a polyline of the older kind.
@@ -92,9 +93,9 @@ mod tests {
             lines.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
         };
         let of = super::read(drawing("4", "").as_bytes(), "a.dxf", None).expect("lines");
-        assert_eq!(of.shapes.len(), 37);
+        assert_eq!(of.all.len(), 37);
         let expected = 36.0 * libm::sin(5.0_f64.to_radians()) + 2.0;
-        assert!((length(&of.shapes) - expected).abs() < 1e-9, "{}", length(&of.shapes));
+        assert!((length(&of.all) - expected).abs() < 1e-9, "{}", length(&of.all));
         let notes = of.notes.join("\n");
         for part in
             ["a.dxf: not used: 1 TEXT;", "its unit is millimetres ($INSUNITS), so that 1 of it is 0.001 m"]
@@ -102,7 +103,7 @@ mod tests {
             assert!(notes.contains(part), "{notes}");
         }
         let of = super::read(drawing("4", "").as_bytes(), "a.dxf", Some(0.1)).expect("lines");
-        assert!((length(&of.shapes) - 100.0 * expected).abs() < 1e-9);
+        assert!((length(&of.all) - 100.0 * expected).abs() < 1e-9);
         assert_eq!(of.notes.len(), 1, "the model says the unit: {:?}", of.notes);
         for (unit, more, part) in [
             ("15", "", "$INSUNITS 15, is not known here: say scale"),
@@ -125,6 +126,31 @@ mod tests {
         assert_eq!(read(json.as_bytes(), "a.geojson"), Ok(vec![chain[0], chain[1], line]));
         let dxf = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n1\n11\n2\n21\n3\n0\nLWPOLYLINE\n70\n0\n10\n0\n20\n1\n10\n2\n20\n3\n10\n4\n20\n5\n0\nENDSEC\n0\nEOF\n";
         assert_eq!(read(dxf.as_bytes(), "a.dxf"), Ok(vec![line, chain[0], chain[1]]));
+    }
+
+    /// Exports have points and labels beside their lines. A geometry that could have been meant for a line is
+    /// refused.
+    #[test]
+    fn points_of_a_geojson_file_are_not_used_and_counted() {
+        let feature = |kind: &str, coordinates: &str| {
+            format!(
+                r#"{{"type":"Feature","properties":{{}},"geometry":{{"type":"{kind}","coordinates":{coordinates}}}}}"#
+            )
+        };
+        let file = |last: &str| {
+            let features =
+                [feature("LineString", "[[0,1],[2,3]]"), feature("Point", "[0,1]"), last.to_owned()];
+            format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, features.join(","))
+        };
+        let without = r#"{"type":"Feature","properties":{},"geometry":null}"#;
+        let of = super::read(file(without).as_bytes(), "a.geojson", None).expect("lines");
+        assert_eq!(of.all, [[[0.0, 1.0], [2.0, 3.0]]]);
+        let note =
+            "a.geojson: not used: 1 Point, 1 Feature without geometry; LineString and MultiLineString are";
+        assert_eq!(of.notes, [note]);
+        let polygon = file(&feature("Polygon", "[[[0,0],[1,0],[1,1],[0,0]]]"));
+        let message = read(polygon.as_bytes(), "a.geojson").expect_err("a polygon");
+        assert!(message.starts_with("a.geojson: feature 3: a Polygon is no line"), "{message}");
     }
 
     #[test]

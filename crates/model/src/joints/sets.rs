@@ -7,7 +7,7 @@ use fdem_mesh::Corners;
 use fdem_mesh::triangles::SNAP;
 use fdem_simulation::{Element, JointSet, Model, Strength};
 
-use crate::joints::lines::{has_joints, is_between_groups, may_have_group};
+use crate::joints::lines::{JointLines, has_joints, is_between_groups, may_have_group};
 use crate::joints::planes::PERSISTENT;
 use crate::joints::{polygons, polylines};
 use crate::prepared::Joints;
@@ -32,6 +32,10 @@ const STATISTICAL: [&str; 10] = [
 
 /// Help for joints in a mesh from a file.
 const FROM_FILES: &str = "embed the joints in the mesh as a group of the file, and name it by group = \"…\" instead; or give the body a shape";
+
+/// Help for a set without joints.
+const MISSES: &str = "its lines or planes miss the bodies, lie along their outlines or other joints, or are short; \
+     with optional = true a set may be without joints";
 
 /// Checks the keys of all joint sets, and returns their laws.
 pub(crate) fn check(
@@ -440,7 +444,7 @@ fn check_between<const D: usize, const N: usize>(
 pub(crate) fn put<const D: usize, const N: usize>(
     model: &mut Model<D, N>,
     placed: &[Placed<D, N>],
-    (file, document): (&ModelFile, &Document<'_>),
+    (file, document, lines): (&ModelFile, &Document<'_>, &JointLines<'_>),
     faults: &mut Vec<Fault>,
 ) -> Vec<Joints>
 where
@@ -467,9 +471,11 @@ where
             let help = if between_groups {
                 "no element of the first group shares an edge or face with one of the second; groups whose elements \
                  have nodes of their own do not touch"
+                    .to_owned()
             } else {
-                "its lines or planes miss the bodies, lie along their outlines or other joints, or are short; \
-                        with optional = true a set may be without joints"
+                let bodies = placed.iter().filter(|body| has_joints(set, &file.body[body.table]));
+                let nodes = bodies.flat_map(|body| body.piece.nodes.iter().copied());
+                lines.advice(number as usize, nodes).unwrap_or_else(|| MISSES.to_owned())
             };
             faults.push(Fault::at(span, message).label("no joint").help(help));
         } else if !facets.is_empty() {

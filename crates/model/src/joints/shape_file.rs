@@ -1,6 +1,7 @@
 //! Files of lines or polygons: CSV, GeoJSON and DXF.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use fdem_io::numbers::{brief, grouped};
 use serde_json::Value;
@@ -28,13 +29,17 @@ pub(crate) struct ShapeForm<T> {
     pub(crate) refused: &'static [&'static str],
     /// The coordinates of a shape.
     pub(crate) coordinates: fn(&mut T) -> &mut [f64],
+    /// The geometries of a GeoJSON file that are shapes, for messages.
+    pub(crate) geometries: &'static str,
     /// Adds the shapes of a geometry of a GeoJSON file by its type and its coordinates.
     pub(crate) geometry: fn(&str, &Value, &mut Vec<T>) -> Result<(), String>,
 }
 
 /// The shapes of a file.
 pub(crate) struct Shapes<T> {
-    pub(crate) shapes: Vec<T>,
+    pub(crate) all: Vec<T>,
+    /// Length of the unit of the file that was taken, m.
+    pub(crate) scale: f64,
     /// Notes on how the file was read.
     pub(crate) notes: Vec<String>,
 }
@@ -63,23 +68,43 @@ pub(crate) fn read<T>(
     let shapes = match extension.as_str() {
         "json" | "geojson" => {
             let value = serde_json::from_str(text).map_err(|error| format!("{name} is not JSON: {error}"))?;
-            let (mut shapes, mut number) = (Vec::new(), 0);
-            geometries(&value, &mut |kind, coordinates| {
-                let before = shapes.len();
-                number += 1;
-                (form.geometry)(kind, coordinates, &mut shapes)?;
-                if shapes[before..].iter().all(form.extends) {
-                    return Ok(());
-                }
-                Err(format!("geometry {number}, a {kind}, {}", form.empty))
-            })
-            .map(|()| shapes)
+            of_geojson(&value, form)
         }
-        _ => shapes_of_rows(text, form),
+        _ => shapes_of_rows(text, form).map(|all| Shapes { all, scale: 1.0, notes: Vec::new() }),
     };
     let mut shapes = shapes.map_err(in_file)?;
-    scaled(&mut shapes, scale.unwrap_or(1.0), form);
-    Ok(Shapes { shapes, notes: Vec::new() })
+    shapes.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
+    shapes.scale = scale.unwrap_or(1.0);
+    scaled(&mut shapes.all, shapes.scale, form);
+    Ok(shapes)
+}
+
+/// The shapes of a GeoJSON file, without its points.
+fn of_geojson<T>(value: &Value, form: &ShapeForm<T>) -> Result<Shapes<T>, String> {
+    let (mut shapes, mut number) = (Vec::new(), 0);
+    let mut add = |kind: &str, coordinates: &Value| {
+        let before = shapes.len();
+        number += 1;
+        (form.geometry)(kind, coordinates, &mut shapes)
+            .map_err(|why| format!("{why}; take it out of the file, or into one of its own"))?;
+        if shapes[before..].iter().all(form.extends) {
+            return Ok(());
+        }
+        Err(format!("geometry {number}, a {kind}, {}", form.empty))
+    };
+    let unused = geometries(value, &mut add)?;
+    let notes: Vec<String> = not_used(&unused, form.geometries).into_iter().collect();
+    match notes.first() {
+        Some(note) if shapes.is_empty() => Err(note.clone()),
+        _ => Ok(Shapes { all: shapes, scale: 1.0, notes }),
+    }
+}
+
+/// A note on parts of a file that are not used, by their kinds; `None` if all are. `used`: kinds that are.
+fn not_used(unused: &BTreeMap<impl Display, u64>, used: &str) -> Option<String> {
+    let kinds: Vec<String> =
+        unused.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count))).collect();
+    (!kinds.is_empty()).then(|| format!("not used: {}; {used} are", kinds.join(", ")))
 }
 
 /// One shape a row.
@@ -121,11 +146,7 @@ fn of_drawing<T>(
             None => *unused.entry(entity.kind.to_owned()).or_default() += 1,
         }
     }
-    if !unused.is_empty() {
-        let kinds: Vec<String> =
-            unused.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count))).collect();
-        notes.push(format!("not used: {}; {} are", kinds.join(", "), form.entities));
-    }
+    notes.extend(not_used(&unused, form.entities));
     let scale = match scale {
         Some(scale) => scale,
         None => match drawing.unit()? {
@@ -142,7 +163,7 @@ fn of_drawing<T>(
         },
     };
     scaled(&mut shapes, scale, form);
-    Ok(Shapes { shapes, notes })
+    Ok(Shapes { all: shapes, scale, notes })
 }
 
 /// One shape a row, which `of` makes of its numbers, with the number of the row. A first row of words is a

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::{brief, grouped};
 
-type Corner = [f64; 3];
+pub(crate) type Corner = [f64; 3];
 
 /// Closes the holes of a surface whose boxes are no wider than `width`, m: triangles from the edges of a hole
 /// to the middle of its corners. Returns a note on the holes that were closed. Holes that meet in a corner

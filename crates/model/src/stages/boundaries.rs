@@ -114,7 +114,8 @@ where
         let Some(load) = load(boundary) else { continue };
         let mut lacking = missing.iter().map(|&table| &file.body[table].name);
         let lacks = match &boundary.body {
-            None => !missing.is_empty(),
+            // A file with no body that can be read has no place for boundaries.
+            None => !missing.is_empty() || file.body.is_empty(),
             Some(name) => lacking.any(|body| body == name || is_piece(body, name)),
         };
         if lacks || wrong[index] {

@@ -274,9 +274,9 @@ fn merge<'a>(into: DeTable<'a>, from: DeTable<'a>, is_top: bool, faults: &mut Ve
             (old, new) => {
                 if is_list && !new.same_type(&old) {
                     let message = format!("\"{name}\" is a table in one file and a list in another");
-                    let help = "a table that may come several times has two brackets: [[name]]";
+                    let help = format!("a table that may come several times has two brackets: [[{name}]]");
                     let spans = [old_key.span(), key.span()];
-                    faults.extend(spans.map(|span| Fault::at(span, message.clone()).help(help)));
+                    faults.extend(spans.map(|span| Fault::at(span, message.clone()).help(&help[..])));
                 }
                 new
             }

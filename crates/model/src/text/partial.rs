@@ -1,7 +1,8 @@
 //! Reads the valid parts of a model file with errors, so that users see all errors together.
 //!
-//! A table that cannot be read is replaced by one that has its name and nothing to complain of. Faults that
-//! are found in such a table later, or that follow from it, are no news.
+//! Keys with faults are taken out of their tables. A table that cannot be read without them is replaced by
+//! one that has its name and nothing to complain of. Faults that are found in such a table later, or that
+//! follow from it, are no news.
 
 use std::ops::Range;
 
@@ -28,6 +29,8 @@ pub(crate) struct Partial {
     broken: Vec<Range<usize>>,
     /// Tables of which one has no name that can be read.
     nameless: Vec<&'static str>,
+    /// Keys that were taken out of tables that come once.
+    missing: Vec<String>,
 }
 
 impl Partial {
@@ -35,7 +38,8 @@ impl Partial {
     pub(crate) fn read(document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
         let mut root: Toml = document.read().ok()?;
         root.retain(|key, _| ModelFile::TABLES.contains(&key));
-        let mut reader = Reader { document, broken: Vec::new(), nameless: Vec::new(), faults };
+        let mut reader =
+            Reader { document, broken: Vec::new(), nameless: Vec::new(), missing: Vec::new(), faults };
         reader.list::<Material>(&mut root, "material", |_| {
             [("density", Value::from(1.0)), ("youngs_modulus", 1.0.into()), ("poissons_ratio", 0.0.into())]
                 .into()
@@ -64,11 +68,11 @@ impl Partial {
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
         reader.list::<Stage>(&mut root, "stage", |_| vec![("equilibrium", 1.0.into())]);
         reader.list::<Curve>(&mut root, "curve", |_| vec![("x", "time".into()), ("y", "time".into())]);
-        reader.one::<General>(&mut root, "model");
-        reader.one::<Initial>(&mut root, "initial");
-        reader.one::<ContactOptions>(&mut root, "contact");
-        reader.one::<FractureOptions>(&mut root, "fracture");
-        reader.one::<Output>(&mut root, "output");
+        reader.one::<General>(&mut root, "model", &[("end_time", Value::from(1.0))]);
+        reader.one::<Initial>(&mut root, "initial", &[]);
+        reader.one::<ContactOptions>(&mut root, "contact", &[]);
+        reader.one::<FractureOptions>(&mut root, "fracture", &[]);
+        reader.one::<Output>(&mut root, "output", &[]);
         if !root.contains_key("model") {
             root.insert(
                 "model".to_owned(),
@@ -81,16 +85,18 @@ impl Partial {
                 root.insert(list.to_owned(), Value::Array(Vec::new()));
             }
         }
-        let Reader { broken, nameless, .. } = reader;
+        let Reader { broken, nameless, missing, .. } = reader;
         let file = value_as(&Value::Table(root))?;
-        Some(Self { file, broken, nameless })
+        Some(Self { file, broken, nameless, missing })
     }
 
     /// Whether a fault that was found later is news.
     pub(crate) fn is_news(&self, fault: &Fault) -> bool {
         let unknown = fault.label.strip_prefix("unknown ");
-        let follows =
-            fault.message.contains(NAMELESS) || unknown.is_some_and(|table| self.nameless.contains(&table));
+        let mut words = fault.message.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let follows = fault.message.contains(NAMELESS)
+            || unknown.is_some_and(|table| self.nameless.contains(&table))
+            || words.any(|word| self.missing.iter().any(|key| key == word));
         !follows && (unknown.is_some() || !self.is_broken(fault.span.as_ref()))
     }
 
@@ -119,6 +125,7 @@ struct Reader<'d, 'f> {
     faults: &'f [Fault],
     broken: Vec<Range<usize>>,
     nameless: Vec<&'static str>,
+    missing: Vec<String>,
 }
 
 impl Reader<'_, '_> {
@@ -141,6 +148,16 @@ impl Reader<'_, '_> {
             if value_as::<T>(item).is_some() {
                 continue;
             }
+            // A body without one of its keys could be of another shape, or of none.
+            if let Some(table) = item.as_table().filter(|_| name != "body") {
+                let mut table = table.clone();
+                self.take_out(Table::of(name, index), &mut table);
+                let mended = Value::Table(table);
+                if value_as::<T>(&mended).is_some() {
+                    *item = mended;
+                    continue;
+                }
+            }
             let empty = Toml::new();
             let table = item.as_table().unwrap_or(&empty);
             let title = table.get("name").filter(|name| name.is_str()).cloned();
@@ -156,13 +173,39 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Removes a table that cannot be read.
-    fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str) {
-        let Some(value) = root.get(name) else { return };
+    /// Takes keys with faults out of a table that comes once, or all of it if it still cannot be read.
+    /// `rest`: keys that it needs.
+    fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str, rest: &[(&str, Value)]) {
+        let Some(value) = root.get_mut(name) else { return };
         self.look(Table::one(name));
-        if value_as::<T>(value).is_none() {
+        if value_as::<T>(value).is_some() {
+            return;
+        }
+        let mended = value.as_table_mut().is_some_and(|table| {
+            let missing = self.take_out(Table::one(name), table);
+            self.missing.extend(missing);
+            for (key, value) in rest {
+                table.entry((*key).to_owned()).or_insert_with(|| value.clone());
+            }
+            value_as::<T>(&Value::Table(table.clone())).is_some()
+        });
+        if !mended {
             root.remove(name);
         }
+    }
+
+    /// Takes the keys with faults out of a table, and returns them.
+    fn take_out(&self, place: Table, table: &mut Toml) -> Vec<String> {
+        let has_fault = |key: &str| {
+            let extent = self.document.key(place, key).start..self.document.value(place, key).end;
+            let within = |span: &Range<usize>| extent.start <= span.start && span.end <= extent.end;
+            self.faults.iter().any(|fault| fault.span.as_ref().is_some_and(within))
+        };
+        let wrong: Vec<String> = table.keys().filter(|key| has_fault(key)).cloned().collect();
+        for key in &wrong {
+            table.remove(key);
+        }
+        wrong
     }
 
     /// Notes whether a table has faults.

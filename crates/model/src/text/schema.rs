@@ -100,7 +100,8 @@ impl<'s> Checker<'s> {
             } else if let Some(rest) = schema.get("additionalProperties").filter(|rest| rest.is_object()) {
                 self.value(value, rest, word, name);
             } else {
-                misspelt.extend(self.unknown(word, key.span(), properties, name));
+                let siblings: Vec<&str> = table.iter().map(|(key, _)| key.get_ref().as_ref()).collect();
+                misspelt.extend(self.unknown(word, key.span(), properties, (name, &siblings)));
             }
         }
         let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
@@ -125,17 +126,21 @@ impl<'s> Checker<'s> {
         Some(text.split(". ").next()?.trim_end_matches('.').to_owned())
     }
 
-    /// Reports an unknown key; returns the one that was probably meant.
+    /// Reports an unknown key of a table with a name and keys; returns the key that was probably meant.
     fn unknown(
         &mut self,
         word: &str,
         span: Range<usize>,
         properties: Option<&'s Map<String, Value>>,
-        name: &str,
+        (name, siblings): (&str, &[&str]),
     ) -> Option<&'s str> {
         let keys: Vec<&'s str> =
             properties.map(|properties| properties.keys().map(String::as_str).collect()).unwrap_or_default();
         let fault = Fault::at(span, format!("{name} has no key \"{word}\"")).label("unknown key");
+        if let Some(help) = properties.and_then(|properties| self.inner(word, properties, siblings)) {
+            self.faults.push(fault.help(help));
+            return None;
+        }
         if let Some(meant) = nearest(word, keys.iter().copied()) {
             self.faults.push(fault.help(format!("did you mean \"{meant}\"?")));
             return Some(meant);
@@ -148,6 +153,22 @@ impl<'s> Checker<'s> {
             _ => fault.help(format!("its keys are {}", keys.join(", "))),
         });
         None
+    }
+
+    /// Advice on a key that belongs into a table inside of this one, such as `holes` beside the shape: into
+    /// one that is there, if it can have the key.
+    fn inner(&self, word: &str, properties: &'s Map<String, Value>, siblings: &[&str]) -> Option<String> {
+        let has = |property: &'s Value| {
+            let keys = self.resolve(property).get("properties").and_then(Value::as_object);
+            keys.is_some_and(|keys| keys.contains_key(word))
+        };
+        let tables: Vec<&str> =
+            properties.iter().filter(|(_, property)| has(property)).map(|(key, _)| key.as_str()).collect();
+        if let Some(table) = tables.iter().find(|table| siblings.contains(*table)) {
+            return Some(format!("it is a key of {table}: write {table} = {{ …, {word} = … }}"));
+        }
+        let first = tables.first()?;
+        Some(format!("it is a key of {}: {first} = {{ {word} = …, … }}", tables.join(", ")))
     }
 
     /// The tables of the file as they are written, with their keys.
@@ -213,7 +234,7 @@ impl<'s> Checker<'s> {
                 let message = format!("\"{key}\" is {}, not {}", kind(found), self.expected(schema));
                 let fault =
                     Fault::at(value.span(), message).label(format!("expected {}", self.expected(schema)));
-                self.faults.push(fault.maybe_help(hint(found, schema, key)));
+                self.faults.push(fault.maybe_help(hint(found, schema, key, parent)));
             }
         }
     }
@@ -311,7 +332,8 @@ impl<'s> Checker<'s> {
             return;
         }
         let message = format!("\"{key}\" is {}, not {expected}", kind(value.get_ref()));
-        let hint = branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch), key));
+        let hint =
+            branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch), key, parent));
         self.faults
             .push(Fault::at(value.span(), message).label(format!("expected {expected}")).maybe_help(hint));
     }
@@ -458,23 +480,50 @@ fn json_kind(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// Advice on the usual mistakes.
-fn hint(found: &DeValue<'_>, schema: &Value, key: &str) -> Option<String> {
+/// Advice on the usual mistakes. `parent`: the table or list of the value.
+fn hint(found: &DeValue<'_>, schema: &Value, key: &str, parent: &str) -> Option<String> {
     let wants = |kind: &str| types(schema).contains(&kind);
     match found {
         DeValue::Table(_) if wants("array") && schema.get("maxItems").is_none() => {
-            Some("a table that may come several times has two brackets: [[name]]".to_owned())
+            Some(if parent == "the file" {
+                format!("a table that may come several times has two brackets: [[{key}]]")
+            } else {
+                format!("a list has brackets around its tables: {key} = [{{ … }}]")
+            })
         }
-        DeValue::Array(list) if wants("object") && !list.iter().any(|entry| entry.get_ref().is_table()) => {
-            Some("it has keys: { key = …, … }".to_owned())
-        }
-        DeValue::Array(_) if wants("object") => {
-            Some("this table comes once: [name], with one bracket".to_owned())
+        DeValue::Array(list) if wants("object") && list.iter().any(|entry| entry.get_ref().is_table()) => {
+            Some(if parent == "the file" {
+                format!("this table comes once: [{key}], with one bracket")
+            } else {
+                format!("this table comes once: {key} = {{ … }}, without a bracket")
+            })
         }
         DeValue::String(file) if key == "table" => {
             Some(format!("a CSV file of times and factors beside the model is table_file = \"{file}\""))
         }
+        _ if wants("object") => form(schema, key, parent),
         DeValue::Float(_) if wants("integer") => Some("without a decimal point".to_owned()),
         _ => None,
     }
+}
+
+/// How a table is written: with the keys that it needs, or empty if it needs none.
+fn form(schema: &Value, key: &str, parent: &str) -> Option<String> {
+    let keys = schema.get("properties").and_then(Value::as_object)?;
+    let start = match parent {
+        "the file" => return None,
+        "a list" => String::new(),
+        _ => format!("{key} = "),
+    };
+    let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
+    let stands_for = |inner: &str| {
+        let is_list = keys.get(inner).is_some_and(|inner| types(inner).contains(&"array"));
+        format!("{inner} = {}", if is_list { "[…]" } else { "…" })
+    };
+    let required: Vec<String> = required.filter_map(Value::as_str).map(stands_for).collect();
+    if required.is_empty() {
+        let keys: Vec<&str> = keys.keys().map(String::as_str).collect();
+        return Some(format!("{start}{{}} has the defaults of its keys: {}", keys.join(", ")));
+    }
+    Some(format!("write {start}{{ {} }}", required.join(", ")))
 }

@@ -437,7 +437,8 @@ pub fn constant(text: &str) -> Result<(f64, Option<String>), String> {
 /// The name of the time inside an expression: not one that a file can have.
 const TIME: &str = "the time";
 
-/// The values of an expression of the time `t`, s: each time with its value.
+/// The values of a factor that is an expression of the time `t`, s: each time with its value. The time is a
+/// number without a unit, as in `exp(-t/1e-3)`, or one with a unit, as in `exp(-t/1ms)`.
 ///
 /// # Errors
 /// Says why it has none.
@@ -446,12 +447,29 @@ pub(crate) fn of_time(text: &str, times: impl Iterator<Item = f64>) -> Result<Ve
     let mut parsed = expression::parse(text).map_err(wrong)?;
     // Alone, `t` would be a tonne.
     parsed.rename("t", TIME);
-    let value = |time: f64| {
+    let factor = |time: Amount| {
         let value = parsed.value(&mut |name, at| match name {
-            TIME => Ok(Amount::plain(time)),
+            TIME => Ok(time),
             _ => Err(Wrong::new(at, format!("\"{name}\" is not the time t, a unit or a function"))),
-        });
-        value.map(|value| [time, value.number()]).map_err(wrong)
+        })?;
+        match value.dimension() {
+            None | Some(Dimension::NONE) => Ok(value.number()),
+            Some(other) => Err(Wrong::new(
+                0..text.len(),
+                format!("it is {other}, and a factor is a number without a unit"),
+            )),
+        }
+    };
+    let second = units::find("s").map(|(unit, power)| Amount::unit(unit, power));
+    let value = |time: f64| {
+        let plain = Amount::plain(time);
+        let with_unit = second.map_or(plain, |second| plain.times(second));
+        let found = factor(plain).or_else(|why| factor(with_unit).map_err(|_| why));
+        found.map(|value| [time, value]).map_err(|why| {
+            let form =
+                "; all its times have a unit, as in \"exp(-t/1ms)\", or none has, as in \"exp(-t/1e-3)\"";
+            wrong(why) + if parsed.has_unit() { form } else { "" }
+        })
     };
     times.map(value).collect()
 }

@@ -113,13 +113,21 @@ fn loads_follow_files_and_expressions_of_the_time() {
         let found = file(content).map(|_| ()).unwrap_err().to_string();
         assert!(found.contains(message), "{found}");
     }
-    let falling = schedule(right(&text("expression = \"exp(-t/2e-4)\"")));
-    for time in [0.0_f64, 1.1e-5, 3e-4, 1e-3] {
-        assert!((falling.factor(time) - (-time / 2e-4).exp()).abs() < 1e-6, "{time}");
+    // The times have no unit, or all of them have one.
+    for expression in ["exp(-t/2e-4)", "exp(-t/0.2ms)", "exp(-t/(200 us))", "1*exp(-t*5 kHz)"] {
+        let falling = schedule(right(&text(&format!("expression = \"{expression}\""))));
+        for time in [0.0_f64, 1.1e-5, 3e-4, 1e-3] {
+            assert!((falling.factor(time) - (-time / 2e-4).exp()).abs() < 1e-6, "{expression} {time}");
+        }
     }
     for (keys, message) in [
         ("expression = \"exp(-x)\"", "\"x\" is not the time t"),
         ("expression = \"1/t\"", "not a finite number"),
+        (
+            "expression = \"exp(-t/1ms) + t/1e-3\"",
+            "all its times have a unit, as in \"exp(-t/1ms)\", or none",
+        ),
+        ("expression = \"2 MPa*exp(-t/1e-3)\"", "it is a stress, and a factor is a number without a unit"),
         ("table_file = \"none.csv\"", "cannot read none.csv"),
         ("ramp = 1e-4\nexpression = \"t\"", "has both ramp and expression"),
     ] {

@@ -444,7 +444,7 @@ fn histories_and_output_are_of_one_kind() {
         "2.5",
         &["not a whole number", "without a decimal point"],
     );
-    refused(&format!("{SMALL}\n[[output]]\nframes = 2\n"), "[[output]]", &["[name], with one bracket"]);
+    refused(&format!("{SMALL}\n[[output]]\nframes = 2\n"), "[[output]]", &["[output], with one bracket"]);
 }
 
 #[test]
@@ -643,4 +643,64 @@ fn a_second_shape_of_an_outline_is_told() {
     let text = changed("rectangle = { min = [0, 0], max = [1.0, 0.5] }", discs);
     let errors = read(&text).unwrap_err().to_string();
     assert!(errors.contains("discs are flat: write [x, y], or take shape = \"sphere\""), "{errors}");
+}
+
+/// The text of a model with a shape, in the place of the rectangle of the small one.
+#[track_caller]
+fn with_shape(shape: &str) -> String {
+    let line = SMALL.lines().find(|line| line.starts_with("rectangle")).unwrap();
+    SMALL.replace(line, shape)
+}
+
+#[test]
+fn a_list_in_the_place_of_a_table_is_answered_with_its_form() {
+    let points = "[[0, 0], [1, 0], [1, 0.5]]";
+    let text = with_shape(&format!("polygon = {points}"));
+    refused(&text, points, &["\"polygon\" is a list, not a table", "write polygon = { points = […] }"]);
+    let text = with_shape("rectangle = [0, 0, 1, 0.5]");
+    refused(&text, "[0, 0, 1, 0.5]", &["write rectangle = { min = […], max = […] }"]);
+    let text = with_shape("disc = 0.5");
+    refused(&text, "0.5", &["\"disc\" is a number", "write disc = { radius = … }"]);
+    let text = with_shape("rectangle = [{ min = [0, 0], max = [1, 0.5] }]");
+    refused(&text, "[{ min = [0, 0], max = [1, 0.5] }]", &["this table comes once: rectangle = { … }"]);
+}
+
+#[test]
+fn a_key_beside_the_table_that_has_it_is_said_to_belong_into_it() {
+    let holes = "holes = [{ centre = [0.5, 0.25], radius = 0.1 }]";
+    let line = SMALL.lines().find(|line| line.starts_with("rectangle")).unwrap();
+    let text = SMALL.replace(line, &format!("{line}\n{holes}"));
+    refused(&text, "holes", &["has no key \"holes\"", "write rectangle = { …, holes = … }"]);
+}
+
+#[test]
+fn a_switch_in_the_place_of_a_table_is_answered_with_the_table() {
+    let text = format!("{SMALL}\n[output]\nacoustic_emission = true\n");
+    refused(
+        &text,
+        "true",
+        &["\"acoustic_emission\" is true or false", "acoustic_emission = {} has the defaults"],
+    );
+}
+
+/// Boundaries of a file whose bodies cannot be read are not blamed for having no place.
+#[test]
+fn a_body_with_one_bracket_is_the_only_error() {
+    let text = changed("[[body]]", "[body]")
+        + "\n[[boundary]]\nname = \"base\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    refused(&text, "[body]", &["\"body\" is a table, not a list", "two brackets: [[body]]"]);
+}
+
+/// Other keys of `[model]` count, and a table that needs a key without a value is not blamed.
+#[test]
+fn a_wrong_value_of_the_model_brings_no_errors_elsewhere() {
+    let rest = "\n[initial]\nground = { k0 = 0.5, surface = 0.5 }\n\
+                [[boundary]]\nname = \"base\"\nside = \"bottom\"\nfixed = \"xy\"\n\
+                [[boundary]]\nname = \"sides\"\nsides = [\"left\", \"right\"]\nfixed = \"x\"\n";
+    let right_one = changed("end_time = 1e-3", "gravity = [0, -9.81]\nend_time = 1e-3") + rest;
+    right(&right_one);
+    let text = right_one.replace("end_time = 1e-3", "end_time = \"5 hours\"");
+    refused(&text, "hours", &["\"hours\" is no unit"]);
+    let text = right_one.replace("-9.81]", "\"-9.81 m/h\"]");
+    refused(&text, "h", &["there is no parameter \"h\""]);
 }

@@ -501,7 +501,7 @@ fn bodies_that_overlap_are_warned_of() {
             && warning.contains(" couples of elements, most of all elements "),
         "{warning}"
     );
-    assert!(warning.ends_with(" m³: they will be driven apart"), "{warning}");
+    assert!(warning.contains(" m³: they will be driven apart; [contact] initial_overlap = "), "{warning}");
     assert_eq!(two(1.0), Vec::<String>::new());
 }
 
@@ -522,7 +522,13 @@ fn the_model_says_how_bodies_that_overlap_begin() {
         _ => panic!("it is in space"),
     };
     let ignored = of("[contact]\ninitial_overlap = \"ignore\"\n");
-    assert!(ignored.warnings.iter().any(|warning| warning.contains("it gives no force")));
+    assert!(ignored.warnings.iter().any(|warning| warning.contains("this overlap gives no force")));
+    // A body that appears later overlaps from then on.
+    let stages =
+        "[[stage]]\nname = \"one\"\nduration = 5e-4\n[[stage]]\nname = \"two\"\nactivate = [\"c\"]\n";
+    let warning = of(stages).warnings.into_iter().find(|warning| warning.contains("overlap by"));
+    let warning = warning.unwrap_or_default();
+    assert!(warning.contains(" m³ at the beginning of stage \"two\", in "), "{warning}");
 }
 
 #[test]

@@ -321,6 +321,37 @@ fn holes_of_a_surface_are_closed_on_request() {
     assert!(prepared.warnings.iter().any(|warning| warning == note), "{:?}", prepared.warnings);
 }
 
+/// A closed surface whose normals point inward is turned around, with a word.
+#[test]
+fn a_surface_that_points_inward_is_turned_around() {
+    let inward: String = cubes(1.0, &[[0.0; 3]])
+        .split_inclusive("endfacet\n")
+        .map(|facet| {
+            let mut lines: Vec<&str> = facet.split_inclusive('\n').collect();
+            let corners: Vec<usize> =
+                (0..lines.len()).filter(|&line| lines[line].contains("vertex")).collect();
+            if let [_, b, c] = corners[..] {
+                lines.swap(b, c);
+            }
+            lines.concat()
+        })
+        .collect();
+    let prepared = space("", "surface = \"a.stl\"\nmesh_size = 0.5", &inward);
+    let mesh = &prepared.model.mesh;
+    let corners = |nodes: &[u32; 4]| nodes.map(|node| mesh.nodes[node as usize]);
+    let volume: f64 = mesh.elements.iter().map(|nodes| fdem_mesh::Corners::measure(&corners(nodes))).sum();
+    assert!((volume - 1.0).abs() < 1e-9, "{volume}");
+    let note =
+        "[[body]] \"b\": a.stl: the triangles of its surface pointed inward: all of them are turned around";
+    assert!(prepared.warnings.iter().any(|warning| warning == note), "{:?}", prepared.warnings);
+    // One triangle that points elsewhere is refused, and the message says the way out.
+    let first = inward.find("facet").unwrap()..inward.find("endfacet").unwrap() + "endfacet\n".len();
+    let whole = cubes(1.0, &[[0.0; 3]]);
+    let mixed = whole.replacen(&whole[first.clone()], &inward[first], 1);
+    let refused = any("", "surface = \"a.stl\"\nmesh_size = 0.5", &mixed).unwrap_err();
+    assert!(refused.contains("turn the normals of all triangles outward"), "{refused}");
+}
+
 /// A cube of 1 m, with a fine patch of this width in the middle of its top, as an OBJ file.
 fn cube_with_patch(patch: f64, squares: usize) -> String {
     let mut text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".to_owned();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Optional
 
 import numpy as np
@@ -23,6 +24,9 @@ _SAMPLE = 4096
 
 _CROWDED = 8
 """The points are uneven if points have more than this many times the mean number of points around them."""
+
+_PIECE = 1 << 16
+"""Rows that become objects of Python at a time: between two pieces Ctrl-C is heeded."""
 
 _ALL = 1e150
 """Distances beyond this one are those of all couples: the search of contacts refuses them, and coordinates do not reach it."""
@@ -305,8 +309,11 @@ class KDTree:
             counts = self._tree.count_within(flat, each, float(p), threads).astype(np.intp).reshape(shape)
             return counts if shape else counts[()]
         offsets, numbers, _ = self._within(flat, each, p, threads)
-        ends, listed = offsets.tolist(), numbers.tolist()
-        lists = [listed[start:end] for start, end in zip(ends, ends[1:])]
+        lists: list[list[int]] = []
+        for rows in _pieces(len(flat)):
+            ends = offsets[rows.start : rows.stop + 1]
+            listed, ends = numbers[ends[0] : ends[-1]].tolist(), (ends - ends[0]).tolist()
+            lists += [listed[start:end] for start, end in zip(ends, ends[1:])]
         if not shape:
             return lists[0]
         found = np.empty(len(lists), object)
@@ -376,7 +383,10 @@ class KDTree:
             pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         if output_type == "ndarray":
             return pairs.astype(np.intp)
-        return set(zip(pairs[:, 0].tolist(), pairs[:, 1].tolist()))
+        found: set[tuple[int, int]] = set()
+        for rows in _pieces(len(pairs)):
+            found.update(zip(pairs[rows, 0].tolist(), pairs[rows, 1].tolist()))
+        return found
 
     def count_neighbors(
         self,
@@ -473,7 +483,10 @@ class KDTree:
         offsets, j, v = other._within(self.data, np.full(self.n, number(max_distance, "max_distance")), p, 0)
         i = np.repeat(np.arange(self.n, dtype=np.intp), np.diff(offsets))
         if output_type == "dict":
-            return dict(zip(zip(i.tolist(), j.tolist()), v.tolist()))
+            distances: dict[tuple[int, int], float] = {}
+            for piece in _pieces(len(v)):
+                distances.update(zip(zip(i[piece].tolist(), j[piece].tolist()), v[piece].tolist()))
+            return distances
         if output_type == "ndarray":
             rows = np.empty(len(v), np.dtype([("i", np.intp), ("j", np.intp), ("v", np.float64)], align=True))
             rows["i"], rows["j"], rows["v"] = i, j, v
@@ -535,6 +548,10 @@ class KDTree:
             raise ValueError("Trees passed to this method have different dimensionality")
         if not np.array_equal(np.zeros(self.m) if self.boxsize is None else self.boxsize, np.zeros(other.m) if other.boxsize is None else other.boxsize):
             raise ValueError("Trees passed to this method have different boxes")
+
+
+def _pieces(rows: int) -> Iterator[slice]:
+    return (slice(start, min(start + _PIECE, rows)) for start in range(0, rows, _PIECE))
 
 
 def _real(data: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import warnings
 from collections.abc import Sequence
@@ -14,6 +15,9 @@ import numpy.typing as npt
 from . import _fdem
 from ._box import Box
 from ._input import whole
+
+_PIECE = 1 << 26
+"""Bytes that are read at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,8 +197,7 @@ def read(
     if kind not in (None, "packing", "mesh"):
         raise ValueError(f"there is no kind '{kind}': choose one of packing, mesh")
     name = os.fspath(path)
-    with open(name, "rb") as file:
-        content = file.read()
+    content = _content(name)
     chosen = None if frame is None else whole(frame, "frame", -(2**62))
     holds, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
     if kind is not None and holds != kind:
@@ -202,6 +205,15 @@ def read(
     if holds == "mesh":
         return Mesh(**found)
     return _packing_of(name, found)
+
+
+def _content(name: str) -> bytes:
+    """The bytes of a file, read piece by piece: between them Ctrl-C is heeded."""
+    content = io.BytesIO()
+    with open(name, "rb", buffering=0) as file:
+        while piece := file.read(_PIECE):
+            content.write(piece)
+    return content.getvalue()
 
 
 def _packing_of(name: str, found: dict[str, Any]) -> Packing:
@@ -286,8 +298,7 @@ def frames(
     1 0
     """
     name = os.fspath(path)
-    with open(name, "rb") as file:
-        content = file.read()
+    content = _content(name)
     found = _fdem.Frames(content, name, format, columns, bodies, bool(skip_bad_lines))
     return Frames._of(name, found, range(len(found)))
 

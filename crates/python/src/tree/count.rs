@@ -1,6 +1,8 @@
 //! Pairs of two sets of points, counted by distance.
 
 use std::ops::{AddAssign, Mul};
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 
 use super::metric::{Metric, with_metric};
 use super::{Norm, Tree};
@@ -58,18 +60,22 @@ struct Pairs<'a, W, M> {
     metric: M,
     /// Ascending, in the form that is compared.
     limits: &'a [f64],
+    /// Once it is set, the rest is not counted.
+    stop: &'a AtomicBool,
 }
 
 impl Tree {
     /// For each of the ascending distances `r` the weight of the pairs that are farther than the distance
     /// before it and not farther than it; the last entry is the weight of pairs that are farther than all.
-    /// The weight of a pair is the product of the weights of its points, 1 where there are none.
+    /// The weight of a pair is the product of the weights of its points, 1 where there are none. Once `stop`
+    /// is set, the rest is not counted.
     pub(crate) fn count_pairs(
         &self,
         other: &Self,
         norm: Norm,
         r: &[f64],
         weights: [Option<&[f64]>; 2],
+        stop: &AtomicBool,
     ) -> Result<Vec<f64>, Problem> {
         // No pair has a distance below 0.
         let limits: Vec<f64> = r.iter().map(|&r| if r < 0.0 { -1.0 } else { norm.limit(r) }).collect();
@@ -83,11 +89,11 @@ impl Tree {
         with_metric!(self, norm, metric => {
             if let [None, None] = weights {
                 let weights = trees.map(Ones);
-                let counts = Pairs { trees, weights, metric, limits: &limits }.all(is_one)?;
+                let counts = Pairs { trees, weights, metric, limits: &limits, stop }.all(is_one)?;
                 Ok(counts.into_iter().map(|count| count as f64).collect())
             } else {
                 let weights = [self.weigh(weights[0])?, other.weigh(weights[1])?];
-                Pairs { trees, weights, metric, limits: &limits }.all(is_one)
+                Pairs { trees, weights, metric, limits: &limits, stop }.all(is_one)
             }
         })
     }
@@ -148,6 +154,9 @@ impl<W: Weigh, M: Metric> Pairs<'_, W, M> {
 
     /// Counts the pairs of two nodes, whose bins are among `among`.
     fn count(&self, nodes: [usize; 2], among: [usize; 2], bins: &mut [W::Sum]) {
+        if self.stop.load(Relaxed) {
+            return;
+        }
         let among = self.bins_of(nodes, among);
         if among[0] == among[1] {
             bins[among[0]] += self.weights[0].node(nodes[0]) * self.weights[1].node(nodes[1]);

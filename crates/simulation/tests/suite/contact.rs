@@ -233,6 +233,23 @@ fn sunken(initial_overlap: InitialOverlap) -> Model {
     Model { mesh, materials: vec![granite()], contact, ..Model::default() }
 }
 
+/// Elements in one place reach the centroids of each other, which says nothing of the stiffness of contacts.
+#[test]
+fn an_ignored_overlap_is_no_soft_contact() {
+    let of = |initial_overlap: InitialOverlap| {
+        let mesh =
+            together(&[rectangle([0.0, 0.0], [0.1, 0.1], 2, 2), rectangle([0.0, 0.0], [0.1, 0.1], 2, 2)]);
+        let contact = ContactOptions { initial_overlap, ..ContactOptions::default() };
+        let model = Model { mesh, materials: vec![granite()], contact, ..Model::default() };
+        let mut run = Simulation::new(model, 1).unwrap();
+        run.advance(1).unwrap();
+        assert!(run.counts().contacts > 0);
+        run.penetrated()
+    };
+    assert_eq!(of(InitialOverlap::Ignore), None);
+    assert!(of(InitialOverlap::Push).is_some());
+}
+
 /// Velocities of all nodes of the two bodies of [`sunken`].
 fn approach(model: &mut Model, [below, above]: [f64; 2]) {
     let half = model.mesh.nodes.len() / 2;

@@ -1,4 +1,5 @@
 use crate::common::*;
+use crate::joint_sets::{halves, open};
 use fdem_simulation::*;
 
 fn square() -> Model {
@@ -49,12 +50,35 @@ fn models_that_cannot_be_say_why() {
     assert_eq!(refusal(|m| m.thickness = 0.0), "the model: thickness is 0, it must be positive");
     assert!(refusal(|m| m.time.safety = 1.5).contains("safety is 1.5"));
     let brittle = Strength { energy_i: 1e-9, ..rock() };
+    let message = refusal(|m| {
+        m.materials[0].strength = Some(brittle);
+        m.fracture.insertion = Insertion::Intrinsic;
+    });
+    assert!(message.contains("store more than the fracture energy of opening"), "{message}");
+    assert!(message.contains("fracture_energy_i must be above "), "{message}");
+    assert!(!message.contains("above 0 J"), "{message}");
+}
+
+/// The key, the formula and the least value are those of the mode that has too little energy.
+#[test]
+fn too_small_an_energy_of_a_joint_set_names_the_key_and_the_least_value() {
+    let none = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..rock() };
+    let of = |strength: Strength| {
+        let stiffness = Some(1e9);
+        let set = JointSet { strength, normal_stiffness: stiffness, shear_stiffness: stiffness, ..open(0.5) };
+        Simulation::new(halves(set, 0.1, 4), 1).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let message = of(Strength { cohesion: 1e6, energy_ii: 400.0, ..none });
+    assert!(message.contains("fracture energy of sliding"), "{message}");
     assert!(
-        refusal(|m| {
-            m.materials[0].strength = Some(brittle);
-            m.fracture.insertion = Insertion::Intrinsic;
-        })
-        .contains("store more than the fracture energy")
+        message.contains("fracture_energy_ii must be above cohesion²/(2 shear_stiffness) = 500 J/m²"),
+        "{message}"
+    );
+    let message = of(Strength { tensile: 1e3, energy_i: 1e-4, ..none });
+    assert!(
+        message
+            .contains("fracture_energy_i must be above tensile_strength²/(2 normal_stiffness) = 0.0005 J/m²"),
+        "{message}"
     );
 }
 

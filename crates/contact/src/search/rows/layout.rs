@@ -231,6 +231,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         resize(&mut self.ids, n + PADDING, 0)?;
         resize(&mut self.radii, if radii.is_empty() { 0 } else { n + PADDING }, T::ZERO)?;
 
+        pool.stop().go_on()?;
         let mut keys = RowKeys::new(grid, &self.axes);
         let mut skewed = seem_skewed(points, chosen, &keys);
         if !skewed {
@@ -241,7 +242,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
             keys = keys.without_empty_stretches((0..n).map(|k| &points[chosen.number(k)]));
             self.find_blocks(points, chosen, &keys, pool)?;
         }
+        pool.stop().go_on()?;
         self.fill_blocks(points, radii, chosen, pool)?;
+        pool.stop().go_on()?;
         self.sort_blocks(&keys, pool)
     }
 

@@ -93,8 +93,8 @@ pub struct Boundary {
     /// CSV file with such a table: one row for each time, s, with its factor.
     #[serde(default)]
     pub table_file: Option<String>,
-    /// Factor of the load as an expression of the time `t` in seconds, such as "exp(-t/1e-3)". Straight lines
-    /// over 4000 intervals of the run stand for it.
+    /// Factor of the load as an expression of the time `t` in seconds, such as "exp(-t/1e-3)" or
+    /// "exp(-t/1ms)". Straight lines over 4000 intervals of the run stand for it.
     #[serde(default)]
     pub expression: Option<String>,
     /// Control of `velocity`, so that a force, a stress or a strain gets to a target. The `ramp` or the

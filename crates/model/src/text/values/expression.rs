@@ -399,6 +399,18 @@ impl Expression {
         }
     }
 
+    /// Whether a unit stands anywhere in it.
+    pub(crate) fn has_unit(&self) -> bool {
+        match self {
+            Self::Number(_) => false,
+            Self::Name(name, _) => units::find(name).is_some(),
+            Self::Scaled(..) => true,
+            Self::Negative(inner) => inner.has_unit(),
+            Self::Binary(_, both, _) => both.iter().any(Self::has_unit),
+            Self::Call(_, values, _) => values.iter().any(Self::has_unit),
+        }
+    }
+
     /// The value. `look_up`: that of a parameter, if there is one of this name.
     ///
     /// # Errors

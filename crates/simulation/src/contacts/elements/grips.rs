@@ -173,9 +173,10 @@ impl<const D: usize, const N: usize> ContactInputs<D, N> {
 }
 
 /// Forces of a batch: `scale` times those of the potential for a penalty of 1, and `along` at the points with
-/// these barycentric coordinates.
+/// these barycentric coordinates. `slope`: the share of the depth that counts.
 struct BatchForces<const D: usize, const N: usize> {
     scale: Lanes,
+    slope: Lanes,
     along: [Lanes; D],
     shares: [[Lanes; N]; 2],
 }
@@ -192,12 +193,21 @@ fn grip_all<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut forces =
-        BatchForces { scale: Lanes::ZERO, along: [Lanes::ZERO; D], shares: [[Lanes::ZERO; N]; 2] };
+    let mut forces = BatchForces {
+        scale: Lanes::ZERO,
+        slope: Lanes::ZERO,
+        along: [Lanes::ZERO; D],
+        shares: [[Lanes::ZERO; N]; 2],
+    };
     for lane in 0..LANES {
         grip_one(lane, shapes, given, found, grips, works, &mut forces);
     }
-    let BatchForces { scale, along, shares } = &forces;
+    let BatchForces { scale, slope, along, shares } = &forces;
+    for lane in 0..LANES {
+        // An overlap that was there before any force does not show that contacts are soft.
+        let deep = found.deep.get(lane);
+        found.deep.set(lane, if slope.get(lane) > 0.5 { deep } else { 0.0 });
+    }
     for corner in 0..N {
         for axis in 0..D {
             for lane in 0..LANES {
@@ -306,6 +316,7 @@ fn grip_one<const D: usize, const N: usize>(
     let handed_over = given.fading.get(lane) * energy;
     set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over]);
     forces.scale.set(lane, scale);
+    forces.slope.set(lane, slope);
     set_row(&mut forces.along, lane, &both);
     set_row(&mut forces.shares[0], lane, &one);
     set_row(&mut forces.shares[1], lane, &other);
