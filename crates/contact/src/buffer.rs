@@ -559,7 +559,7 @@ fn touching<G: Geometry>(geometry: G, candidates: &[Couple], mut visit: impl FnM
 
 fn copy<V: Copy>(from: &[V], to: &mut Vec<V>) -> Result<(), Error> {
     to.clear();
-    to.try_reserve_exact(from.len()).map_err(|_| Error::OutOfMemory { bytes: size_of_val(from) })?;
+    reserve(to, from.len())?;
     to.extend_from_slice(from);
     Ok(())
 }
