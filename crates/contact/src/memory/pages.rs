@@ -35,9 +35,9 @@ mod linux {
 
     /// Requests huge pages for all pages that hold some of the `bytes` bytes from `start` on.
     ///
-    /// The first and the last page belong to it, too, though others may hold bytes there. An allocator gives a
-    /// large array a mapping of its own and keeps its notes in front of it. Advice on part of a mapping splits
-    /// it, and then it cannot be moved when the array grows: it would be copied.
+    /// The first and the last page belong to them, too, though others may hold bytes there. An allocator
+    /// gives a large array a mapping of its own and keeps its notes in front of it. Advice on part of a
+    /// mapping splits it, and then it cannot be moved when the array grows: it would be copied.
     pub(super) fn advise(start: *const u8, bytes: usize) {
         if bytes < LARGE {
             return;
