@@ -12,6 +12,8 @@ pub enum EngineKind {
     Rows,
     /// `Rows` limited to AVX2.
     RowsAvx2,
+    /// `Rows`, with memory kept from call to call, but a new list of couples in every call.
+    RowsFresh,
     /// `Rows`, with all memory, including that of the couples, allocated in every call.
     RowsCold,
     /// `Nbs`, with memory kept from call to call.
@@ -22,9 +24,10 @@ pub enum EngineKind {
 
 impl EngineKind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs, Self::Auto];
+    pub const ALL: [Self; 6] =
+        [Self::Rows, Self::RowsAvx2, Self::RowsFresh, Self::RowsCold, Self::Nbs, Self::Auto];
     /// The kinds for points with one cut-off.
-    pub const OF_POINTS: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
+    pub const OF_POINTS: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsFresh, Self::RowsCold, Self::Nbs];
     /// The kinds for unlike sizes and boxes: levels, and a grid of one level for comparison.
     pub const OF_UNLIKE: [Self; 2] = [Self::Auto, Self::Rows];
 
@@ -33,6 +36,7 @@ impl EngineKind {
         match self {
             Self::Rows => "rows",
             Self::RowsAvx2 => "rows-avx2",
+            Self::RowsFresh => "rows-fresh",
             Self::RowsCold => "rows-cold",
             Self::Nbs => "nbs",
             Self::Auto => "auto",
@@ -70,6 +74,10 @@ impl<const D: usize> Ours<D> {
         let elements = bodies.elements()?;
         match self.kind {
             EngineKind::Rows | EngineKind::RowsAvx2 => self.rows.couples(&elements, couples),
+            EngineKind::RowsFresh => {
+                *couples = Vec::new();
+                self.rows.couples(&elements, couples)
+            }
             EngineKind::RowsCold => {
                 *couples = Vec::new();
                 let mut rows = Rows::new().with_simd(self.simd)?.with_threads(self.threads)?;
@@ -94,6 +102,9 @@ impl<const D: usize> Peer<D> for Ours<D> {
         let simd = self.simd.name();
         match self.kind {
             EngineKind::Rows | EngineKind::RowsAvx2 => format!("`Rows::couples`, {simd}, memory reused"),
+            EngineKind::RowsFresh => {
+                format!("`Rows::couples`, {simd}, memory reused, the list new in every run")
+            }
             EngineKind::RowsCold => {
                 format!("`Rows::new().couples`, {simd}, memory and output new in every run")
             }

@@ -134,7 +134,7 @@ pub enum Reason {
         /// The number now.
         now: usize,
     },
-    /// The elements are of another kind: spheres of one radius, spheres with radii, or boxes.
+    /// Spheres have become boxes, or boxes spheres.
     ShapeChanged,
     /// The tolerance of the elements differs.
     ToleranceChanged,
@@ -209,7 +209,6 @@ pub(crate) struct Reference<T, const D: usize> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ElementKind {
-    Equal,
     Spheres,
     Boxes,
 }
@@ -225,7 +224,7 @@ struct Numbers<'a, T, const D: usize> {
 impl<'a, T: Real, const D: usize> Numbers<'a, T, D> {
     fn of(elements: &'a Elements<'_, T, D>) -> Self {
         let (kind, points, far_points, radii): (_, _, &[[T; D]], &[T]) = match &elements.shape {
-            Shape::Equal(equal) => (ElementKind::Equal, equal.points(), &[], equal.radii()),
+            Shape::Equal(equal) => (ElementKind::Spheres, equal.points(), &[], equal.radii()),
             Shape::Spheres(spheres) => (ElementKind::Spheres, spheres.points(), &[], spheres.radii()),
             Shape::Boxes(boxes) => (ElementKind::Boxes, boxes.points(), boxes.far_points(), &[]),
         };
@@ -327,7 +326,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
 impl<T: Real, const D: usize> Reference<T, D> {
     pub(crate) fn empty() -> Self {
         Self {
-            kind: ElementKind::Equal,
+            kind: ElementKind::Spheres,
             tolerance: T::ZERO,
             buffer: 0.0,
             rounding: 0.0,
@@ -377,9 +376,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
         if elements.tolerance() != self.tolerance {
             return Some(Reason::ToleranceChanged);
         }
-        if now.radii != self.radii {
-            let element = now.radii.iter().zip(&self.radii).position(|(now, before)| now != before);
-            return Some(Reason::SizeChanged { element: element.unwrap_or(0) });
+        if let Some(element) = first_change(now.radii, &self.radii) {
+            return Some(Reason::SizeChanged { element });
         }
         let filter = elements.filter();
         if !self.labels.equal(filter) || self.matrix.as_ref() != filter.and_then(|filter| filter.matrix()) {
@@ -404,7 +402,7 @@ impl<T: Real, const D: usize> Reference<T, D> {
                 - f64::EPSILON * ((D + 8) as f64 * enlarged + common.iter().map(|c| c.abs()).sum::<f64>())
         };
         let combine = match self.kind {
-            ElementKind::Equal | ElementKind::Spheres => |sum: f64, square: f64| sum + square,
+            ElementKind::Spheres => |sum: f64, square: f64| sum + square,
             ElementKind::Boxes => f64::max,
         };
 
@@ -428,13 +426,20 @@ impl<T: Real, const D: usize> Reference<T, D> {
             return Some(Reason::BufferTooSmall);
         }
         let [near, far] = match self.kind {
-            ElementKind::Equal | ElementKind::Spheres => {
-                motions.map(|motion| motion.farthest(&mean, |sum, square| sum + square))
-            }
+            ElementKind::Spheres => motions.map(|motion| motion.farthest(&mean, |sum, square| sum + square)),
             ElementKind::Boxes => motions.map(|motion| motion.farthest(&mean, f64::max)),
         };
         let (element, squared) = if far.1 > near.1 { far } else { near };
         (squared > limit * limit).then(|| Reason::Moved { element, distance: squared.sqrt(), limit })
+    }
+}
+
+/// The first element with another radius than before; a slice of one radius stands for all elements.
+fn first_change<T: Real>(now: &[T], before: &[T]) -> Option<usize> {
+    match (now, before) {
+        (&[one], before) => before.iter().position(|&radius| radius != one),
+        (now, &[one]) => now.iter().position(|&radius| radius != one),
+        (now, before) => now.iter().zip(before).position(|(now, before)| now != before),
     }
 }
 
@@ -554,7 +559,7 @@ fn touching<G: Geometry>(geometry: G, candidates: &[Couple], mut visit: impl FnM
 
 fn copy<V: Copy>(from: &[V], to: &mut Vec<V>) -> Result<(), Error> {
     to.clear();
-    to.try_reserve_exact(from.len()).map_err(|_| Error::OutOfMemory { bytes: size_of_val(from) })?;
+    reserve(to, from.len())?;
     to.extend_from_slice(from);
     Ok(())
 }

@@ -3,6 +3,7 @@
 use crate::couple::Couple;
 use crate::elements::{Elements, MAX_ELEMENTS};
 use crate::error::Error;
+use crate::memory::reserve;
 use crate::periodic::PeriodicCouple;
 use crate::real::Real;
 use crate::search::Search;
@@ -202,8 +203,7 @@ impl<const D: usize> Csr<[i32; D]> {
         // Values of earlier rows may remain, because all of them will be overwritten.
         self.values.truncate(entries);
         let more = entries - self.values.len();
-        let bytes = entries.saturating_mul(size_of::<[i32; D]>());
-        self.values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })?;
+        reserve(&mut self.values, more)?;
         self.values.resize(entries, [0; D]);
 
         self.offsets.fill(0);
@@ -437,10 +437,9 @@ impl<V> Csr<V> {
 
     fn evaluate(&mut self, mut value: impl FnMut(usize, usize) -> V) -> Result<(), Error> {
         let entries = self.neighbours.len();
-        let room = self.values.try_reserve_exact(entries);
-        if room.is_err() {
+        if let Err(error) = reserve(&mut self.values, entries) {
             self.clear();
-            return Err(Error::OutOfMemory { bytes: entries.saturating_mul(size_of::<V>()) });
+            return Err(error);
         }
         for element in 0..self.len() {
             let row = &self.neighbours[self.offsets[element]..self.offsets[element + 1]];
@@ -455,8 +454,7 @@ pub(crate) fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Res
     if len > values.capacity() {
         // The old values need not be moved.
         values.clear();
-        let bytes = len.saturating_mul(size_of::<N>());
-        values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+        reserve(values, len)?;
     }
     values.resize(len, N::default());
     Ok(())

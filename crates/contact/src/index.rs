@@ -15,7 +15,7 @@ use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
 use crate::grid::{Grid, edge_for};
-use crate::memory::{reserve, resize};
+use crate::memory::{grow, reserve, resize};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
@@ -337,9 +337,8 @@ impl<T: Real, const D: usize> Index<T, D> {
         couples.clear();
         let mut room = Ok(());
         let mut take = |found: &[Couple]| {
-            if couples.try_reserve(found.len()).is_err() && room.is_ok() {
-                let bytes = (couples.len() + found.len()).saturating_mul(size_of::<CrossCouple>());
-                room = Err(Error::OutOfMemory { bytes });
+            if room.is_ok() {
+                room = grow(couples, found.len());
             }
             if room.is_ok() {
                 couples.extend(found.iter().map(|&Couple { i, j }| CrossCouple { i, j }));

@@ -48,8 +48,9 @@
 //! # Unsafe code
 //! Vector kernels, in `src/simd.rs` and the files below it, use vector instructions and pointers. Threads
 //! write to one array in `src/search/rows/scatter.rs`, which `src/search/rows/layout.rs` uses, and to one
-//! list in `src/ordered.rs`. No other file has unsafe code, and no safe function relies on its caller. CI
-//! runs the kernels under valgrind, and everything but the vector instructions under Miri.
+//! list in `src/ordered.rs`. Linux is advised to hold large arrays in huge pages in `src/memory/pages.rs`. No
+//! other file has unsafe code, and no safe function relies on its caller. CI runs the kernels under valgrind,
+//! and everything but the vector instructions and that advice under Miri.
 //!
 //! # How it is built
 //!

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::Error;
+use crate::memory::reserve;
 use crate::pool::Pool;
 
 /// Appends the parts `0..count` to `list`, in their order; `fill` writes one into an empty vector, on any
@@ -70,10 +71,9 @@ pub(crate) fn append<V: Copy + Send>(
 
         let more = left.iter().map(Vec::len).sum::<usize>();
         let expected = (list.len() - before + more) as f64 / done as f64 * (count - done) as f64;
-        if list.try_reserve_exact(more.saturating_add((1.05 * expected) as usize)).is_err() {
+        if reserve(list, more.saturating_add((1.05 * expected) as usize)).is_err() {
             // There may still be memory for the entries found so far.
-            let bytes = (list.len() + more).saturating_mul(size_of::<V>());
-            list.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })?;
+            reserve(list, more)?;
         }
         for entries in left {
             list.extend_from_slice(&entries);

@@ -16,6 +16,7 @@ use crate::engine::{Engine, Plan};
 use crate::error::Error;
 use crate::explain::{Around, Estimate, Explanation, Means};
 use crate::grid::Grid;
+use crate::memory::grow;
 use crate::periodic::cell::PeriodicBox;
 use crate::periodic::images::Images;
 use crate::pool::Pool;
@@ -426,7 +427,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
             let mut room = Ok(());
             images.test(&outer, self.stop, |couple| {
                 if room.is_ok() {
-                    room = reserve(couples, 1);
+                    room = grow(couples, 1);
                 }
                 if room.is_ok() {
                     couples.push(couple);
@@ -436,7 +437,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         }
         if let Some(inner) = inner {
             let convert = |block: &[Couple], list: &mut Vec<_>| {
-                reserve(list, block.len())?;
+                grow(list, block.len())?;
                 if images.any_away {
                     list.extend(block.iter().map(|&couple| images.named(couple)));
                 } else {
@@ -447,7 +448,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
             of_inner.append_converted(&inner, convert, parts, couples)?;
         }
         let convert = |block: &[Couple], list: &mut Vec<_>| {
-            reserve(list, block.len())?;
+            grow(list, block.len())?;
             list.extend(block.iter().filter_map(|&couple| images.named_outer(couple)));
             Ok(())
         };
@@ -470,7 +471,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         self.for_each(|couple| {
             let PeriodicCouple { i, j, shift } = couple;
             if room.is_ok() {
-                room = if shift == [0; D] { reserve(unshifted, 1) } else { reserve(shifted, 1) };
+                room = if shift == [0; D] { grow(unshifted, 1) } else { grow(shifted, 1) };
             }
             match (&room, shift == [0; D]) {
                 (Ok(()), true) => unshifted.push(Couple { i, j }),
@@ -565,12 +566,6 @@ impl<T: Real, const D: usize> Around<T, D> for AroundElements<'_, T, D> {
     fn is_reported(&self, element: usize, image: usize) -> bool {
         self.couple(element, image).is_some_and(|couple| self.images.is_reported(couple))
     }
-}
-
-/// Reserves room for `more` values; the capacity grows by a factor.
-fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
-    let bytes = (values.len() + more).saturating_mul(size_of::<V>());
-    values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 impl<T: Real, const D: usize> Images<T, D> {

@@ -10,6 +10,7 @@ pub(crate) mod rows;
 use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::error::Error;
+use crate::memory::reserve;
 use crate::real::Real;
 
 /// A search that finds every couple of touching elements, each once.
@@ -74,7 +75,5 @@ pub trait Search<T: Real, const D: usize> {
 
 /// Doubles the capacity, or returns an error if there is no memory for it.
 pub(crate) fn make_room<V>(couples: &mut Vec<V>) -> Result<(), Error> {
-    let more = couples.capacity().max(1024);
-    let bytes = (couples.capacity() + more).saturating_mul(size_of::<V>());
-    couples.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
+    reserve(couples, couples.capacity().max(1024))
 }

@@ -13,7 +13,7 @@ usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [
 
   --sets      of gas100k, gas1m, dense1m, sparse1m, outlier1m, gas2d1m, poly400k, logn1m, ratio1, ratio3, ratio10, ratio30, ratio100,
               ratio1000, boxes1m; all if not given
-  --engines   of rows, rows-avx2, rows-cold, nbs, auto: ours; the first is what the others are compared with; if not given, auto and rows for
+  --engines   of rows, rows-avx2, rows-fresh, rows-cold, nbs, auto: ours; the first is what the others are compared with; if not given, auto and rows for
               unlike sizes and boxes, all but auto for points
   --external  a rival that is a program, see external/README.md; may be repeated
   --simd      portable, neon, avx2 or avx512 for rows; the best of this processor if not given

@@ -4,8 +4,9 @@
 use crate::buffer::{Reason, Reference};
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
+use crate::memory::grow;
 use crate::periodic::cell::PeriodicBox;
-use crate::periodic::{PeriodicCouple, PeriodicSearch, reserve};
+use crate::periodic::{PeriodicCouple, PeriodicSearch};
 use crate::real::Real;
 
 /// Repeated contact detection in a box that repeats, as [`Buffered`](crate::Buffered): it detects again only
@@ -225,7 +226,7 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
         now.compare(reference.points(), cell);
         let moved = |points: &[[T; D]]| {
             let mut moved = Vec::new();
-            reserve(&mut moved, points.len())?;
+            grow(&mut moved, points.len())?;
             let places = points.iter().zip(&now.back);
             moved.extend(places.map(|(point, back)| displaced(cell, point, back)));
             Ok::<_, Error>(moved)
@@ -275,7 +276,7 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
         let n = elements.len();
         let (are_boxes, radii) = sizes(elements);
         now.radii.clear();
-        reserve(&mut now.radii, radii.len())?;
+        grow(&mut now.radii, radii.len())?;
         now.radii.extend_from_slice(radii);
         let shift_of = |couple: &PeriodicCouple<D>, back: &[[i32; D]]| -> [i32; D] {
             let (of_i, of_j) = (back[couple.i as usize], back[couple.j as usize]);
@@ -287,14 +288,14 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
                 continue;
             }
             let j = couple.j as usize;
-            reserve(&mut now.points, 1)?;
+            grow(&mut now.points, 1)?;
             now.points.push(cell.displaced(&now.points[j], &shift));
             if are_boxes {
-                reserve(&mut now.far_points, 1)?;
+                grow(&mut now.far_points, 1)?;
                 now.far_points.push(cell.displaced(&now.far_points[j], &shift));
             }
             if !radii.is_empty() {
-                reserve(&mut now.radii, 1)?;
+                grow(&mut now.radii, 1)?;
                 now.radii.push(radii[j]);
             }
         }
@@ -309,7 +310,7 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
             if all.touch(i as usize, other) {
                 let (of_i, of_j) = (now.periods[i as usize], now.periods[j as usize]);
                 let shift = std::array::from_fn(|edge| shift[edge] + of_i[edge] - of_j[edge]);
-                reserve(couples, 1)?;
+                grow(couples, 1)?;
                 couples.push(PeriodicCouple { i, j, shift });
             }
         }
@@ -338,10 +339,10 @@ impl<T: Real, const D: usize> Wrapped<T, D> {
         self.far_points.clear();
         self.periods.clear();
         self.back.clear();
-        reserve(&mut self.points, points.len())?;
-        reserve(&mut self.far_points, far_points.len())?;
-        reserve(&mut self.periods, points.len())?;
-        reserve(&mut self.back, points.len())?;
+        grow(&mut self.points, points.len())?;
+        grow(&mut self.far_points, far_points.len())?;
+        grow(&mut self.periods, points.len())?;
+        grow(&mut self.back, points.len())?;
         for point in points {
             let Some((wrapped, periods)) = cell.wrap(*point) else { return Ok(false) };
             self.points.push(wrapped);

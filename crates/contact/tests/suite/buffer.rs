@@ -347,11 +347,16 @@ fn the_reason_is_told() {
     assert!((distance - 0.45).abs() < 1e-12, "{distance}: a tenth of 0.5 is the mean");
     assert!(limit < 0.2 && limit > 0.2 - 1e-12, "{limit}");
     assert_eq!(reason(Elements::spheres(&moved, 0.6)), Some(Reason::SizeChanged { element: 0 }));
-    assert_eq!(reason(Elements::spheres_with_radii(&moved, &radii)), Some(Reason::ShapeChanged));
+    assert_eq!(reason(Elements::spheres(&moved, 0.5)), Some(Reason::SizeChanged { element: 0 }));
+    assert_eq!(reason(Elements::spheres_with_radii(&moved, &radii)), None, "equal radii");
     radii[4] = 0.3;
     let elements = Elements::spheres_with_radii(&moved, &radii);
     assert_eq!(reason(elements.clone()), Some(Reason::SizeChanged { element: 4 }));
     assert_eq!(reason(elements.clone()), None);
+    assert_eq!(reason(Elements::spheres(&moved, 0.5)), Some(Reason::SizeChanged { element: 4 }));
+    radii[2] = 0.4;
+    let elements = Elements::spheres_with_radii(&moved, &radii);
+    assert_eq!(reason(elements.clone()), Some(Reason::SizeChanged { element: 2 }));
     assert_eq!(reason(elements.unwrap().with_tolerance(0.1)), Some(Reason::ToleranceChanged));
     assert_eq!(reason(Elements::boxes(&centres, &high)), Some(Reason::ShapeChanged));
     assert!(matches!(reason(Elements::boxes(&centres, &grown)), Some(Reason::Moved { element: 3, .. })));
