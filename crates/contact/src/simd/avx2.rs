@@ -246,6 +246,12 @@ impl EstimateVector for F32x8 {
     }
 
     #[inline(always)]
+    unsafe fn marked_near(self, nearest: Self, _: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_movemask_ps(nearest.0).cast_unsigned() }
+    }
+
+    #[inline(always)]
     unsafe fn marked_by<const MEMBER: usize>(self) -> u32 {
         // SAFETY: the contract of `Vector`.
         unsafe {

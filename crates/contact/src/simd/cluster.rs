@@ -75,8 +75,9 @@ const NEAR: usize = 560;
 const LARGEST: f64 = 512.0;
 
 /// Room for the copies of a row and its neighbours: the coordinates of up to three axes and the radii of
-/// each.
-type Copies = [[[MaybeUninit<f32>; CAPACITY]; 4]; FEW + 1];
+/// each. All begin with a cache line.
+#[repr(align(64))]
+struct Copies([[[MaybeUninit<f32>; CAPACITY]; 4]; FEW + 1]);
 
 /// A copied piece of a row.
 #[derive(Clone, Copy)]
@@ -297,7 +298,7 @@ where
 
         let (lows, highs) = (V::splat(first - task.reach), V::splat(last + task.reach));
         (segment.count, segment.error, segment.scale) = (1 + rows.windows.len(), error, scale);
-        let copies: *mut [[MaybeUninit<f32>; CAPACITY]; 4] = copies.as_mut_ptr().cast();
+        let copies: *mut [[MaybeUninit<f32>; CAPACITY]; 4] = (&raw mut (*copies.as_mut_ptr()).0).cast();
         for index in 0..segment.count {
             let (row, start, mut end) = if index == 0 {
                 (own, range.start, range.end)
@@ -447,7 +448,7 @@ impl<C: EstimateVector, const D: usize> Cluster<C, D> {
         j: usize,
         limits: &Limits<C>,
         least: &mut C,
-    ) -> C {
+    ) -> Touched<C> {
         // SAFETY: the contract of this function.
         unsafe {
             let mut others = self.centres[0];
@@ -465,21 +466,32 @@ impl<C: EstimateVector, const D: usize> Cluster<C, D> {
                     let difference = x.sub(other);
                     sum = difference.mul_add(difference, sum);
                 }
-                *least = least.least(sum);
                 *to = sum;
             }
-            C::marks(sums)
+            let [a, b, c, d] = sums;
+            let nearest = a.least(b).least(c).least(d);
+            *least = least.least(nearest);
+            Touched { marks: C::marks(sums), nearest }
         }
     }
 }
 
+/// The elements of a vector that touch a cluster.
+#[derive(Clone, Copy)]
+struct Touched<C> {
+    marks: C,
+    /// The least of the distances from the limit, as [`EstimateVector::least`] has it: negative for all
+    /// elements with marks.
+    nearest: C,
+}
+
 /// How [`clusters`] handles the marks of a vector.
 trait Collect<C> {
-    /// Takes the marks of the elements whose numbers are `ids`.
+    /// Takes the elements whose numbers are `ids`.
     ///
     /// # Safety
     /// The processor has the instructions of `C`, its lanes can be read from `ids` on, and there is room.
-    unsafe fn take(&mut self, marks: C, ids: *const u32);
+    unsafe fn take(&mut self, touched: Touched<C>, ids: *const u32);
 
     /// Whether there is only room for the vectors that the pieces of a segment have at least.
     fn is_full(&self) -> bool;
@@ -494,7 +506,7 @@ struct Count<C> {
 
 impl<C: EstimateVector> Collect<C> for Count<C> {
     #[inline(always)]
-    unsafe fn take(&mut self, marks: C, _: *const u32) {
+    unsafe fn take(&mut self, Touched { marks, .. }: Touched<C>, _: *const u32) {
         // SAFETY: the contract of this function.
         self.count += u64::from(unsafe { marks.and(self.members).count_marks() });
     }
@@ -516,10 +528,10 @@ struct Sift<C> {
 
 impl<C: EstimateVector> Collect<C> for Sift<C> {
     #[inline(always)]
-    unsafe fn take(&mut self, marks: C, ids: *const u32) {
+    unsafe fn take(&mut self, Touched { marks, nearest }: Touched<C>, ids: *const u32) {
         // SAFETY: the contract of this function: LANES entries fit behind `count`.
         unsafe {
-            let lanes = marks.marked(self.members);
+            let lanes = marks.marked_near(nearest, self.members);
             marks.sift(ids, lanes, self.marks.add(self.count), self.ids.add(self.count));
             self.count += lanes.count_ones() as usize;
         }
@@ -539,7 +551,7 @@ struct AllHits<C> {
 
 impl<C: EstimateVector> Collect<C> for AllHits<C> {
     #[inline(always)]
-    unsafe fn take(&mut self, marks: C, ids: *const u32) {
+    unsafe fn take(&mut self, Touched { marks, .. }: Touched<C>, ids: *const u32) {
         // SAFETY: the contract of this function.
         unsafe { self.hits.as_mut_ptr().add(self.count).write(MaybeUninit::new(Hits { ids, marks })) };
         self.count += 1;
@@ -577,8 +589,9 @@ where
         let high = *mine.along.add(base + members - 1) + reach;
         let mut least = C::splat(1.0);
         let mut j = base + 1;
-        let marks = cluster.touch::<SHAPE>(&mine, j, limits, &mut least);
-        to.take(marks.and(C::load(const { &behind(C::MARKS) }.as_ptr().cast())), mine.ids.add(j));
+        let mut touched = cluster.touch::<SHAPE>(&mine, j, limits, &mut least);
+        touched.marks = touched.marks.and(C::load(const { &behind(C::MARKS) }.as_ptr().cast()));
+        to.take(touched, mine.ids.add(j));
         j += C::LANES;
         while *mine.along.add(j) <= high {
             if to.is_full() {

@@ -117,6 +117,14 @@ pub(super) trait EstimateVector: Vector<f32> {
     /// Lanes with any of the marks `of`.
     unsafe fn marked(self, of: Self) -> u32;
 
+    /// Lanes with any of the marks `of`, and maybe more of those that are negative in `nearest`, as all lanes
+    /// with marks are.
+    #[inline(always)]
+    unsafe fn marked_near(self, _nearest: Self, of: Self) -> u32 {
+        // SAFETY: the contract of this function.
+        unsafe { self.marked(of) }
+    }
+
     /// Lanes with one mark.
     unsafe fn marked_by<const MEMBER: usize>(self) -> u32;
 
