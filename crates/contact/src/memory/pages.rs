@@ -1,8 +1,9 @@
 //! Large arrays in huge pages, where the system gives them on request only.
 //!
 //! The first write to each page of a new array costs a fault, and 512 small pages hold as much as a huge one.
-//! For a new list of couples the faults take up to half of the time of a search (`bench/NOTES.md`, "New
-//! lists"). This is for speed alone: on systems other than Linux nothing is done.
+//! For a new list of couples the faults take up to half of the time of a search (`bench/NOTES.md`, "Equal
+//! radii, new lists, lanes from the sign"). This is for speed alone: on systems other than Linux nothing is
+//! done.
 
 #![allow(unsafe_code, reason = "advises the system on memory, which the standard library cannot do")]
 
