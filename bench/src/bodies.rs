@@ -49,15 +49,12 @@ impl Body {
             Self::Plane(Plane::Adaptive) => 20.0,
             Self::Plane(Plane::Joined | Plane::Intrinsic) => 6.5,
             Self::Plane(Plane::Heap) => 0.9,
-            Self::Plane(Plane::Near) => 10.0,
-            Self::Plane(Plane::Softening) => 3.0,
-            Self::Plane(Plane::Breaking) => 1.5,
             Self::Space(Space::Cube) => 14.0,
-            Self::Space(Space::CubeAdaptive) => 10.0,
+            Self::Plane(Plane::Near) | Self::Space(Space::CubeAdaptive) => 10.0,
             Self::Space(Space::CubeJoined) => 2.0,
             Self::Space(Space::Debris) => 0.3,
-            Self::Space(Space::CubeNear) => 3.0,
-            Self::Space(Space::CubeSoftening) => 1.5,
+            Self::Plane(Plane::Softening) | Self::Space(Space::CubeNear) => 3.0,
+            Self::Plane(Plane::Breaking) | Self::Space(Space::CubeSoftening) => 1.5,
             Self::Space(Space::CubeBreaking) => 0.8,
         };
         ((1e6 * millions / elements as f64) as u64).max(2)

@@ -4,8 +4,8 @@ use fdem_simulation::{Boundary, Insertion, Load, Mesh, Model, Schedule, Target};
 
 use super::parts::of_rock;
 
-/// Weibull modulus of the strengths. With more scatter the weakest facets would be far beyond their strength at the
-/// beginning, and their joints would begin with a jump.
+/// Weibull modulus of the strengths. With more scatter the weakest facets would be far beyond their strength
+/// at the beginning, and their joints would begin with a jump.
 const WEIBULL: f64 = 20.0;
 
 /// Rate at which a block that breaks expands, 1/s.
@@ -14,11 +14,11 @@ const EXPANSION: f64 = 50.0;
 /// How near its strength a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failing {
-    /// Compressed along its last axis at 0.9 of the load at which it would break: with scattered strengths that is
-    /// 0.84 of the mean strength. A few facets have joints.
+    /// Compressed along its last axis at 0.9 of the load at which it would break: with scattered strengths
+    /// that is 0.84 of the mean strength. A few facets have joints.
     Near,
-    /// Drawn on all sides at 0.92 of the mean tensile strength, which is above that of a tenth of its facets. All
-    /// facets have joints.
+    /// Drawn on all sides at 0.92 of the mean tensile strength, which is above that of a tenth of its facets.
+    /// All facets have joints.
     Softening,
     /// Drawn on all sides at half of its tensile strength, and expanding, so that it comes to pieces.
     Breaking,

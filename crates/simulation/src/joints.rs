@@ -159,8 +159,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     breaks: Vec<Break>,
     /// Outer facets, and facets of broken joints.
     pub(crate) faces: Faces<D>,
-    /// Open ends of joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if
-    /// no facet can break.
+    /// Open ends of joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty
+    /// if no facet can break.
     at_corner: Vec<[u32; D]>,
     /// The joint of each facet, or [`NONE`].
     pub(crate) of_facet: Vec<u32>,
@@ -182,12 +182,12 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip<D>>,
-    /// Lowest strengths of the facets of each element, and what its stress asks of them, in batches; both lists
-    /// are empty if joints are not inserted.
+    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches; both
+    /// lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     demands: Vec<Demands>,
-    /// Of each facet, empty as well if joints are not inserted: its strengths, infinite if it cannot get a joint,
-    /// or has one; the use of its strength; and whether it has been at a tip.
+    /// Of each facet, empty as well if joints are not inserted: its strengths, infinite if it cannot get a
+    /// joint, or has one; the use of its strength; and whether it has been at a tip.
     limits: Vec<Weakest>,
     uses: Vec<f64>,
     near_tip: Vec<bool>,
@@ -441,8 +441,8 @@ impl<const D: usize> Joints<D> {
         self.all.push(joint);
     }
 
-    /// Lets the force at an end of a joint act on the corners of its elements. Ends that are closed have no force,
-    /// and most ends in a body near its strength are.
+    /// Lets the force at an end of a joint act on the corners of its elements. Ends that are closed have no
+    /// force, and most ends in a body near its strength are.
     fn connect<const N: usize>(&mut self, number: usize, end: usize, topology: &Topology<D, N>)
     where
         [[f64; D]; N]: Simplex<D, N>,

@@ -111,8 +111,8 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of a list of batches of `LANES` items, with the number of the first batch. Returns
-    /// the results in the order of the chunks.
+    /// Calls `work` on chunks of a list of batches of `LANES` items, with the number of the first batch.
+    /// Returns the results in the order of the chunks.
     pub(crate) fn change_lanes<const LANES: usize, T: Send, R: Send>(
         &self,
         batches: &mut [T],

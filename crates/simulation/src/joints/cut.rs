@@ -1,9 +1,9 @@
-//! Cuts at a vertex: which facets part two groups of its elements, and the traction with which one group holds
-//! the other there.
+//! Cuts at a vertex: which facets part two groups of its elements, and the traction with which one group
+//! holds the other there.
 //!
-//! The elements of a cut change only when joints at the vertex do, or, in space, when an element moves from one
-//! side of its plane to the other. A cut is kept from step to step, because to find it takes ten times as long
-//! as to sum its forces.
+//! The elements of a cut change only when joints at the vertex do, or, in space, when an element moves from
+//! one side of its plane to the other. A cut is kept from step to step, because to find it takes ten times as
+//! long as to sum its forces.
 
 use crate::joints::plane::side;
 use crate::model::Model;
@@ -32,16 +32,16 @@ pub(super) struct Cut<const D: usize> {
     /// The group of each corner of the vertex: 0, 1, or neither.
     pub(super) groups: Box<[u8]>,
     /// The facets between the groups: `facets`, and those of closed joints.
-    pub(super) parts: Box<[Part]>,
+    pub(super) parts: Box<[CutFacet]>,
     /// Mass of group 0 over that of both.
     pub(super) share: f64,
 }
 
 /// A facet between two groups.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct CutFacet {
     pub(super) facet: u32,
-    /// Its two corners at the vertex.
+    /// The corners of its two sides at the vertex.
     pub(super) corners: [u32; 2],
     /// Whether its normal points into group 0.
     pub(super) turned: bool,
@@ -63,7 +63,7 @@ impl<const D: usize> Cut<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let one_node = |part: &Part| {
+        let one_node = |part: &CutFacet| {
             let [a, b] = part.corners.map(|corner| state.solid.node_at(corner));
             a == b
         };
@@ -72,8 +72,9 @@ impl<const D: usize> Cut<D> {
         self.parts.iter().all(one_node) && known.all(|(&known, &corner)| known == above(corner))
     }
 
-    /// Traction, Pa, with which group 1 holds group 0 across the cut, and the axes of the cut: its unit normal,
-    /// out of group 0, and directions along it. `force_on`: the force on a corner, N. Each facet counts by its projection on the plane of the cut.
+    /// Traction, Pa, with which group 1 holds group 0 across the cut, and the axes of the cut: its unit
+    /// normal, out of group 0, and directions along it. `force_on`: the force on a corner, N. Each facet
+    /// counts by its projection on the plane of the cut.
     pub(super) fn held<const N: usize>(
         &self,
         vertex: u32,
@@ -94,7 +95,8 @@ impl<const D: usize> Cut<D> {
             add(&mut sum, part.normal(state), part.size);
         }
         let axes = <[[f64; D]; N]>::cut_axes(&side(solid, &topology.facets[self.facet as usize]), sum);
-        let projected = |part: &Part| part.size * <[[f64; D]; N]>::projection(part.normal(state), axes[0]);
+        let projected =
+            |part: &CutFacet| part.size * <[[f64; D]; N]>::projection(part.normal(state), axes[0]);
         let width: f64 = self.parts.iter().map(projected).sum();
         // Gravity accelerates both sides equally, so it cancels. With added mass it cancels at rest, because
         // the masses are the true ones here.
@@ -114,7 +116,7 @@ impl<const D: usize> Cut<D> {
     }
 }
 
-impl Part {
+impl CutFacet {
     /// The unit normal, out of group 0.
     fn normal<const D: usize, const N: usize>(&self, state: InsertionData<'_, D, N>) -> Point<D>
     where

@@ -22,8 +22,8 @@ pub(crate) const SUSPECT: f64 = 0.25;
 /// Relative tolerance for rounding: the bounds are not computed by the same formulas as the tractions.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest values over all planes of the two limits, Pa, for a tensile strength and for a cohesion. They may be
-/// larger than the true ones by a part in a million, and in batches far from failure by more.
+/// Largest values over all planes of the two limits, Pa, for a tensile strength and for a cohesion. They may
+/// be larger than the true ones by a part in a million, and in batches far from failure by more.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
     tension: f64,
@@ -37,8 +37,8 @@ impl Demand {
         Self { tension: 0.5 * (one.tension + two.tension), shear: 0.5 * (one.shear + two.shear) }
     }
 
-    /// Whether an edge with these strengths, Pa, may reach this share of them. Any traction that does makes this
-    /// true.
+    /// Whether an edge with these strengths, Pa, may reach this share of them. Any traction that does makes
+    /// this true.
     #[inline(always)]
     #[allow(
         clippy::needless_bitwise_bool,

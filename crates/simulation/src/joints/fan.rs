@@ -1,6 +1,6 @@
 //! The elements around a vertex, and how they are cut.
 
-use crate::joints::cut::{Cut, InsertionData, Part, above};
+use crate::joints::cut::{Cut, CutFacet, InsertionData, above};
 use crate::joints::{Joints, measure_of};
 use crate::simplex::Simplex;
 use crate::topology::{Facet, NONE, Topology};
@@ -74,8 +74,8 @@ where
         groups.len()
     }
 
-    /// The cut between the groups on the two sides of a facet, through this facet, through `more` facets without
-    /// joints, and through the closed joints between the groups.
+    /// The cut between the groups on the two sides of a facet, through this facet, through `more` facets
+    /// without joints, and through the closed joints between the groups.
     pub(super) fn cut(&self, facet: u32, more: &[u32]) -> Cut<D> {
         let InsertionData { solid, model, topology } = self.state;
         let sides = self.groups_beside(facet);
@@ -94,7 +94,7 @@ where
                 && self.closed(other)
                 && is_between(self.groups_beside(other))
         });
-        let parts = more.iter().copied().chain(closed).map(|other| Part {
+        let parts = more.iter().copied().chain(closed).map(|other| CutFacet {
             facet: other,
             corners: self.beside(other),
             turned: self.groups_beside(other)[0] != sides[0],
@@ -110,8 +110,8 @@ where
         }
     }
 
-    /// The cut along the plane of a facet, through all facets whose elements are on its two sides; `None` if one
-    /// of them cannot get a joint.
+    /// The cut along the plane of a facet, through all facets whose elements are on its two sides; `None` if
+    /// one of them cannot get a joint.
     pub(super) fn cut_along(&self, facet: u32) -> Option<Cut<D>> {
         let whole = |facet: u32| self.joints.of_facet[facet as usize] == NONE;
         let above = above(facet, self.state);

@@ -192,8 +192,8 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    /// Whether a use of the strength of a facet breaks it or a plane near it. `own`: the use by the mean stress of its
-    /// two elements.
+    /// Whether a use of the strength of a facet breaks it or a plane near it. `own`: the use by the mean
+    /// stress of its two elements.
     fn fails<const N: usize>(&self, used: f64, own: f64, facet: u32, state: InsertionData<'_, D, N>) -> bool
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -208,9 +208,9 @@ impl<const D: usize> Joints<D> {
         Demand::mean(state.topology.facets[facet as usize].elements().map(of))
     }
 
-    /// Computes the uses of the strengths of facets by the mean stress of their two elements. A use is 0 if the
-    /// facet has a joint or cannot break, or if it is certain to be too little to count: below 1 on all planes,
-    /// and below [`SUSPECT`] at a tip.
+    /// Computes the uses of the strengths of facets by the mean stress of their two elements. A use is 0 if
+    /// the facet has a joint or cannot break, or if it is certain to be too little to count: below 1 on all
+    /// planes, and below [`SUSPECT`] at a tip.
     fn find_uses<const N: usize>(&self, first: u32, uses: &mut [f64], state: InsertionData<'_, D, N>)
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -281,8 +281,8 @@ impl<const D: usize> Joints<D> {
         total
     }
 
-    /// Adds the facets of a cut to those that fail if the traction at the vertex does that holds its two sides
-    /// together.
+    /// Adds the facets of a cut to those that fail if the traction at the vertex does that holds its two
+    /// sides together.
     fn fails_along<const N: usize>(
         &self,
         cut: &Cut<D>,

@@ -42,9 +42,9 @@ pub(super) fn values_and_vectors(mut a: Matrix<3>) -> ([f64; 3], Matrix<3>) {
 /// Upper bounds of the middle and of the radius of Mohr's largest circle, for batches.
 ///
 /// With the mean p, the second invariant J₂ of the deviator, t = √(J₂/3), and the third invariant as
-/// x = J₃/(2 t³), the eigenvalues are p + 2 t cos(θ + 2πk/3) with cos 3θ = x (Lode's angle). Of these, the middle
-/// between the largest and the least is p + t w, and half of their difference √3 t √(1 - w²), with
-/// w = sin(arcsin(x)/3).
+/// x = J₃/(2 t³), the eigenvalues are p + 2 t cos(θ + 2πk/3) with cos 3θ = x (Lode's angle). Of these, the
+/// middle between the largest and the least is p + t w, and half of their difference √3 t √(1 - w²), with w =
+/// sin(arcsin(x)/3).
 #[inline(always)]
 pub(super) fn circle_close(stress: &Matrix<3>) -> [f64; 2] {
     let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
@@ -99,7 +99,8 @@ mod tests {
     use crate::random::uniform;
     use crate::vector::{applied, dot, length, minus};
 
-    /// The bounds are above the circle, and close to it, also where two eigenvalues are the same, or all are nearly so.
+    /// The bounds are above the circle, and close to it, also where two eigenvalues are the same, or all are
+    /// nearly so.
     #[test]
     fn the_bound_of_a_circle_is_close() {
         for seed in 0..20_000_u64 {
