@@ -114,7 +114,7 @@ mod tests {
                 _ => {
                     a = matrix(|i, k| {
                         10.0_f64.powi((seed % 17) as i32 - 12) * a[i][k] + if i == k { -3.0 } else { 0.0 }
-                    })
+                    });
                 }
             }
             let values = values(a);
