@@ -146,7 +146,7 @@ mod tests {
         let of = super::read(file(without).as_bytes(), "a.geojson", None).expect("lines");
         assert_eq!(of.all, [[[0.0, 1.0], [2.0, 3.0]]]);
         let note =
-            "a.geojson: not used: 1 Point, 1 Feature without geometry; LineString and MultiLineString are";
+            "a.geojson: not used: 1 Feature without geometry, 1 Point; LineString and MultiLineString are";
         assert_eq!(of.notes, [note]);
         let polygon = file(&feature("Polygon", "[[[0,0],[1,0],[1,1],[0,0]]]"));
         let message = read(polygon.as_bytes(), "a.geojson").expect_err("a polygon");

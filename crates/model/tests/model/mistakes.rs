@@ -697,7 +697,8 @@ fn a_wrong_value_of_the_model_brings_no_errors_elsewhere() {
     let rest = "\n[initial]\nground = { k0 = 0.5, surface = 0.5 }\n\
                 [[boundary]]\nname = \"base\"\nside = \"bottom\"\nfixed = \"xy\"\n\
                 [[boundary]]\nname = \"sides\"\nsides = [\"left\", \"right\"]\nfixed = \"x\"\n";
-    let right_one = changed("end_time = 1e-3", "gravity = [0, -9.81]\nend_time = 1e-3") + rest;
+    let right_one =
+        changed("end_time = 1e-3", "plane = \"strain\"\ngravity = [0, -9.81]\nend_time = 1e-3") + rest;
     right(&right_one);
     let text = right_one.replace("end_time = 1e-3", "end_time = \"5 hours\"");
     refused(&text, "hours", &["\"hours\" is no unit"]);
