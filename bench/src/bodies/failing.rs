@@ -11,7 +11,7 @@ const WEIBULL: f64 = 20.0;
 /// Rate at which a block that breaks expands, 1/s.
 const EXPANSION: f64 = 50.0;
 
-/// How near its strength a block is.
+/// The state of a block near its strength, or beyond it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failing {
     /// Compressed along its last axis at 0.9 of the load at which it would break: with scattered strengths

@@ -71,7 +71,7 @@ impl Space {
         }
     }
 
-    /// How near its strength it is, if that is near.
+    /// The state of a cube near its strength; `None` for other bodies.
     fn failing(self) -> Option<Failing> {
         match self {
             Self::CubeNear => Some(Failing::Near),

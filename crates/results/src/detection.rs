@@ -275,8 +275,18 @@ pub fn check_elements<const D: usize>(
     space: &Space<'_, D>,
     request: &DetectionRequest<'_>,
 ) -> Result<(), Error> {
-    request.elements(space.centres)?;
-    space.cell.as_ref().map_or(Ok(()), |cell| check_wrapped(space.centres, cell))
+    checked_elements(space, request).map(|_| ())
+}
+
+fn checked_elements<'a, const D: usize>(
+    space: &'a Space<'_, D>,
+    request: &'a DetectionRequest<'_>,
+) -> Result<Elements<'a, f64, D>, Error> {
+    let elements = request.elements(space.centres)?;
+    if let Some(cell) = &space.cell {
+        check_wrapped(space.centres, cell)?;
+    }
+    Ok(elements)
 }
 
 /// The detection of couples that are known, as those of a file: nothing is searched.
@@ -291,12 +301,12 @@ pub fn given<const D: usize>(
     request: &DetectionRequest<'_>,
     couples: Couples<D>,
 ) -> Result<Detection<D>, Error> {
-    check_elements(space, request)?;
+    let elements = checked_elements(space, request)?;
     let plan = match &space.cell {
-        None => Detector::new().plan(&request.elements(space.centres)?),
+        None => Detector::new().plan(&elements),
         Some(cell) => plan_of_wrapped(space, cell, request),
     }?;
-    let mut statistics = Statistics::new(space.centres.len());
+    let mut statistics = Statistics::new(elements.len());
     for couple in couples.iter() {
         statistics.add(couple, space.overlap(request.sizes, couple));
     }

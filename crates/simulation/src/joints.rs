@@ -186,10 +186,12 @@ pub(crate) struct Joints<const D: usize = 2> {
     /// lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     demands: Vec<Demands>,
-    /// Of each facet, empty as well if joints are not inserted: its strengths, infinite if it cannot get a
-    /// joint, or has one; the use of its strength; and whether it has been at a tip.
+    /// Strengths of each facet, infinite if it has a joint or cannot get one. This list and the next two are
+    /// empty if joints are not inserted.
     limits: Vec<Weakest>,
+    /// Use of the strength of each facet in this step; 0 if it is too small to count.
     uses: Vec<f64>,
+    /// Whether each facet has been at a tip.
     near_tip: Vec<bool>,
     slopes: Slopes,
 }

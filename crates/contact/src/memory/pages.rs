@@ -30,7 +30,7 @@ mod linux {
     const HUGE_PAGES: c_int = 14;
 
     unsafe extern "C" {
-        /// Of the C library, with which the standard library is linked.
+        /// A function of the C library. The standard library links it.
         fn madvise(start: *mut c_void, length: usize, advice: c_int) -> c_int;
     }
 

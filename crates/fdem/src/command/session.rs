@@ -401,28 +401,7 @@ mod tests {
     use fdem_model::STARTER;
 
     /// Two squares that overlap, with a time step at which their energy grows.
-    const UNBALANCED: &str = r#"
-[model]
-end_time = 0.01
-time_step = 4e-4
-[[body]]
-name = "a"
-material = "m"
-rectangle = { min = [0, 0], max = [1, 1] }
-mesh_size = 0.25
-[[body]]
-name = "b"
-material = "m"
-rectangle = { min = [0.98, 0], max = [2, 1] }
-mesh_size = 0.25
-[[material]]
-name = "m"
-density = 2000
-youngs_modulus = 1e7
-poissons_ratio = 0.2
-[contact]
-initial_overlap = "push"
-"#;
+    const UNBALANCED: &str = include_str!("../../tests/command/unbalanced.toml");
 
     /// As `fdem run`, a program that takes the last step learns that the energy balance is off.
     #[test]

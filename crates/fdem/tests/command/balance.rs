@@ -4,28 +4,7 @@ use crate::Bench;
 
 /// Two bodies that overlap at the beginning, with a time step of 40 % of the duration of their contact: their
 /// energy grows. The run has 25 steps.
-const SHORT: &str = r#"
-[model]
-end_time = 0.01
-time_step = 4e-4
-[[body]]
-name = "a"
-material = "m"
-rectangle = { min = [0, 0], max = [1, 1] }
-mesh_size = 0.25
-[[body]]
-name = "b"
-material = "m"
-rectangle = { min = [0.98, 0], max = [2, 1] }
-mesh_size = 0.25
-[[material]]
-name = "m"
-density = 2000
-youngs_modulus = 1e7
-poissons_ratio = 0.2
-[contact]
-initial_overlap = "push"
-"#;
+const SHORT: &str = include_str!("unbalanced.toml");
 
 #[test]
 fn a_run_of_fewer_steps_than_between_two_checks_is_checked_at_its_end() {

@@ -28,6 +28,10 @@ fn walk(
     let list = |kind: &str, list: &str| {
         value[list].as_array().ok_or_else(|| format!("a {kind} has no list \"{list}\""))
     };
+    let mut leave_out = |kind| {
+        *unused.entry(kind).or_default() += 1;
+        Ok(())
+    };
     match value["type"].as_str() {
         Some(kind @ "FeatureCollection") => {
             (1_u64..).zip(list(kind, "features")?).try_for_each(|(number, feature)| {
@@ -37,19 +41,10 @@ fn walk(
         Some(kind @ "GeometryCollection") => {
             list(kind, "geometries")?.iter().try_for_each(|geometry| walk(geometry, add, unused))
         }
-        Some("Feature") if value["geometry"].is_null() => {
-            *unused.entry("Feature without geometry").or_default() += 1;
-            Ok(())
-        }
+        Some("Feature") if value["geometry"].is_null() => leave_out("Feature without geometry"),
         Some("Feature") => walk(&value["geometry"], add, unused),
-        Some("Point") => {
-            *unused.entry("Point").or_default() += 1;
-            Ok(())
-        }
-        Some("MultiPoint") => {
-            *unused.entry("MultiPoint").or_default() += 1;
-            Ok(())
-        }
+        Some("Point") => leave_out("Point"),
+        Some("MultiPoint") => leave_out("MultiPoint"),
         Some(kind) => add(kind, &value["coordinates"]),
         None => Err("it is not GeoJSON: an object has no \"type\"".to_owned()),
     }

@@ -507,7 +507,7 @@ fn hint(found: &DeValue<'_>, schema: &Value, key: &str, parent: &str) -> Option<
     }
 }
 
-/// How a table is written: with the keys that it needs, or empty if it needs none.
+/// Advice on the form of a table: the keys that it needs, or an empty table if it needs none.
 fn form(schema: &Value, key: &str, parent: &str) -> Option<String> {
     let keys = schema.get("properties").and_then(Value::as_object)?;
     let start = match parent {

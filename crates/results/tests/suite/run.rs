@@ -173,18 +173,23 @@ fn joints_that_soften_are_a_third_state() {
     let [with, without] =
         frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).png(frame, None).unwrap());
     assert_ne!(with, without);
+    let page = page_of(&frames);
+    assert!(page.contains(&format!("\"holding\":[0,{count}]")) && page.contains("\"holding\":[0,0]"));
+    assert!(page.contains("\"name\":\"softening\""));
+}
+
+/// The page of these frames, with nothing else.
+fn page_of(frames: &[Frame]) -> String {
     let report = Report {
         title: "joints",
         facts: &[],
         plots: &[],
-        frames: &frames,
+        frames,
         fragments: &Fragments::default(),
         field: Field::DAMAGE,
         names: &Names::default(),
     };
-    let page = report.html().unwrap();
-    assert!(page.contains(&format!("\"holding\":[0,{count}]")) && page.contains("\"holding\":[0,0]"));
-    assert!(page.contains("\"name\":\"softening\""));
+    report.html().unwrap()
 }
 
 #[test]
@@ -212,16 +217,7 @@ fn whole_joints_are_a_layer_of_files_pictures_and_pages() {
     let [with, without] =
         frames.each_ref().map(|frame| pictures(&frames, Field::DAMAGE).png(frame, None).unwrap());
     assert_ne!(with, without);
-    let report = Report {
-        title: "joints",
-        facts: &[],
-        plots: &[],
-        frames: &frames,
-        fragments: &Fragments::default(),
-        field: Field::DAMAGE,
-        names: &Names::default(),
-    };
-    let page = report.html().unwrap();
+    let page = page_of(&frames);
     assert!(page.contains(&format!("\"holding\":[{count},0]")) && page.contains("\"holding\":[0,0]"));
 }
 

@@ -90,14 +90,16 @@ impl<const D: usize> Cut<D> {
             let Some(force) = force.get_mut(usize::from(group)) else { continue };
             add(force, force_on(corner), 1.0);
         }
+        let parts: Vec<(Point<D>, f64)> =
+            self.parts.iter().map(|part| (part.normal(state), part.size)).collect();
         let mut sum = [0.0; D];
-        for part in &self.parts {
-            add(&mut sum, part.normal(state), part.size);
+        for (normal, size) in &parts {
+            add(&mut sum, *normal, *size);
         }
         let axes = <[[f64; D]; N]>::cut_axes(&side(solid, &topology.facets[self.facet as usize]), sum);
         let projected =
-            |part: &CutFacet| part.size * <[[f64; D]; N]>::projection(part.normal(state), axes[0]);
-        let width: f64 = self.parts.iter().map(projected).sum();
+            |(normal, size): &(Point<D>, f64)| size * <[[f64; D]; N]>::projection(*normal, axes[0]);
+        let width: f64 = parts.iter().map(projected).sum();
         // Gravity accelerates both sides equally, so it cancels. With added mass it cancels at rest, because
         // the masses are the true ones here.
         let held = std::array::from_fn(|axis| {

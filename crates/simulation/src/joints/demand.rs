@@ -1,5 +1,5 @@
-//! Finds the elements whose stress reaches the strength of their edges in any direction. Only the edges of
-//! these elements are checked one by one.
+//! Bounds of the use of strengths on any plane, by the stress of an element. Only edges whose two elements
+//! may reach their strength are checked one by one.
 //!
 //! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≤ 0` and
 //! `|τ| + µ σ ≥ c`, or if `σ > 0` and the traction is beyond the ellipse with the half axes `f_t` and `c`.

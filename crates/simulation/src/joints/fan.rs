@@ -62,7 +62,7 @@ where
         a == b
     }
 
-    /// How many groups share the node of a corner.
+    /// Number of groups that share the node of a corner.
     pub(super) fn groups_of_node(&self, corner: u32) -> usize {
         let solid = self.state.solid;
         let node = solid.node_at(corner);

@@ -1,9 +1,9 @@
 //! Uses of the strengths of facets, a batch of them side by side: see `lanes.rs`.
 
-use crate::cohesive::use_of;
-use crate::joints::plane::{mean_stress, side};
+use crate::cohesive::{use_of, use_of_both};
+use crate::joints::plane::{mean_stress, side, traction};
 use crate::lanes::{
-    Available, LANES, Lanes, Rows, Tensors, compiled_for_vectors, larger, rows, set_rows, set_tensor, tensor,
+    Available, LANES, Lanes, Rows, Tensors, compiled_for_vectors, rows, set_rows, set_tensor, tensor,
 };
 use crate::model::Strength;
 use crate::simplex::Simplex;
@@ -13,7 +13,7 @@ use crate::vector::{applied, dot, minus};
 
 /// Facets whose uses are computed together.
 pub(super) struct UseBatch<const D: usize> {
-    /// How many facets there are.
+    /// Number of facets.
     count: usize,
     /// The place of each in a list.
     places: [usize; LANES],
@@ -53,8 +53,7 @@ impl<const D: usize> UseBatch<D> {
     {
         // A facet without one of its strengths has a use of infinity.
         if strength.tensile == 0.0 || strength.cohesion == 0.0 {
-            let traction = <[[f64; D]; N]>::traction_on(&side(solid, facet), &mean_stress(solid, facet));
-            uses[place] = use_of(strength, traction);
+            uses[place] = use_of(strength, traction(solid, facet));
             return;
         }
         let lane = self.count;
@@ -94,11 +93,8 @@ where
     let across = dot(whole, normal) / squared;
     let along = minus(whole, normal.map(|x| across * x));
     let along = (dot(along, along) / squared).sqrt();
-    let (tensile, cohesion) = (batch.tensile.get(lane), batch.cohesion.get(lane));
-    let (opening, sliding) = (across / tensile, along / cohesion);
-    let tension = (opening * opening + sliding * sliding).sqrt();
-    let shear = larger((along + batch.friction.get(lane) * across) / cohesion, 0.0);
-    batch.uses.set(lane, if across > 0.0 { tension } else { shear });
+    let strengths = [batch.tensile.get(lane), batch.cohesion.get(lane)];
+    batch.uses.set(lane, use_of_both(strengths, batch.friction.get(lane), [across, along]));
 }
 
 compiled_for_vectors!(fn uses_of = use_all<const D: usize, const N: usize>(batch: &mut UseBatch<D>) where [[f64; D]; N]: Simplex<D, N>);

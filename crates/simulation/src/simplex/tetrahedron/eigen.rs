@@ -1,6 +1,7 @@
 //! Eigenvalues and eigenvectors of symmetric matrices, by Jacobi's rotations: square roots are their only
 //! functions, so that they are the same on every platform.
 
+use crate::simplex::tetrahedron::elastic;
 use crate::vector::{Matrix, matrix};
 
 /// Convergence is quadratic: five rounds leave nothing that a double can hold.
@@ -50,7 +51,8 @@ pub(super) fn circle_close(stress: &Matrix<3>) -> [f64; 2] {
     let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = *stress;
     let (xx, yy, zz) = (xx - mean, yy - mean, zz - mean);
-    let t = ((0.5 * (xx * xx + yy * yy + zz * zz) + xy * xy + yz * yz + xz * xz) / 3.0).sqrt();
+    // The sum of squares is 3 J₂.
+    let t = elastic::deviation(stress).sqrt() / 3.0;
     // Divided first, so that nothing overflows. Without a deviator x is 0.
     let scale = 1.0 / (t + f64::MIN_POSITIVE);
     let [xx, yy, zz, xy, yz, xz] = [xx, yy, zz, xy, yz, xz].map(|entry| entry * scale);
