@@ -11,15 +11,16 @@
 //! releases no stress. This holds for adaptive insertion (`joints/insertion.rs`), and for intrinsic joints
 //! under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
+mod batch;
 mod cut;
 mod demand;
 mod fan;
 mod insertion;
 mod joint;
+mod pass;
 mod plane;
 mod start;
 mod uses;
-mod whole;
 
 use fdem_distributed::wire;
 use serde::{Deserialize, Serialize};
@@ -29,17 +30,18 @@ use crate::error::ModelError;
 use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
 use crate::joint_sets::common_set;
+use crate::joints::batch::Link;
 use crate::joints::cut::Cut;
 use crate::joints::demand::{Demands, Slopes, Weakest};
 pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
-use crate::joints::whole::{JointBatch, Link};
+use crate::joints::pass::JointChunk;
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::sum::{Pile, Sum};
+use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
 use crate::vector::{Point, add, dot, length, minus, unit};
@@ -612,53 +614,16 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let Self { all, links, forces, .. } = self;
-        let grains = solid.grains;
         let found =
             team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
-                let (mut breaks, mut batch, mut pile) = (Vec::new(), JointBatch::EMPTY, Pile::default());
-                for start in (0..joints.len()).step_by(LANES) {
-                    let range = start..joints.len().min(start + LANES);
-                    let batched = batch.pull(
-                        &joints[range.clone()],
-                        &links[start..],
-                        &forces[range.clone()],
-                        solid,
-                        step,
-                    );
-                    let (joints, links, forces) =
-                        (&mut joints[range.clone()], &mut links[range.clone()], &mut forces[range]);
-                    for (k, ((joint, link), forces)) in joints.iter_mut().zip(links).zip(forces).enumerate() {
-                        if let Some(found) = batched.then(|| batch.result(k)).flatten() {
-                            *forces = found;
-                            continue;
-                        }
-                        if link.is_idle() {
-                            continue;
-                        }
-                        if joint.state == JointState::Removed {
-                            joint.fading = 0.0;
-                        } else {
-                            let (done, modes) = joint.pull(forces, solid, step);
-                            if joint.softens == f64::INFINITY && joint.damage() > 0.0 {
-                                joint.softens = time;
-                            }
-                            if joint.counted {
-                                pile.add(done, grains);
-                            }
-                            if let Some(modes) = modes {
-                                breaks.push(Break { joint: (first + start + k) as u32, time, modes });
-                            }
-                        }
-                        *link = Link::of(joint, solid.thickness);
-                    }
-                }
-                pile.add_pile(batch.works());
-                (breaks, pile)
+                let found = JointChunk { joints, links, forces, solid, step, time }.pull();
+                (first, found)
             });
         let (mut breaks, mut work) = (Vec::new(), Sum::default());
-        for (more, done) in found {
-            breaks.extend(more);
-            work.add_pile(done);
+        for (first, found) in found {
+            let of = |(place, modes)| Break { joint: (first + place) as u32, time, modes };
+            breaks.extend(found.broken.into_iter().map(of));
+            work.add_pile(found.work);
         }
         let broken = breaks.iter().map(|broken: &Break| broken.joint).collect();
         if !breaks.is_empty() {

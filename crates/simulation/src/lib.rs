@@ -88,7 +88,7 @@
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
 //! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine` |
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
-//! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `demand.rs`, `uses.rs`, `fan.rs`, `cut.rs` and `plane.rs` beside it |
+//! | softening and breaking of a joint | `src/cohesive/law.rs`, `memory.rs` and `curve.rs` beside it; of many joints: `src/joints/batch.rs`, `src/joints/pass.rs`; insertion: `src/joints/insertion.rs`, `demand.rs`, `uses.rs`, `fan.rs`, `cut.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/elements/grips.rs`; in batches: `src/contacts/elements.rs` |
 //! | couples: search, sleep, histories | `src/contacts/couples.rs`, `src/contacts/chunk.rs`; elements that can touch: `src/contacts/surface.rs`; saved ones: `src/contacts/saved.rs` |

@@ -20,12 +20,12 @@
 //! of the vectors of its facets, and each facet takes a share by its projection.
 
 use crate::cohesive::{JointPlane, Memory, use_of};
+use crate::joints::batch::Link;
 use crate::joints::cut::{Cut, InsertionData};
 use crate::joints::demand::{Demand, SUSPECT, find_demands};
 use crate::joints::fan::{Fan, end_at};
 use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
 use crate::joints::uses::UseBatch;
-use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, VertexSplit};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};

@@ -22,7 +22,14 @@ const FADE: [f64; 2] = [0.1, 0.3];
 /// long over, and they seem to hold only because a joint is evaluated at few points. If another end is still
 /// a single node, the detached end has no force. It presses again only after it was found open at a smaller
 /// distance, so that its force begins at zero.
-const APART: f64 = 0.5;
+pub(super) const APART: f64 = 0.5;
+
+/// Share of a broken joint of this length, m, that has been handed over to contact after this sliding, m;
+/// beyond 0 and 1 before and after.
+#[inline(always)]
+pub(super) fn faded_at<const D: usize>(slid: [f64; D], long: f64) -> f64 {
+    (length(slid) / long - FADE[0]) / (FADE[1] - FADE[0])
+}
 
 /// State of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,7 +70,7 @@ pub(crate) struct Joint<const D: usize = 2> {
     pub(crate) beside: Option<[u32; 2]>,
     /// Its length, or that of the edges of an even face of this area, m.
     #[serde(skip)]
-    length: f64,
+    pub(super) length: f64,
     /// Nodes of each end, on side 0 and on side 1.
     #[serde(skip, default = "no_nodes")]
     pub(crate) nodes: [[u32; 2]; D],
@@ -290,8 +297,7 @@ impl<const D: usize> Joint<D> {
                 }
             }
             JointState::Broken => {
-                let share = (length(slid) / self.length - FADE[0]) / (FADE[1] - FADE[0]);
-                self.faded = self.faded.max(share.clamp(0.0, 1.0));
+                self.faded = self.faded.max(faded_at(slid, self.length).clamp(0.0, 1.0));
                 // Neither the joint nor the contact has a force while the joint is open, so it can hand over
                 // in one step. One that was inserted under pressure still presses when its gap is 0: it waits
                 // until it does not.
@@ -322,7 +328,7 @@ impl<const D: usize> Joint<D> {
         }
         let bonds = |end: usize| {
             let [a, b] = frame.ends[end];
-            minus(frame.components(minus(b, a)), self.ends[end].origin())
+            minus(frame.components(minus(b, a)), self.ends[end].origin)
         };
         let loaded: Vec<[f64; D]> =
             (0..D).filter(|&end| self.open[end]).map(bonds).filter(|bond| !law.of_whole(*bond).1).collect();
