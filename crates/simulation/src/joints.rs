@@ -323,7 +323,7 @@ impl<const D: usize> Joints<D> {
             joints.demands = vec![Demands::ZERO; joints.weakest.len()];
             let outer = joints.faces.vertices(topology);
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
-            joints.find_tips(&outer, topology, share);
+            joints.find_tips(&outer, topology, share, &Team::ALONE);
         }
         joints
     }
@@ -407,23 +407,40 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    fn put<const N: usize>(
-        &mut self,
+    /// A joint on a facet that nothing has loaded yet.
+    fn joint<const N: usize>(
+        &self,
         facet: u32,
         law: JointLaw<D>,
         plane: JointPlane<D>,
-        topology: &Topology<D, N>,
         model: &Model<D, N>,
+        topology: &Topology<D, N>,
         share: &Share,
-    ) where
+    ) -> Joint<D>
+    where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let number = self.all.len() as u32;
-        self.of_facet[facet as usize] = number;
         let sides = &topology.facets[facet as usize];
-        let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
-        for vertex in vertices {
-            self.at_vertex[vertex as usize] = true;
+        let measure = measure_of(model, topology, sides);
+        let length = <[[f64; D]; N]>::facet_length(measure);
+        let mut joint = Joint::new(facet, law, plane, [measure, length]);
+        joint.counted = share.corner(sides.corners[0][0]);
+        if self.insertion == Insertion::Intrinsic && self.strength_of_planes(facet).is_some() {
+            joint.beside = Some(sides.elements());
+        }
+        joint.open_from_start = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
+        joint
+    }
+
+    fn put<const N: usize>(&mut self, joint: Joint<D>, topology: &Topology<D, N>, thickness: f64)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let facet = joint.facet;
+        self.of_facet[facet as usize] = self.all.len() as u32;
+        let sides = &topology.facets[facet as usize];
+        for corner in sides.corners[0] {
+            self.at_vertex[topology.vertices[corner as usize] as usize] = true;
         }
         if !self.weakest.is_empty() {
             self.limits[facet as usize] = Weakest::NONE;
@@ -433,16 +450,15 @@ impl<const D: usize> Joints<D> {
             }
         }
         self.forces.push([[0.0; D]; D]);
-        let measure = measure_of(model, topology, sides);
-        let length = <[[f64; D]; N]>::facet_length(measure);
-        let mut joint = Joint::new(facet, law, plane, [measure, length]);
-        joint.counted = share.corner(sides.corners[0][0]);
-        if self.insertion == Insertion::Intrinsic && self.strength_of_planes(facet).is_some() {
-            joint.beside = Some(sides.elements());
-        }
-        joint.open_from_start = self.set(facet).is_some_and(|set| self.open_sets[set as usize]);
-        self.links.push(Link::of(&joint, model.thickness));
+        self.links.push(Link::of(&joint, thickness));
         self.all.push(joint);
+    }
+
+    /// Makes room for more joints.
+    fn reserve(&mut self, more: usize) {
+        self.all.reserve(more);
+        self.links.reserve(more);
+        self.forces.reserve(more);
     }
 
     /// Lets the force at an end of a joint act on the corners of its elements. Ends that are closed have no
@@ -578,7 +594,8 @@ impl<const D: usize> Joints<D> {
         for joint in &saved.joints {
             let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
             let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
-            self.put(facet, law, joint.plane, topology, model, solid.share());
+            let joint = self.joint(facet, law, joint.plane, model, topology, solid.share());
+            self.put(joint, topology, model.thickness);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
@@ -592,7 +609,7 @@ impl<const D: usize> Joints<D> {
         if !self.weakest.is_empty() {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
-            self.find_tips(&joined, topology, solid.share());
+            self.find_tips(&joined, topology, solid.share(), &Team::ALONE);
         }
         self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);

@@ -385,7 +385,7 @@ where
     }
 
     /// Gives each group of these corners of a vertex a separate node. Returns the nodes whose corners have
-    /// changed.
+    /// changed, ascending.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
         let Self { positions, velocities, constants, true_masses, corners: lists, share, .. } = self;
         let mut changed = Vec::new();
@@ -399,6 +399,8 @@ where
             share.split(old);
             changed.extend([old, new]);
         });
+        changed.sort_unstable();
+        changed.dedup();
         changed
     }
 

@@ -53,10 +53,13 @@ pub(crate) struct Team {
 }
 
 impl Team {
+    /// The thread of the caller.
+    pub(crate) const ALONE: Self = Self { pool: None };
+
     /// A team of the given number of threads; 0 for one on each processor.
     pub(crate) fn new(threads: usize) -> Result<Self, ModelError> {
         if threads == 1 {
-            return Ok(Self { pool: None });
+            return Ok(Self::ALONE);
         }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -172,6 +175,29 @@ impl Team {
     ) -> Vec<R> {
         let chunks = 0..count.div_ceil(CHUNK);
         self.each(count, chunks, &|k, _| work(k * CHUNK..((k + 1) * CHUNK).min(count)))
+    }
+
+    /// Calls `work` on chunks of the numbers below `count`, and joins the lists that it returns.
+    pub(crate) fn list<R: Send>(
+        &self,
+        count: usize,
+        work: impl Fn(std::ops::Range<usize>) -> Vec<R> + Sync,
+    ) -> Vec<R> {
+        let mut lists = self.look(count, work);
+        if lists.len() == 1 {
+            return lists.remove(0);
+        }
+        let mut all = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+        lists.into_iter().for_each(|list| all.extend(list));
+        all
+    }
+
+    /// Sorts numbers.
+    pub(crate) fn sort(&self, numbers: &mut [u32]) {
+        match self.pool.as_deref().filter(|_| numbers.len() >= WORTH_IT) {
+            Some(pool) => pool.install(|| numbers.par_sort_unstable()),
+            None => numbers.sort_unstable(),
+        }
     }
 
     /// Calls `work` on chunks, which have `count` items together, with their numbers. Returns the results in

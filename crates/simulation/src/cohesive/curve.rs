@@ -40,7 +40,7 @@ fn exp_down(x: f64) -> f64 {
     const TINY: f64 = f64::from_bits(0x3e30_0001_0000_0000);
     let turns = std::f64::consts::LOG2_E * x - 0.5;
     let (mut k, mut power) = (0.0, 1.0);
-    for n in 1..=5 {
+    for n in 1..6 {
         let passed = if n == 1 { x <= -REDUCED } else { turns <= -f64::from(n) };
         k -= if passed { 1.0 } else { 0.0 };
         power *= if passed { 0.5 } else { 1.0 };

@@ -4,7 +4,7 @@ use fdem_distributed::wire;
 
 use crate::cohesive::curve::softening;
 use crate::cohesive::law::JointLaw;
-use crate::lanes::{larger, smaller};
+use crate::lanes::{either, larger, smaller};
 use crate::vector::{along, at_most, dot, length, minus};
 
 /// History of one end of a joint. Openings, slidings and tractions are vectors: first across the joint, then
@@ -133,7 +133,7 @@ impl<const D: usize> Memory<D> {
         let opening = gap[0] - self.origin[0];
         if law.tensile == 0.0 && opening > 0.0 {
             let sliding_alone = law.in_direction([0.0, 1.0]);
-            *self = self.softened(law, opening / law.critical[0], [1.0, 0.0], sliding_alone);
+            self.soften(law, true, opening / law.critical[0], [1.0, 0.0], sliding_alone);
             self.slide_to(gap);
             self.rubbed = gap;
             return [0.0; D];
@@ -152,7 +152,7 @@ impl<const D: usize> Memory<D> {
             if law.cohesion == 0.0 {
                 let slip = excess / lost;
                 let opening_alone = law.in_direction([1.0, 0.0]);
-                *self = self.softened(law, self.damage() + slip / law.critical[1], [0.0, 1.0], opening_alone);
+                self.soften(law, true, self.damage() + slip / law.critical[1], [0.0, 1.0], opening_alone);
             }
         }
         traction
@@ -163,11 +163,11 @@ impl<const D: usize> Memory<D> {
     #[inline(always)]
     pub(crate) fn of_common(&mut self, law: &JointLaw<D>, gap: [f64; D]) -> [f64; D] {
         let (whole, holds) = law.of_whole(minus(gap, self.origin));
-        let holds = self.stiffness == 1.0 && holds;
-        let mut after = *self;
-        let (traction, _) = after.of_bond_and_friction(law, gap, law.friction);
-        *self = if holds { *self } else { after };
-        std::array::from_fn(|axis| if holds { whole[axis] } else { traction[axis] })
+        let holds = (self.stiffness == 1.0) & holds;
+        let rubbed = self.rubbed;
+        let (traction, _) = self.of_bond_and_friction(law, gap, law.friction);
+        self.rubbed = chosen(holds, rubbed, self.rubbed);
+        chosen(holds, whole, traction)
     }
 
     /// Stiffness of the spring of friction, Pa/m: that which the bond has lost.
@@ -185,21 +185,20 @@ impl<const D: usize> Memory<D> {
         let pressure = law.penalty * larger(-opening, 0.0);
         let friction = friction * pressure;
         bond[0] = larger(opening, 0.0);
-        *self = self.loaded(law, bond, friction);
+        let begins = self.load(law, bond, friction);
+        let rubbed = chosen(begins, self.origin, self.rubbed);
         let stiffness = law.penalty * self.stiffness;
         let mut traction = bond.map(|length| stiffness * length);
         let lost = self.lost(law);
-        let trial = along(minus(gap, self.rubbed)).map(|sliding| lost * sliding);
+        let trial = along(minus(gap, rubbed)).map(|sliding| lost * sliding);
         let held = at_most(trial, friction);
         let mut slips = false;
         for axis in 1..D {
             slips |= held[axis] != trial[axis];
         }
         let (open, slips) = (pressure == 0.0, slips && pressure != 0.0);
-        for axis in 0..D {
-            let rubbed = if slips { gap[axis] - held[axis] / lost } else { self.rubbed[axis] };
-            self.rubbed[axis] = if open { gap[axis] } else { rubbed };
-        }
+        let slid = std::array::from_fn(|axis| gap[axis] - held[axis] / lost);
+        self.rubbed = chosen(open, gap, chosen(slips, slid, rubbed));
         for axis in 1..D {
             traction[axis] = if open { traction[axis] } else { traction[axis] + held[axis] };
         }
@@ -215,10 +214,10 @@ impl<const D: usize> Memory<D> {
         self.origin[0] = opening;
     }
 
-    /// The history after the bond is loaded by a vector of opening and sliding. `friction`: the part of the
-    /// shear strength of a whole joint that pressure adds, Pa. There is no branch.
+    /// Loads the bond by a vector of opening and sliding. Returns whether it begins to soften. `friction`: the
+    /// part of the shear strength of a whole joint that pressure adds, Pa. There is no branch.
     #[inline(always)]
-    fn loaded(&self, law: &JointLaw<D>, bond: [f64; D], friction: f64) -> Self {
+    fn load(&mut self, law: &JointLaw<D>, bond: [f64; D], friction: f64) -> bool {
         let squared = dot(bond, bond);
         let whole = self.stiffness == 1.0;
         let elastic = law.penalty * law.penalty * squared;
@@ -232,31 +231,38 @@ impl<const D: usize> Memory<D> {
             | (whole & (elastic <= least * least))
             | (whole & (friction > 0.0) & (elastic <= held * held));
         let damage = (squared.sqrt() - strength / law.penalty) / critical;
-        let mut after = self.softened(law, damage, squares, [strength, critical]);
-        let begins = whole & (after.stiffness < 1.0);
-        after.rubbed = std::array::from_fn(|axis| if begins { self.origin[axis] } else { self.rubbed[axis] });
-        if rests { *self } else { after }
+        self.soften(law, !rests, damage, squares, [strength, critical]);
+        whole & (self.stiffness < 1.0)
     }
 
-    /// The history after the damage is raised to `damage`, with these shares of opening and of sliding, and
-    /// the stiffness lowered to that of the damage in the direction in which the bond has this strength, Pa,
-    /// and this critical length, m. A stiffness that fell more in another direction does not rise again.
+    /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness
+    /// to that of the damage in the direction in which the bond has this strength, Pa, and this critical
+    /// length, m. A stiffness that fell more in another direction does not rise again. Nothing happens unless
+    /// the bond `loads`.
     #[inline(always)]
-    fn softened(
-        &self,
+    fn soften(
+        &mut self,
         law: &JointLaw<D>,
+        loads: bool,
         damage: f64,
         shares: [f64; 2],
         [strength, critical]: [f64; 2],
-    ) -> Self {
+    ) {
         let (before, damage) = (self.damage(), smaller(damage, 1.0));
-        let more = if damage > before { damage - before } else { 0.0 };
-        let damages = [0, 1].map(|mode| {
-            if more > 0.0 { self.damages[mode] + more * shares[mode] } else { self.damages[mode] }
-        });
+        let grows = loads & (damage > before);
+        for (part, share) in self.damages.iter_mut().zip(shares) {
+            *part += if grows { (damage - before) * share } else { 0.0 };
+        }
         let damage = larger(damage, before);
         let secant = strength * softening(damage) / (strength + law.penalty * damage * critical);
-        let stiffness = if damage > 0.0 { smaller(secant, self.stiffness) } else { self.stiffness };
-        Self { damages, stiffness, ..*self }
+        let secant = if loads & (damage > 0.0) { secant } else { 1.0 };
+        self.stiffness = smaller(secant, self.stiffness);
     }
+}
+
+/// One vector or the other. By a mask: the compiler makes no vectors of a choice between two arrays.
+#[inline(always)]
+fn chosen<const D: usize>(first: bool, one: [f64; D], other: [f64; D]) -> [f64; D] {
+    let mask = if first { u64::MAX } else { 0 };
+    std::array::from_fn(|axis| either(mask, one[axis], other[axis]))
 }

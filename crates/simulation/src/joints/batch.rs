@@ -9,7 +9,7 @@
 use crate::cohesive::{JointLaw, Memory, across};
 use crate::joints::joint::{APART, Joint, JointState, faded_at};
 use crate::lanes::{
-    Available, LANES, Lanes, Tensors, compiled_for_vectors, larger, row, set_row, set_tensor, smaller, tensor,
+    Available, LANES, Lanes, Tensors, compiled_for_vectors, row, set_row, set_tensor, smaller, tensor,
 };
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -99,49 +99,63 @@ impl<const D: usize> Link<D> {
     }
 }
 
-/// The law and the history of the joints of a batch.
+/// The law of the joints of a batch.
 pub(super) trait LawLanes<const D: usize>: Copy {
+    /// The history of one end of the joints.
+    type End: Copy;
+
     const EMPTY: Self;
+    const EMPTY_END: Self::End;
 
     /// Takes a joint into a lane.
     fn take(&mut self, lane: usize, link: &Link<D>, joint: &Joint<D>);
 
-    /// Traction of an end at this opening and sliding, m, with the difference of the positions of its two
-    /// nodes, and whether the joint may be computed in a batch. `open`: whether the end has two nodes.
+    /// Takes the history of an end into a lane.
+    fn take_end(history: &mut Self::End, lane: usize, end: usize, link: &Link<D>, joint: &Joint<D>);
+
+    /// Traction of an end with this opening and sliding, m, and whether the joint may be computed in a batch.
+    /// `apart`: distance between the two nodes, m; `open`: whether there are two.
     fn traction(
         &mut self,
+        history: &mut Self::End,
         lane: usize,
-        end: usize,
-        open: bool,
         gap: [f64; D],
-        apart: Point<D>,
+        apart: f64,
+        open: bool,
     ) -> ([f64; D], bool);
 
     /// Whether the joint is still of the same kind, after all its ends.
     fn stays(&self, lane: usize) -> bool;
 
-    /// Writes the history into a joint.
-    fn write(&self, lane: usize, joint: &mut Joint<D>);
+    /// Writes the history of an open end into a joint.
+    fn write(history: &Self::End, lane: usize, end: usize, joint: &mut Joint<D>);
 }
 
-/// The data that the forces of a batch depend on. The first index of tensors is the end of a joint.
+/// One end of the joints of a batch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct JointBatch<const D: usize, L> {
+struct EndLanes<const D: usize, H> {
+    /// Differences of the positions and velocities of side 1 from those of side 0, m and m/s.
+    apart: [Lanes; D],
+    rates: [Lanes; D],
+    /// Force on side 0, N: of the last step, then of this one.
+    force: [Lanes; D],
+    /// 1 if the end has two nodes, otherwise 0.
+    open: Lanes,
+    history: H,
+}
+
+/// The data that the forces of a batch depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointBatch<const D: usize, L: LawLanes<D>> {
     /// Number of joints.
     count: usize,
     /// The place of each in a chunk.
     places: [usize; LANES],
-    /// Sums of the positions of both sides, m.
+    /// Sums of the positions of both sides of each end, m.
     sums: Tensors<D>,
-    /// Differences of the positions and velocities of side 1 from those of side 0, m and m/s.
-    apart: Tensors<D>,
-    rates: Tensors<D>,
-    /// Forces on side 0, N: of the last step, then of this one.
-    forces: Tensors<D>,
     /// Unit vectors across the facet and along it.
     axes: Tensors<D>,
-    /// 1 if the end has two nodes, otherwise 0.
-    open: [Lanes; D],
+    ends: [EndLanes<D, L::End>; D],
     /// Area of each end, m².
     share: Lanes,
     /// Work since the last step, J.
@@ -161,11 +175,14 @@ impl<const D: usize, L: LawLanes<D>> JointBatch<D, L> {
         count: 0,
         places: [0; LANES],
         sums: [[Lanes::ZERO; D]; D],
-        apart: [[Lanes::ZERO; D]; D],
-        rates: [[Lanes::ZERO; D]; D],
-        forces: [[Lanes::ZERO; D]; D],
         axes: [[Lanes::ZERO; D]; D],
-        open: [Lanes::ZERO; D],
+        ends: [EndLanes {
+            apart: [Lanes::ZERO; D],
+            rates: [Lanes::ZERO; D],
+            force: [Lanes::ZERO; D],
+            open: Lanes::ZERO,
+            history: L::EMPTY_END,
+        }; D],
         share: Lanes::ZERO,
         work: Lanes::ZERO,
         taken: Lanes::ZERO,
@@ -189,13 +206,17 @@ impl<const D: usize, L: LawLanes<D>> JointBatch<D, L> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let lane = self.count;
-        let ends = link.nodes.map(|end| end.map(|node| solid.position(node as usize)));
-        let speeds = link.nodes.map(|end| end.map(|node| solid.velocity(node as usize)));
-        set_tensor(&mut self.sums, lane, &ends.map(|[a, b]| plus(a, b)));
-        set_tensor(&mut self.apart, lane, &ends.map(|[a, b]| minus(b, a)));
-        set_tensor(&mut self.rates, lane, &speeds.map(|[a, b]| minus(b, a)));
-        set_tensor(&mut self.forces, lane, forces);
-        set_row(&mut self.open, lane, &link.open.map(flag));
+        for (end, nodes) in link.nodes.iter().enumerate() {
+            let [a, b] = nodes.map(|node| solid.position(node as usize));
+            let [before, after] = nodes.map(|node| solid.velocity(node as usize));
+            let at = &mut self.ends[end];
+            set_row(&mut self.sums[end], lane, &plus(a, b));
+            set_row(&mut at.apart, lane, &minus(b, a));
+            set_row(&mut at.rates, lane, &minus(after, before));
+            set_row(&mut at.force, lane, &forces[end]);
+            at.open.set(lane, flag(link.open[end]));
+            L::take_end(&mut at.history, lane, end, link, joint);
+        }
         self.share.set(lane, link.share);
         self.taken.set(lane, 1.0);
         self.counted.set(lane, flag(link.counted));
@@ -205,16 +226,15 @@ impl<const D: usize, L: LawLanes<D>> JointBatch<D, L> {
         self.count == LANES
     }
 
-    /// Computes the joints, and calls `done` for each, with its place. It gets the forces on side 0 and the
-    /// law of the batch with the lane, or `None` if the joint is to be computed by itself. The batch is empty
-    /// then.
+    /// Computes the joints. The batch is empty then. Calls `done` for each of them with its place and its
+    /// lane, `None` if it is to be computed by itself.
     #[inline]
     pub(super) fn compute<const N: usize>(
         &mut self,
         available: Available,
         step: f64,
         grains: Grains,
-        mut done: impl FnMut(usize, Option<([Point<D>; D], &L, usize)>),
+        mut done: impl FnMut(&Self, usize, Option<usize>),
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -224,8 +244,16 @@ impl<const D: usize, L: LawLanes<D>> JointBatch<D, L> {
         }
         vectors::<D, N, L>(available, self, step, grains);
         for lane in 0..count {
-            let computed = self.holds.get(lane) == 1.0;
-            done(self.places[lane], computed.then(|| (tensor(&self.forces, lane), &self.law, lane)));
+            done(self, self.places[lane], (self.holds.get(lane) == 1.0).then_some(lane));
+        }
+    }
+
+    /// Writes a joint that was computed, and its forces on side 0.
+    #[inline]
+    pub(super) fn write(&self, lane: usize, joint: &mut Joint<D>, forces: &mut [Point<D>; D]) {
+        for (end, at) in self.ends.iter().enumerate() {
+            forces[end] = row(&at.force, lane);
+            L::write(&at.history, lane, end, joint);
         }
     }
 
@@ -248,7 +276,7 @@ fn flag(set: bool) -> f64 {
 
 /// Computes the axes of a joint of a batch.
 #[inline(always)]
-fn turn_one<const D: usize, const N: usize, L>(lane: usize, batch: &mut JointBatch<D, L>)
+fn turn_one<const D: usize, const N: usize, L: LawLanes<D>>(lane: usize, batch: &mut JointBatch<D, L>)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -261,17 +289,17 @@ where
 #[inline(always)]
 fn pull_one<const D: usize, L: LawLanes<D>>(
     lane: usize,
-    end: usize,
+    at: &mut EndLanes<D, L::End>,
     batch: &mut JointBatch<D, L>,
     step: f64,
 ) {
     let axes = tensor(&batch.axes, lane);
-    let (apart, rate) = (row(&batch.apart[end], lane), row(&batch.rates[end], lane));
-    let before = row(&batch.forces[end], lane);
+    let (apart, rate) = (row(&at.apart, lane), row(&at.rates, lane));
+    let before = row(&at.force, lane);
     let share = batch.share.get(lane);
-    let open = batch.open[end].get(lane) > 0.0;
+    let open = at.open.get(lane) > 0.0;
     let gap: [f64; D] = std::array::from_fn(|k| dot(apart, axes[k]));
-    let (traction, holds) = batch.law.traction(lane, end, open, gap, apart);
+    let (traction, holds) = batch.law.traction(&mut at.history, lane, gap, dot(apart, apart), open);
     let force: Point<D> = std::array::from_fn(|axis| {
         let mut sum = traction[0] * axes[0][axis];
         for k in 1..D {
@@ -282,7 +310,7 @@ fn pull_one<const D: usize, L: LawLanes<D>>(
     let done = 0.5 * step * (dot(before, rate) + dot(force, rate));
     batch.work.set(lane, batch.work.get(lane) + if open { done } else { 0.0 });
     for axis in 0..D {
-        batch.forces[end][axis].set(lane, if open { force[axis] } else { before[axis] });
+        at.force[axis].set(lane, if open { force[axis] } else { before[axis] });
     }
     batch.holds.set(lane, if open && !holds { 0.0 } else { batch.holds.get(lane) });
 }
@@ -300,9 +328,12 @@ fn pull_all<const D: usize, const N: usize, L: LawLanes<D>>(
         turn_one::<D, N, L>(lane, batch);
     }
     for end in 0..D {
+        // A copy, because the compiler makes no vectors where `end` decides the address.
+        let mut at = batch.ends[end];
         for lane in 0..LANES {
-            pull_one::<D, L>(lane, end, batch, step);
+            pull_one::<D, L>(lane, &mut at, batch, step);
         }
+        batch.ends[end] = at;
     }
     for lane in 0..LANES {
         let stays = batch.law.stays(lane);
@@ -319,31 +350,23 @@ compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize; L>(b
 
 /// Whole joints.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct WholeLanes<const D: usize> {
-    /// Openings and slidings without traction, m.
-    origins: Tensors<D>,
+pub(super) struct WholeLanes {
     penalty: Lanes,
     tensile: Lanes,
     cohesion: Lanes,
     friction: Lanes,
 }
 
-impl<const D: usize> LawLanes<D> for WholeLanes<D> {
-    const EMPTY: Self = Self {
-        origins: [[Lanes::ZERO; D]; D],
-        penalty: Lanes::ZERO,
-        tensile: Lanes::ZERO,
-        cohesion: Lanes::ZERO,
-        friction: Lanes::ZERO,
-    };
+impl<const D: usize> LawLanes<D> for WholeLanes {
+    /// Opening and sliding without traction, m.
+    type End = [Lanes; D];
+
+    const EMPTY: Self =
+        Self { penalty: Lanes::ZERO, tensile: Lanes::ZERO, cohesion: Lanes::ZERO, friction: Lanes::ZERO };
+    const EMPTY_END: Self::End = [Lanes::ZERO; D];
 
     #[inline(always)]
-    fn take(&mut self, lane: usize, link: &Link<D>, joint: &Joint<D>) {
-        // The record of a joint at rest is not read.
-        let at_rest = link.case == JointCase::AtRest;
-        for (end, origin) in self.origins.iter_mut().enumerate() {
-            set_row(origin, lane, &if at_rest { [0.0; D] } else { joint.ends[end].origin });
-        }
+    fn take(&mut self, lane: usize, link: &Link<D>, _joint: &Joint<D>) {
         self.penalty.set(lane, link.penalty);
         self.tensile.set(lane, link.tensile);
         self.cohesion.set(lane, link.cohesion);
@@ -351,13 +374,20 @@ impl<const D: usize> LawLanes<D> for WholeLanes<D> {
     }
 
     #[inline(always)]
+    fn take_end(origin: &mut Self::End, lane: usize, end: usize, link: &Link<D>, joint: &Joint<D>) {
+        // The record of a joint at rest is not read.
+        let at_rest = link.case == JointCase::AtRest;
+        set_row(origin, lane, &if at_rest { [0.0; D] } else { joint.ends[end].origin });
+    }
+
+    #[inline(always)]
     fn traction(
         &mut self,
+        origin: &mut Self::End,
         lane: usize,
-        end: usize,
-        _open: bool,
         gap: [f64; D],
-        _apart: Point<D>,
+        _apart: f64,
+        _open: bool,
     ) -> ([f64; D], bool) {
         let law = JointLaw {
             normal: across(),
@@ -371,7 +401,7 @@ impl<const D: usize> LawLanes<D> for WholeLanes<D> {
             dilation: 0.0,
             dilated: 0.0,
         };
-        law.of_whole(minus(gap, row(&self.origins[end], lane)))
+        law.of_whole(minus(gap, row(origin, lane)))
     }
 
     #[inline(always)]
@@ -380,7 +410,7 @@ impl<const D: usize> LawLanes<D> for WholeLanes<D> {
     }
 
     #[inline(always)]
-    fn write(&self, _lane: usize, _joint: &mut Joint<D>) {}
+    fn write(_origin: &Self::End, _lane: usize, _end: usize, _joint: &mut Joint<D>) {}
 }
 
 /// Joints that soften, and broken joints that are pressed together, with common laws.
@@ -392,18 +422,13 @@ pub(super) struct SofteningLanes<const D: usize> {
     cohesion: Lanes,
     friction: Lanes,
     critical: [Lanes; 2],
-    /// Histories of the ends.
-    damages: [[Lanes; 2]; D],
-    stiffness: [Lanes; D],
-    origins: Tensors<D>,
-    rubbed: Tensors<D>,
     /// Length of the joint, m, and the share of it that has been handed over to contact.
     length: Lanes,
     faded: Lanes,
     /// 1 if the joint is broken, otherwise 0.
     broken: Lanes,
     /// Number of its ends that are broken.
-    ends: Lanes,
+    broken_ends: Lanes,
     /// Mean sliding of the ends, m.
     slid: [Lanes; D],
     /// Least opening of the ends, m; 1 if one is pressed, otherwise 0.
@@ -411,7 +436,38 @@ pub(super) struct SofteningLanes<const D: usize> {
     pressed: Lanes,
 }
 
+/// History of one end of the joints of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MemoryLanes<const D: usize> {
+    damages: [Lanes; 2],
+    stiffness: Lanes,
+    origin: [Lanes; D],
+    rubbed: [Lanes; D],
+}
+
+impl<const D: usize> MemoryLanes<D> {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Memory<D> {
+        Memory {
+            damages: row(&self.damages, lane),
+            stiffness: self.stiffness.get(lane),
+            origin: row(&self.origin, lane),
+            rubbed: row(&self.rubbed, lane),
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, memory: &Memory<D>) {
+        set_row(&mut self.damages, lane, &memory.damages);
+        self.stiffness.set(lane, memory.stiffness);
+        set_row(&mut self.origin, lane, &memory.origin);
+        set_row(&mut self.rubbed, lane, &memory.rubbed);
+    }
+}
+
 impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
+    type End = MemoryLanes<D>;
+
     const EMPTY: Self = Self {
         normal: [Lanes::ZERO; D],
         penalty: Lanes::ZERO,
@@ -419,17 +475,19 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         cohesion: Lanes::ZERO,
         friction: Lanes::ZERO,
         critical: [Lanes::ZERO; 2],
-        damages: [[Lanes::ZERO; 2]; D],
-        stiffness: [Lanes::ZERO; D],
-        origins: [[Lanes::ZERO; D]; D],
-        rubbed: [[Lanes::ZERO; D]; D],
         length: Lanes::ZERO,
         faded: Lanes::ZERO,
         broken: Lanes::ZERO,
-        ends: Lanes::ZERO,
+        broken_ends: Lanes::ZERO,
         slid: [Lanes::ZERO; D],
         least: Lanes::ZERO,
         pressed: Lanes::ZERO,
+    };
+    const EMPTY_END: Self::End = MemoryLanes {
+        damages: [Lanes::ZERO; 2],
+        stiffness: Lanes::ZERO,
+        origin: [Lanes::ZERO; D],
+        rubbed: [Lanes::ZERO; D],
     };
 
     #[inline(always)]
@@ -441,26 +499,28 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         self.cohesion.set(lane, law.cohesion);
         self.friction.set(lane, law.friction);
         set_row(&mut self.critical, lane, &law.critical);
-        for (end, memory) in joint.ends.iter().enumerate() {
-            self.set_memory(lane, end, memory);
-        }
         self.length.set(lane, joint.length);
         self.faded.set(lane, joint.faded);
         self.broken.set(lane, flag(joint.state == JointState::Broken));
-        self.ends.set(lane, 0.0);
+        self.broken_ends.set(lane, 0.0);
         set_row(&mut self.slid, lane, &[0.0; D]);
         self.least.set(lane, f64::INFINITY);
         self.pressed.set(lane, 0.0);
     }
 
     #[inline(always)]
+    fn take_end(history: &mut Self::End, lane: usize, end: usize, _link: &Link<D>, joint: &Joint<D>) {
+        history.set(lane, &joint.ends[end]);
+    }
+
+    #[inline(always)]
     fn traction(
         &mut self,
+        history: &mut Self::End,
         lane: usize,
-        end: usize,
-        open: bool,
         gap: [f64; D],
-        apart: Point<D>,
+        apart: f64,
+        open: bool,
     ) -> ([f64; D], bool) {
         let law = JointLaw {
             normal: row(&self.normal, lane),
@@ -474,19 +534,20 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
             dilation: 0.0,
             dilated: 0.0,
         };
-        let mut memory = self.memory(lane, end);
+        let mut memory = history.get(lane);
         let reach = APART * self.length.get(lane);
-        let far = (memory.damage() >= 1.0) & (dot(apart, apart) > reach * reach);
+        let far = (memory.damage() >= 1.0) & (apart > reach * reach);
         let traction = memory.of_common(&law, gap);
-        self.set_memory(lane, end, &memory);
-        self.ends.set(lane, self.ends.get(lane) + flag(open & (memory.damage() >= 1.0)));
+        history.set(lane, &memory);
+        let broken = flag(open & (memory.damage() >= 1.0));
+        self.broken_ends.set(lane, self.broken_ends.get(lane) + broken);
         for axis in 1..D {
-            let slid = self.slid[axis].get(lane);
-            self.slid[axis].set(lane, if open { slid + gap[axis] / D as f64 } else { slid });
+            let slid = if open { gap[axis] / D as f64 } else { 0.0 };
+            self.slid[axis].set(lane, self.slid[axis].get(lane) + slid);
         }
-        let least = self.least.get(lane);
-        self.least.set(lane, if open { smaller(gap[0], least) } else { least });
-        self.pressed.set(lane, larger(self.pressed.get(lane), flag(open & (traction[0] < 0.0))));
+        let least = if open { gap[0] } else { f64::INFINITY };
+        self.least.set(lane, smaller(self.least.get(lane), least));
+        self.pressed.set(lane, self.pressed.get(lane) + flag(open & (traction[0] < 0.0)));
         (traction, !far)
     }
 
@@ -495,34 +556,15 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         let share = faded_at(row(&self.slid, lane), self.length.get(lane));
         let fades = share > self.faded.get(lane);
         let leaves = (self.least.get(lane) >= 0.0) & (self.pressed.get(lane) == 0.0);
-        let breaks = self.ends.get(lane) == D as f64;
-        if self.broken.get(lane) > 0.0 { !fades & !leaves } else { !breaks }
+        let breaks = self.broken_ends.get(lane) == D as f64;
+        let broken = self.broken.get(lane) > 0.0;
+        !(broken & (fades | leaves)) & (broken | !breaks)
     }
 
     #[inline(always)]
-    fn write(&self, lane: usize, joint: &mut Joint<D>) {
-        for end in (0..D).filter(|&end| joint.open[end]) {
-            joint.ends[end] = self.memory(lane, end);
+    fn write(history: &Self::End, lane: usize, end: usize, joint: &mut Joint<D>) {
+        if joint.open[end] {
+            joint.ends[end] = history.get(lane);
         }
-    }
-}
-
-impl<const D: usize> SofteningLanes<D> {
-    #[inline(always)]
-    fn memory(&self, lane: usize, end: usize) -> Memory<D> {
-        Memory {
-            damages: row(&self.damages[end], lane),
-            stiffness: self.stiffness[end].get(lane),
-            origin: row(&self.origins[end], lane),
-            rubbed: row(&self.rubbed[end], lane),
-        }
-    }
-
-    #[inline(always)]
-    fn set_memory(&mut self, lane: usize, end: usize, memory: &Memory<D>) {
-        set_row(&mut self.damages[end], lane, &memory.damages);
-        self.stiffness[end].set(lane, memory.stiffness);
-        set_row(&mut self.origins[end], lane, &memory.origin);
-        set_row(&mut self.rubbed[end], lane, &memory.rubbed);
     }
 }

@@ -26,7 +26,7 @@ use crate::joints::demand::{Demand, SUSPECT, find_demands};
 use crate::joints::fan::{Fan, end_at};
 use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
 use crate::joints::uses::UseBatch;
-use crate::joints::{Joints, Tip, VertexSplit};
+use crate::joints::{Joint, Joints, Tip, VertexSplit};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::share::Share;
@@ -84,43 +84,44 @@ impl<const D: usize> Joints<D> {
         });
         self.tips = tips;
         let mut failing = [whole, at_tips].concat().concat();
-        failing.sort_unstable();
+        team.sort(&mut failing);
         failing.dedup();
         failing
     }
 
     /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected.
     /// Returns the vertices at which this rank has done so.
+    ///
+    /// All that takes long is computed from the state before, on all threads. Then it is written in order.
     pub(crate) fn insert<const N: usize>(
         &mut self,
         failing: &[u32],
         solid: &mut Solid<D, N>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
+        team: &Team,
     ) -> Vec<VertexSplit<D>>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let mut vertices = Vec::new();
-        for &facet in failing {
-            // The laws of all facets were checked together with the model.
-            if let Ok(Some(law)) = self.law(facet, model, topology) {
-                let plane = self.plane(facet, solid, topology);
-                self.put(facet, law, plane, topology, model, solid.share());
-                let corners = topology.facets[facet as usize].corners[0];
-                vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
-            }
-        }
-        vertices.sort_unstable();
+        // The laws of all facets were checked together with the model.
+        let joint = |facet: u32| {
+            let law = self.law(facet, model, topology).ok().flatten()?;
+            Some(self.joint(facet, law, self.plane(facet, solid, topology), model, topology, solid.share()))
+        };
+        let new: Vec<Joint<D>> = team
+            .list(failing.len(), |range| failing[range].iter().filter_map(|&facet| joint(facet)).collect());
+        let corners = new.iter().flat_map(|joint| topology.facets[joint.facet as usize].corners[0]);
+        let mut vertices: Vec<u32> = corners.map(|corner| topology.vertices[corner as usize]).collect();
+        team.sort(&mut vertices);
         vertices.dedup();
-        let mut split = Vec::new();
-        for &vertex in &vertices {
-            if topology.corners_of(vertex).iter().any(|&corner| solid.share().corner(corner)) {
-                split.push((vertex, self.part(vertex, solid, true, model, topology)));
-            }
+        self.reserve(new.len());
+        for joint in new {
+            self.put(joint, topology, model.thickness);
         }
+        let split = self.part(&vertices, solid, true, model, topology, team);
         if !vertices.is_empty() {
-            self.find_tips(&vertices, topology, solid.share());
+            self.find_tips(&vertices, topology, solid.share(), team);
         }
         split
     }
@@ -132,29 +133,47 @@ impl<const D: usize> Joints<D> {
         vertices: &[u32],
         topology: &Topology<D, N>,
         share: &Share,
+        team: &Team,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
         self.tips.retain(|tip| vertices.binary_search(&tip.vertex).is_err());
-        let mut alone = Vec::new();
-        for &vertex in vertices {
-            topology.bridges(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut alone);
-            let owned = |(_, corner): &(u32, u32)| share.corner(*corner);
-            let all = || topology.facets_around(vertex).filter(owned).map(|(facet, _)| facet);
-            let together: Box<[u32]> = all()
-                .filter(|facet| {
-                    self.of_facet[*facet as usize] == NONE && self.may_part(*facet) && !alone.contains(facet)
-                })
-                .collect();
-            alone
-                .retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
-            for &facet in alone.iter().chain(&together) {
+        let tips = team.list(vertices.len(), |range| {
+            let mut bridges = Vec::new();
+            let tip = |&vertex: &u32| self.tip(vertex, topology, share, &mut bridges);
+            vertices[range].iter().filter_map(tip).collect()
+        });
+        for tip in &tips {
+            for &facet in tip.alone.iter().chain(&tip.together) {
                 self.near_tip[facet as usize] = true;
             }
-            if !alone.is_empty() || !together.is_empty() {
-                self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together, cuts: Vec::new() });
-            }
         }
+        self.tips.extend(tips);
+    }
+
+    /// The facets at a vertex that can get a joint, `None` if there is none. `bridges`: memory to use again.
+    fn tip<const N: usize>(
+        &self,
+        vertex: u32,
+        topology: &Topology<D, N>,
+        share: &Share,
+        bridges: &mut Vec<u32>,
+    ) -> Option<Tip<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let whole = |facet: u32| self.of_facet[facet as usize] == NONE;
+        topology.bridges(vertex, whole, bridges);
+        let all = || {
+            let owned = topology.facets_around(vertex).filter(|(_, corner)| share.corner(*corner));
+            owned.map(|(facet, _)| facet)
+        };
+        let together: Box<[u32]> = all()
+            .filter(|&facet| whole(facet) && self.may_part(facet) && !bridges.contains(&facet))
+            .collect();
+        bridges.retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
+        let some = !bridges.is_empty() || !together.is_empty();
+        some.then(|| Tip { vertex, alone: bridges.as_slice().into(), together, cuts: Vec::new() })
     }
 
     /// The strength of a facet that a plane near it may have in its place: the facets of an interface lie in
@@ -300,24 +319,54 @@ impl<const D: usize> Joints<D> {
         }
     }
 
-    /// Splits the node of a vertex, so that each group of elements between joints has a separate node. Joint
-    /// ends that open begin with the traction that acts there, if forces have `pulled` at the elements.
-    /// Returns these tractions, each with its facet.
+    /// Splits the nodes of these vertices, ascending, so that each group of elements between joints has a
+    /// separate node. Joint ends that open begin with the traction that acts there, if forces have `pulled`
+    /// at the elements. Returns these tractions, each with its facet, at the vertices of this rank.
     pub(crate) fn part<const N: usize>(
         &mut self,
-        vertex: u32,
+        vertices: &[u32],
         solid: &mut Solid<D, N>,
         pulled: bool,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) -> Vec<(u32, [f64; D])>
+        team: &Team,
+    ) -> Vec<VertexSplit<D>>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let corners = topology.corners_of(vertex);
         let state = InsertionData { solid, model, topology };
+        let owned = |vertex: &&u32| {
+            topology.corners_of(**vertex).iter().any(|&corner| state.solid.share().corner(corner))
+        };
+        // What happens at one vertex does not depend on what happens at another.
+        let partings: Vec<Parting<D>> = team.list(vertices.len(), |range| {
+            let here = vertices[range].iter().filter(owned);
+            here.map(|&vertex| self.parting(vertex, pulled, state)).collect()
+        });
+        let mut changed = Vec::new();
+        for Parting { corners, groups, .. } in &partings {
+            changed.extend(solid.split(corners, groups));
+        }
+        for node in changed {
+            solid.weigh(node, model);
+        }
+        let opening = |parting: &Parting<D>| {
+            let Parting { vertex, corners, begin, .. } = parting;
+            self.openings(*vertex, corners, begin, solid, topology)
+        };
+        let openings = team.list(partings.len(), |range| partings[range].iter().flat_map(opening).collect());
+        self.open(openings, solid, topology, team);
+        partings.into_iter().map(|parting| (parting.vertex, parting.begin)).collect()
+    }
+
+    /// How the elements at a vertex come apart, and the tractions with which ends of joints begin there.
+    fn parting<const N: usize>(&self, vertex: u32, pulled: bool, state: InsertionData<'_, D, N>) -> Parting<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let InsertionData { solid, topology, .. } = state;
+        let corners = topology.corners_of(vertex);
         let fan = Fan::new(vertex, &[], self, state);
-        // Tractions of the ends that open now, computed before the nodes are split.
         let mut begin: Vec<(u32, [f64; D])> = Vec::new();
         if pulled && solid.hold_at(corners[0]) == NONE {
             let owned = |(_, corner): &(u32, u32)| solid.share().corner(*corner);
@@ -325,19 +374,15 @@ impl<const D: usize> Joints<D> {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
                     let cut = fan.cut(facet, &[]);
-                    let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, state.solid), state);
+                    let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, solid), state);
                     let share = <[[f64; D]; N]>::projection(cut.normal(state), axes[0]);
                     let traction = held.map(|x| share * x);
                     begin.push((facet, components(traction, solid, &topology.facets[facet as usize])));
                 }
             }
         }
-        let (owned, groups) = solid.share().owned(corners, fan.groups());
-        for node in solid.split(&owned, &groups) {
-            solid.weigh(node, model);
-        }
-        self.open_at(vertex, &owned, &begin, solid, topology);
-        begin
+        let (corners, groups) = solid.share().owned(corners, fan.groups());
+        Parting { vertex, corners, groups, begin }
     }
 
     /// Marks the ends of joints at these corners of a vertex as open that have two nodes now. `begin`:
@@ -349,55 +394,122 @@ impl<const D: usize> Joints<D> {
         begin: &[(u32, [f64; D])],
         solid: &Solid<D, N>,
         topology: &Topology<D, N>,
+        team: &Team,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        for &corner in corners {
-            for facet in topology.facets_at(corner) {
+        let openings = self.openings(vertex, corners, begin, solid, topology);
+        self.open(openings, solid, topology, team);
+    }
+
+    /// The joints at these corners of a vertex, with their nodes, and what those of their ends begin with that
+    /// open there. `begin`: the tractions that held some ends together, by their facets; for others that of
+    /// the two elements is taken.
+    fn openings<const N: usize>(
+        &self,
+        vertex: u32,
+        corners: &[u32],
+        begin: &[(u32, [f64; D])],
+        solid: &Solid<D, N>,
+        topology: &Topology<D, N>,
+    ) -> Vec<Opening<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let at_corners = corners.iter().flat_map(|&corner| topology.facets_at(corner));
+        let joined = |facet: &u32| *facet != NONE && self.of_facet[*facet as usize] != NONE;
+        let mut facets: Vec<u32> = at_corners.filter(joined).collect();
+        facets.sort_unstable();
+        facets.dedup();
+        let opening = |facet: u32| {
+            let number = self.of_facet[facet as usize];
+            let (mut joint, sides) = (self.all[number as usize], &topology.facets[facet as usize]);
+            joint.find_nodes(sides, solid);
+            let end = end_at(sides, vertex, topology);
+            let [a, b] = joint.nodes[end];
+            let opens = !joint.open[end] && a != b;
+            let memory = opens.then(|| {
                 let known = begin.iter().find(|(other, _)| *other == facet).map(|(_, traction)| *traction);
-                self.open(facet, vertex, known, solid, topology);
-            }
+                self.begins_with(&joint, known, sides, solid)
+            });
+            Opening { number, end, nodes: joint.nodes, memory }
+        };
+        facets.into_iter().map(opening).collect()
+    }
+
+    /// The history with which an end of a joint begins that opens, as [`Joints::openings`] has it.
+    fn begins_with<const N: usize>(
+        &self,
+        joint: &Joint<D>,
+        known: Option<[f64; D]>,
+        sides: &Facet<D>,
+        solid: &Solid<D, N>,
+    ) -> Memory<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if joint.open_from_start {
+            Memory::broken()
+        } else if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
+            Memory::under(&joint.law, known.unwrap_or_else(|| traction(solid, sides)))
+        } else {
+            Memory::default()
         }
     }
 
-    /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them
-    /// together; if it is `None`, that of the two elements is taken.
+    /// Opens ends of joints.
     fn open<const N: usize>(
         &mut self,
-        facet: u32,
-        vertex: u32,
-        known: Option<[f64; D]>,
+        openings: Vec<Opening<D>>,
         solid: &Solid<D, N>,
         topology: &Topology<D, N>,
+        team: &Team,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        if facet == NONE {
-            return;
-        }
-        let number = self.of_facet[facet as usize] as usize;
-        let Some(joint) = self.all.get_mut(number) else { return };
-        let sides = &topology.facets[facet as usize];
-        let end = end_at(sides, vertex, topology);
-        joint.find_nodes(sides, solid);
-        let [a, b] = joint.nodes[end];
-        if !joint.open[end] && a != b {
-            joint.open[end] = true;
-            if joint.open_from_start {
-                joint.ends[end] = Memory::broken();
-            } else if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
-                let traction = known.unwrap_or_else(|| traction(solid, sides));
-                joint.ends[end] = Memory::under(&joint.law, traction);
+        let mut changed: Vec<u32> = openings.iter().map(|opening| opening.number).collect();
+        for Opening { number, end, nodes, memory } in openings {
+            let joint = &mut self.all[number as usize];
+            joint.nodes = nodes;
+            if let Some(memory) = memory {
+                joint.open[end] = true;
+                joint.ends[end] = memory;
                 if joint.counted {
-                    self.inserted.add(joint.share(solid.thickness) * joint.ends[end].stored(&joint.law));
+                    self.inserted.add(joint.share(solid.thickness) * memory.stored(&joint.law));
                 }
+                self.connect(number as usize, end, topology);
             }
         }
-        self.links[number] = Link::of(joint, solid.thickness);
-        if joint.open[end] {
-            self.connect(number, end, topology);
+        team.sort(&mut changed);
+        changed.dedup();
+        let links: Vec<Link<D>> = team.list(changed.len(), |range| {
+            let link = |&number: &u32| Link::of(&self.all[number as usize], solid.thickness);
+            changed[range].iter().map(link).collect()
+        });
+        for (number, link) in changed.into_iter().zip(links) {
+            self.links[number as usize] = link;
         }
     }
+}
+
+/// How the elements at a vertex come apart.
+struct Parting<const D: usize> {
+    vertex: u32,
+    /// The corners there of this rank, and the group of each.
+    corners: Vec<u32>,
+    groups: Vec<u32>,
+    /// Tractions with which ends of joints begin there, by their facets.
+    begin: Vec<(u32, [f64; D])>,
+}
+
+/// A joint at a vertex whose nodes were split.
+struct Opening<const D: usize> {
+    /// Its number, its end at the vertex, and the nodes of all its ends.
+    number: u32,
+    end: usize,
+    nodes: [[u32; 2]; D],
+    /// History of the end if it opens.
+    memory: Option<Memory<D>>,
 }
 
 /// Components of a traction on side 0 of a facet: across it (tension positive) and along it.

@@ -461,6 +461,7 @@ mod tests {
     use crate::joints::Joints;
     use crate::laws::MaterialLaw;
     use crate::model::{Material, Model};
+    use crate::team::Team;
     use crate::topology::Topology;
     use fdem_mesh::Mesh;
 
@@ -494,9 +495,7 @@ mod tests {
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology, solid.share());
         joints.everywhere(&model, &topology).expect("enough energy");
-        for vertex in 0..4 {
-            joints.part(vertex, &mut solid, false, &model, &topology);
-        }
+        joints.part(&[0, 1, 2, 3], &mut solid, false, &model, &topology, &Team::ALONE);
         // The upper end has turned far; the lower end is like a hinge.
         let joint = &mut joints.all[0];
         let end = usize::from(solid.vertex(joint.nodes[0][0] as usize) != 2);
@@ -531,9 +530,7 @@ mod tests {
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology, solid.share());
         joints.everywhere(&model, &topology).expect("enough energy");
-        for vertex in 0..4 {
-            joints.part(vertex, &mut solid, false, &model, &topology);
-        }
+        joints.part(&[0, 1, 2, 3], &mut solid, false, &model, &topology, &Team::ALONE);
         let joint = &mut joints.all[0];
         joint.ends[0] = Memory::broken();
         let [a, b] = joint.nodes[0];

@@ -37,7 +37,7 @@ where
     /// Updates all joints and their forces.
     pub(super) fn pull(&mut self) -> PassResult {
         let mut result = PassResult::default();
-        let mut whole = None::<JointBatch<D, WholeLanes<D>>>;
+        let mut whole = None::<JointBatch<D, WholeLanes>>;
         let mut softening = None::<JointBatch<D, SofteningLanes<D>>>;
         for place in 0..self.joints.len() {
             if let Some(link) = self.links.get(place + AHEAD) {
@@ -50,8 +50,8 @@ where
                 JointCase::Closed | JointCase::Gone => {}
             }
         }
-        self.finish(whole, &mut result);
-        self.finish(softening, &mut result);
+        self.finish(&mut whole, &mut result);
+        self.finish(&mut softening, &mut result);
         result.broken.sort_unstable_by_key(|(place, _)| *place);
         result
     }
@@ -72,10 +72,10 @@ where
     }
 
     /// Computes the last joints of a batch, and takes its work.
-    fn finish<L: LawLanes<D>>(&mut self, batch: Option<JointBatch<D, L>>, result: &mut PassResult) {
-        if let Some(mut batch) = batch {
+    fn finish<L: LawLanes<D>>(&mut self, batch: &mut Option<JointBatch<D, L>>, result: &mut PassResult) {
+        if let Some(batch) = batch {
             if batch.count() > 0 {
-                self.compute(&mut batch, result);
+                self.compute(batch, result);
             }
             result.work.add_pile(batch.works());
         }
@@ -84,11 +84,8 @@ where
     /// Computes a batch. Joints that change their kind are computed by themselves.
     fn compute<L: LawLanes<D>>(&mut self, batch: &mut JointBatch<D, L>, result: &mut PassResult) {
         let (available, grains) = (self.solid.available, self.solid.grains);
-        batch.compute(available, self.step, grains, |place, computed| match computed {
-            Some((forces, law, lane)) => {
-                self.forces[place] = forces;
-                law.write(lane, &mut self.joints[place]);
-            }
+        batch.compute(available, self.step, grains, |batch, place, lane| match lane {
+            Some(lane) => batch.write(lane, &mut self.joints[place], &mut self.forces[place]),
             None => self.pull_one(place, result),
         });
     }

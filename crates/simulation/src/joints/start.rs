@@ -6,6 +6,7 @@ use crate::joints::Joints;
 use crate::model::Model;
 use crate::share::Share;
 use crate::simplex::Simplex;
+use crate::team::Team;
 use crate::topology::{NONE, Topology};
 
 impl<const D: usize> Joints<D> {
@@ -42,7 +43,7 @@ impl<const D: usize> Joints<D> {
         vertices.sort_unstable();
         vertices.dedup();
         if !self.weakest.is_empty() {
-            self.find_tips(&vertices, topology, &Share::default());
+            self.find_tips(&vertices, topology, &Share::default(), &Team::ALONE);
         }
         Ok(())
     }
@@ -59,12 +60,11 @@ impl<const D: usize> Joints<D> {
     {
         let facets: Vec<u32> =
             (0..topology.facets.len() as u32).filter(|&facet| chosen(self, facet)).collect();
-        self.all.reserve_exact(facets.len());
-        self.links.reserve_exact(facets.len());
-        self.forces.reserve_exact(facets.len());
+        self.reserve(facets.len());
         for &facet in &facets {
             if let Some(law) = self.law(facet, model, topology)? {
-                self.put(facet, law, JointPlane::own(), topology, model, &Share::default());
+                let joint = self.joint(facet, law, JointPlane::own(), model, topology, &Share::default());
+                self.put(joint, topology, model.thickness);
             }
         }
         Ok(facets)

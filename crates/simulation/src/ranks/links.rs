@@ -19,6 +19,7 @@ use crate::peers::{Peers, StepReport, first_of_largest};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
 use crate::sum::{LIMBS, Sum};
+use crate::team::Team;
 use crate::timings::Clock;
 use crate::topology::{NONE, Topology};
 
@@ -351,7 +352,7 @@ fn follow<const D: usize, const N: usize>(
         }
         let begun = |&(code, traction): &(u32, [f64; D])| Some((topology.facet_with(code)?, traction));
         let begin: Vec<_> = change.begin.iter().filter_map(begun).collect();
-        joints.open_at(vertex, &corners, &begin, solid, topology);
+        joints.open_at(vertex, &corners, &begin, solid, topology, &Team::ALONE);
     }
     if change.broken {
         let groups: Vec<_> =

@@ -16,11 +16,11 @@ where
     /// on.
     pub(super) fn part(&mut self, mut failing: Vec<u32>, broken: &[u32], peers: &mut dyn Peers<D, N>) {
         let mut clock = Clock::new();
-        let Self { model, topology, machine, totals, .. } = self;
+        let Self { model, topology, machine, totals, team, .. } = self;
         let columns = machine.columns_mut();
         let Columns { solid, joints, contacts } = columns;
         peers.add_failing(&mut failing, topology);
-        let split = joints.insert(&failing, solid, model, topology);
+        let split = joints.insert(&failing, solid, model, topology, team);
         let vertices = contacts.surface.part(broken, joints, topology, solid.share());
         peers.exchange_splits(&split, &vertices, columns, topology);
         totals.inserted.add_sum(&columns.joints.take_inserted());

@@ -114,11 +114,10 @@ where
             }
         }
         new.begin_actions()?;
-        for vertex in 0..new.topology.vertex_count() as u32 {
-            // Elements may have hung together by vanished ones alone.
-            let Columns { solid, joints, .. } = new.machine.columns_mut();
-            joints.part(vertex, solid, false, &new.model, &new.topology);
-        }
+        // Elements may have hung together by vanished ones alone.
+        let vertices: Vec<u32> = (0..new.topology.vertex_count() as u32).collect();
+        let Columns { solid, joints, .. } = new.machine.columns_mut();
+        joints.part(&vertices, solid, false, &new.model, &new.topology, &new.team);
         // The energies of joints that vanish and appear stay where the balance has them: in no column of the
         // dissipated energy.
         let elastic = |run: &Simulation<D, N>| run.joints().elastic(run.solid(), &run.team);

@@ -164,9 +164,8 @@ where
             joints.of_sets(&model, &topology)?;
         }
         // This also separates elements that have only a vertex in common.
-        for vertex in 0..topology.vertex_count() as u32 {
-            joints.part(vertex, &mut solid, false, &model, &topology);
-        }
+        let vertices: Vec<u32> = (0..topology.vertex_count() as u32).collect();
+        joints.part(&vertices, &mut solid, false, &model, &topology, &team);
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.number_by_corners();
             joints.find_nodes(&topology, &solid);
