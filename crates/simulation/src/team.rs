@@ -188,7 +188,9 @@ impl Team {
             return lists.remove(0);
         }
         let mut all = Vec::with_capacity(lists.iter().map(Vec::len).sum());
-        lists.into_iter().for_each(|list| all.extend(list));
+        for list in lists {
+            all.extend(list);
+        }
         all
     }
 

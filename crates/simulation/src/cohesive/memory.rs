@@ -163,7 +163,7 @@ impl<const D: usize> Memory<D> {
     #[inline(always)]
     pub(crate) fn of_common(&mut self, law: &JointLaw<D>, gap: [f64; D]) -> [f64; D] {
         let (whole, holds) = law.of_whole(minus(gap, self.origin));
-        let holds = (self.stiffness == 1.0) & holds;
+        let holds = (self.stiffness == 1.0) && holds;
         let rubbed = self.rubbed;
         let (traction, _) = self.of_bond_and_friction(law, gap, law.friction);
         self.rubbed = chosen(holds, rubbed, self.rubbed);
@@ -227,12 +227,12 @@ impl<const D: usize> Memory<D> {
         // Pressure adds friction to a whole joint, in whichever direction of its plane it slides.
         let held = strength + friction;
         let rests = (squared == 0.0)
-            | (self.stiffness == 0.0)
-            | (whole & (elastic <= least * least))
-            | (whole & (friction > 0.0) & (elastic <= held * held));
+            || (self.stiffness == 0.0)
+            || (whole && (elastic <= least * least))
+            || (whole && (friction > 0.0) && (elastic <= held * held));
         let damage = (squared.sqrt() - strength / law.penalty) / critical;
         self.soften(law, !rests, damage, squares, [strength, critical]);
-        whole & (self.stiffness < 1.0)
+        whole && (self.stiffness < 1.0)
     }
 
     /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness
@@ -249,13 +249,13 @@ impl<const D: usize> Memory<D> {
         [strength, critical]: [f64; 2],
     ) {
         let (before, damage) = (self.damage(), smaller(damage, 1.0));
-        let grows = loads & (damage > before);
+        let grows = loads && (damage > before);
         for (part, share) in self.damages.iter_mut().zip(shares) {
             *part += if grows { (damage - before) * share } else { 0.0 };
         }
         let damage = larger(damage, before);
         let secant = strength * softening(damage) / (strength + law.penalty * damage * critical);
-        let secant = if loads & (damage > 0.0) { secant } else { 1.0 };
+        let secant = if loads && (damage > 0.0) { secant } else { 1.0 };
         self.stiffness = smaller(secant, self.stiffness);
     }
 }

@@ -536,10 +536,10 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         };
         let mut memory = history.get(lane);
         let reach = APART * self.length.get(lane);
-        let far = (memory.damage() >= 1.0) & (apart > reach * reach);
+        let far = (memory.damage() >= 1.0) && (apart > reach * reach);
         let traction = memory.of_common(&law, gap);
         history.set(lane, &memory);
-        let broken = flag(open & (memory.damage() >= 1.0));
+        let broken = flag(open && (memory.damage() >= 1.0));
         self.broken_ends.set(lane, self.broken_ends.get(lane) + broken);
         for axis in 1..D {
             let slid = if open { gap[axis] / D as f64 } else { 0.0 };
@@ -547,7 +547,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         }
         let least = if open { gap[0] } else { f64::INFINITY };
         self.least.set(lane, smaller(self.least.get(lane), least));
-        self.pressed.set(lane, self.pressed.get(lane) + flag(open & (traction[0] < 0.0)));
+        self.pressed.set(lane, self.pressed.get(lane) + flag(open && (traction[0] < 0.0)));
         (traction, !far)
     }
 
@@ -555,10 +555,10 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
     fn stays(&self, lane: usize) -> bool {
         let share = faded_at(row(&self.slid, lane), self.length.get(lane));
         let fades = share > self.faded.get(lane);
-        let leaves = (self.least.get(lane) >= 0.0) & (self.pressed.get(lane) == 0.0);
+        let leaves = (self.least.get(lane) >= 0.0) && (self.pressed.get(lane) == 0.0);
         let breaks = self.broken_ends.get(lane) == D as f64;
         let broken = self.broken.get(lane) > 0.0;
-        !(broken & (fades | leaves)) & (broken | !breaks)
+        !(broken && (fades || leaves)) && (broken || !breaks)
     }
 
     #[inline(always)]
