@@ -252,7 +252,7 @@ pub(crate) struct AnalyseArguments {
     pub(crate) rdf: Option<Numbers>,
 
     /// For `--analyse`, also measure the voids: local void ratios by radical Voronoi cells, and sizes of
-    /// pores. This takes some 20 µs for each element.
+    /// pores. This takes some 20 µs for each element, and many times more where voids are large.
     #[arg(long, requires = "analyse")]
     pub(crate) voids: bool,
 

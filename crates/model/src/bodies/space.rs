@@ -486,6 +486,18 @@ fn piece(
     Ok(piece)
 }
 
+/// Least and largest coordinates of a cylinder.
+fn bounds_of_cylinder([from, to]: [[f64; 3]; 2], radius: f64) -> [[f64; 3]; 2] {
+    let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let squared: f64 = along.iter().map(|x| x * x).sum();
+    // Half of the width of a disc across the axis.
+    let half = along.map(|x| radius * (1.0 - x * x / squared).max(0.0).sqrt());
+    [
+        std::array::from_fn(|axis| from[axis].min(to[axis]) - half[axis]),
+        std::array::from_fn(|axis| from[axis].max(to[axis]) + half[axis]),
+    ]
+}
+
 /// Approximate least and largest coordinates of a body; `None` if its shape does not determine them.
 pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
     let around = |points: &[[f64; 3]], by: f64| {
@@ -496,9 +508,9 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
     Some(if let Some(of) = &body.block {
         of_block(of)
     } else if let Some(of) = &body.cylinder {
-        around(&[of.from, of.to], of.radius)
+        bounds_of_cylinder([of.from, of.to], of.radius)
     } else if let Some(of) = &body.tube {
-        around(&[of.from, of.to], of.radius)
+        bounds_of_cylinder([of.from, of.to], of.radius)
     } else if let Some(of) = &body.sphere {
         around(&[of.centre], of.radius)
     } else if let Some(of) = &body.polyhedron {
@@ -512,7 +524,7 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
         let of = &body.voronoi.as_ref()?.outline;
         match (&of.block, &of.cylinder, &of.sphere) {
             (Some(of), ..) => of_block(of),
-            (_, Some(of), _) => around(&[of.from, of.to], of.radius),
+            (_, Some(of), _) => bounds_of_cylinder([of.from, of.to], of.radius),
             (.., Some(of)) => around(&[of.centre], of.radius),
             _ => around(&of.polyhedron.as_ref()?.points, 0.0),
         }
@@ -594,4 +606,19 @@ fn outline_area(of: &Outline) -> Option<f64> {
         return Some(PI * disc.radius * disc.radius);
     }
     of.polygon.as_ref().map(|polygon| area(&polygon.points).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_of_a_cylinder_ends_at_its_ends() {
+        let found = bounds_of_cylinder([[0.0, 0.0, 0.1], [0.0; 3]], 0.025);
+        assert_eq!(found, [[-0.025, -0.025, 0.0], [0.025, 0.025, 0.1]]);
+        let found = bounds_of_cylinder([[1.0, 1.0, 0.0], [4.0, 5.0, 0.0]], 1.0);
+        let right = [[0.2, 0.4, -1.0], [4.8, 5.6, 1.0]];
+        let near = found.iter().flatten().zip(right.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near, "{found:?}");
+    }
 }

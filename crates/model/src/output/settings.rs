@@ -7,7 +7,7 @@ use crate::prepared::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 use crate::shapes::placed::{self, Placed, is_body};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
-use crate::text::file::{Animate, Gravity, ModelFile};
+use crate::text::file::{Animate, Gravity, History, ModelFile};
 
 /// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -176,7 +176,12 @@ pub(crate) fn histories<const D: usize, const N: usize>(
                 Some(name) => placed::named(placed, file, name),
                 None => (0..placed.len()).collect(),
             };
-            let Some((node, gap)) = nearest(nodes, placed, &bodies, point) else { continue };
+            let Some(found) = nearest(nodes, placed, &bodies, point) else { continue };
+            let (node, gap) = if history.body.is_none() {
+                of_staying_body(found, nodes, placed, point, file, history, warnings)
+            } else {
+                found
+            };
             let size = bodies.iter().map(|&body| edge(&placed[body])).fold(0.0, f64::max);
             if gap > 2.0 * size {
                 let at = nodes[node as usize].map(|x| format!("{x:.6}")).join(", ");
@@ -201,6 +206,42 @@ pub(crate) fn histories<const D: usize, const N: usize>(
         histories.push(PreparedHistory { name: history.name.clone(), quantity });
     }
     histories
+}
+
+/// The node and distance that were found, or those of a body that no stage removes, if that has a node as
+/// near. A node that a stage removes brings a warning.
+fn of_staying_body<const D: usize, const N: usize>(
+    (node, gap): (u32, f64),
+    nodes: &[[f64; D]],
+    placed: &[Placed<D, N>],
+    point: [f64; D],
+    file: &ModelFile,
+    history: &History,
+    warnings: &mut Vec<String>,
+) -> (u32, f64) {
+    let removed: Vec<usize> = file
+        .stage
+        .iter()
+        .flat_map(|stage| &stage.excavate)
+        .flat_map(|name| placed::named(placed, file, name))
+        .collect();
+    let has = |body: &usize| {
+        let first = placed[*body].first[0];
+        (first..first + placed[*body].piece.nodes.len() as u32).contains(&node)
+    };
+    let Some(&body) = removed.iter().find(|body| has(body)) else { return (node, gap) };
+    let staying: Vec<usize> = (0..placed.len()).filter(|body| !removed.contains(body)).collect();
+    let near = nearest(nodes, placed, &staying, point);
+    // Nodes of two meshes at one place differ by rounding.
+    if let Some(found) = near.filter(|(_, other)| *other <= gap + 1e-9 * edge(&placed[body])) {
+        return found;
+    }
+    warnings.push(format!(
+        "[[history]] \"{}\": the node nearest to {point:?} is removed by a stage, and has no values from then on; \
+         write body = \"...\" to choose the body",
+        history.name
+    ));
+    (node, gap)
 }
 
 /// The nearest node of some bodies, and how far it is.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use fdem_model::{Checkpoint, Preflight, Quantity};
+use fdem_model::{Checkpoint, Preflight, Prepared, Quantity};
 use fdem_results::Field;
 use fdem_simulation::{Load, Schedule, Target};
 
@@ -263,6 +263,29 @@ fn what_may_not_be_meant_is_warned_of() {
     warned(&brittle, "larger than a third of its fracture process zone (E' G/f² = 0.03 m");
     assert!(right(&brittle.replace("mesh_size = 0.1", "mesh_size = 0.008")).warnings.is_empty());
     warned(&with("[[history]]\nname = \"far\"\nnode = [9, 9]"), "the nearest node to [9.0, 9.0]");
+}
+
+/// The two bodies have a node at one place. The values of the removed one would be lost.
+#[test]
+fn a_history_at_the_wall_of_an_excavation_is_of_the_body_that_stays() {
+    let body = |name: &str, from: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"rock\"\nmesh_size = 0.5\nrectangle = {{ min = [{from}, 0], max = [{}, 1] }}\n",
+            from + 1.0
+        )
+    };
+    let stages =
+        "[[stage]]\nname = \"rest\"\nduration = 1e-4\n[[stage]]\nname = \"cut\"\nexcavate = [\"core\"]\n";
+    let bodies = format!("{}{}", body("core", 3.0), body("wall", 2.0));
+    let at = |x: f64, more: &str| {
+        let history = format!("[[history]]\nname = \"wall\"\nnode = [{x}, 0]\n{more}");
+        right(&format!("{SMALL}{bodies}{stages}{history}"))
+    };
+    let lost =
+        |prepared: &Prepared| prepared.warnings.iter().any(|text| text.contains("is removed by a stage"));
+    assert!(!lost(&at(3.0, "")));
+    assert!(lost(&at(4.0, "")));
+    assert!(!lost(&at(4.0, "body = \"core\"")));
 }
 
 #[test]

@@ -214,8 +214,8 @@ impl<const D: usize> Memory<D> {
         self.origin[0] = opening;
     }
 
-    /// Loads the bond by a vector of opening and sliding. Returns whether it begins to soften. `friction`: the
-    /// part of the shear strength of a whole joint that pressure adds, Pa. There is no branch.
+    /// Loads the bond by a vector of opening and sliding. Returns whether it begins to soften. `friction`:
+    /// the part of the shear strength of a whole joint that pressure adds, Pa. There is no branch.
     #[inline(always)]
     fn load(&mut self, law: &JointLaw<D>, bond: [f64; D], friction: f64) -> bool {
         let squared = dot(bond, bond);

@@ -1,10 +1,10 @@
 //! Joints of one kind, a batch of them side by side: see `lanes.rs`.
 //!
 //! Where nothing has broken yet, nearly all joints are whole and stay so. A step reads only a [`Link`] of
-//! such a joint, a quarter of the whole record. Where a body fails, most joints soften, or are broken and still
-//! pressed together. Each of the two kinds has batches of its own, without a branch that depends on a joint.
-//! They do the operations of [`Joint::pull`]. It takes the joints that change their kind in this step, and
-//! those with unusual laws.
+//! such a joint, a quarter of the whole record. Where a body fails, most joints soften, or are broken and
+//! still pressed together. Each of the two kinds has batches of its own, without a branch that depends on a
+//! joint. They do the operations of [`Joint::pull`]. It takes the joints that change their kind in this
+//! step, and those with unusual laws.
 
 use crate::cohesive::{JointLaw, Memory, across};
 use crate::joints::joint::{APART, Joint, JointState, faded_at};

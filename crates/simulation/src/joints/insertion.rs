@@ -338,7 +338,7 @@ impl<const D: usize> Joints<D> {
         let owned = |vertex: &&u32| {
             topology.corners_of(**vertex).iter().any(|&corner| state.solid.share().corner(corner))
         };
-        // What happens at one vertex does not depend on what happens at another.
+        // No vertex depends on another.
         let partings: Vec<Parting<D>> = team.list(vertices.len(), |range| {
             let here = vertices[range].iter().filter(owned);
             here.map(|&vertex| self.parting(vertex, pulled, state)).collect()
@@ -402,9 +402,9 @@ impl<const D: usize> Joints<D> {
         self.open(openings, solid, topology, team);
     }
 
-    /// The joints at these corners of a vertex, with their nodes, and what those of their ends begin with that
-    /// open there. `begin`: the tractions that held some ends together, by their facets; for others that of
-    /// the two elements is taken.
+    /// The joints at these corners of a vertex, with their nodes, and the histories of their ends that open
+    /// there. `begin`: the tractions that held some ends together, by their facets; for others that of the
+    /// two elements is taken.
     fn openings<const N: usize>(
         &self,
         vertex: u32,
