@@ -16,7 +16,7 @@ use crate::solid::Solid;
 use crate::sum::{Grains, Pile};
 use crate::vector::{Point, dot, minus, plus};
 
-/// How a step treats a joint.
+/// The kind of a joint, on which its computation in a step depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointCase {
     /// It is whole, and has no traction where its sides lie on each other.
@@ -348,29 +348,61 @@ fn pull_all<const D: usize, const N: usize, L: LawLanes<D>>(
 
 compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize; L>(batch: &mut JointBatch<D, L>, step: f64, grains: Grains) where [[f64; D]; N]: Simplex<D, N>, L: LawLanes<D>);
 
-/// Whole joints.
+/// Stiffness, Pa/m, strengths, Pa, and coefficient of friction of the joints of a batch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct WholeLanes {
+struct StrengthLanes {
     penalty: Lanes,
     tensile: Lanes,
     cohesion: Lanes,
     friction: Lanes,
 }
 
+impl StrengthLanes {
+    const EMPTY: Self =
+        Self { penalty: Lanes::ZERO, tensile: Lanes::ZERO, cohesion: Lanes::ZERO, friction: Lanes::ZERO };
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, [penalty, tensile, cohesion, friction]: [f64; 4]) {
+        self.penalty.set(lane, penalty);
+        self.tensile.set(lane, tensile);
+        self.cohesion.set(lane, cohesion);
+        self.friction.set(lane, friction);
+    }
+
+    /// A common law with this normal and these critical lengths.
+    #[inline(always)]
+    fn law<const D: usize>(&self, lane: usize, normal: [f64; D], critical: [f64; 2]) -> JointLaw<D> {
+        JointLaw {
+            normal,
+            penalty: self.penalty.get(lane),
+            tensile: self.tensile.get(lane),
+            cohesion: self.cohesion.get(lane),
+            friction: self.friction.get(lane),
+            residual: 0.0,
+            shear: 1.0,
+            critical,
+            dilation: 0.0,
+            dilated: 0.0,
+        }
+    }
+}
+
+/// Whole joints.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WholeLanes {
+    strengths: StrengthLanes,
+}
+
 impl<const D: usize> LawLanes<D> for WholeLanes {
     /// Opening and sliding without traction, m.
     type End = [Lanes; D];
 
-    const EMPTY: Self =
-        Self { penalty: Lanes::ZERO, tensile: Lanes::ZERO, cohesion: Lanes::ZERO, friction: Lanes::ZERO };
+    const EMPTY: Self = Self { strengths: StrengthLanes::EMPTY };
     const EMPTY_END: Self::End = [Lanes::ZERO; D];
 
     #[inline(always)]
     fn take(&mut self, lane: usize, link: &Link<D>, _joint: &Joint<D>) {
-        self.penalty.set(lane, link.penalty);
-        self.tensile.set(lane, link.tensile);
-        self.cohesion.set(lane, link.cohesion);
-        self.friction.set(lane, link.friction);
+        self.strengths.set(lane, [link.penalty, link.tensile, link.cohesion, link.friction]);
     }
 
     #[inline(always)]
@@ -389,18 +421,7 @@ impl<const D: usize> LawLanes<D> for WholeLanes {
         _apart: f64,
         _open: bool,
     ) -> ([f64; D], bool) {
-        let law = JointLaw {
-            normal: across(),
-            penalty: self.penalty.get(lane),
-            tensile: self.tensile.get(lane),
-            cohesion: self.cohesion.get(lane),
-            friction: self.friction.get(lane),
-            residual: 0.0,
-            shear: 1.0,
-            critical: [0.0; 2],
-            dilation: 0.0,
-            dilated: 0.0,
-        };
+        let law = self.strengths.law(lane, across(), [0.0; 2]);
         law.of_whole(minus(gap, row(origin, lane)))
     }
 
@@ -417,10 +438,7 @@ impl<const D: usize> LawLanes<D> for WholeLanes {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SofteningLanes<const D: usize> {
     normal: [Lanes; D],
-    penalty: Lanes,
-    tensile: Lanes,
-    cohesion: Lanes,
-    friction: Lanes,
+    strengths: StrengthLanes,
     critical: [Lanes; 2],
     /// Length of the joint, m, and the share of it that has been handed over to contact.
     length: Lanes,
@@ -470,10 +488,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
 
     const EMPTY: Self = Self {
         normal: [Lanes::ZERO; D],
-        penalty: Lanes::ZERO,
-        tensile: Lanes::ZERO,
-        cohesion: Lanes::ZERO,
-        friction: Lanes::ZERO,
+        strengths: StrengthLanes::EMPTY,
         critical: [Lanes::ZERO; 2],
         length: Lanes::ZERO,
         faded: Lanes::ZERO,
@@ -494,10 +509,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
     fn take(&mut self, lane: usize, _link: &Link<D>, joint: &Joint<D>) {
         let law = &joint.law;
         set_row(&mut self.normal, lane, &law.normal);
-        self.penalty.set(lane, law.penalty);
-        self.tensile.set(lane, law.tensile);
-        self.cohesion.set(lane, law.cohesion);
-        self.friction.set(lane, law.friction);
+        self.strengths.set(lane, [law.penalty, law.tensile, law.cohesion, law.friction]);
         set_row(&mut self.critical, lane, &law.critical);
         self.length.set(lane, joint.length);
         self.faded.set(lane, joint.faded);
@@ -522,18 +534,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         apart: f64,
         open: bool,
     ) -> ([f64; D], bool) {
-        let law = JointLaw {
-            normal: row(&self.normal, lane),
-            penalty: self.penalty.get(lane),
-            tensile: self.tensile.get(lane),
-            cohesion: self.cohesion.get(lane),
-            friction: self.friction.get(lane),
-            residual: 0.0,
-            shear: 1.0,
-            critical: row(&self.critical, lane),
-            dilation: 0.0,
-            dilated: 0.0,
-        };
+        let law = self.strengths.law(lane, row(&self.normal, lane), row(&self.critical, lane));
         let mut memory = history.get(lane);
         let reach = APART * self.length.get(lane);
         let far = (memory.damage() >= 1.0) && (apart > reach * reach);

@@ -359,7 +359,8 @@ impl<const D: usize> Joints<D> {
         partings.into_iter().map(|parting| (parting.vertex, parting.begin)).collect()
     }
 
-    /// How the elements at a vertex come apart, and the tractions with which ends of joints begin there.
+    /// The groups into which the elements at a vertex part, and the tractions with which ends of joints begin
+    /// there.
     fn parting<const N: usize>(&self, vertex: u32, pulled: bool, state: InsertionData<'_, D, N>) -> Parting<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -492,7 +493,7 @@ impl<const D: usize> Joints<D> {
     }
 }
 
-/// How the elements at a vertex come apart.
+/// The groups into which the elements at a vertex part.
 struct Parting<const D: usize> {
     vertex: u32,
     /// The corners there of this rank, and the group of each.

@@ -143,7 +143,7 @@ where
     /// Checks the energy balance at the end of a run: see [`Simulation::check_balance`]. All ranks call it.
     ///
     /// # Errors
-    /// As [`Simulation::check_balance`]; all ranks return the same error.
+    /// Those of [`Simulation::check_balance`]; all ranks return the same error.
     pub fn check_balance(&self) -> Result<(), Stop> {
         self.run.audit_end(&self.links)
     }

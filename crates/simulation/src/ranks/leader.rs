@@ -131,7 +131,7 @@ where
     /// Checks the energy balance at the end of a run: see [`Simulation::check_balance`].
     ///
     /// # Errors
-    /// As [`Simulation::check_balance`].
+    /// Those of [`Simulation::check_balance`].
     pub fn check_balance(&self) -> Result<(), Stop> {
         self.all(LeaderOrder::CheckBalance, &[], Distributed::check_balance)
     }
