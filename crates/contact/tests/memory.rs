@@ -6,29 +6,29 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+use std::alloc::System;
+
 use fdem_contact::{CGrid, Couple, Elements, Nbs, Search};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
-static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Measures the bytes allocated from its creation on, including memory that is freed again at once.
-struct Meter {
-    total: u64,
-    live: usize,
-}
+struct Meter(Region<'static, System>);
 
 impl Meter {
     fn start() -> Self {
-        let stats = dhat::HeapStats::get();
-        Self { total: stats.total_bytes, live: stats.curr_bytes }
+        Self(Region::new(ALLOCATOR))
     }
 
-    fn total(&self) -> u64 {
-        dhat::HeapStats::get().total_bytes - self.total
+    fn total(&self) -> usize {
+        self.0.change().bytes_allocated
     }
 
     fn live(&self) -> usize {
-        dhat::HeapStats::get().curr_bytes - self.live
+        let change = self.0.change();
+        change.bytes_allocated - change.bytes_deallocated
     }
 }
 
@@ -51,7 +51,7 @@ fn obeys_the_law<const D: usize>(n: usize, spacing: f64) {
     let law = D * n + cells[D - 1] + 2 * others;
     assert_eq!(nbs.integers(), law, "D = {D}, n = {n}, spacing {spacing}: {cells:?}");
     assert_eq!(meter.live(), 4 * law, "held after a search: D = {D}, n = {n}, spacing {spacing}");
-    assert_eq!(meter.total(), 4 * law as u64, "allocated at any time: D = {D}, n = {n}, spacing {spacing}");
+    assert_eq!(meter.total(), 4 * law, "allocated at any time: D = {D}, n = {n}, spacing {spacing}");
 
     // A second search, into a list that has room, allocates nothing.
     let mut couples: Vec<Couple> = Vec::with_capacity(20 * n);
@@ -61,7 +61,6 @@ fn obeys_the_law<const D: usize>(n: usize, spacing: f64) {
 }
 
 fn main() {
-    let _profiler = dhat::Profiler::builder().testing().build();
     nbs_allocates_what_the_book_says_and_nothing_else();
     c_grid_holds_so_much_per_element();
 }
@@ -101,11 +100,7 @@ fn c_grid_holds_so_much_per_element() {
         search.count(&elements).unwrap();
         assert_eq!(meter.live(), search.bytes(), "held after a search: n = {n}, spacing {spacing}");
         // The classes of sizes are counted while levels are chosen.
-        assert!(
-            meter.total() < (search.bytes() + 200_000) as u64,
-            "allocated at any time: {}",
-            meter.total()
-        );
+        assert!(meter.total() < search.bytes() + 200_000, "allocated at any time: {}", meter.total());
         per_element.push(search.bytes() as f64 / n as f64);
     }
     assert!(per_element.iter().all(|&bytes| (bytes - per_element[0]).abs() < 1.0), "{per_element:?}");

@@ -8,9 +8,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed unwrap is a failed test")]
 
 use fdem_distributed::{Communicator, DistributedSearch, Shapes, threads};
+use peak_alloc::PeakAlloc;
 
 #[global_allocator]
-static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// Spheres on a cubic grid, each of which touches its six neighbours; rank `r` has every `size`-th one.
 fn elements(communicator: &dyn Communicator, side: u32) -> (Vec<u32>, Vec<[f64; 3]>) {
@@ -23,14 +24,14 @@ fn elements(communicator: &dyn Communicator, side: u32) -> (Vec<u32>, Vec<[f64; 
 
 /// Peak of all ranks together beyond the caller's elements, in bytes per element.
 fn peak(size: usize, side: u32) -> f64 {
-    let profiler = dhat::Profiler::builder().testing().build();
+    ALLOCATOR.reset_peak_usage();
+    let before = ALLOCATOR.current_usage();
     let couples = threads::run(size, |communicator| {
         let (ids, centres) = elements(communicator, side);
         let spheres = Shapes::Equal { centres: &centres, radius: 0.5 };
         DistributedSearch::new(communicator).couples(&ids, &spheres, 0.0).unwrap().len()
     });
-    let peak = dhat::HeapStats::get().max_bytes;
-    drop(profiler);
+    let peak = ALLOCATOR.peak_usage() - before;
     let n = side.pow(3) as usize;
     assert_eq!(couples.iter().sum::<usize>(), 3 * side.pow(2) as usize * (side as usize - 1));
     let most = couples.iter().max().unwrap() * size;

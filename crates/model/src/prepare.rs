@@ -117,8 +117,8 @@ pub fn prepare_within(
 ///     density = 2700
 ///     youngs_modulus = 50e9
 ///     poissons_ratio = 0.25
-/// "#;
-/// let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()), None)? else {
+/// "#; let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()),
+/// None)? else {
 ///     panic!("a box is a body in space");
 /// };
 /// assert!(prepared.quality.elements > 10);
@@ -352,7 +352,7 @@ impl Checked<'_> {
         sets::vanished(file, &placed, &mut warnings);
         plausible::units(&model, &mut warnings);
         plausible::loads(&model, &mut warnings);
-        conditions::warnings(&model, &servos, &own, &mut warnings);
+        conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
@@ -457,7 +457,8 @@ fn none_or(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// Refuses names that occur twice.
+/// Refuses names that occur twice, and names with characters that would break the lines in which they are
+/// written.
 fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     fn names<'f, T>(items: &'f [T], name: fn(&'f T) -> &'f str) -> Vec<&'f str> {
         items.iter().map(name).collect()
@@ -471,6 +472,12 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("stage", names(&file.stage, |stage| &stage.name)),
         ("curve", names(&file.curve, |curve| &curve.name)),
     ] {
+        for (index, name) in names.iter().enumerate().filter(|(_, name)| name.contains(char::is_control)) {
+            let message =
+                format!("the name of the [[{table}]] \"{}\" is not one line of text", name.escape_debug());
+            let span = document.value(Table::of(table, index), "name");
+            faults.push(Fault::at(span, message).label("has a control character"));
+        }
         let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {
             again.entry(name).or_default().push(index);

@@ -19,32 +19,35 @@ mod insertion;
 mod joint;
 mod pass;
 mod plane;
+pub(crate) mod saved;
 mod start;
+mod strength;
 mod uses;
 
-use fdem_distributed::wire;
+use fdem_contact::prefetch;
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{JointLaw, JointPlane, TooLittle};
 use crate::error::ModelError;
 use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
-use crate::joint_sets::common_set;
 use crate::joints::batch::Link;
 use crate::joints::cut::Cut;
 use crate::joints::demand::{Demands, Slopes, Weakest};
 pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
 use crate::joints::pass::JointChunk;
+pub(crate) use crate::joints::strength::penalty;
+use crate::joints::strength::{directed_strength, measure_of, strength_between};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::solid::{Solid, corners_of};
+use crate::solid::Solid;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
-use crate::vector::{Point, add, dot, length, minus, unit};
+use crate::vector::{Point, add, dot, length, minus};
 
 /// When and how a joint broke.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -55,97 +58,9 @@ pub(crate) struct Break {
     pub(crate) modes: [f64; 2],
 }
 
-/// State of the joints in a saved run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "Joint<D>: Serialize, [[f64; D]; D]: Serialize",
-    deserialize = "Joint<D>: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
-))]
-pub(crate) struct SavedJoints<const D: usize = 2> {
-    joints: Vec<Joint<D>>,
-    forces: Vec<[Point<D>; D]>,
-    breaks: Vec<Break>,
-}
-
-/// A joint with its data in other lists, for another rank. Its facet is a code.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MovingJoint<const D: usize> {
-    pub(crate) joint: Joint<D>,
-    forces: [Point<D>; D],
-    /// Time and modes of its failure.
-    broken: Option<(f64, [f64; 2])>,
-    /// Length of the undeformed edge, m, or area of the undeformed face, m².
-    pub(crate) measure: f64,
-    /// Codes of its corners on side 0 and on side 1.
-    pub(crate) corners: [[u32; D]; 2],
-}
-
-wire!([const D: usize] MovingJoint<D> { joint, forces, broken, measure, corners });
-
 /// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their
 /// facets.
 pub(crate) type VertexSplit<const D: usize> = (u32, Vec<(u32, [f64; D])>);
-
-/// A joint as results show it.
-#[derive(Clone, Copy)]
-pub(crate) struct JointView<'a, const D: usize> {
-    pub(crate) joint: &'a Joint<D>,
-    /// Numbers of its two elements.
-    pub(crate) elements: [u32; 2],
-    /// Time and modes of its failure.
-    pub(crate) broken: Option<(f64, [f64; 2])>,
-    /// Length of the undeformed edge, m, or area of the undeformed face, m².
-    pub(crate) measure: f64,
-}
-
-impl<const D: usize> MovingJoint<D> {
-    /// Looks up its nodes. `node_at`: the node of a corner, by its code.
-    pub(crate) fn find_nodes(&mut self, node_at: impl Fn(u32) -> u32) {
-        let corners = self.corners;
-        self.joint.nodes = std::array::from_fn(|end| corners.map(|side| node_at(side[end])));
-    }
-
-    /// The joint in another mesh; `None` if one of its elements is not there. `number`: the number there of
-    /// an element here.
-    pub(crate) fn renumbered<const N: usize>(mut self, number: impl Fn(u32) -> Option<u32>) -> Option<Self> {
-        let code = |code: u32| Some(number(code / N as u32)? * N as u32 + code % N as u32);
-        self.joint.facet = code(self.joint.facet)?;
-        for corner in self.corners.as_flattened_mut() {
-            *corner = code(*corner)?;
-        }
-        Some(self)
-    }
-
-    /// The joint as results show it.
-    pub(crate) fn seen<const N: usize>(&self) -> JointView<'_, D> {
-        JointView {
-            joint: &self.joint,
-            elements: self.corners.map(|side| side[0] / N as u32),
-            broken: self.broken,
-            measure: self.measure,
-        }
-    }
-
-    /// If the run has broken it, its modes, and its length or area.
-    pub(crate) fn failed(&self) -> Option<([f64; 2], f64)> {
-        self.broken.filter(|_| !self.joint.open_from_start).map(|(_, modes)| (modes, self.measure))
-    }
-}
-
-impl<const D: usize> SavedJoints<D> {
-    /// Joints in the order of their facets.
-    pub(crate) fn of(mut all: Vec<MovingJoint<D>>) -> Self {
-        all.sort_unstable_by_key(|moving| moving.joint.facet);
-        let broken = |(joint, moving): (u32, &MovingJoint<D>)| {
-            moving.broken.map(|(time, modes)| Break { joint, time, modes })
-        };
-        Self {
-            joints: all.iter().map(|moving| moving.joint).collect(),
-            forces: all.iter().map(|moving| moving.forces).collect(),
-            breaks: (0..).zip(&all).filter_map(broken).collect(),
-        }
-    }
-}
 
 /// All joints of a model, and the strengths of facets that may still get one.
 #[derive(Clone, Debug)]
@@ -531,92 +446,6 @@ impl<const D: usize> Joints<D> {
         self.of_facet.iter().copied().filter(|&joint| joint != NONE).collect()
     }
 
-    /// A joint for another rank.
-    pub(crate) fn moving<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> MovingJoint<D>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let mut joint = self.all[number as usize];
-        let measure = joint.measure;
-        let sides = topology.facets[joint.facet as usize].corners;
-        let corners = sides.map(|side| side.map(|corner| topology.code_of_corner(corner)));
-        joint.facet = topology.code(joint.facet);
-        MovingJoint {
-            joint,
-            forces: self.forces[number as usize],
-            broken: self.break_of(number),
-            measure,
-            corners,
-        }
-    }
-
-    /// A joint as results show it.
-    pub(crate) fn seen<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> JointView<'_, D>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let joint = &self.all[number as usize];
-        let elements = topology.facets[joint.facet as usize].elements();
-        JointView { joint, elements, broken: self.break_of(number), measure: joint.measure }
-    }
-
-    /// The joints for a saved run, in the order of their facets.
-    pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> SavedJoints<D>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        SavedJoints::of(self.in_order().into_iter().map(|number| self.moving(number, topology)).collect())
-    }
-
-    /// Restores the saved joints.
-    pub(crate) fn restore<const N: usize>(
-        &mut self,
-        saved: SavedJoints<D>,
-        model: &Model<D, N>,
-        topology: &Topology<D, N>,
-        solid: &Solid<D, N>,
-    ) -> Result<(), ModelError>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
-        let count = saved.joints.len();
-        if saved.forces.len() != count {
-            let found = saved.forces.len();
-            return Err(ModelError::Length { what: "forces of joints", found, expected: count });
-        }
-        if let Some(broken) = saved.breaks.iter().find(|broken| broken.joint as usize >= count) {
-            return Err(missing("joint", broken.joint));
-        }
-        self.all.clear();
-        self.links.clear();
-        self.forces.clear();
-        for joint in &saved.joints {
-            let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
-            let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
-            let joint = self.joint(facet, law, joint.plane, model, topology, solid.share());
-            self.put(joint, topology, model.thickness);
-        }
-        for (own, joint) in self.all.iter_mut().zip(saved.joints) {
-            *own = own.restored(joint);
-        }
-        for number in 0..self.all.len() {
-            let open = self.all[number].open;
-            for end in (0..D).filter(|&end| open[end]) {
-                self.connect(number, end, topology);
-            }
-        }
-        if !self.weakest.is_empty() {
-            let joined: Vec<u32> =
-                (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
-            self.find_tips(&joined, topology, solid.share(), &Team::ALONE);
-        }
-        self.find_nodes(topology, solid);
-        (self.forces, self.breaks) = (saved.forces, saved.breaks);
-        self.faces.broken = self.breaks().map(|(_, joint, _)| joint.facet).collect();
-        Ok(())
-    }
-
     /// Updates all joints and their forces from the positions of the nodes. `energies`: whether to compute
     /// their elastic energy.
     pub(crate) fn pull<const N: usize>(
@@ -651,6 +480,25 @@ impl<const D: usize> Joints<D> {
         }
         let elastic = energies.then(|| self.elastic(solid, team));
         Pulling { broken, work, elastic }
+    }
+
+    /// Prefetches where the forces on a corner of an element are.
+    #[inline]
+    pub(crate) fn prefetch_codes(&self, corner: u32) {
+        if let Some(codes) = self.at_corner.get(corner as usize) {
+            prefetch(codes);
+        }
+    }
+
+    /// Prefetches the forces of the joints on a corner of an element.
+    #[inline]
+    pub(crate) fn prefetch_forces(&self, corner: u32) {
+        let Some(codes) = self.at_corner.get(corner as usize) else { return };
+        for code in codes {
+            if let Some(force) = self.forces.as_flattened().get(*code as usize / 2) {
+                prefetch(force);
+            }
+        }
     }
 
     /// Adds the force of the joints on a corner of an element.
@@ -759,104 +607,4 @@ impl<const D: usize> Joints<D> {
             add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });
         }
     }
-}
-
-/// Penalty of the joint on a facet, Pa/m.
-pub(crate) fn penalty<const D: usize, const N: usize>(model: &Model<D, N>, facet: &Facet<D>) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let elements = facet.elements();
-    let modulus =
-        |element: u32| model.materials[model.mesh.materials[element as usize] as usize].stiffest_modulus();
-    let heights = facet.corners.map(|corners| {
-        corners_of(&model.mesh, corners[0] as usize / N).height(place_in_element::<D, N>(&corners))
-    });
-    let modulus = modulus(elements[0]).min(modulus(elements[1]));
-    model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))
-}
-
-/// Length of the undeformed edge, m, or area of the undeformed face, m².
-fn measure_of<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    topology: &Topology<D, N>,
-    facet: &Facet<D>,
-) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let place = |corner: u32| model.mesh.nodes[topology.vertices[corner as usize] as usize];
-    <[[f64; D]; N]>::facet_measure(&facet.corners[0].map(place))
-}
-
-impl<const D: usize, const N: usize> Model<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    /// Strength of the joint between two elements with a common facet: that of its joint set, or else that
-    /// between their materials; `None` if it cannot break.
-    pub fn strength_of(&self, elements: [u32; 2]) -> Option<Strength> {
-        if let Some(set) = common_set(&self.joint_facets, elements) {
-            return self.joint_sets.get(set as usize).map(|set| set.strength);
-        }
-        let [one, other] = elements.map(|element| self.mesh.elements[element as usize]);
-        let facet = <[[f64; D]; N]>::FACETS
-            .map(|facet| facet.map(|corner| one[corner]))
-            .into_iter()
-            .find(|facet| facet.iter().all(|node| other.contains(node)));
-        let normal = facet.map(|facet| normal_of(&facet.map(|node| self.mesh.nodes[node as usize])));
-        strength_between(self, elements.map(|element| self.mesh.materials[element as usize]), normal)
-            .map(|(strength, _)| strength)
-    }
-}
-
-/// The normal of an undeformed facet, of unit length.
-fn normal_of<const D: usize, const N: usize>(facet: &[Point<D>; D]) -> Point<D>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    unit(<[[f64; D]; N]>::facet_normal(facet))
-}
-
-/// Strength of a facet that depends on its direction; `None` for one of a joint set or an interface, and for
-/// one that cannot break.
-fn directed_strength<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    topology: &Topology<D, N>,
-    facet: &Facet<D>,
-) -> Option<Strength>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let side = facet.corners[0];
-    if model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).is_some() {
-        return None;
-    }
-    let places = side.map(|corner| model.mesh.nodes[topology.vertices[corner as usize] as usize]);
-    let materials = facet.elements().map(|element| model.mesh.materials[element as usize]);
-    let found = strength_between(model, materials, Some(normal_of::<D, N>(&places)));
-    found.filter(|(_, of_interface)| !of_interface).map(|(strength, _)| strength)
-}
-
-/// Strength between two materials, and whether it belongs to an interface between two different ones: the
-/// strength of their interface if there is one, otherwise of the material with the lower tensile strength.
-/// `None` if the facet cannot break. `normal`: that of the undeformed facet, of unit length, for strengths
-/// that depend on it.
-fn strength_between<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    [a, b]: [u32; 2],
-    normal: Option<Point<D>>,
-) -> Option<(Strength, bool)> {
-    if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
-        return Some((strength, a != b));
-    }
-    let strength = |material: u32| {
-        let material = &model.materials[material as usize];
-        normal.map_or(material.strength, |normal| material.strength_on(normal))
-    };
-    let weaker = match [a, b].map(strength) {
-        [Some(one), Some(two)] => Some(if two.tensile < one.tensile { two } else { one }),
-        [one, two] => one.or(two),
-    };
-    weaker.map(|strength| (strength, false))
 }

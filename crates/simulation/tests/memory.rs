@@ -7,10 +7,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed unwrap is a failed test")]
 
-use std::sync::Mutex;
-
 use fdem_distributed::threads;
 use fdem_simulation::{Distributed, Material, Model, Simulation, Strength};
+use peak_alloc::PeakAlloc;
 
 #[path = "suite/common.rs"]
 #[allow(dead_code, reason = "the other tests use more of it")]
@@ -18,7 +17,7 @@ mod common;
 use common::{granite, rectangle, rock};
 
 #[global_allocator]
-static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// A strip, so long that the borders between ranks are as long on any number of them. It is drawn apart, and
 /// breaks in many places in one step.
@@ -41,24 +40,18 @@ fn strip(length: usize) -> Model {
     }
 }
 
-/// A profiler that counts bytes. It needs no places of allocations, and long traces take most of the time.
-fn profiler_without_places() -> dhat::Profiler {
-    dhat::Profiler::builder().testing().trim_backtraces(Some(4)).build()
-}
-
-/// Memory of all ranks together, in bytes per element: after they have advanced the run and divided it again,
-/// and the peak meanwhile.
+/// Memory of all ranks together, with that of the model, in bytes per element: after they have advanced the
+/// run and divided it again, and the peak meanwhile.
 fn held(size: usize, length: usize) -> [f64; 2] {
     let model = strip(length);
     let elements = model.mesh.elements.len();
-    let profiler = Mutex::new(None);
     let held = threads::run(size, |communicator| {
         let first = communicator.rank() == 0;
         let whole = first.then(|| Simulation::new(model.clone(), 1).unwrap());
         let mut run = Distributed::new(communicator, whole, 1).unwrap();
         communicator.barrier();
         if first {
-            *profiler.lock().unwrap() = Some(profiler_without_places());
+            ALLOCATOR.reset_peak_usage();
         }
         communicator.barrier();
         for _ in 0..3 {
@@ -70,18 +63,17 @@ fn held(size: usize, length: usize) -> [f64; 2] {
         run.crack_lengths();
         run.nodes(&[3]);
         communicator.barrier();
-        let held = dhat::HeapStats::get();
+        let held = [ALLOCATOR.current_usage(), ALLOCATOR.peak_usage()];
         communicator.barrier();
-        [held.curr_bytes, held.max_bytes]
+        held
     });
-    drop(profiler);
     held[0].map(|bytes| bytes as f64 / elements as f64)
 }
 
 fn main() {
     // The same number of elements on each rank. A rank with four bytes for each element of the whole would
-    // add 96 bytes for each element on 32 ranks, more than on 8.
-    let [few, many] = [8, 32].map(|size| held(size, 150 * size));
+    // add 96 bytes for each element on 32 ranks, more than on 8. The channels of each pair of ranks add 20 to 30.
+    let [few, many] = [8, 32].map(|size| held(size, 400 * size));
     println!("{few:.0?} bytes for an element on 8 ranks, {many:.0?} on 32, and the most meanwhile");
     for (few, many) in few.into_iter().zip(many) {
         assert!(many - few < 48.0, "the memory of a rank has grown with the whole");

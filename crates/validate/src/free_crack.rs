@@ -85,7 +85,8 @@ pub(super) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
 }
 
 fn compared(loading: Loading, size: Size) -> Result<Vec<Outcome>, String> {
-    let own: Vec<Mesher> = size.choose(1..=2, 1..=8).map(Mesher::Own).collect();
+    let seeds = size.choose(if let Loading::Tension = loading { 1..=2 } else { 1..=1 }, 1..=8);
+    let own: Vec<Mesher> = seeds.map(Mesher::Own).collect();
     let meshers: Vec<Vec<Mesher>> =
         size.choose(vec![own.clone()], vec![own, vec![Mesher::Delaunay], vec![Mesher::Frontal]]);
     let insertions: &[(Insertion, &str)] = size.choose(

@@ -191,7 +191,7 @@ pub(crate) fn open(
         let unpacked = unpack_within((&bytes).into(), limit, wanted).map_err(|error| match error {
             ReadError::TooLarge { compression, bytes, .. } => {
                 let content =
-                    format!("the content of this {compression} file has {} MB or more", megabytes(bytes));
+                    format!("the content of this {compression} file has {} or more", size_in_words(bytes));
                 too_large(&name, &content, bytes.saturating_mul(2), most)
             }
             error => unreadable(&name, &error),
@@ -217,15 +217,20 @@ pub(crate) fn open(
 /// memory for it and its elements, bytes.
 fn too_large(name: &str, content: &str, needed: u64, most: Option<u64>) -> Failure {
     Failure::Unusable(format!(
-        "{name}: {content}; with its elements it may take {} MB of memory, and {} MB are allowed: --max-memory SIZE \
+        "{name}: {content}; with its elements it may take {} of memory, and {} are allowed: --max-memory SIZE \
          allows more",
-        megabytes(needed),
-        megabytes(most.unwrap_or(u64::MAX)),
+        size_in_words(needed),
+        size_in_words(most.unwrap_or(u64::MAX)),
     ))
 }
 
-fn megabytes(bytes: u64) -> String {
-    grouped(bytes.div_ceil(1_000_000))
+/// A size in MB, rounded up; below one, in bytes.
+fn size_in_words(bytes: u64) -> String {
+    match bytes {
+        1 => "1 byte".to_owned(),
+        0..1_000_000 => format!("{} bytes", grouped(bytes)),
+        _ => format!("{} MB", grouped(bytes.div_ceil(1_000_000))),
+    }
 }
 
 /// Memory of an element of a row of text beside the text, bytes: three coordinates, the radius, the
@@ -330,7 +335,7 @@ fn read_all(
         // Content that is unpacked has its own bound.
         let needed = if Compression::of(&bytes).is_none() { needed(&bytes[..first], size) } else { size };
         if most.is_some_and(|most| needed > most) {
-            let content = format!("this file has {} MB{or_more}", megabytes(size));
+            let content = format!("this file has {}{or_more}", size_in_words(size));
             return Err(too_large(name, &content, needed, most));
         }
         if first == bytes.len() {

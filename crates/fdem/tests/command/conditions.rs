@@ -158,6 +158,39 @@ fn what_was_not_reached_is_told() {
     }
 }
 
+/// A column of a part that is removed is no number. The log names the conditions and servos that depend on
+/// it, once.
+#[test]
+fn conditions_and_servos_on_what_is_removed_are_named() {
+    let bench = Bench::new();
+    let text = SERVO
+        .replace("end_time = 6e-3", "end_time = 4e-4\nuntil = { column = \"core uy\", below = -1 }")
+        .replace("\"platen fy\", target = \"-200 kN\"", "\"core uy\", target = -1e-3")
+        .replace("mesh_size = 0.025", "mesh_size = 0.0125")
+        .replace("checkpoint_steps = 7\n", "");
+    let more = r#"
+[[history]]
+name = "core"
+node = [0.05, 0.05]
+[[stage]]
+name = "rest"
+duration = 1e-4
+[[stage]]
+name = "hole"
+excavate_boxes = [[0.02, 0.02, 0.08, 0.08]]
+duration = 3e-4
+"#;
+    bench.write("hole.toml", text + more);
+    let run = bench.run(&["run", "hole.toml", "-o", "one"]).succeeds();
+    for line in [
+        "until of [model]: core uy [m] is not a number, so it cannot be met",
+        "the servo \"platen\": its column is not a number, so it does not move",
+        "the servo \"platen\" does not move at the end, because its column is not a number",
+    ] {
+        assert_eq!(run.stderr.matches(line).count(), 1, "{line:?} in\n{}", run.stderr);
+    }
+}
+
 #[test]
 fn a_stage_ends_on_a_condition() {
     let bench = Bench::new();

@@ -36,10 +36,15 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
         "it pulls them apart: contacts carry no tension, so that part of it is released at once",
     );
     tell(found.slipping, "its shear there is more than friction holds: they slip at once");
-    tell(
-        found.unlike,
-        "its tractions on the two differ: they begin with the mean, and move until they are alike",
-    );
+    if let Some((pair, difference)) = found.unlike {
+        let difference = brief(difference);
+        tell(
+            Some(pair),
+            &format!(
+                "its tractions on the two differ by up to {difference} Pa: they begin with the mean, and move until they are alike"
+            ),
+        );
+    }
 }
 
 /// Weight that the initial stress does not carry, on bodies that rest on absorbing boundaries.

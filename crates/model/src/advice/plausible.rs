@@ -114,6 +114,13 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
             brief((gravity / 9.81).round())
         ));
     }
+    if model.gravity[D - 1] > 0.0 {
+        warnings.push(format!(
+            "[model] gravity = [{}] m/s² acts upwards, along +{}: write a negative number for down",
+            model.gravity.map(brief).join(", "),
+            if D > 2 { "z" } else { "y" }
+        ));
+    }
 }
 
 /// Loads, stresses and speeds beyond all that the materials carry.

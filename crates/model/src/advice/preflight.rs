@@ -14,7 +14,7 @@ use crate::advice::on_ranks::OnRanks;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::{Joints, Prepared, Scaled};
+use crate::prepared::{Joints, Prepared, Scaled, counted};
 use crate::text::library::FromLibrary;
 
 /// Costs of an element.
@@ -364,8 +364,8 @@ impl fmt::Display for Preflight {
         writeln!(out, "bodies           {}: {names}", grouped(self.bodies as u64))?;
         writeln!(
             out,
-            "mesh             {} elements, {} nodes",
-            grouped(quality.elements as u64),
+            "mesh             {}, {} nodes",
+            counted(quality.elements),
             grouped(quality.nodes as u64)
         )?;
         let [least, mean, most] = quality.edges.map(brief);

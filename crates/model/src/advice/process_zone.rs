@@ -135,7 +135,7 @@ fn warning<const D: usize, const N: usize>(
         )
     };
     Some(format!(
-        "{large} of {} elements of \"{}\" are larger than a third of its fracture process zone{} ({} = {} m; the largest has edges of {} m): \
+        "{large} of {} elements of \"{}\" are larger than a third of its fracture process zone{} ({} = {} m; the largest has a mean edge of {} m): \
          {} will depend on the mesh; {remedy}",
         sorted.len(),
         model.materials[material].name,

@@ -25,13 +25,15 @@ pub struct BodyBox {
     pub high: Vec<f64>,
     /// Edge of its elements, m.
     pub mesh_size: f64,
+    /// Angle by which it is turned about the middle of the box, degrees.
+    pub angle: f64,
 }
 
 impl BodyBox {
     fn new<const D: usize>(body: &Body, [low, high]: [[f64; D]; 2], mesh_size: f64) -> Self {
         let by = body.translate.as_ref().map_or([0.0; D], Vector::components);
         let moved = |corner: [f64; D]| (0..D).map(|axis| corner[axis] + by[axis]).collect();
-        Self { name: body.name.clone(), low: moved(low), high: moved(high), mesh_size }
+        Self { name: body.name.clone(), low: moved(low), high: moved(high), mesh_size, angle: body.angle }
     }
 
     fn widths(&self) -> impl Iterator<Item = f64> {
@@ -46,8 +48,12 @@ impl BodyBox {
 impl fmt::Display for BodyBox {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let from = self.low.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
-        let Self { name, mesh_size, .. } = self;
-        write!(out, "{name}: {} m, from [{from}], mesh_size {} m", self.size(), brief(*mesh_size))
+        let Self { name, mesh_size, angle, .. } = self;
+        write!(out, "{name}: {} m, from [{from}], ", self.size())?;
+        if *angle != 0.0 {
+            write!(out, "before it is turned by {} degrees, ", brief(*angle))?;
+        }
+        write!(out, "mesh_size {} m", brief(*mesh_size))
     }
 }
 
@@ -101,4 +107,25 @@ fn box_of(body: &Body, load: &mut Load<'_>) -> Option<BodyBox> {
     };
     let is_known = bounds.as_flattened().iter().all(|x| x.is_finite());
     is_known.then(|| BodyBox::new(body, bounds, size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BodyBox;
+
+    #[test]
+    fn the_box_of_a_turned_body_says_so() {
+        let of = |angle: f64| BodyBox {
+            name: "a".to_owned(),
+            low: vec![0.0, 0.0],
+            high: vec![2.0, 1.0],
+            mesh_size: 0.1,
+            angle,
+        };
+        assert_eq!(of(0.0).to_string(), "a: 2 x 1 m, from [0, 0], mesh_size 0.1 m");
+        assert_eq!(
+            of(30.0).to_string(),
+            "a: 2 x 1 m, from [0, 0], before it is turned by 30 degrees, mesh_size 0.1 m"
+        );
+    }
 }

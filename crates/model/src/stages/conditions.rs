@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use fdem_io::numbers::brief;
 use fdem_mesh::Corners;
 use fdem_results::history_columns;
-use fdem_simulation::{Load, Model};
+use fdem_simulation::{Boundary, Load, Model};
 
 use crate::output::curves::Columns;
 use crate::prepared::{Bound, PreparedServo, PreparedUntil};
@@ -71,9 +71,11 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
 /// about its target.
 const LOUD: f64 = 2.0;
 
-/// Warns of servos on a force that are too fast: the waves and the inertia of the moved parts exceed their
-/// band. `own`: the columns of all `[[history]]` tables.
+/// Warns of servos whose velocity points away from their target, and of servos on a force that are too fast:
+/// the waves and the inertia of the moved parts exceed their band. `own`: the columns of all `[[history]]`
+/// tables.
 pub(crate) fn warnings<const D: usize, const N: usize>(
+    file: &ModelFile,
     model: &Model<D, N>,
     servos: &[PreparedServo],
     own: &[String],
@@ -81,6 +83,9 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Corners<D, N>,
 {
+    for servo in servos {
+        warnings.extend(turned_away(file, &model.boundaries[servo.boundary], servo, &own[servo.place]));
+    }
     for servo in servos.iter().filter(|servo| own[servo.place].ends_with("[N]")) {
         let boundary = &model.boundaries[servo.boundary];
         let Load::Velocity(velocity) = boundary.load else { continue };
@@ -109,6 +114,34 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
             ));
         }
     }
+}
+
+/// The warning of a servo on its own force or displacement whose velocity has the wrong sign: a boundary that
+/// is moved along an axis acts with a force of this direction, and is displaced in it.
+fn turned_away<const D: usize>(
+    file: &ModelFile,
+    boundary: &Boundary<D>,
+    servo: &PreparedServo,
+    column: &str,
+) -> Option<String> {
+    let Load::Velocity(velocity) = boundary.load else { return None };
+    let own = file.history.iter().find_map(|history| {
+        let part = column.strip_prefix(&history.name)?.strip_prefix(' ')?;
+        (history.force.as_ref() == Some(&boundary.name)).then_some(part)
+    })?;
+    let (part, _) = own.split_once(' ')?;
+    let axis =
+        ["x", "y", "z"].iter().position(|axis| part == format!("f{axis}") || part == format!("u{axis}"))?;
+    let speed = velocity.get(axis).copied().flatten()?;
+    (speed * servo.target < 0.0).then(|| {
+        format!(
+            "[[boundary]] \"{}\": its servo moves away from its target: the velocity along {} is {} m/s, and {} of {column} needs the other sign",
+            boundary.name,
+            ["x", "y", "z"][axis],
+            brief(speed),
+            brief(servo.target)
+        )
+    })
 }
 
 /// The condition of `[model]`, those of the stages, and the servos, with the places of their columns.

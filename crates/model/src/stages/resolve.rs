@@ -55,9 +55,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     faults.push(
                         Fault::at(
                             document.key(table, key),
-                            format!("{title} is the first: nothing is there before it"),
+                            format!("{title} is the first: \"{key}\" changes the state at the end of the stage before"),
                         )
-                        .label("goes with a later stage"),
+                        .label("goes with a later stage")
+                        .help("begin with a stage in which the bodies come to rest, with equilibrium = 1e-4 or a duration"),
                     );
                 }
             }

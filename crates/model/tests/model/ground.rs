@@ -130,3 +130,15 @@ fn ground_needs_plane_strain() {
         assert!(errors.contains("write plane = \"strain\" in [model]"), "{errors}");
     }
 }
+
+#[test]
+fn another_density_and_horizontal_tension_are_warnings() {
+    let with = |keys: &str| about_surface(&BLOCK.replace("k0 = 0.5", keys));
+    let found = with("k0 = 0.5, density = 1500");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("its density is 1500 kg/m³, but that of \"g\" is 2600 kg/m³"), "{found:?}");
+    assert_eq!(with("k0 = 0.5, density = 2400"), [""; 0]);
+    let found = with("k0 = -0.5");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("k0 is below 0"), "{found:?}");
+}

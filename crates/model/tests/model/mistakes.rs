@@ -402,6 +402,15 @@ fn a_boundary_has_one_load_and_is_somewhere() {
 }
 
 #[test]
+fn names_have_no_control_characters() {
+    let errors = read(&SMALL.replace("name = \"rock\"", "name = \"ro\\u001bck\"")).unwrap_err().to_string();
+    assert!(
+        errors.contains("the name of the [[material]] \"ro\\u{1b}ck\" is not one line of text"),
+        "{errors}"
+    );
+}
+
+#[test]
 fn names_come_once() {
     let again = &SMALL[SMALL.find("[[material]]").unwrap()..];
     let text = format!("{SMALL}\n{again}");

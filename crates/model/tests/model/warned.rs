@@ -263,3 +263,32 @@ fn times_that_are_shorter_than_a_step_are_warned_of() {
     // The defaults give many results for few steps, without a warning.
     assert_eq!(warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-5")), Vec::<String>::new());
 }
+
+#[test]
+fn gravity_upwards_is_asked_about() {
+    let with_gravity = |y: &str| SMALL.replace("end_time", &format!("gravity = [0, {y}]\nend_time"));
+    warned(
+        &with_gravity("9.81"),
+        "gravity = [0, 9.81] m/s² acts upwards, along +y: write a negative number for down",
+    );
+    let warnings = right(&with_gravity("-9.81")).warnings;
+    assert!(!warnings.iter().any(|warning| warning.contains("upwards")), "{warnings:?}");
+}
+
+#[test]
+fn a_servo_that_moves_away_from_its_target_is_a_warning() {
+    let servo = |velocity: &str, column: &str| {
+        with(&format!(
+            "[[boundary]]\nname = \"top\"\nside = \"top\"\nvelocity = [\"free\", {velocity}]\nservo = {{ column = \"{column}\", target = -2e5 }}\n\
+             [[history]]\nname = \"top\"\nforce = \"top\"\n"
+        ))
+    };
+    warned(
+        &servo("1e-9", "top fy"),
+        "[[boundary]] \"top\": its servo moves away from its target: the velocity along y is 1e-9 m/s, and -200000 of top fy [N] needs the other sign",
+    );
+    for text in [servo("-1e-9", "top fy"), servo("1e-9", "top fx")] {
+        let warnings = right(&text).warnings;
+        assert!(!warnings.iter().any(|warning| warning.contains("moves away")), "{warnings:?}");
+    }
+}

@@ -66,9 +66,9 @@ pub struct InitialContacts {
     pub pulled: Option<[u32; 2]>,
     /// First two elements between which the initial shear exceeds friction: they slip immediately.
     pub slipping: Option<[u32; 2]>,
-    /// First two elements with different initial tractions on their common surface. The surface begins with
-    /// the mean, so that they are not in equilibrium.
-    pub unlike: Option<[u32; 2]>,
+    /// The two elements whose initial tractions on their common surface differ most, and the difference, Pa.
+    /// The surface begins with the mean, so that they are not in equilibrium.
+    pub unlike: Option<([u32; 2], f64)>,
 }
 
 impl InitialContacts {
@@ -206,8 +206,11 @@ impl<const D: usize> Seams<D> {
         let on = |stress: Matrix<D>| applied(&stress, axes[0]);
         let difference = minus(on(one), on(other));
         let traction = on(matrix(|i, k| 0.5 * (one[i][k] + other[i][k])));
-        if length(difference) > UNLIKE * length(traction) {
-            self.found.unlike.get_or_insert(elements);
+        let difference = length(difference);
+        if difference > UNLIKE * length(traction)
+            && self.found.unlike.is_none_or(|(_, most)| difference > most)
+        {
+            self.found.unlike = Some((elements, difference));
         }
         let (pressure, shear) = (-dot(traction, axes[0]), along(axes.map(|axis| dot(traction, axis))));
         if pressure <= 0.0 {

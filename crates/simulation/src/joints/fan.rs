@@ -1,7 +1,8 @@
 //! The elements around a vertex, and how they are cut.
 
+use crate::joints::Joints;
 use crate::joints::cut::{Cut, CutFacet, InsertionData, above};
-use crate::joints::{Joints, measure_of};
+use crate::joints::strength::measure_of;
 use crate::simplex::Simplex;
 use crate::topology::{Facet, NONE, Topology};
 

@@ -6,7 +6,7 @@ use fdem_distributed::wire::{bytes_of, value_of};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
-use crate::joints::MovingJoint;
+use crate::joints::saved::MovingJoint;
 use crate::machine::Columns;
 use crate::machine::list::Machines;
 use crate::model::Model;

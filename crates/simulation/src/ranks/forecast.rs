@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::bodies::Bodies;
 use crate::compiled::compiled;
 use crate::error::ModelError;
-use crate::joints::MovingJoint;
+use crate::joints::saved::MovingJoint;
 use crate::lists::once_each;
 use crate::model::Model;
 use crate::ranks::piece::{CommonData, ElementPiece};

@@ -7,7 +7,7 @@ use fdem_distributed::wire;
 use crate::action::Record;
 use crate::contacts::SavedContacts;
 use crate::forces::{Forces, OwnForces};
-use crate::joints::{MovingJoint, SavedJoints};
+use crate::joints::saved::{MovingJoint, SavedJoints};
 use crate::model::Model;
 use crate::ranks::piece::{CarriedState, CommonData};
 use crate::simplex::Simplex;

@@ -1,7 +1,7 @@
 //! Data of a rank about its part of a run.
 
 use crate::action::Wide;
-use crate::joints::MovingJoint;
+use crate::joints::saved::MovingJoint;
 
 /// A part of a run, apart from the fields of every [`Simulation`](crate::Simulation).
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use crate::action::Record;
 use crate::actions::ground::{is_ground, radii};
 use crate::contacts::{SavedContacts, edges, mean_edge};
 use crate::energy::Energies;
-use crate::joints::MovingJoint;
+use crate::joints::saved::MovingJoint;
 use crate::model::{Load, Model, Target};
 use crate::outer_side::outer_side;
 use crate::simplex::Simplex;

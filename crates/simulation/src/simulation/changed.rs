@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use crate::compiled::compiled;
 use crate::energy::Ledger;
 use crate::error::ModelError;
-use crate::joints::{MovingJoint, SavedJoints};
+use crate::joints::saved::{MovingJoint, SavedJoints};
 use crate::machine::Columns;
 use crate::machine::list::Machines;
 use crate::model::{Boundary, Load, Model, Schedule, Target};

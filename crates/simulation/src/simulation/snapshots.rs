@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
 use crate::forces::{ContactForce, Forces, OwnForces};
-use crate::joints::{Break, Joint, JointView};
+use crate::joints::saved::JointView;
+use crate::joints::{Break, Joint};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot};

@@ -89,7 +89,7 @@ pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
 }
 
 fn compared(loading: PlateLoad, size: Size) -> Result<Vec<Outcome>, String> {
-    let seeds = size.choose(if let PlateLoad::Tension = loading { 1..=2 } else { 1..=1 }, 1..=4);
+    let seeds = size.choose(1..=1, 1..=4);
     let layers: &[u32] = size.choose(&[2], &[2, 4]);
     let sizes: &[PlateBounds] = size.choose(&[USUAL], &[COARSE, USUAL, SMALL]);
     let mut outcomes = Vec::new();

@@ -128,6 +128,8 @@ where
     pub(crate) interval: f64,
     /// Whether rows are made where no condition needs them.
     is_recorded: bool,
+    /// Conditions and servos whose column is no number, which the log has named.
+    blind: Vec<String>,
 }
 
 /// A part of a course.
@@ -170,9 +172,12 @@ where
             run,
             interval,
             is_recorded,
+            blind: Vec::new(),
         };
         if course.run.steps() == 0 {
-            course.control(true)?;
+            // Columns without a number at the beginning are named after the first steps.
+            course.control(true, &mut Turned::default())?;
+            course.blind.clear();
         }
         Ok(course)
     }
@@ -251,8 +256,25 @@ where
         let mut turned = Turned::default();
         self.go_through_stages(passed.due.as_deref(), &mut turned)?;
         self.end_if_met(passed.due.as_deref(), &mut turned);
-        self.control(false)?;
+        self.control(false, &mut turned)?;
+        if let Some(row) = passed.due.as_deref().filter(|_| !turned.entered) {
+            self.name_blind_conditions(row, &mut turned);
+        }
         Ok(turned)
+    }
+
+    /// Names conditions whose column is no number in a row of the history.
+    fn name_blind_conditions(&mut self, row: &[f64], turned: &mut Turned) {
+        let of_stage = self.stages.as_ref().map(Stages::now);
+        let of_stage =
+            of_stage.and_then(|stage| Some((format!("stage \"{}\"", stage.name), stage.until.as_ref()?)));
+        let of_run = self.prepared.until.as_ref().map(|until| ("[model]".to_owned(), until));
+        for (title, until) in of_run.into_iter().chain(of_stage) {
+            if row[until.place].is_nan() {
+                let line = format!("until of {title}: {} is not a number, so it cannot be met", until.column);
+                name_once(&mut self.blind, turned, line);
+            }
+        }
     }
 
     /// Ends the run if its condition is met by a row of the history.
@@ -295,7 +317,7 @@ where
         self.prepared = prepared;
         self.observer = Observer::new(&self.prepared, stages.origin())?;
         self.reached.peaks[1] = 0.0;
-        self.control(true)?;
+        self.control(true, turned)?;
         turned.told.push(ended);
         turned.told.push(format!("{now} with {} elements", grouped(self.run.elements() as u64)));
         turned.entered = true;
@@ -309,7 +331,7 @@ where
     }
 
     /// Sets the velocities of the servos that look at their columns now, or of `all`.
-    fn control(&mut self, all: bool) -> Result<(), Failure> {
+    fn control(&mut self, all: bool, turned: &mut Turned) -> Result<(), Failure> {
         let step = self.run.steps();
         let mut values = None;
         for servo in &self.prepared.servos {
@@ -318,8 +340,15 @@ where
             }
             let values =
                 values.get_or_insert_with(|| self.observer.values(&*self.run, &self.prepared).concat());
-            let schedule = &self.prepared.model.boundaries[servo.boundary].schedule;
-            let factor = servo.factor(values[servo.place], schedule.factor(self.run.time()));
+            let boundary = &self.prepared.model.boundaries[servo.boundary];
+            if values[servo.place].is_nan() {
+                let line = format!(
+                    "the servo \"{}\": its column is not a number, so it does not move",
+                    boundary.name
+                );
+                name_once(&mut self.blind, turned, line);
+            }
+            let factor = servo.factor(values[servo.place], boundary.schedule.factor(self.run.time()));
             self.run.set_factor(servo.boundary, factor).map_err(Failure::Wrong)?;
         }
         Ok(())
@@ -338,9 +367,14 @@ where
             let boundary = &self.prepared.model.boundaries[servo.boundary];
             let scale = boundary.schedule.factor(self.run.time());
             let found = values[servo.place];
-            if servo.factor(found, scale).abs() >= 1.0 {
+            if found.is_nan() {
                 warnings.push(format!(
-                    "the servo \"{}\" has not held its target: {} and not {} at the end; see that its velocity has the right sign and is not too high",
+                    "the servo \"{}\" does not move at the end, because its column is not a number: its part has been removed",
+                    boundary.name
+                ));
+            } else if servo.factor(found, scale).abs() >= 1.0 {
+                warnings.push(format!(
+                    "the servo \"{}\" has not held its target: {} and not {} at the end; see that its velocity has the right sign, is high enough to get there in time, and not so high that it overshoots",
                     boundary.name,
                     brief(found),
                     brief(servo.target * scale)
@@ -348,6 +382,14 @@ where
             }
         }
         warnings
+    }
+}
+
+/// Adds a line to the log unless it is among those of before.
+fn name_once(before: &mut Vec<String>, turned: &mut Turned, line: String) {
+    if !before.contains(&line) {
+        turned.told.push(line.clone());
+        before.push(line);
     }
 }
 

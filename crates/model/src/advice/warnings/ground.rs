@@ -18,8 +18,11 @@ const BARE: f64 = 0.1;
 /// Levels of nodes that differ less, over the height of the bodies, are one.
 const LEVEL: f64 = 1e-6;
 
-/// Warns of ground whose weight acts on a free top, and of bodies whose weight the stress of the ground does
-/// not carry.
+/// Density of the ground over that of a body under its stress, beyond which one of the two is a slip.
+const UNLIKE: f64 = 1.5;
+
+/// Warns of ground whose weight acts on a free top, of bodies whose weight the stress of the ground does
+/// not carry, of another density, and of horizontal tension.
 ///
 /// Only the highest level of all bodies counts: faces of slopes and excavations are free below the surface,
 /// and the run begins with their release.
@@ -28,6 +31,12 @@ where
     [[f64; D]; N]: Dimensions<D, N>,
 {
     let Some(ground) = &ready.file.initial.ground else { return };
+    if ground.k0.along().iter().any(|k0| *k0 < 0.0) {
+        warnings.push(
+            "[initial] ground: k0 is below 0, so the ground is under horizontal tension; at rest it is 0.3 to 2 mostly"
+                .to_owned(),
+        );
+    }
     // Another stress may balance that of the ground.
     if ready.file.initial.components(D).is_some() || ready.file.initial.stress_gradient.is_some() {
         return;
@@ -38,6 +47,7 @@ where
         stresses.iter().flatten().flatten().any(|stress| *stress != 0.0)
     };
     let bodies: Vec<usize> = (0..ready.bodies.len()).filter(under_stress).collect();
+    warnings.extend(bodies.iter().find_map(|&body| unlike(ready, ground, body)));
     let range = |body: usize| {
         let [low, high] = bounds(ready.placed[body].piece.nodes.iter().copied());
         [low[D - 1], high[D - 1]]
@@ -56,6 +66,32 @@ where
         let above = bodies.iter().filter_map(|&body| bare(ready, ground, body, range(body)[1]));
         warnings.extend(above.take(1));
     }
+}
+
+/// The warning of a body whose density is far from that of the ground.
+fn unlike<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    ground: &Ground,
+    body: usize,
+) -> Option<String> {
+    // Without a key, the density is that of a material.
+    let of_ground = ground.density?;
+    let elements = &ready.bodies[body].elements;
+    let mut materials = ready.model.mesh.materials[elements.start as usize..elements.end as usize].to_vec();
+    materials.sort_unstable();
+    materials.dedup();
+    let densities = materials.iter().map(|&number| ready.model.materials[number as usize].density);
+    // Layers above and below may be denser and lighter than their mean.
+    let [least, most] = densities
+        .fold([f64::INFINITY, 0.0_f64], |[least, most], density| [least.min(density), most.max(density)]);
+    (of_ground > UNLIKE * most || of_ground * UNLIKE < least).then(|| {
+        format!(
+            "[initial] ground: its density is {} kg/m³, but that of \"{}\" is {}: the stress does not balance the weight, and the body moves at once",
+            brief(of_ground),
+            ready.bodies[body].name,
+            if least == most { format!("{} kg/m³", brief(most)) } else { format!("{} to {} kg/m³", brief(least), brief(most)) }
+        )
+    })
 }
 
 /// Whether a part of a body at a level or above it has no load and no support along the last axis.

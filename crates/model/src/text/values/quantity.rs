@@ -144,16 +144,17 @@ impl Amount {
     }
 }
 
-/// The dimension of a product: plain numbers do not change it, and plain numbers among themselves stay plain.
+/// The dimension of a product: plain numbers do not change it, and plain numbers stay plain among themselves
+/// and with a ratio, so that `9.81*sin(30)` is plain as 9.81 is.
 fn both(
     one: Option<Dimension>,
     other: Option<Dimension>,
     join: fn(Dimension, Dimension) -> Dimension,
 ) -> Option<Dimension> {
-    if one.is_none() && other.is_none() {
-        return None;
+    match (one, other) {
+        (None, None | Some(Dimension::NONE)) | (Some(Dimension::NONE), None) => None,
+        _ => Some(join(one.unwrap_or(Dimension::NONE), other.unwrap_or(Dimension::NONE))),
     }
-    Some(join(one.unwrap_or(Dimension::NONE), other.unwrap_or(Dimension::NONE)))
 }
 
 /// A whole power by products, which are the same on every platform.

@@ -43,6 +43,17 @@ fn expressions_have_the_values_of_arithmetic() {
 }
 
 /// Numbers with units, as users write them, are the same to the last bit as without the unit.
+/// A plain number fits any dimension, also with a ratio as a factor; a ratio alone does not.
+#[test]
+fn a_plain_number_with_a_ratio_is_plain() {
+    for (text, expected) in
+        [("9.81*sin(30)", None), ("9.81/(2 m / 1 m)", None), ("sin(30)", Some(Dimension::NONE))]
+    {
+        assert_eq!(value(text).unwrap().dimension(), expected, "{text}");
+    }
+    assert_eq!(value("2*sin(30)*3 m").unwrap().dimension(), value("1 m").unwrap().dimension());
+}
+
 #[test]
 fn units_shift_the_decimal_point() {
     for (text, expected, dimension) in [
