@@ -24,7 +24,6 @@ mod start;
 mod strength;
 mod uses;
 
-use fdem_contact::prefetch;
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{JointLaw, JointPlane, TooLittle};
@@ -480,25 +479,6 @@ impl<const D: usize> Joints<D> {
         }
         let elastic = energies.then(|| self.elastic(solid, team));
         Pulling { broken, work, elastic }
-    }
-
-    /// Prefetches where the forces on a corner of an element are.
-    #[inline]
-    pub(crate) fn prefetch_codes(&self, corner: u32) {
-        if let Some(codes) = self.at_corner.get(corner as usize) {
-            prefetch(codes);
-        }
-    }
-
-    /// Prefetches the forces of the joints on a corner of an element.
-    #[inline]
-    pub(crate) fn prefetch_forces(&self, corner: u32) {
-        let Some(codes) = self.at_corner.get(corner as usize) else { return };
-        for code in codes {
-            if let Some(force) = self.forces.as_flattened().get(*code as usize / 2) {
-                prefetch(force);
-            }
-        }
     }
 
     /// Adds the force of the joints on a corner of an element.

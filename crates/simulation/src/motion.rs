@@ -37,10 +37,6 @@ pub(crate) trait Freedoms<const D: usize>: Sync {
 
     /// The first element of a member, for messages.
     fn element(&self, member: usize) -> u32;
-
-    /// Prefetches the memory that [`Freedoms::force`] reads for members that come later. `member`: the
-    /// present one.
-    fn prefetch(&self, _member: usize) {}
 }
 
 /// Members that a rank moves now.
@@ -64,7 +60,6 @@ impl<M: Fn(usize) -> bool> MovedNow<M> {
         let mut sum = MotionSums::<Pile, D>::default();
         for (k, moving) in chunk.enumerate() {
             let member = first + k;
-            freedoms.prefetch(member);
             if !freedoms.is_own(member) || !(self.moves)(member) {
                 continue;
             }

@@ -87,26 +87,7 @@ where
     fn element(&self, node: usize) -> u32 {
         self.solid.corners(node)[0] / N as u32
     }
-
-    /// Nodes that were split have one corner mostly, and their joints are anywhere in memory.
-    #[inline]
-    fn prefetch(&self, node: usize) {
-        let Self { solid, joints, .. } = self;
-        if joints.all.is_empty() {
-            return;
-        }
-        let first_corner = |node: usize| (node < solid.node_count()).then(|| solid.corners(node)[0]);
-        if let Some(corner) = first_corner(node + 2 * AHEAD) {
-            joints.prefetch_codes(corner);
-        }
-        if let Some(corner) = first_corner(node + AHEAD) {
-            joints.prefetch_forces(corner);
-        }
-    }
 }
-
-/// Number of nodes by which forces of joints are prefetched.
-const AHEAD: usize = 8;
 
 /// Gathers the forces on each node that is selected, moves it, and adds to the sums over all nodes.
 pub(crate) fn advance<const D: usize, const N: usize>(
