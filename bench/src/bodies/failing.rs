@@ -1,6 +1,6 @@
 //! Blocks of rock near their strength and beyond, whose facets have scattered strengths.
 
-use fdem_simulation::{Boundary, Insertion, Load, Mesh, Model, Schedule, Target};
+use fdem_simulation::{Boundary, Element, Insertion, JointSet, Load, Mesh, Model, Schedule, Target};
 
 use super::parts::of_rock;
 
@@ -22,11 +22,19 @@ pub(super) enum Failing {
     Softening,
     /// Drawn on all sides at half of its tensile strength, and expanding, so that it comes to pieces.
     Breaking,
+    /// Broken on all facets, its pieces flying at up to [`BLAST`] in waves, against each other and apart.
+    Blown,
 }
+
+/// Speed of the pieces of a block after a blast, m/s.
+const BLAST: f64 = 10.0;
 
 impl Failing {
     /// A block of this mesh, whose outer nodes are held or expand with it.
-    pub(super) fn model<const D: usize, const N: usize>(self, mesh: Mesh<D, N>) -> Model<D, N> {
+    pub(super) fn model<const D: usize, const N: usize>(self, mesh: Mesh<D, N>) -> Model<D, N>
+    where
+        [[f64; D]; N]: Element<D, N>,
+    {
         let insertion = if self == Self::Softening { Insertion::Intrinsic } else { Insertion::Adaptive };
         let ends: [[f64; 2]; D] = std::array::from_fn(|axis| {
             let along = mesh.nodes.iter().map(|node| node[axis]);
@@ -34,6 +42,10 @@ impl Failing {
         });
         let rate = if self == Self::Breaking { EXPANSION } else { 0.0 };
         let speed = |node: &[f64; D]| -> [f64; D] {
+            if self == Self::Blown {
+                let waves = [300.0, 200.0, 250.0];
+                return std::array::from_fn(|axis| BLAST * (waves[axis] * node[axis]).sin());
+            }
             std::array::from_fn(|axis| rate * (node[axis] - 0.5 * (ends[axis][0] + ends[axis][1])))
         };
         let velocities = mesh.nodes.iter().map(speed).collect();
@@ -66,9 +78,40 @@ impl Failing {
                     let share = if self == Self::Softening { 0.92 } else { 0.5 };
                     (0..D).for_each(|axis| stress[axis][axis] = share * strength.tensile);
                 }
+                Self::Blown => {}
             }
+        }
+        if self == Self::Blown {
+            break_all(&mut model);
+            return model;
         }
         model.stresses = vec![stress; model.mesh.elements.len()];
         model
     }
+}
+
+/// Puts an open joint on each facet between two elements.
+fn break_all<const D: usize, const N: usize>(model: &mut Model<D, N>)
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let Some(strength) = model.materials.iter_mut().find_map(|material| material.strength.take()) else {
+        return;
+    };
+    model.joint_sets = vec![JointSet {
+        name: "pieces".to_owned(),
+        strength,
+        residual_friction: strength.friction,
+        normal_stiffness: None,
+        shear_stiffness: None,
+        dilation: 0.0,
+        dilation_slip: None,
+        open: true,
+    }];
+    let without = |nodes: &[u32; N], corner: usize| -> [u32; D] {
+        std::array::from_fn(|k| nodes[if k < corner { k } else { k + 1 }])
+    };
+    let facets = model.mesh.elements.iter().flat_map(|nodes| (0..N).map(|corner| without(nodes, corner)));
+    let facets: Vec<[u32; D]> = facets.collect();
+    model.add_joints(0, &facets);
 }

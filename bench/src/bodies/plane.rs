@@ -27,11 +27,13 @@ pub enum Plane {
     Softening,
     /// A square that comes to pieces while it is timed.
     Breaking,
+    /// A square that a blast has broken to pieces, which collide.
+    Blown,
 }
 
 impl Plane {
     /// All bodies.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Bar,
         Self::Disc,
         Self::Joined,
@@ -41,6 +43,7 @@ impl Plane {
         Self::Near,
         Self::Softening,
         Self::Breaking,
+        Self::Blown,
     ];
 
     /// The name in one word.
@@ -55,6 +58,7 @@ impl Plane {
             Self::Near => "near",
             Self::Softening => "softening",
             Self::Breaking => "breaking",
+            Self::Blown => "blown",
         }
     }
 
@@ -70,6 +74,7 @@ impl Plane {
             Self::Near => "square at 0.9 of its strength",
             Self::Softening => "square, joints on every edge, a tenth of them soften",
             Self::Breaking => "square that comes to pieces",
+            Self::Blown => "debris after a blast: elements that collide, no joint holds",
         }
     }
 
@@ -119,6 +124,7 @@ impl Plane {
             Self::Near => return Failing::Near.model(square(side)),
             Self::Softening => return Failing::Softening.model(square(side)),
             Self::Breaking => return Failing::Breaking.model(square(side)),
+            Self::Blown => return Failing::Blown.model(square(side)),
             Self::Heap => {
                 let shift = |[_, row]: [usize; 2]| [if row % 2 == 0 { 0.0 } else { 0.45 }, 0.0];
                 let (mesh, velocities, walls) =

@@ -31,11 +31,13 @@ pub enum Space {
     CubeSoftening,
     /// A cube that comes to pieces while it is timed.
     CubeBreaking,
+    /// A cube that a blast has broken to pieces, which collide.
+    CubeBlown,
 }
 
 impl Space {
     /// All bodies.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Cube,
         Self::CubeAdaptive,
         Self::CubeJoined,
@@ -43,6 +45,7 @@ impl Space {
         Self::CubeNear,
         Self::CubeSoftening,
         Self::CubeBreaking,
+        Self::CubeBlown,
     ];
 
     /// The name, without spaces.
@@ -55,6 +58,7 @@ impl Space {
             Self::CubeNear => "cube-near",
             Self::CubeSoftening => "cube-softening",
             Self::CubeBreaking => "cube-breaking",
+            Self::CubeBlown => "cube-blown",
         }
     }
 
@@ -68,6 +72,7 @@ impl Space {
             Self::CubeNear => "3D: cube at 0.9 of its strength",
             Self::CubeSoftening => "3D: cube, joints on every face, a tenth of them soften",
             Self::CubeBreaking => "3D: cube that comes to pieces",
+            Self::CubeBlown => "3D: debris after a blast: elements that collide, no joint holds",
         }
     }
 
@@ -77,6 +82,7 @@ impl Space {
             Self::CubeNear => Some(Failing::Near),
             Self::CubeSoftening => Some(Failing::Softening),
             Self::CubeBreaking => Some(Failing::Breaking),
+            Self::CubeBlown => Some(Failing::Blown),
             Self::Cube | Self::CubeAdaptive | Self::CubeJoined | Self::Debris => None,
         }
     }

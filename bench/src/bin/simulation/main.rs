@@ -27,8 +27,8 @@ usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--r
                   [--external-space NAME=COMMAND]... [--external-space-joints NAME=COMMAND]... [--write FILE]
 
   --quick                  1,000 elements, one round: shows that all runs
-  --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap,near,softening,breaking,
-                           cube,cube-adaptive,cube-joined,debris,cube-near,cube-softening,cube-breaking
+  --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap,near,softening,breaking,blown,
+                           cube,cube-adaptive,cube-joined,debris,cube-near,cube-softening,cube-breaking,cube-blown
   --elements N,M           10000,100000,1000000 if not given
   --threads N              to compare with one thread; 2 if not given; 1 for no comparison
   --rounds N               5 if not given

@@ -292,6 +292,10 @@ fn mistakes_are_told_before_anything_runs() {
         ),
         (format!("{model}[grid]\nspeed = []\n"), &["sweep.toml:3", "\"speed\" has no values"]),
         (format!("{model}[grid]\n"), &["there is no run"]),
+        (
+            format!("{model}[grid]\nspeed = [nan]\n"),
+            &["sweep.toml has 1 error", "a value of \"speed\" is a finite number"],
+        ),
         (format!("{model}[grid]\nspeed = 3\n"), &["no list and no range"]),
         (format!("{model}[grid]\nspeed = {{ from = 1, to = 2 }}\n"), &["lacks \"count\""]),
         (

@@ -60,6 +60,16 @@ pub(crate) fn check(
                 refuse(problem, "too small");
                 return all;
             }
+            if copies > 1.0 && elements / copies <= MOST {
+                // Too many copies are reported already.
+                if repeat::problem(body).is_none() {
+                    let message = format!("[[body]] \"{}\", {copies} times: {message}", body.name);
+                    let span = document.value(Table::of("body", index), "repeat");
+                    let help = "repeat it fewer times, or take a larger mesh_size";
+                    faults.push(Fault::at(span, message).label("many").help(help));
+                }
+                return all;
+            }
             let span = document.value(Table::of("body", index), "mesh_size");
             let message = format!("[[body]] \"{}\": {message}", body.name);
             faults.push(Fault::at(span, message).label("too small").help("take a larger mesh_size"));

@@ -86,6 +86,25 @@ fn many_bodies_in_one_place_are_refused() {
     assert!(errors.to_string().contains("bodies lie in each other"), "{errors}");
 }
 
+/// The cause of too many elements is the number of copies.
+#[test]
+fn too_many_copies_are_not_a_mesh_size() {
+    let with = |repeat: &str| {
+        let text = SMALL.replace("mesh_size = 0.1\n", &format!("mesh_size = 0.1\nrepeat = {repeat}\n"));
+        read(&text).unwrap_err()
+    };
+    let errors = with("[1000000, 1000000]");
+    assert_eq!(errors.faults.len(), 1, "{errors}");
+    assert!(errors.to_string().contains("\"repeat\" asks for 1,000,000,000,000 bodies"), "{errors}");
+    let errors = with("[1000, 1000]");
+    assert_eq!(errors.faults.len(), 1, "{errors}");
+    assert!(
+        errors.to_string().contains("[[body]] \"block\", 1000000 times: a mesh size of 0.1 m gives"),
+        "{errors}"
+    );
+    assert!(errors.to_string().contains("repeat it fewer times"), "{errors}");
+}
+
 #[test]
 fn thousands_of_equal_names_are_one_short_error() {
     let body = &SMALL[SMALL.find("[[body]]").unwrap()..SMALL.find("[[material]]").unwrap()];

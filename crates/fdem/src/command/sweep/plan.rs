@@ -128,6 +128,7 @@ impl Reader {
         let [processes, threads] =
             ["processes", "threads"].map(|key| self.count(key, find(key)?, 1.0).map(|count| count as usize));
         let kinds: Vec<_> = entries.iter().filter(|(key, _, _)| KINDS.contains(key)).collect();
+        let before = self.faults.len();
         let (names, rows) = match &kinds[..] {
             [] => {
                 let help = "it has one of [grid], [[run]], table = \"values.csv\" and [latin_hypercube]";
@@ -150,7 +151,10 @@ impl Reader {
         };
         let span = kinds.first().map_or(end..end, |(_, span, _)| span.clone());
         if rows.is_empty() {
-            self.fault(span, "there is no run: the values are empty", None);
+            // Wrong values are reported already.
+            if self.faults.len() == before {
+                self.fault(span, "there is no run: the values are empty", None);
+            }
             return None;
         }
         Some(Plan { model: model?, folder, processes, threads, names, rows })
