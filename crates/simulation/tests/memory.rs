@@ -72,7 +72,8 @@ fn held(size: usize, length: usize) -> [f64; 2] {
 
 fn main() {
     // The same number of elements on each rank. A rank with four bytes for each element of the whole would
-    // add 96 bytes for each element on 32 ranks, more than on 8. The channels of each pair of ranks add 20 to 30.
+    // add 96 bytes for each element on 32 ranks, more than on 8. The channels of each pair of ranks add 20 to
+    // 30.
     let [few, many] = [8, 32].map(|size| held(size, 400 * size));
     println!("{few:.0?} bytes for an element on 8 ranks, {many:.0?} on 32, and the most meanwhile");
     for (few, many) in few.into_iter().zip(many) {
