@@ -94,6 +94,21 @@ fn places(boundary: &file::Boundary) -> Vec<&'static str> {
     .collect()
 }
 
+/// The help for a boundary in whose place there is nothing.
+fn help_in_empty_place(file: &ModelFile, boundary: &file::Boundary) -> Option<String> {
+    let is_turned =
+        |body: &file::Body| body.angle != 0.0 && boundary.body.as_ref().is_none_or(|name| *name == body.name);
+    let is_side = places(boundary).first().is_some_and(|key| key.starts_with("side"));
+    let help = if boundary.at.is_some() {
+        "a cavity is in a hole or on an open joint"
+    } else if is_side && file.body.iter().any(is_turned) {
+        "a side is where the box around the turned body ends; take a box around the edges, or a group"
+    } else {
+        return None;
+    };
+    Some(help.to_owned())
+}
+
 /// The boundaries with the nodes and edges that they act on. Boundaries of missing bodies, by their tables,
 /// and boundaries with known errors are left out.
 pub(crate) fn resolve<const D: usize, const N: usize>(
@@ -163,9 +178,7 @@ where
                     format!("[[boundary]] \"{}\" is in a place where there is no {what}", boundary.name),
                 )
                 .label("nothing there")
-                .maybe_help(
-                    boundary.at.is_some().then(|| "a cavity is in a hole or on an open joint".to_owned()),
-                ),
+                .maybe_help(help_in_empty_place(file, boundary)),
             );
             continue;
         }

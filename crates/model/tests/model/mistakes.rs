@@ -402,6 +402,18 @@ fn a_boundary_has_one_load_and_is_somewhere() {
 }
 
 #[test]
+fn a_traction_on_a_side_of_a_turned_body_has_help() {
+    let text = SMALL.replace("mesh_size = 0.1\n", "mesh_size = 0.1\nangle = 30\n");
+    let text = text + "[[boundary]]\nname = \"load\"\nside = \"top\"\ntraction = [0, -1]\n";
+    let errors = read(&text).unwrap_err().to_string();
+    assert!(
+        errors
+            .contains("there is no edge of an outline; a side is where the box around the turned body ends"),
+        "{errors}"
+    );
+}
+
+#[test]
 fn names_have_no_control_characters() {
     let errors = read(&SMALL.replace("name = \"rock\"", "name = \"ro\\u001bck\"")).unwrap_err().to_string();
     assert!(

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use fdem_io::numbers::brief;
 use serde::Serialize;
 
 use crate::analysis::domain_frame::DomainFrame;
@@ -96,6 +97,18 @@ impl<'a, const D: usize> Region<'a, D> {
             let name = ["x", "y", "z"][axis];
             return Ok(Err(format!(
                 "nothing is left along {name} when the domain is shrunk by the largest diameter on both sides"
+            )));
+        }
+        let misses = |axis: &usize| {
+            let ([low, high], [first, last]) = (region[*axis], frame.domain[*axis]);
+            frame.periods[*axis].is_none() && (low >= last || high <= first)
+        };
+        if let Some(axis) = (0..D).find(misses) {
+            let ([first, last], name) = (frame.domain[axis], ["x", "y", "z"][axis]);
+            return Ok(Err(format!(
+                "the inner region holds no element: along {name} they are from {} to {}",
+                brief(first),
+                brief(last)
             )));
         }
         // Along axes where the region is the whole periodic box, its border cuts no element.

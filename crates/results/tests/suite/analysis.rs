@@ -405,6 +405,11 @@ fn little_and_nothing() {
     let two = analysed(&[[1.0; 3]; 2], Sizes::All(1.0), None, 0.0, &Options::default()).unwrap();
     assert_eq!((two.directions.without_direction, two.fabric), (1, None));
     assert!(two.no_packing.unwrap().contains("nothing is left along x"));
+    let away = Options { inner: Some([[-1.0, 1.0], [3.0, 4.0]]), ..Options::default() };
+    let away = analysed(&[[0.0, 0.0], [1.0, 0.0]], Sizes::All(1.0), None, 0.0, &away).unwrap();
+    assert_eq!(away.packing, None);
+    let reason = away.no_packing.unwrap();
+    assert_eq!(reason, "the inner region holds no element: along y they are from -1 to 1");
     assert!(two.no_radial.unwrap().contains("no width"));
 
     let points =
