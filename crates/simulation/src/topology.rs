@@ -261,30 +261,31 @@ where
     /// group is the place of its first corner in that order.
     pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
         let corners = self.corners_of(vertex);
+        // Each place points to an earlier one of its group, or to itself if it is the first.
         groups.clear();
-        groups.resize(corners.len(), NONE);
-        let mut waiting = Vec::new();
-        for first in 0..corners.len() {
-            if groups[first] != NONE {
-                continue;
+        groups.extend(0..corners.len() as u32);
+        let first = |groups: &[u32], mut place: u32| {
+            while groups[place as usize] != place {
+                place = groups[place as usize];
             }
-            groups[first] = first as u32;
-            waiting.push(corners[first]);
-            while let Some(corner) = waiting.pop() {
-                for facet in self.facets_at(corner) {
-                    if facet == NONE || !holds(facet) {
-                        continue;
-                    }
-                    let other = self.across(facet, corner);
-                    let group = corners.binary_search(&other).map(|place| &mut groups[place]);
-                    if let Ok(group) = group
-                        && *group == NONE
-                    {
-                        *group = first as u32;
-                        waiting.push(other);
-                    }
+            place
+        };
+        for (place, &corner) in (0..).zip(corners) {
+            for facet in self.facets_at(corner) {
+                // Once for each facet, from its side 0.
+                if facet == NONE
+                    || self.facets[facet as usize].elements()[0] != corner / N as u32
+                    || !holds(facet)
+                {
+                    continue;
                 }
+                let Ok(other) = corners.binary_search(&self.across(facet, corner)) else { continue };
+                let [one, other] = [place, other as u32].map(|place| first(groups, place));
+                groups[one.max(other) as usize] = one.min(other);
             }
+        }
+        for place in 0..groups.len() {
+            groups[place] = groups[groups[place] as usize];
         }
     }
 

@@ -67,12 +67,9 @@ where
     pub(super) fn groups_of_node(&self, corner: u32) -> usize {
         let solid = self.state.solid;
         let node = solid.node_at(corner);
-        let all = self.corners().iter().zip(&self.groups);
-        let mut groups: Vec<u32> =
-            all.filter(|(corner, _)| solid.node_at(**corner) == node).map(|(_, &group)| group).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        groups.len()
+        let all = (0..).zip(self.corners()).zip(&self.groups);
+        // A group has the number of its first corner, and its corners have one node.
+        all.filter(|((place, corner), group)| place == *group && solid.node_at(**corner) == node).count()
     }
 
     /// The cut between the groups on the two sides of a facet, through this facet, through `more` facets
