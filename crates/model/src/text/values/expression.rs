@@ -434,7 +434,7 @@ impl Expression {
                 let Some((unit, written)) = units::find(symbol) else {
                     return Err(Wrong::new(0..0, format!("\"{symbol}\" is no unit")));
                 };
-                Ok(inner.value(look_up)?.times(Amount::unit(unit, written * power)))
+                Ok(inner.value(look_up)?.in_units(unit, written * power))
             }
             Self::Negative(inner) => Ok(inner.value(look_up)?.negative()),
             Self::Binary(operator, both, at) => {

@@ -44,6 +44,12 @@ impl Amount {
         Self { value, tens: unit.tens.saturating_mul(power), dimension: Some(dimension) }
     }
 
+    /// A number in a power of a unit, which has a dimension from then on: 7 % is no length.
+    pub(crate) fn in_units(self, unit: Unit, power: i32) -> Self {
+        let product = self.times(Self::unit(unit, power));
+        Self { dimension: product.dimension.or(Some(Dimension::NONE)), ..product }
+    }
+
     /// The number in SI units, angles in degrees.
     pub(crate) fn number(self) -> f64 {
         if self.tens == 0 || !self.value.is_finite() {

@@ -42,7 +42,6 @@ fn expressions_have_the_values_of_arithmetic() {
     }
 }
 
-/// Numbers with units, as users write them, are the same to the last bit as without the unit.
 /// A plain number fits any dimension, also with a ratio as a factor; a ratio alone does not.
 #[test]
 fn a_plain_number_with_a_ratio_is_plain() {
@@ -54,6 +53,7 @@ fn a_plain_number_with_a_ratio_is_plain() {
     assert_eq!(value("2*sin(30)*3 m").unwrap().dimension(), value("1 m").unwrap().dimension());
 }
 
+/// Numbers with units, as users write them, are the same to the last bit as without the unit.
 #[test]
 fn units_shift_the_decimal_point() {
     for (text, expected, dimension) in [
