@@ -1,5 +1,6 @@
 //! Blocks of rock near their strength and beyond, whose facets have scattered strengths.
 
+use fdem_mesh::{Corners, sorted_facets};
 use fdem_simulation::{Boundary, Element, Insertion, JointSet, Load, Mesh, Model, Schedule, Target};
 
 use super::parts::of_rock;
@@ -33,7 +34,7 @@ impl Failing {
     /// A block of this mesh, whose outer nodes are held or expand with it.
     pub(super) fn model<const D: usize, const N: usize>(self, mesh: Mesh<D, N>) -> Model<D, N>
     where
-        [[f64; D]; N]: Element<D, N>,
+        [[f64; D]; N]: Element<D, N> + Corners<D, N>,
     {
         let insertion = if self == Self::Softening { Insertion::Intrinsic } else { Insertion::Adaptive };
         let ends: [[f64; 2]; D] = std::array::from_fn(|axis| {
@@ -93,7 +94,7 @@ impl Failing {
 /// Puts an open joint on each facet between two elements.
 fn break_all<const D: usize, const N: usize>(model: &mut Model<D, N>)
 where
-    [[f64; D]; N]: Element<D, N>,
+    [[f64; D]; N]: Element<D, N> + Corners<D, N>,
 {
     let Some(strength) = model.materials.iter_mut().find_map(|material| material.strength.take()) else {
         return;
@@ -108,10 +109,7 @@ where
         dilation_slip: None,
         open: true,
     }];
-    let without = |nodes: &[u32; N], corner: usize| -> [u32; D] {
-        std::array::from_fn(|k| nodes[if k < corner { k } else { k + 1 }])
-    };
-    let facets = model.mesh.elements.iter().flat_map(|nodes| (0..N).map(|corner| without(nodes, corner)));
-    let facets: Vec<[u32; D]> = facets.collect();
+    let facets: Vec<[u32; D]> =
+        sorted_facets(&model.mesh.elements).into_iter().map(|(facet, _)| facet).collect();
     model.add_joints(0, &facets);
 }

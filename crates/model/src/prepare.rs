@@ -117,8 +117,8 @@ pub fn prepare_within(
 ///     density = 2700
 ///     youngs_modulus = 50e9
 ///     poissons_ratio = 0.25
-/// "#; let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()),
-/// None)? else {
+/// "#;
+/// let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()), None)? else {
 ///     panic!("a box is a body in space");
 /// };
 /// assert!(prepared.quality.elements > 10);

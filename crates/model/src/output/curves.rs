@@ -11,7 +11,7 @@ use crate::text::fault::{Fault, nearest_first};
 use crate::text::file::{self, ModelFile};
 
 /// Names of the components of vectors.
-const AXES: [&str; 3] = ["x", "y", "z"];
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The names of the columns of all `[[history]]` tables, with their units.
 pub fn columns<const D: usize, const N: usize>(

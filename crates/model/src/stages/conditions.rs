@@ -8,7 +8,7 @@ use fdem_mesh::Corners;
 use fdem_results::history_columns;
 use fdem_simulation::{Boundary, Load, Model};
 
-use crate::output::curves::Columns;
+use crate::output::curves::{AXES, Columns};
 use crate::prepared::{Bound, PreparedServo, PreparedUntil};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
@@ -125,19 +125,20 @@ fn turned_away<const D: usize>(
     column: &str,
 ) -> Option<String> {
     let Load::Velocity(velocity) = boundary.load else { return None };
-    let own = file.history.iter().find_map(|history| {
-        let part = column.strip_prefix(&history.name)?.strip_prefix(' ')?;
-        (history.force.as_ref() == Some(&boundary.name)).then_some(part)
-    })?;
-    let (part, _) = own.split_once(' ')?;
-    let axis =
-        ["x", "y", "z"].iter().position(|axis| part == format!("f{axis}") || part == format!("u{axis}"))?;
-    let speed = velocity.get(axis).copied().flatten()?;
+    let is_own = |axis: &str| {
+        let own = file.history.iter().filter(|history| history.force.as_ref() == Some(&boundary.name));
+        own.flat_map(|history| {
+            [format!("{} f{axis} [N]", history.name), format!("{} u{axis} [m]", history.name)]
+        })
+        .any(|own| own == column)
+    };
+    let (name, speed) = AXES.into_iter().zip(velocity).find(|(axis, _)| is_own(axis))?;
+    let speed = speed?;
     (speed * servo.target < 0.0).then(|| {
         format!(
             "[[boundary]] \"{}\": its servo moves away from its target: the velocity along {} is {} m/s, and {} of {column} needs the other sign",
             boundary.name,
-            ["x", "y", "z"][axis],
+            name,
             brief(speed),
             brief(servo.target)
         )

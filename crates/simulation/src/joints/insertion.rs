@@ -137,11 +137,7 @@ impl<const D: usize> Joints<D> {
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let mut changed = vec![false; self.at_vertex.len()];
-        for &vertex in vertices {
-            changed[vertex as usize] = true;
-        }
-        self.tips.retain(|tip| !changed[tip.vertex as usize]);
+        self.tips.retain(|tip| vertices.binary_search(&tip.vertex).is_err());
         let tips = team.list(vertices.len(), |range| {
             let mut bridges = Vec::new();
             let tip = |&vertex: &u32| self.tip(vertex, topology, share, &mut bridges);

@@ -77,9 +77,7 @@ fn unlike<const D: usize, const N: usize>(
     // Without a key, the density is that of a material.
     let of_ground = ground.density?;
     let elements = &ready.bodies[body].elements;
-    let mut materials = ready.model.mesh.materials[elements.start as usize..elements.end as usize].to_vec();
-    materials.sort_unstable();
-    materials.dedup();
+    let materials = &ready.model.mesh.materials[elements.start as usize..elements.end as usize];
     let densities = materials.iter().map(|&number| ready.model.materials[number as usize].density);
     // Layers above and below may be denser and lighter than their mean.
     let [least, most] = densities
