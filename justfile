@@ -5,6 +5,10 @@ check:
 test:
     cargo test
 
+# All samples of the tests that sample: kills of a run, limits of memory, rounding. Minutes longer.
+thorough:
+    FDEM_THOROUGH=1 cargo test
+
 # The tests under `mpirun`. Needs an MPI library and libclang: `apt install libopenmpi-dev openmpi-bin libclang-dev`.
 mpi:
     bash crates/mpi/tests/mpirun.sh

@@ -182,7 +182,7 @@ fn at_the_limit<T: FromF64>(
     candidate == 0 && update.count() == 1
 }
 
-/// Cases of rounding at the limit: many under `.ci/run`, which sets `FDEM_THOROUGH`.
+/// Cases of rounding at the limit: many under `just thorough`, which sets `FDEM_THOROUGH`.
 fn rounding_cases() -> ProptestConfig {
     let cases = if crate::thorough() { 20_000 } else { 2000 };
     ProptestConfig { cases, ..ProptestConfig::default() }

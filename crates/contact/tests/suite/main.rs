@@ -95,7 +95,7 @@ const ENGINES: [Option<Engine>; 6] = [
     Some(Engine::CGrid),
 ];
 
-/// Whether tests that sample take all of their samples: `.ci/run` sets `FDEM_THOROUGH`.
+/// Whether tests that sample take all of their samples: `just thorough` sets `FDEM_THOROUGH`.
 fn thorough() -> bool {
     std::env::var_os("FDEM_THOROUGH").is_some()
 }

@@ -1,5 +1,5 @@
-//! The narrow phase against independent answers, at least 25,000 pairs for each kind of pair,
-//! 100,000 under `.ci/run`.
+//! The narrow phase against independent answers, at least 20,000 pairs for each kind of pair,
+//! 40,000 under `just thorough`.
 //!
 //! | section | compared with |
 //! |---|---|

@@ -73,7 +73,7 @@ fn least_memory() -> u32 {
 }
 
 /// Whether tests that kill runs at many moments, or limit memory in many ways, try all of these instead of
-/// some: `.ci/run` sets `FDEM_THOROUGH`.
+/// some: `just thorough` sets `FDEM_THOROUGH`.
 fn thorough() -> bool {
     std::env::var_os("FDEM_THOROUGH").is_some()
 }
