@@ -59,7 +59,7 @@
 //! | stages of a run | `src/stages/resolve.rs`, `crates/fdem/src/command/run/stages.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
 //! | histories of probes, curves | `src/output/probes.rs`, `src/output/curves.rs` |
-//! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs` |
+//! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs`; the cost of breaking: `src/advice/rehearsal.rs` |
 //! | advice for quasi-static runs | `src/advice/quasi_static.rs` |
 //! | mass scaling | `src/advice/scaling.rs`, `src/prepared/added_mass.rs`, `crates/simulation/src/mass.rs` |
 
@@ -81,11 +81,12 @@ pub use advice::differences::Modelled;
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;
 pub use advice::preflight::{Critical, Preflight, check, steps};
+pub use advice::rehearsal::Rehearsal;
 pub use bodies::boxes::BodyBox;
 pub use bodies::gmsh::stop as stop_gmsh;
 pub use fdem_mesh::Quality;
 pub use output::curves::columns;
-pub use prepare::{prepare, prepare_any, prepare_any_with, prepare_within};
+pub use prepare::{prepare, prepare_any, prepare_any_with, prepare_coarse, prepare_within};
 pub use prepared::{
     AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
     PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled, open_from_start,

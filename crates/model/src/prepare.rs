@@ -144,8 +144,32 @@ pub fn prepare_any_with(
     memory: Option<f64>,
     watch: &mut dyn FnMut(&[BodyBox]),
 ) -> Result<AnyPrepared, ModelErrors> {
+    prepare_scaled(text, name, load, (memory, 1.0), watch)
+}
+
+/// Like [`prepare_any`], with all sizes of meshes that are made here times `factor`: for a
+/// [`Rehearsal`](crate::Rehearsal).
+///
+/// # Errors
+/// The errors of [`prepare_any`].
+pub fn prepare_coarse(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    factor: f64,
+) -> Result<AnyPrepared, ModelErrors> {
+    prepare_scaled(text, name, load, (None, factor), &mut |_| {})
+}
+
+fn prepare_scaled(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    meshes: (Option<f64>, f64),
+    watch: &mut dyn FnMut(&[BodyBox]),
+) -> Result<AnyPrepared, ModelErrors> {
     let sources = Sources::gather(text, load);
-    prepare_or_faults(&sources, load, memory, watch)
+    prepare_or_faults(&sources, load, meshes, watch)
         .map_err(|faults| ModelErrors::new(name, &sources.text, faults).with_included(sources.included()))
 }
 
@@ -156,7 +180,7 @@ const SOON_MESHED: [f64; 2] = [1e5, 3e3];
 fn prepare_or_faults(
     sources: &Sources<'_>,
     load: &mut Load<'_>,
-    memory: Option<f64>,
+    (memory, factor): (Option<f64>, f64),
     watch: &mut dyn FnMut(&[BodyBox]),
 ) -> Result<AnyPrepared, Vec<Fault>> {
     let mut document = parse(&sources.text, sources.parse())?;
@@ -168,11 +192,12 @@ fn prepare_or_faults(
     let is_told = |fault: &Fault| evaluated.is_wrong(fault.span.as_ref());
     faults.extend(schema::check(document.root()).into_iter().filter(|fault| !is_told(fault)));
     let partial = if faults.is_empty() { None } else { Partial::read(&document, &faults) };
-    let file = match &partial {
+    let mut file = match &partial {
         Some(partial) => partial.file.clone(),
         None if faults.is_empty() => deserialize(&document)?,
         None => return Err(faults),
     };
+    file.body.iter_mut().for_each(|body| body.scale_mesh(factor));
     let mut ahead = Ahead::default();
     let dimensions = dimensions::of(&file, &mut |name| ahead.look(name, load));
     ahead.look_again();

@@ -1,5 +1,6 @@
 """The interpreter runs while a search runs, and Ctrl-C stops searches and other long work."""
 
+import gc
 import signal
 import subprocess
 import sys
@@ -139,6 +140,18 @@ def test_other_threads_run_meanwhile():
     thread.join()
     # With the lock held there would be none between the first and the last moment.
     assert sum(begin < moment < end for moment in ticks) > 3
+
+
+@pytest.mark.parametrize("looks", [True, False])
+def test_the_search_for_cycles_is_left_as_it_was(looks):
+    tree = fdem.KDTree(gas(3000, 10, 3)[0])
+    before = gc.isenabled()
+    try:
+        (gc.enable if looks else gc.disable)()
+        assert tree.query_pairs(1.0) and gc.isenabled() is looks
+        assert len(tree.query_ball_tree(tree, 1.0)) == 3000 and gc.isenabled() is looks
+    finally:
+        (gc.enable if before else gc.disable)()
 
 
 def test_searches_at_the_same_time():

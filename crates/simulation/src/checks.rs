@@ -53,6 +53,7 @@ where
     not_negative("contact", "tangential stiffness", contact.tangential_stiffness)?;
     not_negative("contact", "damping", contact.damping)?;
     not_negative("contact", "buffer", contact.buffer)?;
+    contact.overlap_time.map_or(Ok(()), |time| positive("contact", "overlap time", time))?;
     positive("fracture", "joint penalty", model.fracture.joint_penalty)?;
     let time = &model.time;
     time.step.map_or(Ok(()), |step| positive("time", "step", step))?;

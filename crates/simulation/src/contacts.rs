@@ -41,6 +41,7 @@ impl InitialOverlap {
         match self {
             Self::Push | Self::Error => Overlap::Counts,
             Self::Ignore => Overlap::Ignored,
+            Self::Relax => Overlap::Relaxing,
         }
     }
 }

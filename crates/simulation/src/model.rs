@@ -311,9 +311,16 @@ pub struct ContactOptions {
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1")))]
     pub buffer: f64,
     /// How bodies that overlap at the beginning act on each other: "push", the overlap presses them apart at
-    /// once; "ignore", the overlap that is there gives no force, and only an increase counts; "error", the
-    /// model is refused. Bodies that a stage adds begin in the same way. Default: "push".
+    /// once; "ignore", the overlap that is there gives no force, and only an increase counts; "relax", it
+    /// begins without force too, and presses the bodies apart slowly; "error", the model is refused. Bodies
+    /// that a stage adds begin in the same way. Default: "push".
     pub initial_overlap: InitialOverlap,
+    /// With `initial_overlap = "relax"`: time in which the part of the overlap that gives no force falls to
+    /// 1/e, s. Default: 1000 time steps.
+    // Models without it keep their hash.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s")))]
+    pub overlap_time: Option<f64>,
 }
 
 /// The action of bodies on each other that overlap at the beginning of a run.
@@ -327,6 +334,10 @@ pub enum InitialOverlap {
     /// Forces begin at zero with this overlap, and follow its increase. Where the bodies move apart, less
     /// of it remains; after they have parted, their contact is like any other.
     Ignore,
+    /// The same, but the overlap that gives no force decreases: that of each couple by this share of it in a
+    /// time, [`ContactOptions::overlap_time`]. Forces grow slowly, and press the bodies apart. The work that
+    /// this brings into the model is in that of loads and boundaries.
+    Relax,
     /// `fdem-model` refuses the model. A [`Simulation`](crate::Simulation) does not look for overlaps.
     Error,
 }
@@ -339,6 +350,7 @@ impl Default for ContactOptions {
             damping: 0.0,
             buffer: 0.2,
             initial_overlap: InitialOverlap::Push,
+            overlap_time: None,
         }
     }
 }

@@ -120,6 +120,7 @@ where
         totals.friction.add_sum(&touching.friction);
         totals.damping.add_sum(&touching.damping);
         totals.cohesive.subtract(&touching.handed_over);
+        totals.external.add_sum(&touching.relaxed);
         self.touching = touching;
         clock.read(&mut self.timings.contact);
     }

@@ -16,7 +16,8 @@ use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
 use fdem_io::numbers::grouped;
 use fdem_model::{
-    AnyPrepared, BodyBox, Drawing, ModelErrors, Preflight, Setting, prepare_any_with, schema, with_values,
+    AnyPrepared, BodyBox, Drawing, ModelErrors, Preflight, Prepared, Rehearsal, Setting, prepare_any_with,
+    prepare_coarse, schema, with_values,
 };
 
 /// Largest model file, bytes. The check against the schema and the errors need its text in memory.
@@ -127,7 +128,32 @@ fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Probl
         AnyPrepared::Plane(prepared) => Preflight::with_ranks(prepared, *ranks),
         AnyPrepared::Space(prepared) => Preflight::with_ranks(prepared, *ranks),
     });
-    preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))
+    let mut preflight =
+        preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))?;
+    match &prepared {
+        AnyPrepared::Plane(prepared) => rehearse(&mut preflight, prepared, (path, &text), &progress),
+        AnyPrepared::Space(prepared) => rehearse(&mut preflight, prepared, (path, &text), &progress),
+    }
+    Ok(preflight)
+}
+
+/// Rehearses the run of a model, if that is of use, for its estimate of the run time. Takes the path and the
+/// text of the model file.
+pub(crate) fn rehearse<const D: usize, const N: usize>(
+    preflight: &mut Preflight,
+    prepared: &Prepared<D, N>,
+    (path, text): (&Path, &str),
+    progress: &Progress,
+) {
+    let Some(factor) = Rehearsal::factor(prepared, preflight) else { return };
+    let (rehearsal, _) = progress.step("rehearsing the run with a coarse mesh", None, |_| {
+        // A mesh may be too coarse for its bodies: then the estimate stays.
+        match prepare_coarse(text, &display_name(path), &mut inputs_of(path), factor).ok()? {
+            AnyPrepared::Plane(coarse) => Rehearsal::of(&coarse),
+            AnyPrepared::Space(coarse) => Rehearsal::of(&coarse),
+        }
+    });
+    rehearsal.iter().for_each(|rehearsal| preflight.rehearse(rehearsal));
 }
 
 /// Reads the text of a model file.

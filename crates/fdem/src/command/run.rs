@@ -31,7 +31,7 @@ use fdem_simulation::Stop;
 use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
-use crate::command::check::{inputs_of, read_text, refused, with_settings};
+use crate::command::check::{inputs_of, read_text, refused, rehearse, with_settings};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
@@ -87,6 +87,9 @@ pub(crate) fn run(arguments: &RunArguments, ranks: Option<&dyn Communicator>) ->
     }
 }
 
+/// A run that takes less, s, is not rehearsed before it begins.
+const REHEARSED: f64 = 60.0;
+
 /// Begins the run of a model.
 fn begin<const D: usize, const N: usize>(
     arguments: &RunArguments,
@@ -112,7 +115,10 @@ where
         let (simulation, told) = start.simulation(lead.threads)?;
         Ok((preflight, simulation, told))
     });
-    let (preflight, simulation, taken) = ready.map_err(unusable)?;
+    let (mut preflight, simulation, taken) = ready.map_err(unusable)?;
+    if preflight.seconds_whole > REHEARSED && arguments.from.is_none() {
+        rehearse(&mut preflight, &start.prepared, (path, text), &progress);
+    }
     let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
     let recorder = Recorder::new(&folder, &start.prepared, inputs)?;
     let simulation = lead.distribute(simulation).map_err(unusable)?;

@@ -19,6 +19,23 @@ fn a_new_model_is_one_that_checks() {
     assert_eq!(bench.files(), ["model.toml"]);
 }
 
+/// The steps of a fine mesh take minutes, those of a coarse one about a second.
+#[test]
+fn a_long_run_is_rehearsed_with_a_coarse_mesh() {
+    let bench = Bench::new();
+    bench.run(&["new"]).succeeds();
+    let text = std::fs::read_to_string(bench.path("model.toml")).unwrap();
+    let sizes: Vec<&str> = text.lines().filter(|line| line.starts_with("mesh_size")).collect();
+    let fine = sizes.iter().fold(text.clone(), |text, line| text.replace(line, "mesh_size = 0.0004"));
+    bench.write("model.toml", fine);
+    let run = bench.run(&["check", "model.toml"]).succeeds();
+    assert!(run.stdout.contains(" on one core, by a rehearsal with "), "{}", run.stdout);
+    let run = bench.run(&["check", "model.toml", "--json"]).succeeds();
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(found["rehearsed"].as_u64().is_some_and(|count| count < 2000), "{found}");
+    assert!(found["seconds"].as_f64() > found["seconds_whole"].as_f64(), "{found}");
+}
+
 #[test]
 fn joints_in_space_are_told_with_their_number_faces_and_area() {
     let bench = Bench::new();

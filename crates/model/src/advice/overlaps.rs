@@ -39,15 +39,26 @@ pub(crate) fn check<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Dimensions<D, N> + discretised::MeshElement<D>,
 {
+    let contact = &ready.model.contact;
+    if contact.overlap_time.is_some() && contact.initial_overlap != InitialOverlap::Relax {
+        let span = document.value(Table::one("contact"), "overlap_time");
+        faults.push(
+            Fault::at(span, "only an initial overlap that relaxes takes a time")
+                .label("has no effect")
+                .help("add `initial_overlap = \"relax\"`, or take this key out"),
+        );
+    }
     let pairs = overlaps(ready);
     let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
-    let contact = &ready.model.contact;
     let effect = match contact.initial_overlap {
         InitialOverlap::Push | InitialOverlap::Error => {
-            "they will be driven apart; [contact] initial_overlap = \"ignore\" prevents that"
+            "they will be driven apart at once; [contact] initial_overlap = \"ignore\" or \"relax\" prevents that"
         }
         InitialOverlap::Ignore => {
             "this overlap gives no force, as [contact] has initial_overlap = \"ignore\""
+        }
+        InitialOverlap::Relax => {
+            "they will be pressed apart slowly, as [contact] has initial_overlap = \"relax\""
         }
     };
     let file = ready.file;
@@ -105,7 +116,7 @@ pub(crate) fn check<const D: usize, const N: usize>(
     }
     if contact.initial_overlap == InitialOverlap::Error {
         let span = document.value(Table::one("contact"), "initial_overlap");
-        let help = "move the bodies apart, or take \"ignore\"";
+        let help = "move the bodies apart, or take \"ignore\" or \"relax\"";
         let fault = |message| Fault::at(span.clone(), message).label("refused by this").help(help);
         faults.extend(found.into_iter().map(fault));
     } else {

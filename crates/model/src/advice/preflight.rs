@@ -9,6 +9,7 @@ use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
 use serde::Serialize;
 
 use crate::advice::amounts::{YEAR, duration, size};
+use crate::advice::clock::processor_time;
 use crate::advice::compliance;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::scaling;
@@ -107,8 +108,11 @@ pub struct Preflight {
     pub step: f64,
     /// Number of steps until the end time.
     pub steps: u64,
-    /// Run time on one core, s; of a model that can break, if it breaks to pieces.
+    /// Run time on one core, s; of a model that can break, by the rehearsal, or else if it breaks to pieces.
     pub seconds: f64,
+    /// Number of elements with which the run was rehearsed, if it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rehearsed: Option<usize>,
     /// Run time on one core if nothing breaks, s.
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
@@ -219,6 +223,7 @@ impl Preflight {
             step,
             steps,
             seconds,
+            rehearsed: None,
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
@@ -305,11 +310,11 @@ impl Pace {
             let start = Instant::now();
             let before = run.timings();
             while (times.len() as u64) < wanted && (times.is_empty() || start.elapsed() < PATIENCE) {
-                let begin = Instant::now();
+                let begin = processor_time();
                 if run.advance(1).is_err() {
                     break;
                 }
-                times.push(begin.elapsed().as_secs_f64());
+                times.push(processor_time() - begin);
             }
             elements = run.timings().bulk.saturating_sub(before.bulk);
         }
@@ -411,8 +416,14 @@ impl fmt::Display for Preflight {
         }
         writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
         let most = duration(self.seconds);
-        if self.seconds_whole < self.seconds {
-            let whole = duration(self.seconds_whole);
+        let whole = duration(self.seconds_whole);
+        if let Some(elements) = self.rehearsed {
+            writeln!(
+                out,
+                "run time         about {most} on one core, by a rehearsal with {}; {whole} if nothing breaks",
+                counted(elements)
+            )?;
+        } else if self.seconds_whole < self.seconds {
             writeln!(
                 out,
                 "run time         about {most} on one core if it breaks to pieces, {whole} if nothing breaks"

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use fdem_model::{Checkpoint, Preflight, Prepared, Quantity};
+use fdem_model::{AnyPrepared, Checkpoint, Preflight, Prepared, Quantity, Rehearsal};
 use fdem_results::Field;
 use fdem_simulation::{Load, Schedule, Target};
 
@@ -489,4 +489,71 @@ fn a_stress_is_given_by_its_principal_values() {
     ] {
         assert!(refused(keys).contains(part), "{}", refused(keys));
     }
+}
+
+/// A block of a rock that breaks under a platen that crushes it.
+const CRUSHED: &str = r#"
+[model]
+end_time = 3e-5
+[[body]]
+name = "block"
+material = "rock"
+mesh_size = 0.004
+refine = [{ point = [0.05, 0.05], size = 0.002 }]
+rectangle = { min = [0, 0], max = [0.1, 0.1] }
+velocity = [0, -40]
+[[boundary]]
+name = "base"
+body = "block"
+side = "bottom"
+fixed = "y"
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.2
+tensile_strength = 3e6
+cohesion = 9e6
+friction_angle = 30
+fracture_energy_i = 5
+fracture_energy_ii = 20
+"#;
+
+#[test]
+fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
+    let of = |factor: Option<f64>| {
+        let load = &mut |_: &str| Err("no files".to_owned());
+        let prepared = match factor {
+            Some(factor) => fdem_model::prepare_coarse(CRUSHED, "crushed.toml", load, factor),
+            None => fdem_model::prepare_any(CRUSHED, "crushed.toml", load, None),
+        };
+        match prepared {
+            Ok(AnyPrepared::Plane(prepared)) => prepared,
+            _ => panic!("a model in the plane"),
+        }
+    };
+    let (fine, coarse) = (of(None), of(Some(2.0)));
+    let share = coarse.quality.elements as f64 / fine.quality.elements as f64;
+    assert!((0.2..0.35).contains(&share), "{share}");
+    let mut preflight = Preflight::of(&fine).unwrap();
+    assert!(!preflight.to_string().contains("rehearsal"));
+
+    // Such a short run is not rehearsed, a long one is, and one that does not break is not.
+    preflight.seconds_whole = 1.0;
+    assert_eq!(Rehearsal::factor(&fine, &preflight), None);
+    preflight.seconds_whole = 100.0;
+    assert!(Rehearsal::factor(&fine, &preflight).is_some_and(|factor| (1.5..3.0).contains(&factor)));
+    let mut strong = fine.clone();
+    strong.model.materials[0].strength = None;
+    assert_eq!(Rehearsal::factor(&strong, &preflight), None);
+
+    let rehearsal = Rehearsal::of(&coarse).expect("it runs");
+    assert_eq!(rehearsal.elements, coarse.quality.elements);
+    assert!(rehearsal.share > 0.97, "{rehearsal:?}");
+    assert!(rehearsal.more > 0.0, "{rehearsal:?}");
+    preflight.rehearse(&rehearsal);
+    let more = rehearsal.more * (fine.quality.elements as u64 * preflight.steps) as f64;
+    assert!((preflight.seconds / (100.0 + more) - 1.0).abs() < 1e-12, "{preflight:?}");
+    let line = format!("by a rehearsal with {} elements; 1 min 40 s if nothing breaks", rehearsal.elements);
+    assert!(preflight.to_string().contains(&line), "{preflight}");
 }

@@ -501,7 +501,10 @@ fn bodies_that_overlap_are_warned_of() {
             && warning.contains(" couples of elements, most of all elements "),
         "{warning}"
     );
-    assert!(warning.contains(" m³: they will be driven apart; [contact] initial_overlap = "), "{warning}");
+    assert!(
+        warning.contains(" m³: they will be driven apart at once; [contact] initial_overlap = "),
+        "{warning}"
+    );
     assert_eq!(two(1.0), Vec::<String>::new());
 }
 
@@ -523,6 +526,10 @@ fn the_model_says_how_bodies_that_overlap_begin() {
     };
     let ignored = of("[contact]\ninitial_overlap = \"ignore\"\n");
     assert!(ignored.warnings.iter().any(|warning| warning.contains("this overlap gives no force")));
+    let relaxing = of("[contact]\ninitial_overlap = \"relax\"\noverlap_time = 1e-4\n");
+    assert!(relaxing.warnings.iter().any(|warning| warning.contains("pressed apart slowly")));
+    let Err(idle) = two("[contact]\noverlap_time = 1e-4\n") else { panic!("the time is of no use") };
+    assert!(idle.contains("only an initial overlap that relaxes takes a time"), "{idle}");
     // A body that appears later overlaps from then on.
     let stages =
         "[[stage]]\nname = \"one\"\nduration = 5e-4\n[[stage]]\nname = \"two\"\nactivate = [\"c\"]\n";

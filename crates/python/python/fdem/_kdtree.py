@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 from typing import Any, Optional
 
@@ -551,7 +552,14 @@ class KDTree:
 
 
 def _pieces(rows: int) -> Iterator[slice]:
-    return (slice(start, min(start + _PIECE, rows)) for start in range(0, rows, _PIECE))
+    """Parts of all rows. Until the last one is used, Python does not look for cycles: it would look through the new lists and tuples, which have none, again and again."""
+    looks = gc.isenabled()
+    gc.disable()
+    try:
+        yield from (slice(start, min(start + _PIECE, rows)) for start in range(0, rows, _PIECE))
+    finally:
+        if looks:
+            gc.enable()
 
 
 def _real(data: Any) -> Any:

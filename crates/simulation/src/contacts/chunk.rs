@@ -16,7 +16,7 @@ pub(super) struct ChunkForces<P: Pair> {
     /// Forces in batches. Each couple has the place of its history.
     found: Vec<P::Forces>,
     /// The numbers of [`Works`] of each couple, in the same places.
-    works: Vec<[Lanes; 4]>,
+    works: Vec<[Lanes; 5]>,
     /// Couples of the chunk that have separated in this pass, ascending, with the works of their last forces.
     pub(super) separated: Vec<(u32, Works)>,
 }
@@ -71,7 +71,7 @@ impl<S> ChunkPass<'_, S> {
         self.look(couples, &mut work, histories, &mut pressed.separated);
         let batches = histories.batches.len();
         pressed.found.resize(batches, S::Pair::NO_FORCES);
-        pressed.works.resize(batches, [Lanes::ZERO; 4]);
+        pressed.works.resize(batches, [Lanes::ZERO; 5]);
         for first in (0..batches).step_by(S::GROUP) {
             let group = first..batches.min(first + S::GROUP);
             self.press_group(group, couples, histories, pressed, &mut work);

@@ -58,6 +58,8 @@ pub(crate) struct Touching {
     pub(crate) damping: Sum,
     /// Potential energy that appeared because joints handed over to contact since the last pass.
     pub(crate) handed_over: Sum,
+    /// Potential energy that appeared because less of initial overlaps is ignored, since the last pass.
+    pub(crate) relaxed: Sum,
     /// Number of couples that overlap.
     pub(crate) count: usize,
     /// The parts of the first couple in which one part has sunk too deep into the other.
@@ -76,12 +78,12 @@ impl Touching {
         target: &mut S::Target,
     ) {
         for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
-            let mut piles = [Pile::default(); 3];
+            let mut piles = [Pile::default(); 4];
             let mut add = |sums: &mut Self, works: &Works| {
                 if let Some(energy) = &mut sums.energy {
                     energy.add(works.energy);
                 }
-                let works = [works.friction, works.damping, works.handed_over];
+                let works = [works.friction, works.damping, works.handed_over, works.relaxed];
                 piles.iter_mut().zip(works).for_each(|(pile, work)| pile.add(work, grains));
             };
             let mut separated = pressed.separated.iter().peekable();
@@ -104,7 +106,7 @@ impl Touching {
                     }
                 }
             }
-            let sums = [&mut self.friction, &mut self.damping, &mut self.handed_over];
+            let sums = [&mut self.friction, &mut self.damping, &mut self.handed_over, &mut self.relaxed];
             sums.into_iter().zip(piles).for_each(|(sum, pile)| sum.add_pile(pile));
         }
     }

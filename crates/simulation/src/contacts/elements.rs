@@ -109,7 +109,7 @@ where
     }
 
     fn work(&self, step: f64) -> Work<D, N> {
-        Work::new(step)
+        Work::new(step, self.laws.still_ignored(step))
     }
 
     fn distances(
@@ -136,7 +136,7 @@ where
         histories: &mut Histories<Grips<D, N>>,
         batches: Range<usize>,
         found: &mut [Interactions<D, N>],
-        works: &mut [[Lanes; 4]],
+        works: &mut [[Lanes; 5]],
         work: &mut Work<D, N>,
     ) {
         let available = self.solid.available;
@@ -315,11 +315,11 @@ impl<const D: usize, const N: usize> Work<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    fn new(step: f64) -> Self {
+    fn new(step: f64, still_ignored: f64) -> Self {
         Self {
             near: [[[Lanes::ZERO; D]; N]; 2],
             shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
-            given: std::array::from_fn(|_| ContactInputs::new(step)),
+            given: std::array::from_fn(|_| ContactInputs::new(step, still_ignored)),
             scratch: Default::default(),
         }
     }

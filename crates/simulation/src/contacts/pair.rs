@@ -48,6 +48,8 @@ pub(crate) enum Overlap {
     Credited,
     /// The same, for bodies that overlap at the beginning.
     Ignored,
+    /// The same, but this overlap is less in each step.
+    Relaxing,
 }
 
 /// Two parts that may touch. Of parts of one kind, the one with the lower number is the first.
@@ -90,14 +92,16 @@ pub(crate) struct Works {
     pub(super) damping: f64,
     /// Energy that appeared because a joint handed over to the contact.
     pub(super) handed_over: f64,
+    /// Energy that appeared because less of an initial overlap is ignored.
+    pub(super) relaxed: f64,
 }
 
 impl Works {
     /// Returns the energy and the works of one couple of a batch.
     #[inline]
-    pub(super) fn of(batch: &[Lanes; 4], lane: usize) -> Self {
-        let [energy, friction, damping, handed_over] = row(batch, lane);
-        Self { energy, friction, damping, handed_over }
+    pub(super) fn of(batch: &[Lanes; 5], lane: usize) -> Self {
+        let [energy, friction, damping, handed_over, relaxed] = row(batch, lane);
+        Self { energy, friction, damping, handed_over, relaxed }
     }
 }
 
@@ -166,7 +170,7 @@ pub(crate) trait PairPass<const D: usize>: Sync {
         histories: &mut Histories<<Self::Pair as Pair>::Histories>,
         batches: Range<usize>,
         found: &mut [<Self::Pair as Pair>::Forces],
-        works: &mut [[Lanes; 4]],
+        works: &mut [[Lanes; 5]],
         work: &mut Self::Work,
     );
 

@@ -16,7 +16,7 @@ pub(crate) struct Totals {
     pub(crate) inserted: Sum,
     /// Energy dissipated by local damping, dynamic relaxation, damping of contacts and absorbing edges.
     pub(crate) damping: Sum,
-    /// Work of applied forces, of gravity, and of boundaries that move nodes.
+    /// Work of applied forces, of gravity, of boundaries that move nodes, and of initial overlaps that relax.
     pub(crate) external: Sum,
     /// Work of applied forces, which `external` contains.
     pub(crate) loads: Sum,

@@ -288,3 +288,44 @@ fn an_ignored_overlap_gives_no_force_until_bodies_come_nearer() {
     }
     assert!(pressed > 1e-3 * first, "{pressed} {first}");
 }
+
+#[test]
+fn an_overlap_that_relaxes_presses_bodies_apart_slowly() {
+    let mut pushed = Simulation::new(sunken(InitialOverlap::Push), 1).unwrap();
+    pushed.advance(1).unwrap();
+    let overlap = pushed.energies().contact;
+    let mut model = sunken(InitialOverlap::Relax);
+    model.contact.damping = 0.3;
+    let mut run = Simulation::new(model.clone(), 1).unwrap();
+    run.advance(1).unwrap();
+    assert!(run.energies().contact < 1e-15 * overlap, "{:?}", run.energies());
+    let first = run.counts().contacts;
+    let mut most = 0.0_f64;
+    while run.counts().contacts > 0 {
+        run.advance(100).unwrap();
+        let energies = run.energies();
+        let stored = energies.kinetic + energies.strain + energies.contact;
+        let spent = energies.friction + energies.damping;
+        most = most.max(energies.external);
+        assert!((stored + spent - energies.external).abs() < 0.01 * most, "{energies:?}");
+        assert!(run.steps() < 20_000, "{} of {first} contacts are left: {energies:?}", run.counts().contacts);
+    }
+    let energies = run.energies();
+    assert!(run.penetrated().is_none());
+    assert!(energies.external > 0.0 && energies.kinetic < 0.01 * overlap, "{energies:?}, {overlap}");
+
+    // Bodies that cannot part press on each other in the end as if nothing had been ignored.
+    let nodes = (0..model.mesh.nodes.len() as u32).collect();
+    model.boundaries.push(Boundary {
+        name: "held".to_owned(),
+        target: Target::Nodes(nodes),
+        load: Load::Velocity([Some(0.0); 2]),
+        schedule: Schedule::Constant,
+    });
+    model.contact.overlap_time = Some(2e-5);
+    let mut run = Simulation::new(model, 1).unwrap();
+    run.advance(1000).unwrap();
+    let energies = run.energies();
+    assert!((energies.contact / overlap - 1.0).abs() < 1e-3, "{energies:?}, {overlap}");
+    assert!((energies.external / overlap - 1.0).abs() < 1e-3, "{energies:?}, {overlap}");
+}

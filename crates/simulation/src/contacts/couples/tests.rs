@@ -176,7 +176,7 @@ impl<const ALIKE: bool> PairPass<3> for SpherePass<'_, ALIKE> {
         histories: &mut Histories<[SphereContact; LANES]>,
         batches: Range<usize>,
         found: &mut [[SphereContact; LANES]],
-        works: &mut [[Lanes; 4]],
+        works: &mut [[Lanes; 5]],
         gaps: &mut Vec<f64>,
     ) {
         for lane in 0..LANES {

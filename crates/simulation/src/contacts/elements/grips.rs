@@ -137,11 +137,13 @@ pub(super) struct ContactInputs<const D: usize, const N: usize> {
     laws: [usize; LANES],
     /// Time step, s.
     step: f64,
+    /// Ignored energy of an overlap that relaxes over that before the step.
+    still_ignored: f64,
 }
 
 impl<const D: usize, const N: usize> ContactInputs<D, N> {
-    /// Memory for a batch. `step`: time step, s.
-    pub(super) const fn new(step: f64) -> Self {
+    /// Memory for a batch. `step`: time step, s; `still_ignored`: see [`ContactLaws::still_ignored`].
+    pub(super) const fn new(step: f64, still_ignored: f64) -> Self {
         Self {
             velocities: [[[Lanes::ZERO; D]; N]; 2],
             weight: Lanes::ZERO,
@@ -155,6 +157,7 @@ impl<const D: usize, const N: usize> ContactInputs<D, N> {
             damping: Lanes::ZERO,
             laws: [usize::MAX; LANES],
             step,
+            still_ignored,
         }
     }
 
@@ -189,7 +192,7 @@ fn grip_all<const D: usize, const N: usize>(
     given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 4],
+    works: &mut [Lanes; 5],
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -229,7 +232,7 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
     given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 4]
+    works: &mut [Lanes; 5]
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 /// Computes friction and damping of one couple of a batch.
@@ -244,7 +247,7 @@ fn grip_one<const D: usize, const N: usize>(
     given: &ContactInputs<D, N>,
     found: &Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 4],
+    works: &mut [Lanes; 5],
     forces: &mut BatchForces<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
@@ -258,13 +261,22 @@ fn grip_one<const D: usize, const N: usize>(
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
     let potential = penalty * found.energy.get(lane);
     let initial = given.initial.get(lane);
-    let credited_energy = if initial > 0.0 { potential } else { smaller(before.credited_energy, potential) };
     let way = if initial > 0.0 { initial } else { f64::from(before.way) };
+    let relaxes = way >= f64::from(Overlap::Relaxing as u8);
+    let ignored = smaller(before.credited_energy, potential);
+    let still_ignored = if relaxes { given.still_ignored * before.credited_energy } else { ignored };
+    let credited_energy = if initial > 0.0 { potential } else { smaller(still_ignored, potential) };
     let of_bodies = count_beyond(credited_energy, potential);
+    // The ignored energy falls at this position, in the middle of the motion: half of the step has the force
+    // before, half the force after. Otherwise the works would have an error of the first order.
+    let goes_on = relaxes & (initial == 0.0);
+    let of_bodies_before = count_beyond(ignored, potential);
+    let relaxed = if goes_on { of_bodies.0 - of_bodies_before.0 } else { 0.0 };
+    let slope_before = if goes_on { of_bodies_before.1 } else { of_bodies.1 };
     let of_joint = count_from(credited_energy, potential);
     let is_initial = way >= f64::from(Overlap::Ignored as u8);
     let energy = if is_initial { of_bodies.0 } else { of_joint.0 };
-    let slope = if is_initial { of_bodies.1 } else { of_joint.1 };
+    let slope = if is_initial { 0.5 * (slope_before + of_bodies.1) } else { of_joint.1 };
     let scale = penalty * weight * slope;
     let mut push = [0.0; D];
     for corner in 0..N {
@@ -314,7 +326,7 @@ fn grip_one<const D: usize, const N: usize>(
         &Grip { friction, damping: damped, shares, credited_energy, way: way as u8, push: plus(push, both) },
     );
     let handed_over = given.fading.get(lane) * energy;
-    set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over]);
+    set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over, weight * relaxed]);
     forces.scale.set(lane, scale);
     forces.slope.set(lane, slope);
     set_row(&mut forces.along, lane, &both);
