@@ -317,8 +317,6 @@ pub struct ContactOptions {
     pub initial_overlap: InitialOverlap,
     /// With `initial_overlap = "relax"`: time in which the part of the overlap that gives no force falls to
     /// 1/e, s. Default: 1000 time steps.
-    // Models without it keep their hash.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s")))]
     pub overlap_time: Option<f64>,
 }

@@ -153,7 +153,9 @@ pub(crate) fn rehearse<const D: usize, const N: usize>(
             AnyPrepared::Space(coarse) => Rehearsal::of(&coarse),
         }
     });
-    rehearsal.iter().for_each(|rehearsal| preflight.rehearse(rehearsal));
+    if let Some(rehearsal) = rehearsal {
+        preflight.rehearse(&rehearsal);
+    }
 }
 
 /// Reads the text of a model file.

@@ -198,7 +198,7 @@ impl<const ALIKE: bool> PairPass<3> for SpherePass<'_, ALIKE> {
             now.force = plus(normal.map(|x| push * x), now.friction);
             let [last, _] = self.last_works(parts, &before, STEP);
             let work = last - 0.5 * STEP * dot(now.friction, rate);
-            set_row(&mut works[0], lane, &[0.5 * push * overlap, work, 0.0, 0.0]);
+            set_row(&mut works[0], lane, &[0.5 * push * overlap, work, 0.0, 0.0, 0.0]);
             histories.batches[batches.start][lane] = now;
             found[0][lane] = now;
         }
