@@ -420,7 +420,7 @@ impl fmt::Display for Preflight {
         if let Some(elements) = self.rehearsed {
             writeln!(
                 out,
-                "run time         about {most} on one core, by a rehearsal with {}; {whole} if nothing breaks",
+                "run time         about {most} on one core, by a rehearsal with {} to end_time; {whole} if nothing breaks",
                 counted(elements)
             )?;
         } else if self.seconds_whole < self.seconds {

@@ -1,4 +1,5 @@
-//! A rehearsal: the run of a model with a coarse mesh, which shows the cost of its breaking.
+//! A rehearsal: the run of a model with a coarse mesh, which shows the cost of its breaking. It goes to the
+//! end time: it does not know the conditions of `until`.
 //!
 //! The cost of a run that breaks depends on how much of the model comes near its strength, and when. A coarse
 //! mesh shows that in a fraction of the time: in `D` dimensions, elements `k` times as large make a run

@@ -554,6 +554,9 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
     preflight.rehearse(&rehearsal);
     let more = rehearsal.more * (fine.quality.elements as u64 * preflight.steps) as f64;
     assert!((preflight.seconds / (100.0 + more) - 1.0).abs() < 1e-12, "{preflight:?}");
-    let line = format!("by a rehearsal with {} elements; 1 min 40 s if nothing breaks", rehearsal.elements);
+    let line = format!(
+        "by a rehearsal with {} elements to end_time; 1 min 40 s if nothing breaks",
+        rehearsal.elements
+    );
     assert!(preflight.to_string().contains(&line), "{preflight}");
 }
