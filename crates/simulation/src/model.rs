@@ -332,8 +332,8 @@ pub enum InitialOverlap {
     /// Forces begin at zero with this overlap, and follow its increase. Where the bodies move apart, less
     /// of it remains; after they have parted, their contact is like any other.
     Ignore,
-    /// The same, but the overlap that gives no force decreases: that of each couple by this share of it in a
-    /// time, [`ContactOptions::overlap_time`]. Forces grow slowly, and press the bodies apart. The work that
+    /// The same, but the overlap that gives no force decreases: that of each couple falls to 1/e in a time,
+    /// [`ContactOptions::overlap_time`]. Forces grow slowly, and press the bodies apart. The work that
     /// this brings into the model is in that of loads and boundaries.
     Relax,
     /// `fdem-model` refuses the model. A [`Simulation`](crate::Simulation) does not look for overlaps.

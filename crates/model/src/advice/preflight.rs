@@ -281,6 +281,11 @@ pub fn steps<const D: usize, const N: usize>(
     Ok((step, steps as u64))
 }
 
+/// Number of first steps of a run, in which nothing breaks, that are measured.
+pub(crate) fn measured(steps: u64) -> u64 {
+    (steps / MEASURED_SHARE).clamp(MEASURED_LEAST, MEASURED_MOST)
+}
+
 /// Time of a step on one core of this machine, s.
 struct Pace {
     /// While nothing breaks.
@@ -301,7 +306,7 @@ impl Pace {
             Insertion::Adaptive => sum(model, |cost| cost.seconds) - expected,
             Insertion::Intrinsic => 0.0,
         };
-        let wanted = (steps / MEASURED_SHARE).clamp(MEASURED_LEAST, MEASURED_MOST);
+        let wanted = measured(steps);
         // The first step detects couples; few others do. A model that fails in the first step has no later
         // step either.
         let mut times = Vec::new();

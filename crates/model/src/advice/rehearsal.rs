@@ -8,7 +8,7 @@
 use fdem_simulation::{Insertion, Simulation};
 
 use crate::advice::clock::processor_time;
-use crate::advice::preflight::{Preflight, steps};
+use crate::advice::preflight::{Preflight, measured, steps};
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::Prepared;
 
@@ -26,11 +26,6 @@ const BREAKING: f64 = 5.0;
 /// Elements that a coarse mesh has at least, in the plane and in space: with fewer, the shapes of bodies and
 /// the zones in which cracks grow are lost.
 const ELEMENTS: [f64; 2] = [250.0, 400.0];
-
-/// The first steps show the time of a step while nothing breaks: one in `CALM` of all, within these limits.
-const CALM: u64 = 100;
-const CALM_LEAST: u64 = 10;
-const CALM_MOST: u64 = 2000;
 
 /// Share of the steps of a rehearsal, at its end, whose cost stands for the steps that it did not reach.
 const LAST: f64 = 0.25;
@@ -79,7 +74,7 @@ impl Rehearsal {
         let mut run = Simulation::new(coarse.model.clone(), 1).ok()?;
         let (_, steps) = steps(coarse, run.critical_step().step).ok()?;
         let elements = coarse.model.mesh.elements.len();
-        let calm = (steps / CALM).clamp(CALM_LEAST, CALM_MOST);
+        let calm = measured(steps);
         let begin = processor_time();
         run.advance(1).ok()?;
         let first = processor_time();

@@ -491,7 +491,7 @@ fn a_stress_is_given_by_its_principal_values() {
     }
 }
 
-/// A block of a rock that breaks under a platen that crushes it.
+/// A block of rock that moves against a fixed base, and breaks.
 const CRUSHED: &str = r#"
 [model]
 end_time = 3e-5

@@ -7,14 +7,6 @@ use serde::Deserialize;
 
 use crate::text::file::vector::Vector;
 
-impl Body {
-    /// Makes its mesh coarser, or finer: all sizes of elements times `factor`.
-    pub(crate) fn scale_mesh(&mut self, factor: f64) {
-        let sizes = self.mesh_size.iter_mut().chain(self.refine.iter_mut().map(|place| &mut place.size));
-        sizes.for_each(|size| *size *= factor);
-    }
-}
-
 /// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions
 /// rectangle, disc, ring or polygon; in three dimensions box, cylinder, tube, sphere, polyhedron, surface or
 /// extrusion.
@@ -140,6 +132,14 @@ pub struct Body {
     /// Each is a separate body.
     #[serde(default)]
     pub packing: Option<Packing>,
+}
+
+impl Body {
+    /// Makes its mesh coarser, or finer: all sizes of elements times `factor`.
+    pub(crate) fn scale_mesh(&mut self, factor: f64) {
+        let sizes = self.mesh_size.iter_mut().chain(self.refine.iter_mut().map(|place| &mut place.size));
+        sizes.for_each(|size| *size *= factor);
+    }
 }
 
 /// A place near which elements are smaller: exactly one of point, line and box.
