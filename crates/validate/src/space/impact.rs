@@ -20,7 +20,7 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     let mut momentum = 0.0;
     for (kind, name) in ["vertex on face", "edge on edge", "face on face"].into_iter().enumerate() {
-        let count = size.choose(20, 500);
+        let count = size.choose(8, 500);
         let (mut total, mut kinetic) = (0.0, 0.0);
         for number in 0..count {
             let hard = random_blow(kind, number, ContactOptions::default().penalty, 0.05)?;
