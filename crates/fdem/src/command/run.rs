@@ -31,11 +31,12 @@ use fdem_simulation::Stop;
 use serde_json::Value;
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
-use crate::command::check::{inputs_of, read_text, refused, rehearse, with_settings};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
+use crate::command::model_file::{inputs_of, read_text, refused, with_settings};
 use crate::command::output::print;
 use crate::command::progress::Progress;
+use crate::command::rehearsal::rehearse;
 use account::{Account, Spent};
 use checkpoint::Checkpoint;
 use course::{Course, Start, next};

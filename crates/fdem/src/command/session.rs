@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::command::aside;
-use crate::command::check::{inputs_of, read_text, refusal};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
+use crate::command::model_file::{inputs_of, read_text, refusal};
 use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::course::{Course, Start};

@@ -23,8 +23,8 @@ use fdem_results::History;
 use serde_json::{Value, json};
 
 use crate::command::args::{MOST_RUNS_OF_A_SWEEP, SweepArguments};
-use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
+use crate::command::model_file::{read_text, refused};
 use crate::command::output::{is_device, print};
 use crate::command::progress::{Bar, Progress, is_terminal};
 use crate::command::run::watch::Watch;

@@ -113,6 +113,9 @@ pub struct Preflight {
     /// Number of elements with which the run was rehearsed, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsed: Option<usize>,
+    /// Time at which a condition or the last stage ended the rehearsal before the end time, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rehearsed_end: Option<f64>,
     /// Run time on one core if nothing breaks, s.
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
@@ -224,6 +227,7 @@ impl Preflight {
             steps,
             seconds,
             rehearsed: None,
+            rehearsed_end: None,
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
@@ -423,9 +427,13 @@ impl fmt::Display for Preflight {
         let most = duration(self.seconds);
         let whole = duration(self.seconds_whole);
         if let Some(elements) = self.rehearsed {
+            let end = self
+                .rehearsed_end
+                .map_or_else(|| "to end_time".to_owned(), |time| format!("that ended at {} s", brief(time)));
+            let to_end = if self.rehearsed_end.is_some() { " to end_time" } else { "" };
             writeln!(
                 out,
-                "run time         about {most} on one core, by a rehearsal with {} to end_time; {whole} if nothing breaks",
+                "run time         about {most} on one core, by a rehearsal with {} {end}; {whole}{to_end} if nothing breaks",
                 counted(elements)
             )?;
         } else if self.seconds_whole < self.seconds {

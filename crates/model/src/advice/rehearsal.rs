@@ -1,15 +1,11 @@
-//! A rehearsal: the run of a model with a coarse mesh, which shows the cost of its breaking. It goes to the
-//! end time: it does not know the conditions of `until`.
+//! A rehearsal: the run of a model with a coarse mesh, which shows the cost of its breaking and when it ends.
 //!
 //! The cost of a run that breaks depends on how much of the model comes near its strength, and when. A coarse
 //! mesh shows that in a fraction of the time: in `D` dimensions, elements `k` times as large make a run
 //! `k^(D+1)` times shorter.
 
-use fdem_simulation::{Insertion, Simulation};
-
 use crate::advice::clock::processor_time;
-use crate::advice::preflight::{Preflight, measured, steps};
-use crate::bodies::dimensions::Dimensions;
+use crate::advice::preflight::{Preflight, measured};
 use crate::prepared::Prepared;
 
 /// A run that takes less, s, has no rehearsal.
@@ -27,24 +23,33 @@ const BREAKING: f64 = 5.0;
 /// the zones in which cracks grow are lost.
 const ELEMENTS: [f64; 2] = [250.0, 400.0];
 
+/// Share of the elements of a model that a coarse mesh has at most: bodies from mesh files stay as they are.
+const FEWER: f64 = 0.7;
+
 /// Share of the steps of a rehearsal, at its end, whose cost stands for the steps that it did not reach.
 const LAST: f64 = 0.25;
 
 /// Share of a run that a rehearsal must reach: the rest cannot be guessed from less.
 const ENOUGH: f64 = 0.5;
 
+/// Share of the time of a first step that a later one, with fewer elements, takes at least.
+const LEAST: f64 = 0.02;
+
 /// Parts of equal length into which a rehearsal is cut.
-const PARTS: usize = 100;
+const PARTS: u64 = 100;
 
 /// The cost of breaking, from a run with a coarse mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rehearsal {
     /// Number of elements of the coarse mesh.
     pub elements: usize,
-    /// Time that breaking takes more, in the mean over all steps, s for an element and a step.
+    /// Time that a step takes more than the first ones, in the mean over all steps, s for an element. Less
+    /// than 0 if later stages have fewer elements.
     pub more: f64,
     /// Share of the run that was rehearsed before its time was over.
     pub share: f64,
+    /// Time at which a condition or the last stage ended the run before its end time, s.
+    pub ended: Option<f64>,
 }
 
 impl Rehearsal {
@@ -54,61 +59,78 @@ impl Rehearsal {
         prepared: &Prepared<D, N>,
         preflight: &Preflight,
     ) -> Option<f64> {
-        let model = &prepared.model;
-        let breaks = model.materials.iter().any(|material| material.strength.is_some())
-            && model.fracture.insertion == Insertion::Adaptive;
-        if !breaks || !prepared.stages.is_empty() || preflight.seconds_whole < SHORT {
+        let breaks = prepared.model.materials.iter().any(|material| material.strength.is_some());
+        if !breaks || preflight.seconds_whole < SHORT {
             return None;
         }
-        let wanted = (BREAKING * preflight.seconds_whole / WANTED).powf(1.0 / (D as f64 + 1.0));
+        let time = preflight.seconds_whole;
+        let wanted = (BREAKING * time / WANTED).powf(1.0 / (D as f64 + 1.0));
         let coarsest = (preflight.quality.elements as f64 / ELEMENTS[D - 2]).powf(1.0 / D as f64);
         let factor = wanted.min(coarsest);
-        (factor > 1.5).then_some(factor)
+        // A run that may end early is tried, however long it is to its end time.
+        let ends_early = prepared.until.is_some() || !prepared.stages.is_empty();
+        let ends_soon = ENOUGH * time <= MOST * factor.powi(D as i32 + 1);
+        (factor > 1.5 && (ends_early || ends_soon)).then_some(factor)
     }
 
-    /// Runs a model with a coarse mesh. `None` if it cannot run, or if half of the run takes too long.
-    pub fn of<const D: usize, const N: usize>(coarse: &Prepared<D, N>) -> Option<Self>
-    where
-        [[f64; D]; N]: Dimensions<D, N>,
-    {
-        let mut run = Simulation::new(coarse.model.clone(), 1).ok()?;
-        let (_, steps) = steps(coarse, run.critical_step().step).ok()?;
-        let elements = coarse.model.mesh.elements.len();
-        let calm = measured(steps);
-        let begin = processor_time();
-        run.advance(1).ok()?;
-        let first = processor_time();
-        run.advance(calm).ok()?;
-        let whole = (processor_time() - first) / calm as f64;
-        if ENOUGH * whole * steps as f64 > MOST {
+    /// Times a run with a coarse mesh. `elements`: number of its elements, and of those of the model; `steps`
+    /// until its `end_time`, s. `advance` takes it to a step, or to its end if that is earlier, and returns
+    /// the step and whether the run is over, or `None` if it cannot continue.
+    ///
+    /// `None` if half of the run takes too long, or if the mesh is hardly coarser than that of the model.
+    pub fn of(
+        [elements, whole]: [usize; 2],
+        steps: u64,
+        end_time: f64,
+        mut advance: impl FnMut(u64) -> Option<(u64, bool)>,
+    ) -> Option<Self> {
+        if elements as f64 > FEWER * whole as f64 {
             return None;
         }
-        // Times of a step, in the mean over each part.
-        let part = (steps / PARTS as u64).max(1);
-        let mut times = Vec::new();
+        let part = (steps / PARTS).max(1);
+        let begin = processor_time();
+        let (mut reached, mut is_over) = advance(1)?;
+        // Steps and seconds of each part. The first one shows the cost while nothing breaks.
+        let mut parts: Vec<[f64; 2]> = Vec::new();
         let mut last = processor_time();
-        while run.steps() < steps && last - begin < MOST {
-            run.advance(part).ok()?;
+        while !is_over && (parts.is_empty() || last - begin < MOST) {
+            let length = if parts.is_empty() { measured(steps) } else { part };
+            let before = reached;
+            (reached, is_over) = advance((reached + length).min(steps))?;
             let now = processor_time();
-            times.push((now - last) / part as f64);
+            parts.push([(reached - before) as f64, now - last]);
             last = now;
         }
-        let reached = times.len() as u64 * part;
-        let at_the_end = &times[times.len() - (LAST * times.len() as f64).ceil() as usize..];
-        let mean = |times: &[f64]| times.iter().sum::<f64>() / times.len().max(1) as f64;
-        let left = steps.saturating_sub(reached) as f64;
-        let of_all = (mean(&times) * reached as f64 + mean(at_the_end) * left) / (reached as f64 + left);
-        let more = ((of_all - whole) / elements as f64).max(0.0);
-        let share = (reached as f64 / steps as f64).min(1.0);
-        (share >= ENOUGH).then_some(Self { elements, more, share })
+        let mean = |parts: &[[f64; 2]]| {
+            let [steps, seconds] =
+                parts.iter().fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+            (steps > 0.0).then_some(seconds / steps)
+        };
+        let calm = mean(parts.get(..1)?)?;
+        let at_the_end = &parts[parts.len() - (LAST * parts.len() as f64).ceil() as usize..];
+        let share = reached as f64 / steps as f64;
+        let of_all =
+            if is_over { mean(&parts)? } else { share * mean(&parts)? + (1.0 - share) * mean(at_the_end)? };
+        let rehearsal = Self {
+            elements,
+            more: (of_all - calm) / elements as f64,
+            share: if is_over { 1.0 } else { share },
+            ended: (is_over && reached < steps).then_some(share * end_time),
+        };
+        (rehearsal.share >= ENOUGH).then_some(rehearsal)
     }
 }
 
 impl Preflight {
-    /// Takes the cost of breaking from a rehearsal. Estimates for many ranks stay as they are.
+    /// Takes the cost of breaking, and the time at which the run ends, from a rehearsal. Estimates for many
+    /// ranks stay as they are.
     pub fn rehearse(&mut self, rehearsal: &Rehearsal) {
-        let more = rehearsal.more * self.quality.elements as f64 * self.steps as f64;
-        self.seconds = self.seconds_whole + more;
+        let whole = self.seconds_whole / self.steps as f64;
+        let of_a_step = whole + rehearsal.more * self.quality.elements as f64;
+        let end = self.steps as f64 * self.step;
+        let steps = self.steps as f64 * rehearsal.ended.map_or(1.0, |time| (time / end).min(1.0));
+        self.seconds = of_a_step.max(LEAST * whole) * steps;
         self.rehearsed = Some(rehearsal.elements);
+        self.rehearsed_end = rehearsal.ended;
     }
 }

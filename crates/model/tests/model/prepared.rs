@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use fdem_model::{AnyPrepared, Checkpoint, Preflight, Prepared, Quantity, Rehearsal};
 use fdem_results::Field;
-use fdem_simulation::{Load, Schedule, Target};
+use fdem_simulation::{Load, Schedule, Simulation, Target};
 
 use crate::{SMALL, read, right};
 
@@ -547,9 +547,19 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
     strong.model.materials[0].strength = None;
     assert_eq!(Rehearsal::factor(&strong, &preflight), None);
 
-    let rehearsal = Rehearsal::of(&coarse).expect("it runs");
-    assert_eq!(rehearsal.elements, coarse.quality.elements);
-    assert!(rehearsal.share > 0.97, "{rehearsal:?}");
+    let counts = [coarse.quality.elements, fine.quality.elements];
+    let begun = || Simulation::new(coarse.model.clone(), 1).unwrap();
+    let steps = (coarse.end_time / begun().time_step()).ceil() as u64;
+    // Goes to the end, or to half of it.
+    let rehearsed = |end: u64| {
+        let mut run = begun();
+        Rehearsal::of(counts, steps, coarse.end_time, |limit| {
+            run.advance(limit.min(end) - run.steps()).ok()?;
+            Some((run.steps(), run.steps() == end))
+        })
+    };
+    let rehearsal = rehearsed(steps).expect("it runs");
+    assert_eq!((rehearsal.elements, rehearsal.share, rehearsal.ended), (counts[0], 1.0, None));
     assert!(rehearsal.more > 0.0, "{rehearsal:?}");
     preflight.rehearse(&rehearsal);
     let more = rehearsal.more * (fine.quality.elements as u64 * preflight.steps) as f64;
@@ -559,4 +569,21 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
         rehearsal.elements
     );
     assert!(preflight.to_string().contains(&line), "{preflight}");
+
+    // A condition ends the run at half of its time.
+    let rehearsal = rehearsed(steps / 2).expect("it runs");
+    let ended = rehearsal.ended.expect("before the end time");
+    assert!((ended / coarse.end_time - 0.5).abs() < 1e-2, "{rehearsal:?}");
+    preflight.rehearse(&rehearsal);
+    let more = rehearsal.more * fine.quality.elements as f64 * preflight.steps as f64;
+    let end = preflight.steps as f64 * preflight.step;
+    assert!((preflight.seconds / ((100.0 + more) * ended / end) - 1.0).abs() < 1e-12, "{preflight:?}");
+    let text = preflight.to_string();
+    assert!(
+        text.contains(" elements that ended at ") && text.contains("1 min 40 s to end_time if"),
+        "{text}"
+    );
+
+    // A mesh that is not coarser is of no use.
+    assert_eq!(Rehearsal::of([counts[1]; 2], steps, 1.0, |_| unreachable!()), None);
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::contacts::pair::{CoupleOf, Overlap, Pair, PairPass, Works};
+use crate::contacts::pair::{BatchWorks, CoupleOf, Overlap, Pair, PairPass, Works};
 use crate::contacts::places::{Histories, HistoryBatch};
 use crate::lanes::{LANES, Lanes};
 use crate::team::CHUNK;
@@ -15,8 +15,8 @@ use crate::team::CHUNK;
 pub(super) struct ChunkForces<P: Pair> {
     /// Forces in batches. Each couple has the place of its history.
     found: Vec<P::Forces>,
-    /// The numbers of [`Works`] of each couple, in the same places.
-    works: Vec<[Lanes; 5]>,
+    /// The works of each couple, in the same places.
+    works: Vec<BatchWorks>,
     /// Couples of the chunk that have separated in this pass, ascending, with the works of their last forces.
     pub(super) separated: Vec<(u32, Works)>,
 }

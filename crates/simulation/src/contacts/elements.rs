@@ -14,7 +14,7 @@ use crate::bodies::Bodies;
 use crate::contacts::elements::grips::{ContactInputs, Grip, Grips, grip_of};
 use crate::contacts::elements::relation::{couple, distance};
 use crate::contacts::law::ContactLaws;
-use crate::contacts::pair::{AHEAD, Couple, Overlap, Pair, PairPass};
+use crate::contacts::pair::{AHEAD, BatchWorks, Couple, Overlap, Pair, PairPass};
 use crate::contacts::places::Histories;
 use crate::contacts::surface::Surface;
 use crate::joints::Joints;
@@ -136,7 +136,7 @@ where
         histories: &mut Histories<Grips<D, N>>,
         batches: Range<usize>,
         found: &mut [Interactions<D, N>],
-        works: &mut [[Lanes; 5]],
+        works: &mut [BatchWorks],
         work: &mut Work<D, N>,
     ) {
         let available = self.solid.available;

@@ -96,10 +96,13 @@ pub(crate) struct Works {
     pub(super) relaxed: f64,
 }
 
+/// The numbers of [`Works`] of a batch of couples, in the order of its fields.
+pub(crate) type BatchWorks = [Lanes; 5];
+
 impl Works {
     /// Returns the energy and the works of one couple of a batch.
     #[inline]
-    pub(super) fn of(batch: &[Lanes; 5], lane: usize) -> Self {
+    pub(super) fn of(batch: &BatchWorks, lane: usize) -> Self {
         let [energy, friction, damping, handed_over, relaxed] = row(batch, lane);
         Self { energy, friction, damping, handed_over, relaxed }
     }
@@ -163,14 +166,14 @@ pub(crate) trait PairPass<const D: usize>: Sync {
     );
 
     /// Computes the forces of a group of batches of couples that have a place, and continues their histories.
-    /// `found` and `works`: forces and numbers of [`Works`] of these batches.
+    /// `found` and `works`: forces and works of these batches.
     fn press(
         &self,
         couples: &[CoupleOf<Self::Pair>],
         histories: &mut Histories<<Self::Pair as Pair>::Histories>,
         batches: Range<usize>,
         found: &mut [<Self::Pair as Pair>::Forces],
-        works: &mut [[Lanes; 5]],
+        works: &mut [BatchWorks],
         work: &mut Self::Work,
     );
 

@@ -40,6 +40,10 @@ const SPEED: f64 = 1e-2;
 const RAMP: f64 = 2.5e-4;
 const BENT: f64 = 1.2e-3;
 
+/// Angle by which the notch of a plate is turned about the way of the crack, degrees. Its sides are loaded in
+/// opening and, along the front, in shear (modes I and III), and the crack turns until it only opens.
+const TURNED: f64 = 30.0;
+
 /// The load on the specimen.
 #[derive(Clone, Copy)]
 enum PlateLoad {
@@ -55,6 +59,8 @@ struct NotchedPlate {
     layers: u32,
     /// `None`: the crack is straight, on a joint set.
     seed: Option<u32>,
+    /// Angle of the notch, degrees. Without one, the thickness of the plate does not change.
+    turned: f64,
 }
 
 /// The crack of a specimen.
@@ -65,6 +71,9 @@ struct PlateCrack {
     energy: f64,
     /// Area of the broken joints over that of the ligament.
     area: f64,
+    /// Angle of the surface about the way of the crack in the last third of the ligament, degrees: that of
+    /// the sum of its faces, as vectors.
+    angle: f64,
 }
 
 /// Largest errors that pass: of the mean toughness, of each, of the mean energy, of each.
@@ -88,6 +97,26 @@ pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
     compared(PlateLoad::Bending, size)
 }
 
+/// A notch that is turned about the way of the crack.
+pub(crate) fn turning(size: Size) -> Result<Vec<Outcome>, String> {
+    let (layers, loading) = (4, PlateLoad::Tension);
+    let seeds = size.choose(1..=1, 1..=4);
+    let elements = size.choose(4, 6);
+    let plate = |seed: u32| NotchedPlate { loading, elements, layers, seed: Some(seed), turned: TURNED };
+    let plates: Vec<NotchedPlate> = seeds.map(plate).collect();
+    let cracks = plates.par_iter().map(NotchedPlate::broken).collect::<Result<Vec<PlateCrack>, String>>()?;
+    let mean = |of: fn(&PlateCrack) -> f64| cracks.iter().map(of).sum::<f64>() / cracks.len() as f64;
+    let case = |quantity: &str| format!("{quantity}, {elements} elements");
+    let farthest = cracks.iter().map(|crack| crack.angle).fold(0.0, worse);
+    // One mesh scatters more than the mean of several.
+    let bounds = size.choose([12.0, 0.15], [5.0, 0.13]);
+    Ok(vec![
+        Outcome::absolute(case("mean angle"), 0.0, mean(|crack| crack.angle), bounds[0], "degrees"),
+        Outcome::absolute(case("the farthest from it"), 0.0, farthest, 12.0, "degrees"),
+        Outcome::absolute(case("mean energy over G"), 1.0, mean(|crack| crack.energy), bounds[1], ""),
+    ])
+}
+
 fn compared(loading: PlateLoad, size: Size) -> Result<Vec<Outcome>, String> {
     let seeds = size.choose(1..=1, 1..=4);
     let layers: &[u32] = size.choose(&[2], &[2, 4]);
@@ -95,7 +124,8 @@ fn compared(loading: PlateLoad, size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for bounds in sizes {
         for &layers in layers {
-            let specimen = |seed| NotchedPlate { loading, elements: bounds.elements, layers, seed };
+            let specimen =
+                |seed| NotchedPlate { loading, elements: bounds.elements, layers, seed, turned: 0.0 };
             let all: Vec<NotchedPlate> =
                 [None].into_iter().chain(seeds.clone().map(Some)).map(specimen).collect();
             let cracks =
@@ -190,7 +220,7 @@ impl NotchedPlate {
             }
         };
         let energy = run.energies().joint_dissipated() / (ENERGY * ligament);
-        Ok(PlateCrack { load, energy, area: area(&run) })
+        Ok(PlateCrack { load, energy, area: area(&run), angle: angle(&run) })
     }
 
     fn model(&self) -> Result<Model<3, 4>, String> {
@@ -204,8 +234,18 @@ impl NotchedPlate {
             cohesion = 5.0 * TENSILE,
             sliding = 10.0 * ENERGY,
         );
+        // Through the middle of the thickness, and as far beyond the faces.
+        let rise = t * self.turned.to_radians().tan();
         let flat = |from: f64, to: f64| {
-            format!("polygons = [[{from}, 0, -1, {to}, 0, -1, {to}, 0, 1, {from}, 0, 1]]")
+            let (low, high, near, far) = (-rise, rise, -0.5 * t, 1.5 * t);
+            format!(
+                "polygons = [[{from}, {low}, {near}, {to}, {low}, {near}, {to}, {high}, {far}, {from}, {high}, {far}]]"
+            )
+        };
+        let held = if self.turned == 0.0 {
+            "[[boundary]]\nname = \"faces\"\nsides = [\"top\", \"bottom\"]\nfixed = \"z\""
+        } else {
+            ""
         };
         let (of_rock, straight) = if self.seed.is_some() {
             (strength, String::new())
@@ -241,10 +281,7 @@ friction_angle = 0
 [fracture]
 joint_penalty = 10
 {load}
-[[boundary]]
-name = "faces"
-sides = ["top", "bottom"]
-fixed = "z"
+{held}
 "#,
             low = -HALF,
             start = NOTCH - 2e-3,
@@ -282,4 +319,22 @@ fixed = "z"
             }
         }
     }
+}
+
+/// Angle of the broken surface about the way of the crack in the last third of the ligament, degrees.
+fn angle(run: &Simulation<3, 4>) -> f64 {
+    let mut sum = [0.0; 2];
+    for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some() && !crack.open_from_start) {
+        let [a, b, c] = crack.corners;
+        if (a[0] + b[0] + c[0]) / 3.0 < WIDTH - (WIDTH - NOTCH) / 3.0 {
+            continue;
+        }
+        let edge = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| to[axis] - a[axis]) };
+        let ([ux, uy, uz], [vx, vy, vz]) = (edge(b), edge(c));
+        let [y, z] = [uz * vx - ux * vz, ux * vy - uy * vx];
+        sum[0] += y.signum() * y;
+        sum[1] += y.signum() * z;
+    }
+    // A plane that rises by an angle along z has the normal (0, cos, -sin).
+    (-sum[1]).atan2(sum[0]).to_degrees()
 }

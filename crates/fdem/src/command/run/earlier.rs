@@ -10,8 +10,8 @@ use std::path::Path;
 use fdem_io::numbers::{brief, grouped};
 use fdem_simulation::{Boundary, Change, Model, State};
 
-use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
+use crate::command::model_file::{read_text, refused};
 use crate::command::run::beginning::Beginning;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{Folder, MODEL};

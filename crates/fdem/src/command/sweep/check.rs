@@ -9,9 +9,9 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::command::check::{inputs_of, refusal};
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
+use crate::command::model_file::{inputs_of, refusal};
 use crate::command::progress::Progress;
 use crate::command::run::results::Results;
 use crate::command::sweep::plan::Plan;

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::*;
 use crate::bodies::PartProperties;
+use crate::contacts::pair::BatchWorks;
 use crate::contacts::places::HistoryBatch;
 use crate::lanes::{LANES, Lanes, set_row};
 use crate::motion::{Freedoms, MotionSums, MovedNow};
@@ -176,7 +177,7 @@ impl<const ALIKE: bool> PairPass<3> for SpherePass<'_, ALIKE> {
         histories: &mut Histories<[SphereContact; LANES]>,
         batches: Range<usize>,
         found: &mut [[SphereContact; LANES]],
-        works: &mut [[Lanes; 5]],
+        works: &mut [BatchWorks],
         gaps: &mut Vec<f64>,
     ) {
         for lane in 0..LANES {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::Bodies;
 use crate::bodies::elements::{completed, velocity_at};
 use crate::contacts::law::ContactLaw;
-use crate::contacts::pair::Overlap;
+use crate::contacts::pair::{BatchWorks, Overlap};
 use crate::contacts::places::HistoryBatch;
 use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex};
@@ -185,14 +185,14 @@ struct BatchForces<const D: usize, const N: usize> {
 }
 
 /// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their
-/// potentials. `works`: the numbers of [`Works`].
+/// potentials.
 #[inline(always)]
 fn grip_all<const D: usize, const N: usize>(
     shapes: &Shapes<D, N>,
     given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 5],
+    works: &mut BatchWorks,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -232,7 +232,7 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
     given: &ContactInputs<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 5]
+    works: &mut BatchWorks
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 /// Computes friction and damping of one couple of a batch.
@@ -247,7 +247,7 @@ fn grip_one<const D: usize, const N: usize>(
     given: &ContactInputs<D, N>,
     found: &Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 5],
+    works: &mut BatchWorks,
     forces: &mut BatchForces<D, N>,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
