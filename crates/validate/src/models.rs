@@ -245,6 +245,11 @@ pub(super) fn momentum(run: &Simulation) -> [f64; 3] {
     sum
 }
 
+/// A number of meshes in words.
+pub(super) fn meshes(count: usize) -> String {
+    if count == 1 { "1 mesh".to_owned() } else { format!("{count} meshes") }
+}
+
 /// The number that is farther from zero. NaN counts as farthest.
 pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a.abs() >= b.abs() { a } else { b }

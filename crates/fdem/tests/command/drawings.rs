@@ -80,7 +80,7 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
         [(small, 15_000), ("--plots p.png", 25_000), ("--report p.html", 25_000), ("--picture p.svg", 75_000)]
     {
         let mut ends = [0, 0];
-        let step = if crate::thorough() { step } else { 3 * step };
+        let step = if crate::thorough() { step } else { 6 * step };
         // The threads of the analysis of a report keep more or less address space.
         let most = if drawing.starts_with("--report") { 600_000 } else { 300_000 };
         for kilobytes in (least..least + most).step_by(step) {
@@ -109,7 +109,7 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
 #[test]
 fn drawings_are_the_same_at_every_run_and_for_any_number_of_threads() {
     let bench = Bench::new();
-    bench.run(&["generate", "gas", "-n", "3000", "--sizes", "power:1:20:-3", "-o", "gas.csv"]).succeeds();
+    bench.run(&["generate", "gas", "-n", "1000", "--sizes", "power:1:20:-3", "-o", "gas.csv"]).succeeds();
     for file in ["p.png", "p.svg", "d.png", "d.svg", "r.html"] {
         let option = match file.split('.').next().unwrap() {
             "p" => "--picture",

@@ -69,7 +69,7 @@ impl Rehearsal {
         let factor = wanted.min(coarsest);
         // A run that may end early is tried, however long it is to its end time.
         let ends_early = prepared.until.is_some() || !prepared.stages.is_empty();
-        let ends_soon = ENOUGH * time <= MOST * factor.powi(D as i32 + 1);
+        let ends_soon = ENOUGH * time <= MOST * factor.powf(D as f64 + 1.0);
         (factor > 1.5 && (ends_early || ends_soon)).then_some(factor)
     }
 

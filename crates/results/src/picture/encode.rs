@@ -42,11 +42,9 @@ pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2
         paint.set_color(colour);
         pixmap.fill_path(&path, &paint, FillRule::Winding, zoom, None);
     }
-    let mut opaque = Vec::with_capacity(pixmap.data().len() / 4 * 3);
-    for pixel in pixmap.data().chunks_exact(4) {
-        opaque.extend_from_slice(&pixel[..3]);
-    }
-    Ok(([width, height], opaque))
+    let (pixels, _) = pixmap.data().as_chunks();
+    let opaque: Vec<[u8; 3]> = pixels.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
+    Ok(([width, height], opaque.into_flattened()))
 }
 
 /// Returns the shapes of a drawing, and its texts as outlines with their colours.
@@ -94,12 +92,12 @@ fn lay(pixmap: &mut Pixmap, layer: &Layer, scale: f64) {
     let [left, top] = layer.at.map(|x| (x * scale).round() as usize);
     let [columns, rows] =
         [layer.size[0].min(width.saturating_sub(left)), layer.size[1].min(height.saturating_sub(top))];
-    let data = pixmap.data_mut();
+    let (pixels, _) = pixmap.data_mut().as_chunks_mut::<4>();
+    let (colours, _) = layer.pixels.as_chunks();
     for row in 0..rows {
-        for column in 0..columns {
-            let from = 3 * (row * layer.size[0] + column);
-            let to = 4 * ((top + row) * width + left + column);
-            data[to..to + 3].copy_from_slice(&layer.pixels[from..from + 3]);
+        let to = &mut pixels[(top + row) * width + left..][..columns];
+        for ([red, green, blue, _], &colour) in to.iter_mut().zip(&colours[row * layer.size[0]..]) {
+            [*red, *green, *blue] = colour;
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::bodies::{advance, force, start};
-use crate::models::worse;
+use crate::models::{meshes, worse};
 use crate::rocks::prepared_in_space;
 use crate::{Outcome, Size};
 
@@ -25,16 +25,16 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let angle = ANGLE.to_radians();
     let expected = 2.0 * COHESION * angle.cos() / (1.0 - angle.sin());
     let seeds = size.choose(1..=1, 1..=3);
-    let count = seeds.clone().count() as f64;
+    let count = seeds.clone().count();
     let (mut mean, mut farthest, mut balance) = (0.0, 0.0, 0.0);
     for seed in seeds {
         let [strength, error] = crush(size, seed)?;
-        mean += strength / count;
+        mean += strength / count as f64;
         farthest = worse(strength - expected, farthest);
         balance = worse(error, balance);
     }
     Ok(vec![
-        Outcome::relative(format!("mean strength of {count} meshes"), expected, mean, 0.1, "Pa"),
+        Outcome::relative(format!("mean strength of {}", meshes(count)), expected, mean, 0.1, "Pa"),
         Outcome::relative("the farthest from it", expected, expected + farthest, 0.15, "Pa"),
         Outcome::absolute("error of the energy balance", 0.0, balance, 1e-3, ""),
     ])
