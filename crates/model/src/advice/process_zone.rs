@@ -24,7 +24,7 @@ struct InZone {
 const IN_PLANE: InZone = InZone { count: 3.0, in_words: "three", share: "a third" };
 
 /// In space: the surface of a crack in tension has facets in all directions. With three elements K of free
-/// cracks was up to 1.6 times that of a straight one, with four up to 1.11 times (`bench/NOTES.md`).
+/// cracks was up to 1.5 times that of a straight one, with four up to 1.11 times (`bench/NOTES.md`).
 const IN_SPACE: InZone = InZone { count: 4.0, in_words: "four", share: "a quarter" };
 
 /// A tenth more than this share of the zone is the scatter of a mesh whose size is the limit.

@@ -1,8 +1,7 @@
 //! Distances of points and of boxes, in the form that is compared.
 //!
-//! Nearly all questions are about Euclid's norm in a plane or in space where nothing repeats: these are
-//! compiled for themselves, with loops of a fixed length. The operations and their order are those of all
-//! other cases.
+//! Nearly all questions are about Euclid's norm where nothing repeats: it is compiled for itself, in a plane and
+//! in space with loops of a fixed length. The operations and their order are those of all other cases.
 
 use super::Norm;
 use super::norm::{Far, NearSide, along};
@@ -58,6 +57,34 @@ impl<const D: usize> Metric for Euclid<D> {
     }
 }
 
+/// Euclid's norm in any number of dimensions, of which none repeats.
+#[derive(Clone, Copy)]
+pub(crate) struct EuclidOfMany;
+
+/// The differences of coordinates along each axis.
+fn differences(a: &[f64], b: &[f64]) -> impl Iterator<Item = f64> {
+    a.iter().zip(b).map(|(a, b)| a - b)
+}
+
+impl Metric for EuclidOfMany {
+    #[inline]
+    fn distance(self, a: &[f64], b: &[f64]) -> f64 {
+        Norm::Two.sum(differences(a, b))
+    }
+
+    #[inline]
+    fn least(self, [low, high]: [&[f64]; 2], [other_low, other_high]: [&[f64]; 2]) -> f64 {
+        let gaps = differences(low, other_high).zip(differences(other_low, high));
+        Norm::Two.sum(gaps.map(|(below, above)| below.max(above).max(0.0)))
+    }
+
+    #[inline]
+    fn greatest(self, [low, high]: [&[f64]; 2], [other_low, other_high]: [&[f64]; 2]) -> f64 {
+        let ways = differences(low, other_high).zip(differences(high, other_low));
+        Norm::Two.sum(ways.map(|(one, other)| one.abs().max(other.abs())))
+    }
+}
+
 /// Any norm, on axes of which some repeat.
 #[derive(Clone, Copy)]
 pub(crate) struct General<'a> {
@@ -100,6 +127,10 @@ macro_rules! with_metric {
             }
             (Norm::Two, 3, false) => {
                 let $metric = $crate::tree::metric::Euclid::<3>;
+                $work
+            }
+            (Norm::Two, _, false) => {
+                let $metric = $crate::tree::metric::EuclidOfMany;
                 $work
             }
             (norm, ..) => {
