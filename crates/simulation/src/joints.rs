@@ -98,10 +98,11 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip<D>>,
-    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches; both
-    /// lists are empty if joints are not inserted.
+    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches, and the
+    /// level of each element; the lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     demands: Vec<Demands>,
+    levels: Vec<u8>,
     /// Strengths of each facet, infinite if it has a joint or cannot get one. This list and the next two are
     /// empty if joints are not inserted.
     limits: Vec<Weakest>,
@@ -218,6 +219,7 @@ impl<const D: usize> Joints<D> {
             insertion: model.fracture.insertion,
             weakest: Vec::new(),
             demands: Vec::new(),
+            levels: Vec::new(),
             limits: Vec::new(),
             uses: Vec::new(),
             near_tip: Vec::new(),
@@ -235,6 +237,7 @@ impl<const D: usize> Joints<D> {
             joints.weakest =
                 batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
             joints.demands = vec![Demands::ZERO; joints.weakest.len()];
+            joints.levels = vec![0; LANES * joints.weakest.len()];
             let outer = joints.faces.vertices(topology);
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
             joints.find_tips(&outer, topology, share, &Team::ALONE);
@@ -245,7 +248,7 @@ impl<const D: usize> Joints<D> {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
-        let Self { at_vertex, tips, weakest, demands, directed, limits, uses, near_tip, .. } = self;
+        let Self { at_vertex, tips, weakest, demands, levels, directed, limits, uses, near_tip, .. } = self;
         let of_tip = |tip: &Tip<D>| {
             let cuts: usize = tip.cuts.iter().map(Cut::bytes).sum();
             size_of::<Tip<D>>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together) + cuts
@@ -264,6 +267,7 @@ impl<const D: usize> Joints<D> {
             + tips.iter().map(of_tip).sum::<usize>()
             + size_of_val(&**weakest)
             + size_of_val(&**demands)
+            + size_of_val(&**levels)
             + size_of_val(&**limits)
             + size_of_val(&**uses)
             + size_of_val(&**near_tip)

@@ -130,36 +130,37 @@ impl Slopes {
     }
 }
 
-/// Computes the demands of a batch. Returns whether an edge of its elements may reach [`SUSPECT`].
+/// Level of an element of which an edge may reach [`SUSPECT`], and of one of which an edge may fail; 0 of others.
+pub(crate) const SUSPECTED: u8 = 1;
+pub(crate) const FAILING: u8 = 2;
+
+/// Computes the demands of a batch and the levels of its elements. Returns whether one of them is above 0.
 pub(crate) fn find_demands<const D: usize, const N: usize>(
     available: Available,
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
+    levels: &mut [u8; LANES],
 ) -> bool
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut levels = Lanes::ZERO;
-    demands_of::<D, N, false>(available, slopes, deformed, weakest, demands, &mut levels);
-    let most = (0..LANES).map(|lane| levels.get(lane)).fold(0.0, larger);
+    demands_of::<D, N, false>(available, slopes, deformed, weakest, demands, levels);
+    let most = levels.iter().fold(0, |most, &level| most.max(level));
     // In two dimensions the bound is the circle itself.
     if !<[[f64; D]; N]>::IS_TRIANGLE && most == FAILING {
-        demands_of::<D, N, true>(available, slopes, deformed, weakest, demands, &mut levels);
+        demands_of::<D, N, true>(available, slopes, deformed, weakest, demands, levels);
     }
-    most > 0.0
+    most > 0
 }
-
-/// Level of an element of which an edge may fail.
-const FAILING: f64 = 2.0;
 
 compiled_for_vectors!(fn demands_of = all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     slopes: &Slopes,
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
-    levels: &mut Lanes
+    levels: &mut [u8; LANES]
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 #[inline(always)]
@@ -168,7 +169,7 @@ fn all_demands<const D: usize, const N: usize, const CLOSE: bool>(
     deformed: &Deformed<D>,
     weakest: &[Weakest; LANES],
     demands: &mut Demands,
-    levels: &mut Lanes,
+    levels: &mut [u8; LANES],
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -182,8 +183,8 @@ fn all_demands<const D: usize, const N: usize, const CLOSE: bool>(
         let demand = slopes.demand(circle);
         demands.tension.set(lane, demand.tension);
         demands.shear.set(lane, demand.shear);
-        let suspect = if demand.reaches(SUSPECT, weakest[lane]) { 1.0 } else { 0.0 };
-        levels.set(lane, if demand.reaches(1.0, weakest[lane]) { FAILING } else { suspect });
+        levels[lane] =
+            u8::from(demand.reaches(SUSPECT, weakest[lane])) + u8::from(demand.reaches(1.0, weakest[lane]));
     }
 }
 

@@ -22,7 +22,7 @@
 use crate::cohesive::{JointPlane, Memory, use_of};
 use crate::joints::batch::Link;
 use crate::joints::cut::{Cut, InsertionData};
-use crate::joints::demand::{Demand, SUSPECT, find_demands};
+use crate::joints::demand::{Demand, FAILING, SUSPECT, SUSPECTED, find_demands};
 use crate::joints::fan::{Fan, end_at};
 use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
 use crate::joints::uses::UseBatch;
@@ -52,17 +52,18 @@ impl<const D: usize> Joints<D> {
             return Vec::new();
         }
         let state = InsertionData { solid, model, topology };
-        let mut demands = std::mem::take(&mut self.demands);
-        let (weakest, slopes) = (&self.weakest, &self.slopes);
-        let suspect = team.change_lanes::<LANES, _, _>(&mut demands, |first, chunk| {
-            let mut suspect = false;
-            for (batch, demands) in (first..).zip(chunk) {
-                let deformed = solid.deformed(batch);
-                suspect |= find_demands::<D, N>(solid.available, slopes, deformed, &weakest[batch], demands);
-            }
-            suspect
-        });
-        self.demands = demands;
+        let Self { weakest, slopes, demands, levels, .. } = self;
+        let none: &mut [()] = &mut [];
+        let suspect =
+            team.change_batches::<LANES, _, _, _, _>(demands, levels, none, |first, chunk, levels, _| {
+                let mut suspect = false;
+                for ((batch, demands), levels) in (first..).zip(chunk).zip(levels.as_chunks_mut().0) {
+                    let (deformed, weakest) = (solid.deformed(batch), &weakest[batch]);
+                    suspect |=
+                        find_demands::<D, N>(solid.available, slopes, deformed, weakest, demands, levels);
+                }
+                suspect
+            });
         if suspect.iter().all(|suspect| !suspect) {
             return Vec::new();
         }
@@ -239,8 +240,13 @@ impl<const D: usize> Joints<D> {
         for place in 0..uses.len() {
             let facet = first + place as u32;
             let sides = &topology.facets[facet as usize];
-            let least = if self.near_tip[facet as usize] { SUSPECT } else { 1.0 };
+            let (level, least) =
+                if self.near_tip[facet as usize] { (SUSPECTED, SUSPECT) } else { (FAILING, 1.0) };
             uses[place] = 0.0;
+            // The mean demand of two elements reaches a limit only if that of one does.
+            if sides.elements().iter().all(|&element| self.levels[element as usize] < level) {
+                continue;
+            }
             if self.demand_on(facet, state).reaches(least, self.limits[facet as usize])
                 && let Some(strength) = self.strength(facet)
             {
