@@ -24,8 +24,9 @@ pub(crate) fn rehearse<const D: usize, const N: usize>(
             AnyPrepared::Space(coarse) => rehearsal(*coarse, preflight),
         }
     });
-    if let Some(rehearsal) = rehearsal {
-        preflight.rehearse(&rehearsal);
+    match rehearsal {
+        Some(rehearsal) => preflight.rehearse(&rehearsal),
+        None => preflight.rehearsal_failed = true,
     }
 }
 

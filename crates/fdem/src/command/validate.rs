@@ -35,7 +35,8 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     if failed > 0 {
         return Err(Failure::Wrong(format!("{failed} of {} cases failed", reports.len())));
     }
-    let _ = writeln!(io::stdout(), "all {} cases passed", reports.len());
+    let all = if reports.len() == 1 { "the case".to_owned() } else { format!("all {} cases", reports.len()) };
+    let _ = writeln!(io::stdout(), "{all} passed");
     Ok(())
 }
 

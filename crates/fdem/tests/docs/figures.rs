@@ -310,7 +310,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
 
 /// Numbers that look like figures of speed, and the reason why no table has them.
 const OTHERS: &[(&str, &str, &str)] = &[
-    ("README.md", "Compiling takes three to five minutes on 2 cores", "the reader's machine"),
+    ("README.md", "Compiling takes three to seven minutes on 2 cores", "the reader's machine"),
     ("README.md", "in 13 to 25 minutes on 2 cores", "the reader's machine"),
     ("book/src/how/cgrid.md", "at least six times as fast", "a rule by which `auto` chooses"),
     ("book/src/simulation/first.md", "Ten minutes, from an empty folder", "the reader's time"),

@@ -15,6 +15,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     } else if seconds < 60.0 {
         format!("{seconds:.1} s")
     } else if seconds < 7200.0 {
+        let seconds = seconds.round();
         format!("{:.0} min {:02.0} s", (seconds / 60.0).floor(), seconds % 60.0)
     } else if seconds < 48.0 * 3600.0 {
         format!("{:.1} h", seconds / 3600.0)
@@ -43,8 +44,8 @@ mod tests {
     #[test]
     fn durations_are_told_as_people_tell_them() {
         assert_eq!(
-            [1e-3, 3.21, 75.0, 7300.0, 1e6, 3.2e9].map(duration),
-            ["0.1 s", "3.2 s", "1 min 15 s", "2.0 h", "11.6 days", "101 years"]
+            [1e-3, 3.21, 75.0, 119.7, 7300.0, 1e6, 3.2e9].map(duration),
+            ["0.1 s", "3.2 s", "1 min 15 s", "2 min 00 s", "2.0 h", "11.6 days", "101 years"]
         );
     }
 

@@ -113,6 +113,9 @@ pub struct Preflight {
     /// Number of elements with which the run was rehearsed, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsed: Option<usize>,
+    /// Whether the run was to be rehearsed and could not be: it took too long, or stopped.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub rehearsal_failed: bool,
     /// Time at which a condition or the last stage ended the rehearsal before the end time, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsed_end: Option<f64>,
@@ -227,6 +230,7 @@ impl Preflight {
             steps,
             seconds,
             rehearsed: None,
+            rehearsal_failed: false,
             rehearsed_end: None,
             seconds_whole: whole,
             on_ranks: forecast
@@ -365,6 +369,12 @@ fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>, steps: u
 /// Names beyond which the rest is counted.
 const NAMES: usize = 6;
 
+/// A number with two digits: a coarse mesh knows no more.
+fn about(number: f64) -> String {
+    let digits = format!("{number:.1e}");
+    digits.parse().map_or(digits, brief)
+}
+
 impl fmt::Display for Preflight {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let quality = &self.quality;
@@ -427,9 +437,10 @@ impl fmt::Display for Preflight {
         let most = duration(self.seconds);
         let whole = duration(self.seconds_whole);
         if let Some(elements) = self.rehearsed {
-            let end = self
-                .rehearsed_end
-                .map_or_else(|| "to end_time".to_owned(), |time| format!("that ended at {} s", brief(time)));
+            let end = self.rehearsed_end.map_or_else(
+                || "to end_time".to_owned(),
+                |time| format!("that ended at about {} s", about(time)),
+            );
             let to_end = if self.rehearsed_end.is_some() { " to end_time" } else { "" };
             writeln!(
                 out,
@@ -441,6 +452,12 @@ impl fmt::Display for Preflight {
                 out,
                 "run time         about {most} on one core if it breaks to pieces, {whole} if nothing breaks"
             )?;
+            if self.rehearsal_failed {
+                writeln!(
+                    out,
+                    "                 a rehearsal with a coarse mesh took too long or stopped, so it is not known how much breaks"
+                )?;
+            }
         } else {
             writeln!(out, "run time         about {most} on one core")?;
         }

@@ -32,9 +32,6 @@ const LAST: f64 = 0.25;
 /// Share of a run that a rehearsal must reach: the rest cannot be guessed from less.
 const ENOUGH: f64 = 0.5;
 
-/// Share of the time of a first step that a later one, with fewer elements, takes at least.
-const LEAST: f64 = 0.02;
-
 /// Parts of equal length into which a rehearsal is cut.
 const PARTS: u64 = 100;
 
@@ -43,8 +40,7 @@ const PARTS: u64 = 100;
 pub struct Rehearsal {
     /// Number of elements of the coarse mesh.
     pub elements: usize,
-    /// Time that a step takes more than the first ones, in the mean over all steps, s for an element. Less
-    /// than 0 if later stages have fewer elements.
+    /// Time that a step takes more than the first ones, in the mean over all steps, s for an element.
     pub more: f64,
     /// Share of the run that was rehearsed before its time was over.
     pub share: f64,
@@ -113,7 +109,7 @@ impl Rehearsal {
             if is_over { mean(&parts)? } else { share * mean(&parts)? + (1.0 - share) * mean(at_the_end)? };
         let rehearsal = Self {
             elements,
-            more: (of_all - calm) / elements as f64,
+            more: ((of_all - calm) / elements as f64).max(0.0),
             share: if is_over { 1.0 } else { share },
             ended: (is_over && reached < steps).then_some(share * end_time),
         };
@@ -129,7 +125,7 @@ impl Preflight {
         let of_a_step = whole + rehearsal.more * self.quality.elements as f64;
         let end = self.steps as f64 * self.step;
         let steps = self.steps as f64 * rehearsal.ended.map_or(1.0, |time| (time / end).min(1.0));
-        self.seconds = of_a_step.max(LEAST * whole) * steps;
+        self.seconds = of_a_step * steps;
         self.rehearsed = Some(rehearsal.elements);
         self.rehearsed_end = rehearsal.ended;
     }

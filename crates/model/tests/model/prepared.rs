@@ -580,7 +580,7 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
     assert!((preflight.seconds / ((100.0 + more) * ended / end) - 1.0).abs() < 1e-12, "{preflight:?}");
     let text = preflight.to_string();
     assert!(
-        text.contains(" elements that ended at ") && text.contains("1 min 40 s to end_time if"),
+        text.contains(" elements that ended at about ") && text.contains("1 min 40 s to end_time if"),
         "{text}"
     );
 

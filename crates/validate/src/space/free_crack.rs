@@ -111,7 +111,13 @@ pub(crate) fn turning(size: Size) -> Result<Vec<Outcome>, String> {
     // One mesh scatters more than the mean of several.
     let bounds = size.choose([12.0, 0.15], [5.0, 0.13]);
     Ok(vec![
-        Outcome::absolute(case("mean angle"), 0.0, mean(|crack| crack.angle), bounds[0], "degrees"),
+        Outcome::absolute(
+            case("mean angle of the surface in the last third"),
+            0.0,
+            mean(|crack| crack.angle),
+            bounds[0],
+            "degrees",
+        ),
         Outcome::absolute(case("the farthest from it"), 0.0, farthest, 12.0, "degrees"),
         Outcome::absolute(case("mean energy over G"), 1.0, mean(|crack| crack.energy), bounds[1], ""),
     ])

@@ -572,10 +572,34 @@ mod tests {
         for (h, bound) in [(1e-9, 1e-7), (1e-6, 1e-4)] {
             assert!((energy(1.0 + h) - through).abs() < bound && (energy(1.0 - h) - through).abs() < bound);
         }
-        // Where the form changes, at w = 0.1 from the centroid.
-        for at in [1.1, 0.9, 1.3, 0.7] {
+        // Where the form changes, at the distance NEAR from the centroid.
+        for at in [1.0, 3.0].into_iter().flat_map(|share| [1.0 + share * NEAR, 1.0 - share * NEAR]) {
             let (before, after) = (energy(at - 1e-9), energy(at + 1e-9));
             assert!((before - after).abs() < 1e-6, "{at}: {before} {after}");
+        }
+    }
+
+    /// Two tetrahedra with faces in two planes, as at the sides of two blocks that stand on each other. Once,
+    /// the form for faces near the centroid counted such a face twice or not at all, as coordinates were
+    /// rounded.
+    #[test]
+    fn faces_in_one_plane_count_once() {
+        let target = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
+        let contactor = [[0.95, 0.0, 0.0], [9.0, 0.0, 0.0], [0.95, 9.0, 0.0], [0.95, 0.0, 9.0]];
+        let energy = |angle: f64| {
+            let ([s, c], [t, d]) = ([angle.sin(), angle.cos()], [(0.7 * angle).sin(), (0.7 * angle).cos()]);
+            let turned = |shape: Tetrahedron| {
+                shape.map(|[x, y, z]| {
+                    let (x, y) = (c * x - s * y, s * x + c * y);
+                    [x, d * y - t * z, t * y + d * z]
+                })
+            };
+            interaction(&turned(contactor), &turned(target)).map_or(f64::NAN, |found| found.energy)
+        };
+        let straight = energy(0.0);
+        for k in 1..500 {
+            let found = energy(0.01 * f64::from(k));
+            assert!((found - straight).abs() < 1e-10 * straight, "{k}: {found} {straight}");
         }
     }
 

@@ -435,9 +435,27 @@ mod tests {
                 assert!((passing - through).abs() < 3.0 * shift + 1e-14, "{shift}: {passing} {through}");
             }
         }
-        // On both sides of the limit between the two forms, where the smallest w on the edge is 0.1.
-        let (one, other) = (energy(0.9 - 1e-9), energy(0.9 + 1e-9));
+        // On both sides of the limit between the two forms, where the smallest w on the edge is NEAR.
+        let (one, other) = (energy(1.0 - NEAR - 1e-9), energy(1.0 - NEAR + 1e-9));
         assert!((one - other).abs() < 1e-8, "{one} {other}");
+    }
+
+    /// Two triangles with edges on one line, as at the sides of two blocks that stand on each other. Once, the
+    /// form for edges near the centroid counted such a line twice or not at all, as coordinates were rounded.
+    #[test]
+    fn edges_on_one_line_count_once() {
+        let target: Triangle = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
+        let contactor: Triangle = [[0.95, 0.0], [6.0, 0.0], [0.95, 9.0]];
+        let energy = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            let turned = |triangle: Triangle| triangle.map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]);
+            interaction(&turned(contactor), &turned(target)).map_or(f64::NAN, |found| found.energy)
+        };
+        let straight = energy(0.0);
+        for k in 1..500 {
+            let found = energy(0.01 * f64::from(k));
+            assert!((found - straight).abs() < 1e-12 * straight, "{k}: {found} {straight}");
+        }
     }
 
     #[test]
