@@ -98,8 +98,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip<D>>,
-    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches, and the
-    /// level of each element; the lists are empty if joints are not inserted.
+    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches, and
+    /// the level of each element; the lists are empty if joints are not inserted.
     weakest: Vec<[Weakest; LANES]>,
     demands: Vec<Demands>,
     levels: Vec<u8>,

@@ -1,7 +1,7 @@
 //! Distances of points and of boxes, in the form that is compared.
 //!
-//! Nearly all questions are about Euclid's norm where nothing repeats: it is compiled for itself, in a plane and
-//! in space with loops of a fixed length. The operations and their order are those of all other cases.
+//! Nearly all questions are about Euclid's norm where nothing repeats: it is compiled for itself, in a plane
+//! and in space with loops of a fixed length. The operations and their order are those of all other cases.
 
 use super::Norm;
 use super::norm::{Far, NearSide, along};

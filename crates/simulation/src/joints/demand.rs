@@ -130,7 +130,8 @@ impl Slopes {
     }
 }
 
-/// Level of an element of which an edge may reach [`SUSPECT`], and of one of which an edge may fail; 0 of others.
+/// Level of an element of which an edge may reach [`SUSPECT`], and of one of which an edge may fail; that of
+/// others is 0.
 pub(crate) const SUSPECTED: u8 = 1;
 pub(crate) const FAILING: u8 = 2;
 

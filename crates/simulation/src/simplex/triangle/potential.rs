@@ -440,8 +440,9 @@ mod tests {
         assert!((one - other).abs() < 1e-8, "{one} {other}");
     }
 
-    /// Two triangles with edges on one line, as at the sides of two blocks that stand on each other. Once, the
-    /// form for edges near the centroid counted such a line twice or not at all, as coordinates were rounded.
+    /// Two triangles with edges on one line, as at the sides of two blocks that stand on each other. Once,
+    /// the form for edges near the centroid counted such a line twice or not at all, as coordinates were
+    /// rounded.
     #[test]
     fn edges_on_one_line_count_once() {
         let target: Triangle = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
