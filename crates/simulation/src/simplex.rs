@@ -15,10 +15,10 @@ use crate::vector::{Matrix, Point, dot};
 use crate::lanes::{row, rows, set_rows};
 
 /// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
-/// direction, is below this. The integral of its potential then has another form, whose error is less there.
-/// That form depends on which of two facets in one plane is inside the other, which rounding decides: it is
-/// for the few couples that need it. Farther away the error of the usual
-/// form, of the order of rounding over the third power of this, is below 1e-6 by estimate.
+/// direction, is below this. The integral of the potential then has another form, whose error is less there.
+/// Of two facets in one plane, rounding decides which lies inside the other element, and the other form then
+/// counts this plane once, twice or not at all. So the limit is small. Farther away the error of the usual
+/// form is below 1e-6, by estimate: rounding over the third power of the limit.
 const NEAR: f64 = 1e-3;
 
 /// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three

@@ -432,7 +432,7 @@ const CASES: &[Case] = &[
     Case {
         number: 41,
         name: "free crack in space, turning",
-        what: "A plate whose notch is turned by 30 degrees about the way of the crack is pulled: the notch opens and slides along its front (modes I and III). The crack turns as it grows until it lies across \
+        what: "A plate whose notch is turned by 30 degrees about the direction of growth is pulled: the notch opens and slides along its front (modes I and III). The crack turns as it grows until it lies across \
                the load, and dissipates the fracture energy times its projected area.",
         source: "largest tension at the front: E. Sommer, Eng. Fract. Mech. 1 (1969) 539-546",
         run: space::free_crack::turning,

@@ -40,8 +40,8 @@ const SPEED: f64 = 1e-2;
 const RAMP: f64 = 2.5e-4;
 const BENT: f64 = 1.2e-3;
 
-/// Angle by which the notch of a plate is turned about the way of the crack, degrees. Its sides are loaded in
-/// opening and, along the front, in shear (modes I and III), and the crack turns until it only opens.
+/// Angle by which the notch of a plate is turned about the direction of growth, degrees. Its sides are loaded
+/// in opening and, along the front, in shear (modes I and III), and the crack turns until it only opens.
 const TURNED: f64 = 30.0;
 
 /// The load on the specimen.
@@ -71,7 +71,7 @@ struct PlateCrack {
     energy: f64,
     /// Area of the broken joints over that of the ligament.
     area: f64,
-    /// Angle of the surface about the way of the crack in the last third of the ligament, degrees: that of
+    /// Angle of the surface about the direction of growth in the last third of the ligament, degrees: that of
     /// the sum of its faces, as vectors.
     angle: f64,
 }
@@ -97,7 +97,7 @@ pub(crate) fn bending(size: Size) -> Result<Vec<Outcome>, String> {
     compared(PlateLoad::Bending, size)
 }
 
-/// A notch that is turned about the way of the crack.
+/// A notch that is turned about the direction of growth.
 pub(crate) fn turning(size: Size) -> Result<Vec<Outcome>, String> {
     let (layers, loading) = (4, PlateLoad::Tension);
     let seeds = size.choose(1..=1, 1..=4);
@@ -327,7 +327,7 @@ joint_penalty = 10
     }
 }
 
-/// Angle of the broken surface about the way of the crack in the last third of the ligament, degrees.
+/// Angle of the broken surface about the direction of growth in the last third of the ligament, degrees.
 fn angle(run: &Simulation<3, 4>) -> f64 {
     let mut sum = [0.0; 2];
     for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some() && !crack.open_from_start) {
