@@ -113,8 +113,8 @@ pub struct Preflight {
     /// Number of elements with which the run was rehearsed, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsed: Option<usize>,
-    /// Whether the run was to be rehearsed and could not be: no mesh is coarse enough, or the rehearsal took too
-    /// long or stopped.
+    /// Whether the run was to be rehearsed and could not be: no mesh is coarse enough, or the rehearsal took
+    /// too long or stopped.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub rehearsal_failed: bool,
     /// Time at which a condition or the last stage ended the rehearsal before the end time, s.
