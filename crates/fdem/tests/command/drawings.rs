@@ -74,16 +74,17 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
     bench.run(&["generate", "gas", "-n", "15000", "-o", "gas.npy"]).succeeds();
     let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
     let least = crate::least_memory();
-    // The last one is slow in tests, so it has fewer limits.
     let small = "--picture p.png --picture-width 400";
+    // The last one is slow in tests, so it has fewer limits.
     for (drawing, step) in
         [(small, 15_000), ("--plots p.png", 25_000), ("--report p.html", 25_000), ("--picture p.svg", 75_000)]
     {
         let mut ends = [0, 0];
         let step = if crate::thorough() { step } else { 6 * step };
-        // The threads of the analysis of a report keep more or less address space.
-        let most = if drawing.starts_with("--report") { 600_000 } else { 300_000 };
-        for kilobytes in (least..least + most).step_by(step) {
+        let mut kilobytes = least;
+        // Machines differ in how much they need: more and more, until there is enough.
+        while ends[0] < 2 {
+            assert!(kilobytes < least + 4_000_000, "{drawing} takes more than 4 GB");
             let line = format!(
                 "ulimit -v {kilobytes} && RUST_BACKTRACE=0 exec {fdem} contacts gas.npy -q {drawing}"
             );
@@ -101,8 +102,9 @@ fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
                 }
                 code => panic!("{drawing}, {kilobytes} kB: {code:?}, {message}"),
             }
+            kilobytes += step;
         }
-        assert!(ends[0] > 0 && ends[1] > 0, "{drawing}: drawings and errors: {ends:?}");
+        assert!(ends[1] > 0, "{drawing} has never too little memory");
     }
 }
 
