@@ -1,5 +1,5 @@
 //! The unsafe code on a few hundred elements: also a program of its own for Miri, an interpreter that detects
-//! undefined behaviour and data races. See `.ci/run` and `just miri`.
+//! undefined behaviour and data races. See `just miri`.
 //!
 //! Miri reports a processor without vector instructions beyond SSE2, so the portable kernel runs. Under Miri
 //! the library cuts its work into smaller parts (`cfg!(miri)`), so that few elements suffice for two threads
