@@ -4,6 +4,7 @@
 //! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of
 //! a tetrahedron. A facet has `D` corners, and `D` facets meet in each corner.
 
+mod near_centroid;
 mod tetrahedron;
 pub(crate) mod triangle;
 
@@ -13,13 +14,6 @@ use crate::vector::{Matrix, Point, dot};
 
 #[cfg(test)]
 use crate::lanes::{row, rows, set_rows};
-
-/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
-/// direction, is below this. The integral of the potential then has another form, whose error is less there.
-/// Of two facets in one plane, rounding decides which lies inside the other element, and the other form then
-/// counts this plane once, twice or not at all. So the limit is small. Farther away the error of the usual
-/// form is below 1e-6, by estimate: rounding over the third power of the limit.
-const NEAR: f64 = 1e-3;
 
 /// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three
 /// counter-clockwise seen from the last.
@@ -169,8 +163,9 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// the facet that parts the two most. Negative if none does.
     fn parted(&self, other: &Self) -> f64;
 
-    /// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
-    fn interactions(
+    /// [`interactions`] without the energies of potentials where a facet passes near the centroid, and without
+    /// the forces that follow from them.
+    fn usual_interactions(
         available: Available,
         shapes: &[Shapes<D, N>],
         scratch: &mut Self::Scratch,
@@ -214,9 +209,12 @@ pub(crate) type Shapes<const D: usize, const N: usize> = [Rows<D, N>; 2];
 pub(crate) struct Interactions<const D: usize, const N: usize> {
     /// Forces on the corners of the first and of the second element.
     pub(crate) forces: [Rows<D, N>; 2],
-    /// The integral of the potentials over the overlap; 0 or, by rounding, less if the elements do not
-    /// overlap.
-    pub(crate) energy: Lanes,
+    /// The integral over the overlap of the potential of the first and of the second element; 0 or, by
+    /// rounding, less if the elements do not overlap.
+    energies: [Lanes; 2],
+    /// The facets of the other element, as the sum of their bits, that pass near the centroid of the first
+    /// and of the second one.
+    passing: [Lanes; 2],
     /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
     pub(crate) point: [Lanes; D],
     /// 1 where one element reaches the centroid of the other, else 0: the potential does not grow with
@@ -227,24 +225,45 @@ pub(crate) struct Interactions<const D: usize, const N: usize> {
 impl<const D: usize, const N: usize> Interactions<D, N> {
     pub(crate) const NONE: Self = Self {
         forces: [[[Lanes::ZERO; D]; N]; 2],
-        energy: Lanes::ZERO,
+        energies: [Lanes::ZERO; 2],
+        passing: [Lanes::ZERO; 2],
         point: [Lanes::ZERO; D],
         deep: Lanes::ZERO,
     };
 
-    /// Adds the energy of the potential of one element of a couple, and the forces on its corners because the
-    /// potential moves with them. `gradients`: those of its barycentric coordinates. `inside`: 1 if the other
-    /// element reaches its centroid, else 0.
+    /// The integral of both potentials over the overlap; 0 or, by rounding, less if the elements do not
+    /// overlap.
     #[inline(always)]
-    fn add_energy(&mut self, lane: usize, side: usize, gradients: &Rows<D, N>, energy: f64, inside: f64) {
+    pub(crate) fn energy(&self, lane: usize) -> f64 {
+        self.energies[0].get(lane) + self.energies[1].get(lane)
+    }
+
+    /// Sets the energy of the potential of one element of a couple, and adds the forces on its corners because
+    /// the potential moves with them. `gradients`: those of its barycentric coordinates.
+    #[inline(always)]
+    fn set_energy(&mut self, lane: usize, side: usize, gradients: &[Point<D>; N], energy: f64) {
         for corner in 0..N {
             for axis in 0..D {
                 let force = &mut self.forces[side][corner][axis];
-                force.set(lane, force.get(lane) - gradients[corner][axis].get(lane) * energy);
+                force.set(lane, force.get(lane) - gradients[corner][axis] * energy);
             }
         }
-        self.energy.set(lane, self.energy.get(lane) + energy);
-        self.deep.set(lane, larger(self.deep.get(lane), inside));
+        self.energies[side].set(lane, energy);
+    }
+}
+
+/// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
+pub(crate) fn interactions<const D: usize, const N: usize>(
+    available: Available,
+    shapes: &[Shapes<D, N>],
+    scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
+    found: &mut [Interactions<D, N>],
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::usual_interactions(available, shapes, scratch, found);
+    for (shapes, found) in shapes.iter().zip(found) {
+        near_centroid::add_energies(available, shapes, scratch, found);
     }
 }
 
@@ -353,8 +372,8 @@ where
         }
     }
     let mut found = [Interactions::NONE];
-    <[[f64; D]; N]>::interactions(Available::best(), &[shapes], &mut Default::default(), &mut found);
-    let energy = found[0].energy.get(0);
+    interactions(Available::best(), &[shapes], &mut Default::default(), &mut found);
+    let energy = found[0].energy(0);
     if energy <= 0.0 {
         return Err(a.distance(b, 0.0));
     }

@@ -19,7 +19,7 @@ use crate::contacts::places::Histories;
 use crate::contacts::surface::Surface;
 use crate::joints::Joints;
 use crate::lanes::{LANES, Lanes, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
-use crate::simplex::{Interactions, Shapes, Simplex, gap, parted};
+use crate::simplex::{Interactions, Shapes, Simplex, gap, interactions, parted};
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology};
 use crate::vector::Point;
@@ -153,7 +153,7 @@ where
                 }
             }
         }
-        <[[f64; D]; N]>::interactions(available, shapes, scratch, found);
+        interactions(available, shapes, scratch, found);
         let of_batches = shapes.iter().zip(given).zip(&mut histories.batches[batches]);
         for (((shapes, given), grips), (found, works)) in of_batches.zip(found.iter_mut().zip(works)) {
             grip_of::<D, N>(available, shapes, given, found, grips, works);
@@ -162,7 +162,7 @@ where
 
     #[inline]
     fn overlaps(found: &Interactions<D, N>, lane: usize) -> bool {
-        found.energy.get(lane) > 0.0
+        found.energy(lane) > 0.0
     }
 
     /// They touch, or are apart with an edge of each nearest to the other.
@@ -215,14 +215,14 @@ where
                 }
             }
             distances_of::<D, N>(solid.available, &shapes, &mut distances);
-            <[[f64; D]; N]>::interactions(
+            interactions(
                 solid.available,
                 std::slice::from_ref(&shapes),
                 &mut scratch,
                 std::slice::from_mut(&mut found),
             );
             points.extend((0..couples.len()).map(|lane| {
-                if distances.get(lane) < 0.0 && found.energy.get(lane) > 0.0 {
+                if distances.get(lane) < 0.0 && found.energy(lane) > 0.0 {
                     return row(&found.point, lane);
                 }
                 let corners: [[Point<D>; N]; 2] = [0, 1].map(|side| rows(&shapes[side], lane));

@@ -232,13 +232,13 @@ impl Simplex<3, 4> for Tetrahedron {
         potential::parted(self, other)
     }
 
-    fn interactions(
+    fn usual_interactions(
         available: Available,
         shapes: &[Shapes<3, 4>],
         scratch: &mut Self::Scratch,
         found: &mut [Interactions<3, 4>],
     ) {
-        potential::interactions(available, shapes, scratch, found);
+        potential::usual_interactions(available, shapes, scratch, found);
     }
 
     fn distance(&self, other: &Self, known: f64) -> f64 {

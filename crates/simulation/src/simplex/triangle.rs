@@ -202,13 +202,13 @@ impl Simplex<2, 3> for Triangle {
         potential::parted(self, other)
     }
 
-    fn interactions(
+    fn usual_interactions(
         available: Available,
         shapes: &[Shapes<2, 3>],
         scratch: &mut Self::Scratch,
         found: &mut [Interactions<2, 3>],
     ) {
-        potential::interactions(available, shapes, scratch, found);
+        potential::usual_interactions(available, shapes, scratch, found);
     }
 
     fn distance(&self, _: &Self, known: f64) -> f64 {

@@ -259,7 +259,7 @@ fn grip_one<const D: usize, const N: usize>(
     let other = velocity_at(&velocities[1], &completed(&before.shares[1]));
     let [mut friction_work, mut damping_work] = before.second_half(minus(one, other), step);
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
-    let potential = penalty * found.energy.get(lane);
+    let potential = penalty * found.energy(lane);
     let initial = given.initial.get(lane);
     let way = if initial > 0.0 { initial } else { f64::from(before.way) };
     let relaxes = way >= f64::from(Overlap::Relaxing as u8);
@@ -291,7 +291,7 @@ fn grip_one<const D: usize, const N: usize>(
     let size = dot(push, push).sqrt();
     let (coefficient, ratio) = (given.friction.get(lane), given.damping.get(lane));
     // Couples that separate have only the works of their last forces.
-    let touches = (size > 0.0) & (found.energy.get(lane) > 0.0);
+    let touches = (size > 0.0) & (found.energy(lane) > 0.0);
     let per_size = 1.0 / size;
     let axes = <[[f64; D]; N]>::axes_around(push.map(|x| per_size * x));
     let normal = axes[0];

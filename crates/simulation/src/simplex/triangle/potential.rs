@@ -16,8 +16,7 @@
 //! from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
 //! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of
 //! B, and its flux out of the edges of A is the integral, less a third of the area of B if c is in A. Without
-//! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A passes near
-//! c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
+//! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0: see `near_centroid.rs`.
 //!
 //! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`.
 
@@ -29,14 +28,15 @@
 use crate::lanes::{
     Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
 };
-use crate::simplex::{Interactions, NEAR, Shapes, Triangle, furthest, points};
+use crate::simplex::near_centroid::NEAR;
+use crate::simplex::{Interactions, Shapes, Triangle, furthest, points};
 use crate::vector::{Point, cross, dot, minus};
 
 const THIRD: f64 = 1.0 / 3.0;
 const SIXTH: f64 = 1.0 / 6.0;
 
-/// Computes the interactions of a list of batches.
-pub(super) fn interactions(
+/// [`Simplex::usual_interactions`](crate::simplex::Simplex::usual_interactions).
+pub(super) fn usual_interactions(
     available: Available,
     shapes: &[Shapes<2, 3>],
     between: &mut TriangleScratch,
@@ -66,9 +66,8 @@ fn side<const OF: usize>(
     found: &mut Interactions<2, 3>,
 ) {
     between.outside = Lanes::ZERO;
-    between.near = Lanes::ZERO;
     between.inside = Lanes::all(1.0);
-    between.passes_near = Lanes::ZERO;
+    between.passing = Lanes::ZERO;
     edges::<OF, 0>(available, shapes, between, &mut found.forces);
     edges::<OF, 1>(available, shapes, between, &mut found.forces);
     edges::<OF, 2>(available, shapes, between, &mut found.forces);
@@ -85,13 +84,12 @@ pub(crate) struct TriangleScratch {
     /// Area coordinates of the corners of the contactor in the target.
     at: [Rows<3, 3>; 2],
     /// The numbers of a [`Chord`] for each edge of the contactor.
-    chords: [Rows<6, 3>; 2],
-    /// Sums over the edges of one contactor: the flux of both fields, and whether the centroid of the target
-    /// is inside, and near an edge: 1 or 0.
+    chords: [Rows<4, 3>; 2],
+    /// Of the edges of one contactor: the flux of the field, 1 if the centroid of the target is inside and
+    /// else 0, and the sum of the bits of the edges that pass near it.
     outside: Lanes,
-    near: Lanes,
     inside: Lanes,
-    passes_near: Lanes,
+    passing: Lanes,
     /// Sums over all edges: pressure, and pressure times position.
     weight: Lanes,
     moment: [Lanes; 2],
@@ -104,11 +102,10 @@ impl Default for TriangleScratch {
             double: [Lanes::ZERO; 2],
             centroids: [[Lanes::ZERO; 2]; 2],
             at: [[[Lanes::ZERO; 3]; 3]; 2],
-            chords: [[[Lanes::ZERO; 6]; 3]; 2],
+            chords: [[[Lanes::ZERO; 4]; 3]; 2],
             outside: Lanes::ZERO,
-            near: Lanes::ZERO,
             inside: Lanes::ZERO,
-            passes_near: Lanes::ZERO,
+            passing: Lanes::ZERO,
             weight: Lanes::ZERO,
             moment: [Lanes::ZERO; 2],
         }
@@ -136,11 +133,11 @@ fn all_frames(shapes: &Shapes<2, 3>, between: &mut TriangleScratch) {
     }
 }
 
-compiled_for_vectors!(fn chords = all_chords<>(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 6]));
+compiled_for_vectors!(fn chords = all_chords<>(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 4]));
 
 /// The chords of one edge.
 #[inline(always)]
-fn all_chords(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 6]) {
+fn all_chords(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 4]) {
     for lane in 0..LANES {
         let chord = chord(row(start, lane), row(end, lane));
         set_row(chords, lane, &chord.numbers());
@@ -174,10 +171,9 @@ fn all_edges<const OF: usize, const K: usize>(
         let presses = pressure != 0.0;
         let add_to = |sum: &mut Lanes, more: f64| sum.set(lane, sum.get(lane) + more);
         add_to(&mut between.outside, if presses { beyond * chord.outside } else { 0.0 });
-        add_to(&mut between.near, if presses { beyond * chord.near } else { 0.0 });
         between.inside.set(lane, if beyond >= 0.0 { between.inside.get(lane) } else { 0.0 });
         let passes = presses & (chord.least < NEAR);
-        between.passes_near.set(lane, if passes { 1.0 } else { between.passes_near.get(lane) });
+        add_to(&mut between.passing, if passes { const { (1 << K) as f64 } } else { 0.0 });
         for axis in 0..2 {
             add_to(&mut forces[OF][K][axis], normal[axis] * -chord.at_start);
             add_to(&mut forces[OF][next][axis], normal[axis] * -chord.at_end);
@@ -199,18 +195,17 @@ fn all_edges<const OF: usize, const K: usize>(
 
 compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &TriangleScratch, found: &mut Interactions<2, 3>));
 
-/// Adds the energy of the potential of one target.
+/// Adds the energy of the potential of one target, unless an edge passes near its centroid.
 #[inline(always)]
 fn all_energies<const OF: usize>(between: &TriangleScratch, found: &mut Interactions<2, 3>) {
     for lane in 0..LANES {
         let area = 0.5 * between.double[OF].get(lane);
-        let inside = between.inside.get(lane);
-        let covered = [0, 1, 2].map(|k| between.chords[1 - OF][k][0].get(lane));
-        let covered = covered[0] + covered[1] + covered[2];
-        let far = between.outside.get(lane) + inside * (THIRD * area);
-        let near = between.near.get(lane) + THIRD * THIRD * area * covered;
-        let energy = if between.passes_near.get(lane) > 0.0 { near } else { far };
-        found.add_energy(lane, 1 - OF, &between.gradients[OF], energy, inside);
+        let (inside, passing) = (between.inside.get(lane), between.passing.get(lane));
+        let energy = between.outside.get(lane) + inside * (THIRD * area);
+        let energy = if passing > 0.0 { 0.0 } else { energy };
+        found.set_energy(lane, 1 - OF, &rows(&between.gradients[OF], lane), energy);
+        found.passing[1 - OF].set(lane, passing);
+        found.deep.set(lane, larger(found.deep.get(lane), inside));
     }
 }
 
@@ -253,27 +248,24 @@ pub(super) fn parted(contactor: &Triangle, target: &Triangle) -> f64 {
 /// counts as 1.
 #[derive(Clone, Copy)]
 struct Chord {
-    /// Length of the part.
-    long: f64,
     /// ∫ φ (1 − s) and ∫ φ s.
     at_start: f64,
     at_end: f64,
-    /// ∫ h with C = −1/6, and with C = 0.
+    /// ∫ h.
     outside: f64,
-    near: f64,
     /// Smallest w on the part.
     least: f64,
 }
 
 impl Chord {
     #[inline(always)]
-    fn of([long, at_start, at_end, outside, near, least]: [f64; 6]) -> Self {
-        Self { long, at_start, at_end, outside, near, least }
+    fn of([at_start, at_end, outside, least]: [f64; 4]) -> Self {
+        Self { at_start, at_end, outside, least }
     }
 
     #[inline(always)]
-    fn numbers(&self) -> [f64; 6] {
-        [self.long, self.at_start, self.at_end, self.outside, self.near, self.least]
+    fn numbers(&self) -> [f64; 4] {
+        [self.at_start, self.at_end, self.outside, self.least]
     }
 }
 
@@ -316,20 +308,13 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
         [long * both, long * (both * (s + t) + (a * s + b * t)), long * (both * both - a * b * (1.0 + both))]
     });
     let sum = |k: usize| (pieces[0][k] + pieces[1][k]) + (pieces[2][k] + pieces[3][k]);
-    let (long, total, at_end) = (to - from, sum(0), SIXTH * sum(1));
+    let (total, at_end) = (sum(0), SIXTH * sum(1));
     // The sum of four fractions, by one division.
     let (one, two) = (pieces[0][2] * w[2] + pieces[1][2] * w[0], pieces[2][2] * w[4] + pieces[3][2] * w[2]);
     let (before, after) = (w[0] * w[1], w[3] * w[4]);
     let outside = (one * after + two * before) / (before * w[2] * after);
     let least = smaller(smaller(w[0], w[1]), smaller(smaller(w[2], w[3]), w[4]));
-    Chord {
-        long,
-        at_start: 0.5 * total - at_end,
-        at_end,
-        outside: -SIXTH * outside,
-        near: SIXTH * (long + total),
-        least,
-    }
+    Chord { at_start: 0.5 * total - at_end, at_end, outside: -SIXTH * outside, least }
 }
 
 #[cfg(test)]
@@ -421,41 +406,40 @@ mod tests {
         assert!(deep > 30, "{deep}");
     }
 
-    /// Both forms of the integral agree where both are accurate. The form for edges near the centroid is
-    /// continuous where an edge goes through the centroid.
+    /// The energy is continuous where an edge goes through the centroid.
     #[test]
     fn an_edge_through_the_centroid_is_as_one_that_passes_near() {
         let target = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
         let contactor = |x: f64| [[x, -5.0], [x + 9.0, 0.3], [x, 5.0]];
         let energy = |x: f64| interaction(&contactor(x), &target).map_or(f64::NAN, |found| found.energy);
         let through = energy(1.0);
-        for shift in [1e-12, 1e-9, 1e-6] {
-            for sign in [-1.0, 1.0] {
-                let passing = energy(1.0 + sign * shift);
-                assert!((passing - through).abs() < 3.0 * shift + 1e-14, "{shift}: {passing} {through}");
-            }
+        for shift in [1e-12, 1e-9, 0.5 * NEAR, 0.999 * NEAR, 1.001 * NEAR, 10.0 * NEAR] {
+            // The slope is the same on both sides.
+            let mean = 0.5 * (energy(1.0 - shift) + energy(1.0 + shift));
+            assert!((mean - through).abs() < shift * shift + 3e-9, "{shift}: {mean} {through}");
+            assert!((energy(1.0 + shift) - through).abs() < 3.0 * shift + 3e-9, "{shift}");
         }
-        // On both sides of the limit between the two forms, where the smallest w on the edge is NEAR.
-        let (one, other) = (energy(1.0 - NEAR - 1e-9), energy(1.0 - NEAR + 1e-9));
-        assert!((one - other).abs() < 1e-8, "{one} {other}");
     }
 
-    /// Two triangles with edges on one line, as at the sides of two blocks that stand on each other. Once,
-    /// the form for edges near the centroid counted such a line twice or not at all, as coordinates were
-    /// rounded.
+    /// Two triangles with edges on one line, as at the sides of two blocks that stand on each other, also
+    /// where another edge goes through the centroid. Once, this line counted twice or not at all, as
+    /// coordinates were rounded.
     #[test]
     fn edges_on_one_line_count_once() {
         let target: Triangle = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
-        let contactor: Triangle = [[0.95, 0.0], [6.0, 0.0], [0.95, 9.0]];
-        let energy = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            let turned = |triangle: Triangle| triangle.map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]);
-            interaction(&turned(contactor), &turned(target)).map_or(f64::NAN, |found| found.energy)
-        };
-        let straight = energy(0.0);
-        for k in 1..500 {
-            let found = energy(0.01 * f64::from(k));
-            assert!((found - straight).abs() < 1e-12 * straight, "{k}: {found} {straight}");
+        for (x, bound) in [(0.95, 1e-12), (0.9999, 1e-9), (1.0, 1e-8)] {
+            let contactor: Triangle = [[x, 0.0], [6.0, 0.0], [x, 9.0]];
+            let energy = |angle: f64| {
+                let (sin, cos) = angle.sin_cos();
+                let turned =
+                    |triangle: Triangle| triangle.map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]);
+                interaction(&turned(contactor), &turned(target)).map_or(f64::NAN, |found| found.energy)
+            };
+            let straight = energy(0.0);
+            for k in 1..500 {
+                let found = energy(0.01 * f64::from(k));
+                assert!((found - straight).abs() < bound * straight, "{x} {k}: {found} {straight}");
+            }
         }
     }
 

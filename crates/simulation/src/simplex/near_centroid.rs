@@ -1,0 +1,94 @@
+//! The energy of a potential where a facet of the other element passes near the centroid of its element.
+//!
+//! The energy follows from the flux of a field that is singular in the centroid, out of the facets of the other
+//! element (`triangle/potential.rs`, `tetrahedron/potential.rs`). Near the centroid this flux is nearly 0/0:
+//! its error is rounding over the distance. So the other element is moved aside, along the normal of the
+//! facet, to both sides, where the flux is well known, and the mean of the two energies is taken. Its gradient
+//! is continuous, so the error of the mean goes with the square of that way. A field that is not singular would
+//! not vanish on the boundary. Where facets of both elements lie in one plane, as at the sides of blocks that
+//! stand on each other, rounding would then decide whether this plane counts once, twice or not at all.
+
+use crate::lanes::{Available, LANES, Lanes, rows, set_rows};
+use crate::simplex::{Interactions, Shapes, Simplex};
+use crate::vector::{Point, add, dot, length, minus, unit};
+
+/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
+/// direction, is below this.
+pub(super) const NEAR: f64 = 1e-5;
+
+/// By which share of the distance of the boundary the other element is moved.
+const ASIDE: f64 = 3e-5;
+
+/// Adds the energies that are missing in a batch, and the forces that follow from them.
+pub(super) fn add_energies<const D: usize, const N: usize>(
+    available: Available,
+    shapes: &Shapes<D, N>,
+    scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
+    found: &mut Interactions<D, N>,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for side in 0..2 {
+        for lane in 0..LANES {
+            let facets = found.passing[side].get(lane) as u32;
+            if facets != 0 {
+                let [own, other] = [side, 1 - side].map(|of| rows::<D, N>(&shapes[of], lane));
+                let energy = energy_of(available, side, &own, &other, facets, scratch);
+                let inverse = <[[f64; D]; N]>::inverse_edges(&own);
+                let gradients = std::array::from_fn(|corner| {
+                    std::array::from_fn(|axis| match corner {
+                        0 => -inverse.iter().map(|row| row[axis]).sum::<f64>(),
+                        _ => inverse[corner - 1][axis],
+                    })
+                });
+                found.set_energy(lane, side, &gradients, energy);
+            }
+        }
+    }
+}
+
+/// The energy of the potential of an element, which is on this side of its couple. `facets`: those of the
+/// other one that pass near its centroid, as bits.
+fn energy_of<const D: usize, const N: usize>(
+    available: Available,
+    side: usize,
+    own: &[Point<D>; N],
+    other: &[Point<D>; N],
+    facets: u32,
+    scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
+) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let normals = (0..N).filter(|facet| facets >> facet & 1 == 1).map(|facet| {
+        let corners = <[[f64; D]; N]>::FACETS[facet].map(|corner| other[corner]);
+        unit(<[[f64; D]; N]>::facet_normal(&corners))
+    });
+    // Away from all of them, where several meet near the centroid.
+    let mut normal = [0.0; D];
+    for one in normals {
+        let opposite = length(normal) > 0.0 && dot(normal, one) < -0.99 * length(normal);
+        add(&mut normal, one, if opposite { 0.0 } else { 1.0 });
+    }
+    let normal = unit(normal);
+    let mut centroid = [0.0; D];
+    own.iter().for_each(|&corner| add(&mut centroid, corner, 1.0 / N as f64));
+    let far = own.iter().map(|&corner| dot(minus(corner, centroid), normal).abs()).fold(0.0, f64::max);
+    let (mut aside, mut found) = (ASIDE, Interactions::NONE);
+    loop {
+        let mut shapes = [[[Lanes::ZERO; D]; N]; 2];
+        for lane in 0..2 {
+            let way = aside * far * [1.0, -1.0][lane];
+            let moved = other.map(|corner| std::array::from_fn(|axis| corner[axis] + way * normal[axis]));
+            set_rows(&mut shapes[side], lane, own);
+            set_rows(&mut shapes[1 - side], lane, &moved);
+        }
+        let (shapes, beside) = (std::slice::from_ref(&shapes), std::slice::from_mut(&mut found));
+        <[[f64; D]; N]>::usual_interactions(available, shapes, scratch, beside);
+        // Another facet may pass near the centroid there.
+        if [0, 1].iter().all(|&lane| found.passing[side].get(lane) == 0.0) || aside > 0.1 {
+            return 0.5 * (found.energies[side].get(0) + found.energies[side].get(1));
+        }
+        aside *= 2.0;
+    }
+}
