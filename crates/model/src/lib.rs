@@ -80,7 +80,7 @@ mod prepare;
 pub use advice::differences::Modelled;
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;
-pub use advice::preflight::{Critical, Preflight, check, steps};
+pub use advice::preflight::{Critical, Preflight, Rehearsed, check, steps};
 pub use advice::rehearsal::Rehearsal;
 pub use bodies::boxes::BodyBox;
 pub use bodies::gmsh::stop as stop_gmsh;

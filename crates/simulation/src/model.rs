@@ -353,6 +353,14 @@ impl Default for ContactOptions {
     }
 }
 
+impl ContactOptions {
+    /// Time in which the part of an initial overlap that gives no force falls to 1/e, s. `step`: time step,
+    /// s.
+    pub fn relaxing_time(&self, step: f64) -> f64 {
+        self.overlap_time.unwrap_or(1000.0 * step)
+    }
+}
+
 /// When joints are inserted between elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

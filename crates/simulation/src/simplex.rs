@@ -4,7 +4,7 @@
 //! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of
 //! a tetrahedron. A facet has `D` corners, and `D` facets meet in each corner.
 
-mod near_centroid;
+pub(crate) mod interactions;
 mod tetrahedron;
 pub(crate) mod triangle;
 
@@ -12,8 +12,9 @@ use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, 
 use crate::moduli::{Moduli, Plane};
 use crate::vector::{Matrix, Point, dot};
 
-#[cfg(test)]
-use crate::lanes::{row, rows, set_rows};
+/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
+/// direction, is below this: see `interactions.rs`.
+const NEAR: f64 = 1e-5;
 
 /// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three
 /// counter-clockwise seen from the last.
@@ -163,7 +164,7 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// the facet that parts the two most. Negative if none does.
     fn parted(&self, other: &Self) -> f64;
 
-    /// [`interactions`] without the energies of potentials where a facet passes near the centroid, and without
+    /// [`interactions`](interactions::interactions) without the energies of potentials where a facet passes near the centroid, and without
     /// the forces that follow from them.
     fn usual_interactions(
         available: Available,
@@ -252,21 +253,6 @@ impl<const D: usize, const N: usize> Interactions<D, N> {
     }
 }
 
-/// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
-pub(crate) fn interactions<const D: usize, const N: usize>(
-    available: Available,
-    shapes: &[Shapes<D, N>],
-    scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
-    found: &mut [Interactions<D, N>],
-) where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    <[[f64; D]; N]>::usual_interactions(available, shapes, scratch, found);
-    for (shapes, found) in shapes.iter().zip(found) {
-        near_centroid::add_energies(available, shapes, scratch, found);
-    }
-}
-
 compiled_for_vectors!(fn points = all_points<const D: usize>(
     weight: &Lanes,
     moment: &[Lanes; D],
@@ -340,47 +326,4 @@ fn furthest<const D: usize, const N: usize>(gradients: &[Point<D>; N], at: &[[f6
         furthest = larger(furthest, if most <= 0.0 { squared } else { -1.0 });
     }
     furthest
-}
-
-/// Forces and energy of two elements that overlap.
-#[cfg(test)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interaction<const D: usize = 2, const N: usize = 3> {
-    pub(crate) forces: [[Point<D>; N]; 2],
-    pub(crate) energy: f64,
-    pub(crate) point: Point<D>,
-    pub(crate) deep: bool,
-}
-
-/// The interaction of two elements; if they do not overlap, a lower bound of their distance.
-#[cfg(test)]
-pub(crate) fn interaction<const D: usize, const N: usize>(
-    a: &[Point<D>; N],
-    b: &[Point<D>; N],
-) -> Result<Interaction<D, N>, f64>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let apart = apart(a, b);
-    if apart >= 0.0 {
-        return Err(apart);
-    }
-    let mut shapes = [[[Lanes::ZERO; D]; N]; 2];
-    for (of, shape) in shapes.iter_mut().zip([a, b]) {
-        for lane in 0..LANES {
-            set_rows(of, lane, shape);
-        }
-    }
-    let mut found = [Interactions::NONE];
-    interactions(Available::best(), &[shapes], &mut Default::default(), &mut found);
-    let energy = found[0].energy(0);
-    if energy <= 0.0 {
-        return Err(a.distance(b, 0.0));
-    }
-    Ok(Interaction {
-        forces: [0, 1].map(|side| rows(&found[0].forces[side], 0)),
-        energy,
-        point: row(&found[0].point, 0),
-        deep: found[0].deep.get(0) > 0.0,
-    })
 }

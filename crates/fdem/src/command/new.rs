@@ -16,9 +16,7 @@ pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     if !arguments.force && path.symlink_metadata().is_ok() {
         return Err(Failure::writing(path, "it is there already; --force replaces it"));
     }
-    let name =
-        arguments.template.as_deref().unwrap_or(if arguments.space { "starter_3d" } else { "starter" });
-    let text = TEMPLATES.iter().find(|template| template.name == name).map_or("", |template| template.text);
+    let text = template(arguments.template.as_deref(), arguments.space)?.text;
     let mut output = Output::open(Some(path))?;
     output.write(|out| out.write_all(text.as_bytes()))?;
     output.commit()?;
@@ -26,4 +24,19 @@ pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     let name = display_name(path);
     let _ = writeln!(std::io::stderr(), "wrote {name}; next: fdem check {name}");
     Ok(())
+}
+
+/// The template with this name, or that to start from. In `space`, the one with this name there.
+fn template(name: Option<&str>, space: bool) -> Result<&'static Template, Failure> {
+    let name = name.unwrap_or("starter");
+    let plain = name.strip_suffix("_3d").unwrap_or(name);
+    let wanted = if space { format!("{plain}_3d") } else { name.to_owned() };
+    TEMPLATES.iter().find(|template| template.name == wanted).ok_or_else(|| {
+        let in_space: Vec<&str> =
+            TEMPLATES.iter().filter_map(|template| template.name.strip_suffix("_3d")).collect();
+        Failure::Unusable(format!(
+            "template \"{name}\" is in the plane; in space there are {}",
+            in_space.join(", ")
+        ))
+    })
 }

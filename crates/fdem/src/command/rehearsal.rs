@@ -7,7 +7,7 @@ use crate::command::model_file::inputs_of;
 use crate::command::progress::Progress;
 use crate::command::run::course::{Course, Start};
 use crate::command::run::results::Results;
-use fdem_model::{AnyPrepared, Preflight, Prepared, Reached, Rehearsal, prepare_coarse};
+use fdem_model::{AnyPrepared, Preflight, Prepared, Reached, Rehearsal, Rehearsed, prepare_coarse};
 
 /// Rehearses the run of a model, if that is of use. Takes the path and the text of the model file.
 pub(crate) fn rehearse<const D: usize, const N: usize>(
@@ -26,20 +26,21 @@ pub(crate) fn rehearse<const D: usize, const N: usize>(
     });
     match rehearsal {
         Some(rehearsal) => preflight.rehearse(&rehearsal),
-        None => preflight.rehearsal_failed = true,
+        None => preflight.rehearsal = Some(Rehearsed::Failed),
     }
 }
 
 /// The rehearsal of a run, with its stages, servos and conditions. `None` if the coarse model cannot run, or
 /// is too large.
 fn rehearsal<const D: usize, const N: usize>(
-    coarse: Prepared<D, N>,
+    mut coarse: Prepared<D, N>,
     preflight: &Preflight,
 ) -> Option<Rehearsal>
 where
     [[f64; D]; N]: Results<D, N>,
 {
     let elements = coarse.quality.elements;
+    Rehearsal::scale_counts(&mut coarse, preflight.quality.elements);
     let mut start = Start::new(coarse, None).ok()?;
     let (simulation, _) = start.simulation(1).ok()?;
     let interval = start.prepared.output.history_interval;

@@ -40,6 +40,9 @@ pub(crate) struct Summary {
     bodies: Option<usize>,
     /// Smallest and largest radius; absent without elements.
     radius: Option<[f64; 2]>,
+    /// Whether the file has radii which `--radius` or `--cutoff` replaces; absent if not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    unused_radii: bool,
     /// The box around all elements, `[min, max]` per axis; empty without elements.
     domain: Vec<[f64; 2]>,
     /// Distance at which points touch, in place of discs or spheres.
@@ -175,6 +178,8 @@ impl Summary {
             points: (0..centres.len()).filter(|&index| extent(index) == 0.0).count(),
             bodies: bodies.as_ref().map(|bodies| bodies.count),
             radius: radius.filter(|_| !of_points),
+            unused_radii: packing.radii.is_some()
+                && matches!(request.sizes, Sizes::All(_) | Sizes::Cutoff(_)),
             domain,
             cutoff,
             cutoffs: None,
@@ -253,6 +258,9 @@ impl fmt::Display for Summary {
             "elements",
             format!("{} {shape}{plural} in {}D{radius}", grouped(self.elements as u64), self.dimensions),
         )?;
+        if self.unused_radii {
+            line("", "the radii of the file are not used: an option replaces them".to_owned())?;
+        }
         if let Some(cutoffs) = &self.cutoffs {
             let cutoffs: Vec<String> = cutoffs.iter().map(PairCutoff::to_string).collect();
             line("cut-off", format!("{}{unit}", cutoffs.join(", ")))?;

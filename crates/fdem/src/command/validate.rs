@@ -9,10 +9,13 @@ use std::time::Instant;
 
 use crate::command::args::ValidateArguments;
 use crate::command::failure::Failure;
-use crate::command::output::Output;
+use crate::command::output::{Output, print};
 use fdem_validate::{Case, CaseReport, Size, cases, html, table};
 
 pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
+    if arguments.list {
+        return print(&list());
+    }
     let size = if arguments.full { Size::Full } else { Size::Reduced };
     let chosen = chosen(&arguments.cases)?;
     let mut output = arguments.html.as_deref().map(|path| Output::open(Some(path))).transpose()?;
@@ -71,6 +74,11 @@ fn reports_in_order(cases: &[&'static Case], size: Size, mut show: impl FnMut(Ca
     });
 }
 
+/// A line for each case: its number and its name.
+fn list() -> String {
+    cases().iter().map(|case| format!("{:2} {}\n", case.number, case.name)).collect()
+}
+
 /// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case.
 /// Without any it returns all cases.
 fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
@@ -80,11 +88,9 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
         ));
     }
     if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
-        let known: Vec<String> =
-            cases().iter().map(|case| format!("{} {}", case.number, case.name)).collect();
         return Err(Failure::Unusable(format!(
-            "there is no case '{unknown}', but there are {}",
-            known.join(", ")
+            "there is no case '{unknown}', but these:\n{}",
+            list().trim_end()
         )));
     }
     Ok(cases().iter().filter(|case| asked.is_empty() || asked.iter().any(|asked| is(case, asked))).collect())

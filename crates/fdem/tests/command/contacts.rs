@@ -161,6 +161,18 @@ fn numpy_arrays_go_in_and_out() {
 }
 
 #[test]
+fn radii_that_an_option_replaces_are_reported() {
+    let bench = Bench::new();
+    bench.write("discs.csv", "x,y,radius\n0,0,1\n1,0,1\n");
+    for option in ["--radius", "--cutoff"] {
+        let run = bench.run(&["contacts", "discs.csv", "--count", option, "0.6"]).succeeds();
+        assert!(run.stderr.contains("the radii of the file are not used"), "{}", run.stderr);
+    }
+    let run = bench.run(&["contacts", "discs.csv", "--count"]).succeeds();
+    assert!(!run.stderr.contains("not used"), "{}", run.stderr);
+}
+
+#[test]
 fn elements_none_and_zero_radius() {
     let bench = Bench::new();
     bench.write("none.csv", "x,y,radius\n");

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::Corners;
-use fdem_simulation::InitialOverlap;
+use fdem_mesh::{Corners, bounds};
+use fdem_simulation::{InitialOverlap, Model};
 
 use crate::advice::parts;
 use crate::advice::ready::Ready;
@@ -122,6 +122,31 @@ pub(crate) fn check<const D: usize, const N: usize>(
     } else {
         warnings.extend(found.into_iter().map(|found| format!("{found}: {effect}")));
     }
+}
+
+/// Warns of an overlap that relaxes within the time in which a wave passes through the model, so that it drives
+/// bodies apart as a blow does. `step`: time step, s.
+pub(crate) fn relaxes_at_once<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    step: f64,
+) -> Option<String> {
+    if model.contact.initial_overlap != InitialOverlap::Relax {
+        return None;
+    }
+    let time = model.contact.relaxing_time(step);
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let speeds = model.mesh.materials.iter().map(|&material| model.materials[material as usize].bar_speed());
+    let passage = length / speeds.fold(f64::INFINITY, f64::min);
+    let given = if model.contact.overlap_time.is_some() { "" } else { ", by default," };
+    (time < passage).then(|| {
+        format!(
+            "[contact] overlap_time is{given} {} s, and a wave takes {} s through the model: the overlap will drive the bodies apart as a blow does; an overlap_time of {} s or more presses them apart slowly",
+            brief(time),
+            brief(passage),
+            brief(3.0 * passage)
+        )
+    })
 }
 
 /// The overlap of each pair of bodies that exist together; of a body with itself, that of its parts.

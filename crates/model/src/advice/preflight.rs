@@ -12,6 +12,7 @@ use crate::advice::amounts::{YEAR, duration, size};
 use crate::advice::clock::processor_time;
 use crate::advice::compliance;
 use crate::advice::on_ranks::OnRanks;
+use crate::advice::overlaps;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
@@ -79,6 +80,22 @@ impl From<CriticalStep> for Critical {
     }
 }
 
+/// The result of a rehearsal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rehearsed {
+    /// No mesh is coarse enough, or the rehearsal took too long or stopped.
+    Failed,
+    /// It gave the run time.
+    Done {
+        /// Number of its elements.
+        elements: usize,
+        /// Time at which a condition or the last stage ended it before the end time, s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        ended: Option<f64>,
+    },
+}
+
 /// Estimates of the cost of a run. Displays as lines of text.
 #[derive(Debug, Clone, Serialize)]
 pub struct Preflight {
@@ -110,16 +127,9 @@ pub struct Preflight {
     pub steps: u64,
     /// Run time on one core, s; of a model that can break, by the rehearsal, or else if it breaks to pieces.
     pub seconds: f64,
-    /// Number of elements with which the run was rehearsed, if it was.
+    /// How the run was rehearsed with a coarse mesh, if it was to be.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rehearsed: Option<usize>,
-    /// Whether the run was to be rehearsed and could not be: no mesh is coarse enough, or the rehearsal took
-    /// too long or stopped.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub rehearsal_failed: bool,
-    /// Time at which a condition or the last stage ended the rehearsal before the end time, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rehearsed_end: Option<f64>,
+    pub rehearsal: Option<Rehearsed>,
     /// Run time on one core if nothing breaks, s.
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
@@ -209,6 +219,7 @@ impl Preflight {
                 brief(step)
             ));
         }
+        warnings.extend(overlaps::relaxes_at_once(model, step));
         let seconds = pace.breaking * steps as f64;
         let slivers = Slivers::of(model).filter(|_| prepared.mass_scaling.is_none());
         if let Some(slivers) = slivers.and_then(|slivers| scaling::weighed(slivers, model)) {
@@ -230,9 +241,7 @@ impl Preflight {
             step,
             steps,
             seconds,
-            rehearsed: None,
-            rehearsal_failed: false,
-            rehearsed_end: None,
+            rehearsal: None,
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
@@ -437,12 +446,12 @@ impl fmt::Display for Preflight {
         writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
         let most = duration(self.seconds);
         let whole = duration(self.seconds_whole);
-        if let Some(elements) = self.rehearsed {
-            let end = self.rehearsed_end.map_or_else(
+        if let Some(Rehearsed::Done { elements, ended }) = self.rehearsal {
+            let end = ended.map_or_else(
                 || "to end_time".to_owned(),
                 |time| format!("that ended at about {} s", about(time)),
             );
-            let to_end = if self.rehearsed_end.is_some() { " to end_time" } else { "" };
+            let to_end = if ended.is_some() { " to end_time" } else { "" };
             writeln!(
                 out,
                 "run time         about {most} on one core, by a rehearsal with {} {end}; {whole}{to_end} if nothing breaks",
@@ -453,7 +462,7 @@ impl fmt::Display for Preflight {
                 out,
                 "run time         about {most} on one core if it breaks to pieces, {whole} if nothing breaks"
             )?;
-            if self.rehearsal_failed {
+            if self.rehearsal == Some(Rehearsed::Failed) {
                 writeln!(
                     out,
                     "                 no rehearsal: no mesh is coarse enough, or it took too long or stopped; so it is not known how much breaks"

@@ -5,8 +5,8 @@
 //! `k^(D+1)` times shorter.
 
 use crate::advice::clock::processor_time;
-use crate::advice::preflight::{Preflight, measured};
-use crate::prepared::Prepared;
+use crate::advice::preflight::{Preflight, Rehearsed, measured};
+use crate::prepared::{Bound, Prepared, PreparedUntil};
 
 /// A run that takes less, s, has no rehearsal.
 const SHORT: f64 = 5.0;
@@ -69,6 +69,26 @@ impl Rehearsal {
         (factor > 1.5 && (ends_early || ends_soon)).then_some(factor)
     }
 
+    /// Changes the conditions of a coarse model on columns that count steps or joints to the counts that it
+    /// has where the model has those given. `whole`: number of elements of the model.
+    pub fn scale_counts<const D: usize, const N: usize>(coarse: &mut Prepared<D, N>, whole: usize) {
+        // Elements that are `k` times as large have steps that are `k` times as long.
+        let finer = (coarse.quality.elements as f64 / whole as f64).powf(1.0 / D as f64);
+        let of_stages = coarse.stages.iter_mut().filter_map(|stage| stage.until.as_mut());
+        for PreparedUntil { column, bound, .. } in coarse.until.iter_mut().chain(of_stages) {
+            let factor = match column.as_str() {
+                "step" => finer,
+                "broken_joints" => finer.powi(D as i32 - 1),
+                _ => continue,
+            };
+            match bound {
+                Bound::Above(value) | Bound::Below(value) | Bound::ShareOfPeak { least: value, .. } => {
+                    *value *= factor;
+                }
+            }
+        }
+    }
+
     /// Times a run with a coarse mesh. `elements`: number of its elements, and of those of the model; `steps`
     /// until its `end_time`, s. `advance` takes it to a step, or to its end if that is earlier, and returns
     /// the step and whether the run is over, or `None` if it cannot continue.
@@ -126,7 +146,6 @@ impl Preflight {
         let end = self.steps as f64 * self.step;
         let steps = self.steps as f64 * rehearsal.ended.map_or(1.0, |time| (time / end).min(1.0));
         self.seconds = of_a_step * steps;
-        self.rehearsed = Some(rehearsal.elements);
-        self.rehearsed_end = rehearsal.ended;
+        self.rehearsal = Some(Rehearsed::Done { elements: rehearsal.elements, ended: rehearsal.ended });
     }
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use fdem_model::{AnyPrepared, Checkpoint, Preflight, Prepared, Quantity, Rehearsal};
+use fdem_model::{
+    AnyPrepared, Bound, Checkpoint, Preflight, Prepared, PreparedUntil, Quantity, Rehearsal, Rehearsed,
+};
 use fdem_results::Field;
 use fdem_simulation::{Load, Schedule, Simulation, Target};
 
@@ -583,6 +585,22 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
         text.contains(" elements that ended at about ") && text.contains("1 min 40 s to end_time if"),
         "{text}"
     );
+
+    // It was to be rehearsed, and could not be.
+    (preflight.rehearsal, preflight.seconds) = (Some(Rehearsed::Failed), 200.0);
+    assert!(preflight.to_string().contains("so it is not known how much breaks"), "{preflight}");
+
+    // Steps are longer and joints fewer where the mesh is coarse.
+    let until = |column: &str| {
+        let bound = Bound::Above(1000.0);
+        let mut coarse = coarse.clone();
+        coarse.until = Some(PreparedUntil { column: column.to_owned(), place: 0, bound });
+        Rehearsal::scale_counts(&mut coarse, 4 * counts[0]);
+        coarse.until.map(|until| until.bound)
+    };
+    assert_eq!(until("step"), Some(Bound::Above(500.0)));
+    assert_eq!(until("broken_joints"), Some(Bound::Above(500.0)));
+    assert_eq!(until("crack_length"), Some(Bound::Above(1000.0)));
 
     // A mesh that is not coarser is of no use.
     assert_eq!(Rehearsal::of([counts[1]; 2], steps, 1.0, |_| unreachable!()), None);

@@ -528,6 +528,14 @@ fn the_model_says_how_bodies_that_overlap_begin() {
     assert!(ignored.warnings.iter().any(|warning| warning.contains("this overlap gives no force")));
     let relaxing = of("[contact]\ninitial_overlap = \"relax\"\noverlap_time = 1e-4\n");
     assert!(relaxing.warnings.iter().any(|warning| warning.contains("pressed apart slowly")));
+    let blow = |time: &str| {
+        let prepared = of(&format!("[contact]\ninitial_overlap = \"relax\"\n{time}"));
+        let warnings = fdem_model::Preflight::of(&*prepared).unwrap().warnings;
+        warnings.into_iter().find(|warning| warning.contains("as a blow does"))
+    };
+    let warning = blow("overlap_time = 1e-6\n").unwrap_or_default();
+    assert!(warning.starts_with("[contact] overlap_time is 1e-6 s, and a wave takes "), "{warning}");
+    assert_eq!(blow("overlap_time = 1\n"), None);
     let Err(idle) = two("[contact]\noverlap_time = 1e-4\n") else { panic!("the time is of no use") };
     assert!(idle.contains("only an initial overlap that relaxes takes a time"), "{idle}");
     // A body that appears later overlaps from then on.

@@ -1,12 +1,9 @@
 //! Parameters of contacts between two materials.
 
 use crate::joint_sets::common_set;
-use crate::model::Model;
+use crate::model::{ContactOptions, Model};
 use crate::simplex::Simplex;
 use crate::vector::Point;
-
-/// Time in which ignored overlaps relax, in time steps, if a model has no other.
-const RELAXING_STEPS: f64 = 1000.0;
 
 /// Contact parameters of two materials.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +42,7 @@ pub(super) struct ContactLaws<const N: usize> {
     materials: usize,
     /// Joint sets of the facets of each element; empty without joint sets.
     joint_facets: Vec<[u32; N]>,
-    /// Time in which the root of an ignored energy falls to 1/e, s.
-    overlap_time: Option<f64>,
+    options: ContactOptions,
 }
 
 impl<const N: usize> ContactLaws<N> {
@@ -61,14 +57,14 @@ impl<const N: usize> ContactLaws<N> {
             all: pairs().chain(of_sets).collect(),
             materials: count,
             joint_facets: model.joint_facets.clone(),
-            overlap_time: model.contact.overlap_time,
+            options: model.contact,
         }
     }
 
     /// Ignored energy of an overlap that relaxes over that before a step. The depth of the overlap goes with
     /// the root of its energy. `step`: s.
     pub(super) fn still_ignored(&self, step: f64) -> f64 {
-        let share = 1.0 / (1.0 + step / self.overlap_time.unwrap_or(RELAXING_STEPS * step));
+        let share = 1.0 / (1.0 + step / self.options.relaxing_time(step));
         share * share
     }
 

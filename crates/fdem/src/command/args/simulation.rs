@@ -24,8 +24,8 @@ pub(crate) struct NewArguments {
     #[arg(value_name = "NAME", default_value = "model.toml")]
     pub(crate) name: PathBuf,
 
-    /// A model in three dimensions.
-    #[arg(long = "3d", conflicts_with = "template")]
+    /// A model in three dimensions; with --template the one of this name in space.
+    #[arg(long = "3d")]
     pub(crate) space: bool,
 
     /// Name of the model to write; --list lists all names.
@@ -211,6 +211,10 @@ pub(crate) struct ValidateArguments {
     #[arg(value_name = "CASE")]
     pub(crate) cases: Vec<String>,
 
+    /// List the cases and run none.
+    #[arg(long, conflicts_with_all = ["cases", "full", "html", "quiet"])]
+    pub(crate) list: bool,
+
     /// Run finer models and more variants, for minutes instead of seconds.
     #[arg(long)]
     pub(crate) full: bool,
@@ -230,9 +234,13 @@ fn fields() -> impl TypedValueParser<Value = Field> {
     PossibleValuesParser::new(values).try_map(|key| Field::named(&key).ok_or("there is no such field"))
 }
 
-/// The templates by their names.
+/// The templates by their names; one that is in space only also without the end of its name.
 fn templates() -> PossibleValuesParser {
-    PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name))
+    PossibleValuesParser::new(TEMPLATES.iter().map(|template| {
+        let plain = template.name.strip_suffix("_3d");
+        let alone = plain.filter(|plain| !TEMPLATES.iter().any(|other| other.name == *plain));
+        PossibleValue::new(template.name).aliases(alone)
+    }))
 }
 
 /// The materials of the library by their names.

@@ -16,7 +16,7 @@
 //! 1/3 − (w₁ + w₂ + w₃)/12 − 1/(12 w₁ w₂ w₃) = −(e₁² − e₂ − e₁ e₂ + e₃ + e₁ e₃)/(12 w₁ w₂ w₃)
 //! ```
 //! with `e₁ = Σ φᵢ`, `e₂ = Σ φᵢ φⱼ`, `e₃ = φ₁ φ₂ φ₃`, which has no cancellation where φ is small. Near c the
-//! flux is nearly 0/0: see `near_centroid.rs`.
+//! flux is nearly 0/0: see `interactions.rs`.
 //!
 //! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and
 //! other forces, which are not its gradient.
@@ -33,10 +33,9 @@ use crate::lanes::{
     Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows,
 };
 use crate::simplex::Tetrahedron;
-use crate::simplex::near_centroid::NEAR;
 use crate::simplex::tetrahedron::numbering::FACES;
 use crate::simplex::tetrahedron::part::{CUTS, NUMBERS, PartBatch};
-use crate::simplex::{Interactions, Shapes, furthest, points};
+use crate::simplex::{Interactions, NEAR, Shapes, furthest, points};
 use crate::vector::{Point, cross3, dot, minus};
 
 /// Memory for the interactions of a list of batches.
@@ -434,7 +433,7 @@ pub(super) fn parted(contactor: &Tetrahedron, target: &Tetrahedron) -> f64 {
 mod tests {
     use super::*;
     use crate::random::uniform;
-    use crate::simplex::interaction;
+    use crate::simplex::interactions::interaction;
     use crate::vector::{add, length, unit};
 
     /// Pairs of tetrahedra that overlap in many ways, or do not, from a fixed pseudo-random sequence.

@@ -16,7 +16,7 @@
 //! from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
 //! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of
 //! B, and its flux out of the edges of A is the integral, less a third of the area of B if c is in A. Without
-//! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0: see `near_centroid.rs`.
+//! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0: see `interactions.rs`.
 //!
 //! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`.
 
@@ -28,8 +28,7 @@
 use crate::lanes::{
     Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
 };
-use crate::simplex::near_centroid::NEAR;
-use crate::simplex::{Interactions, Shapes, Triangle, furthest, points};
+use crate::simplex::{Interactions, NEAR, Shapes, Triangle, furthest, points};
 use crate::vector::{Point, cross, dot, minus};
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -320,7 +319,7 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simplex::interaction;
+    use crate::simplex::interactions::interaction;
 
     /// Pairs of triangles that overlap in many ways, from a fixed pseudo-random sequence.
     fn pairs() -> impl Iterator<Item = (Triangle, Triangle)> {

@@ -1,26 +1,43 @@
-//! The energy of a potential where a facet of the other element passes near the centroid of its element.
+//! The interactions of couples of elements: forces and energies of the potentials of both.
 //!
-//! The energy follows from the flux of a field that is singular in the centroid, out of the facets of the other
-//! element (`triangle/potential.rs`, `tetrahedron/potential.rs`). Near the centroid this flux is nearly 0/0:
-//! its error is rounding over the distance. So the other element is moved aside, along the normal of the
-//! facet, to both sides, where the flux is well known, and the mean of the two energies is taken. Its gradient
-//! is continuous, so the error of the mean goes with the square of that way. A field that is not singular would
-//! not vanish on the boundary. Where facets of both elements lie in one plane, as at the sides of blocks that
-//! stand on each other, rounding would then decide whether this plane counts once, twice or not at all.
+//! The energy of a potential follows from the flux of a field that is singular in the centroid of its
+//! element, out of the facets of the other element (`triangle/potential.rs`, `tetrahedron/potential.rs`).
+//! Where a facet passes near the centroid, this flux is nearly 0/0: its error is rounding over the distance.
+//! So the other element is moved aside, along the normal of the facet, to both sides, where the flux is well
+//! known, and the mean of the two energies is taken. Its gradient is continuous, so the error of the mean
+//! goes with the square of that way. A field that is not singular would not vanish on the boundary. Where
+//! facets of both elements lie in one plane, as at the sides of blocks that stand on each other, rounding
+//! would then decide whether this plane counts once, twice or not at all.
 
 use crate::lanes::{Available, LANES, Lanes, rows, set_rows};
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::vector::{Point, add, dot, length, minus, unit};
 
-/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same
-/// direction, is below this.
-pub(super) const NEAR: f64 = 1e-5;
+#[cfg(test)]
+use crate::lanes::row;
+#[cfg(test)]
+use crate::simplex::apart;
 
 /// By which share of the distance of the boundary the other element is moved.
 const ASIDE: f64 = 3e-5;
 
+/// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
+pub(crate) fn interactions<const D: usize, const N: usize>(
+    available: Available,
+    shapes: &[Shapes<D, N>],
+    scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
+    found: &mut [Interactions<D, N>],
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::usual_interactions(available, shapes, scratch, found);
+    for (shapes, found) in shapes.iter().zip(found) {
+        add_energies(available, shapes, scratch, found);
+    }
+}
+
 /// Adds the energies that are missing in a batch, and the forces that follow from them.
-pub(super) fn add_energies<const D: usize, const N: usize>(
+fn add_energies<const D: usize, const N: usize>(
     available: Available,
     shapes: &Shapes<D, N>,
     scratch: &mut <[[f64; D]; N] as Simplex<D, N>>::Scratch,
@@ -91,4 +108,47 @@ where
         }
         aside *= 2.0;
     }
+}
+
+/// Forces and energy of two elements that overlap.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interaction<const D: usize = 2, const N: usize = 3> {
+    pub(crate) forces: [[Point<D>; N]; 2],
+    pub(crate) energy: f64,
+    pub(crate) point: Point<D>,
+    pub(crate) deep: bool,
+}
+
+/// The interaction of two elements; if they do not overlap, a lower bound of their distance.
+#[cfg(test)]
+pub(crate) fn interaction<const D: usize, const N: usize>(
+    a: &[Point<D>; N],
+    b: &[Point<D>; N],
+) -> Result<Interaction<D, N>, f64>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let apart = apart(a, b);
+    if apart >= 0.0 {
+        return Err(apart);
+    }
+    let mut shapes = [[[Lanes::ZERO; D]; N]; 2];
+    for (of, shape) in shapes.iter_mut().zip([a, b]) {
+        for lane in 0..LANES {
+            set_rows(of, lane, shape);
+        }
+    }
+    let mut found = [Interactions::NONE];
+    interactions(Available::best(), &[shapes], &mut Default::default(), &mut found);
+    let energy = found[0].energy(0);
+    if energy <= 0.0 {
+        return Err(a.distance(b, 0.0));
+    }
+    Ok(Interaction {
+        forces: [0, 1].map(|side| rows(&found[0].forces[side], 0)),
+        energy,
+        point: row(&found[0].point, 0),
+        deep: found[0].deep.get(0) > 0.0,
+    })
 }
