@@ -164,8 +164,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// the facet that parts the two most. Negative if none does.
     fn parted(&self, other: &Self) -> f64;
 
-    /// [`interactions`](interactions::interactions) without the energies of potentials where a facet passes near the centroid, and without
-    /// the forces that follow from them.
+    /// [`interactions`](interactions::interactions) without the energies of potentials where a facet passes
+    /// near the centroid, and without the forces that follow from them.
     fn usual_interactions(
         available: Available,
         shapes: &[Shapes<D, N>],
@@ -239,8 +239,8 @@ impl<const D: usize, const N: usize> Interactions<D, N> {
         self.energies[0].get(lane) + self.energies[1].get(lane)
     }
 
-    /// Sets the energy of the potential of one element of a couple, and adds the forces on its corners because
-    /// the potential moves with them. `gradients`: those of its barycentric coordinates.
+    /// Sets the energy of the potential of one element of a couple, and adds the forces on its corners
+    /// because the potential moves with them. `gradients`: those of its barycentric coordinates.
     #[inline(always)]
     fn set_energy(&mut self, lane: usize, side: usize, gradients: &[Point<D>; N], energy: f64) {
         for corner in 0..N {

@@ -124,8 +124,8 @@ pub(crate) fn check<const D: usize, const N: usize>(
     }
 }
 
-/// Warns of an overlap that relaxes within the time in which a wave passes through the model, so that it drives
-/// bodies apart as a blow does. `step`: time step, s.
+/// Warns of an overlap that relaxes within the time in which a wave passes through the model, so that it
+/// drives bodies apart as a blow does. `step`: time step, s.
 pub(crate) fn relaxes_at_once<const D: usize, const N: usize>(
     model: &Model<D, N>,
     step: f64,
