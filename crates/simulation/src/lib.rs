@@ -90,7 +90,7 @@
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive/law.rs`, `memory.rs` and `curve.rs` beside it; of many joints: `src/joints/batch.rs`, `src/joints/pass.rs`; insertion: `src/joints/insertion.rs`, `demand.rs`, `uses.rs`, `fan.rs`, `cut.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
-//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/elements/grips.rs`; in batches: `src/contacts/elements.rs` |
+//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; facets near a centroid: `src/simplex/interactions.rs`; friction, damping and their histories: `src/contacts/elements/grips.rs`; in batches: `src/contacts/elements.rs` |
 //! | couples: search, sleep, histories | `src/contacts/couples.rs`, `src/contacts/chunk.rs`; elements that can touch: `src/contacts/surface.rs`; saved ones: `src/contacts/saved.rs` |
 //! | a kind of bodies | `src/bodies.rs`, `src/contacts/pair.rs`, `src/motion.rs`, and the walk-through in CONTRIBUTING.md |
 //! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions`; loads of boundaries in `src/model/load.rs` |

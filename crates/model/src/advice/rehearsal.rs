@@ -78,7 +78,7 @@ impl Rehearsal {
         for PreparedUntil { column, bound, .. } in coarse.until.iter_mut().chain(of_stages) {
             let factor = match column.as_str() {
                 "step" => finer,
-                "broken_joints" => finer.powi(D as i32 - 1),
+                "broken_joints" => finer.powf(D as f64 - 1.0),
                 _ => continue,
             };
             match bound {

@@ -89,7 +89,9 @@ where
     }
     let normal = unit(normal);
     let mut centroid = [0.0; D];
-    own.iter().for_each(|&corner| add(&mut centroid, corner, 1.0 / N as f64));
+    for &corner in own {
+        add(&mut centroid, corner, 1.0 / N as f64);
+    }
     let far = own.iter().map(|&corner| dot(minus(corner, centroid), normal).abs()).fold(0.0, f64::max);
     let (mut aside, mut found) = (ASIDE, Interactions::NONE);
     loop {
