@@ -76,7 +76,8 @@ fn reports_in_order(cases: &[&'static Case], size: Size, mut show: impl FnMut(Ca
 
 /// A line for each case: its number and its name.
 fn list() -> String {
-    cases().iter().map(|case| format!("{:2} {}\n", case.number, case.name)).collect()
+    let line = |case: &Case| format!("{:2} {}\n", case.number, case.name);
+    cases().iter().map(line).collect()
 }
 
 /// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case.
