@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::{Corners, bounds};
+use fdem_mesh::Corners;
 use fdem_simulation::{InitialOverlap, Model};
 
 use crate::advice::parts;
+use crate::advice::quasi_static;
 use crate::advice::ready::Ready;
 use crate::advice::warnings::place;
 use crate::bodies::dimensions::Dimensions;
@@ -134,10 +135,7 @@ pub(crate) fn relaxes_at_once<const D: usize, const N: usize>(
         return None;
     }
     let time = model.contact.relaxing_time(step);
-    let [low, high] = bounds(model.mesh.nodes.iter().copied());
-    let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let speeds = model.mesh.materials.iter().map(|&material| model.materials[material as usize].bar_speed());
-    let passage = length / speeds.fold(f64::INFINITY, f64::min);
+    let passage = quasi_static::passage(model);
     let given = if model.contact.overlap_time.is_some() { "" } else { ", by default," };
     (time < passage).then(|| {
         format!(

@@ -127,7 +127,7 @@ pub struct Preflight {
     pub steps: u64,
     /// Run time on one core, s; of a model that can break, by the rehearsal, or else if it breaks to pieces.
     pub seconds: f64,
-    /// How the run was rehearsed with a coarse mesh, if it was to be.
+    /// The result of the rehearsal with a coarse mesh; none of a run that is short or cannot break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsal: Option<Rehearsed>,
     /// Run time on one core if nothing breaks, s.

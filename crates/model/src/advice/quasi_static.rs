@@ -85,11 +85,7 @@ pub(crate) fn advice<const D: usize, const N: usize>(
         return;
     }
     warnings.extend(loading_rate::advice(model, model.boundaries.iter().filter(|boundary| lasts(boundary))));
-    let [low, high] = bounds(model.mesh.nodes.iter().copied());
-    let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
-    let slowest = waves.fold(f64::INFINITY, f64::min);
-    let passage = length / slowest;
+    let passage = passage(model);
     // Initial stress holds loads that are there from the beginning, a body that is not held has no state of
     // rest, and a body that does not break reaches it by damping.
     let is_damped = is_damped(file, model);
@@ -113,6 +109,14 @@ fn is_damped<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, 
         stage.local_damping.is_some_and(|damping| damping > 0.0) || stage.dynamic_relaxation == Some(true)
     };
     model.time.local_damping > 0.0 || model.time.dynamic_relaxation || file.stage.iter().any(damps)
+}
+
+/// Time in which the slowest wave along a bar passes through the model, s.
+pub(crate) fn passage<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
+    length / waves.fold(f64::INFINITY, f64::min)
 }
 
 /// Speed of a wave along a bar, m/s.

@@ -109,8 +109,8 @@ struct LoopValues {
     /// The numbers of [`PartBatch`], summed over the parts of each face of the contactor that the target
     /// covers.
     covered: [Rows<NUMBERS, 4>; 2],
-    /// Of the faces of one contactor: the flux of the field, 1 if the centroid of the target is inside and
-    /// else 0, and the sum of the bits of the faces that pass near it.
+    /// The flux of the field out of the faces of one contactor; 1 if the centroid of the target is inside,
+    /// else 0; and the faces that pass near it, as the sum of their bits.
     outside: Lanes,
     inside: Lanes,
     passing: Lanes,

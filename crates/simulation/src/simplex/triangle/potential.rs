@@ -84,8 +84,8 @@ pub(crate) struct TriangleScratch {
     at: [Rows<3, 3>; 2],
     /// The numbers of a [`Chord`] for each edge of the contactor.
     chords: [Rows<4, 3>; 2],
-    /// Of the edges of one contactor: the flux of the field, 1 if the centroid of the target is inside and
-    /// else 0, and the sum of the bits of the edges that pass near it.
+    /// The flux of the field out of the edges of one contactor; 1 if the centroid of the target is inside,
+    /// else 0; and the edges that pass near it, as the sum of their bits.
     outside: Lanes,
     inside: Lanes,
     passing: Lanes,
