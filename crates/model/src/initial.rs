@@ -1,8 +1,9 @@
 //! Velocities and stresses at the start of a run.
 
-use fdem_mesh::Mesh;
+use fdem_mesh::{Corners, Mesh};
 
 use crate::bodies::dimensions::Dimensions;
+use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::resolve::appearing;
 use crate::text::document::{Document, Table};
@@ -121,18 +122,48 @@ fn check_principal(
 pub(crate) fn velocities<const D: usize, const N: usize>(
     file: &ModelFile,
     placed: &[Placed<D, N>],
-) -> Vec<[f64; D]> {
+) -> Vec<[f64; D]>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     let mut velocities = Vec::new();
     for body in placed {
         let table = &file.body[body.table];
         let velocity = table.velocity.as_ref().or_else(|| file.initial.velocity.get(&table.name));
-        let velocity = velocity.map_or([0.0; D], Vector::components);
-        velocities.extend(std::iter::repeat_n(velocity, body.piece.nodes.len()));
+        let velocity: [f64; D] = velocity.map_or([0.0; D], Vector::components);
+        let Some(spin) = table.spin else {
+            velocities.extend(std::iter::repeat_n(velocity, body.piece.nodes.len()));
+            continue;
+        };
+        let ([a, b, c], middle) = (spin.vector(), centroid(&body.piece));
+        velocities.extend(body.piece.nodes.iter().map(|node| {
+            let arm = |axis: usize| if axis < D { node[axis] - middle[axis] } else { 0.0 };
+            let [x, y, z] = [arm(0), arm(1), arm(2)];
+            let turning = [b * z - c * y, c * x - a * z, a * y - b * x];
+            std::array::from_fn(|axis| velocity[axis] + turning[axis])
+        }));
     }
     if velocities.iter().all(|velocity| *velocity == [0.0; D]) {
         velocities.clear();
     }
     velocities
+}
+
+/// Centroid of a body.
+fn centroid<const D: usize, const N: usize>(piece: &Piece<D, N>) -> [f64; D]
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let (mut measure, mut moment) = (0.0, [0.0; D]);
+    for element in &piece.elements {
+        let corners = piece.corners(element);
+        let of_element = corners.measure();
+        measure += of_element;
+        for axis in 0..D {
+            moment[axis] += of_element * corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
+        }
+    }
+    moment.map(|x| x / measure)
 }
 
 /// Initial stress of each element, that of its centroid; empty for none. Bodies that appear later have none.

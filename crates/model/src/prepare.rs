@@ -349,14 +349,13 @@ impl Checked<'_> {
         }
         none_or(unknown)?;
         let mut model = Model {
-            mass_factors: Vec::new(),
+            rigid: build::rigid(file, &placed),
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
             materials,
             interfaces,
             joint_sets,
-            joint_facets: Vec::new(),
             boundaries,
             plane: file.model.plane,
             thickness: file.model.thickness,
@@ -368,6 +367,7 @@ impl Checked<'_> {
             contact: file.contact,
             fracture: file.fracture,
             time: time_options(file),
+            ..Model::default()
         };
         let mut idle = Vec::new();
         let joint_sets = sets::put(&mut model, &placed, (file, document, &lines), &mut idle);

@@ -44,6 +44,18 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             vectors.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
         }
         vectors.extend(body.repeat.as_ref().map(|repeat| (table, "repeat".to_owned(), repeat.len(), d)));
+        if let Some(spin) = body.spin
+            && matches!(spin, file::Spin::Plane(_)) != (d == 2)
+        {
+            let help = if d == 2 {
+                "write one number: rad/s, counter-clockwise"
+            } else {
+                "write [x, y, z]: the axis, as long as the rad/s about it"
+            };
+            let fault =
+                Fault::at(document.value(table, "spin"), format!("\"spin\" of a body in {d} dimensions"));
+            faults.push(fault.label("is not of this form").help(help));
+        }
         if body.axis.is_some() && d == 2 {
             faults.push(
                 Fault::at(document.key(table, "axis"), "\"axis\" is for models in three dimensions")

@@ -37,6 +37,7 @@ where
         interface.penalty.map_or(Ok(()), |penalty| positive(&place, "penalty", penalty))?;
         interface.strength.iter().try_for_each(|strength| strength_of_joints(&place, strength))?;
     }
+    rigid(model)?;
     joint_sets(model)?;
     boundaries(model)?;
     schedule("gravity", &model.gravity_schedule)?;
@@ -64,6 +65,37 @@ where
         return Err(out_of_range("time", "local damping", time.local_damping, "from 0 to below 1"));
     }
     positive("time", "energy bound", time.energy_bound)
+}
+
+/// Rigid bodies are bodies of the mesh, in order, and have no node in common with others.
+fn rigid<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
+    let mesh = &model.mesh;
+    let place = || "the rigid bodies".to_owned();
+    if let Some(pair) = model.rigid.windows(2).find(|pair| pair[0] >= pair[1]) {
+        return Err(ModelError::Missing {
+            what: "ascending number of a body",
+            index: pair[1],
+            place: place(),
+        });
+    }
+    if model.rigid.is_empty() {
+        return Ok(());
+    }
+    let used: BTreeSet<u32> =
+        mesh.bodies.iter().copied().filter(|body| model.rigid.binary_search(body).is_ok()).collect();
+    if let Some(&index) = model.rigid.iter().find(|body| !used.contains(body)) {
+        return Err(ModelError::Missing { what: "body", index, place: place() });
+    }
+    let mut body_of = vec![NONE; mesh.nodes.len()];
+    for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
+        for &node in nodes {
+            let other = std::mem::replace(&mut body_of[node as usize], body);
+            if other != NONE && other != body && (used.contains(&other) || used.contains(&body)) {
+                return Err(ModelError::SharedNode { node, bodies: [other, body] });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn joint_sets<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {

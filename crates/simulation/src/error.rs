@@ -91,6 +91,14 @@ pub enum ModelError {
         /// The boundaries.
         boundaries: [String; 2],
     },
+    /// The supports of a rigid body contradict each other, or leave a rotation about another point than its
+    /// centre of mass.
+    RigidSupport {
+        /// The boundaries.
+        boundaries: [String; 2],
+        /// Whether they leave such a rotation.
+        turns: bool,
+    },
     /// The fracture energy of a joint is less than the energy that it stores before it softens.
     FractureEnergy {
         /// The material.
@@ -199,6 +207,14 @@ impl fmt::Display for ModelError {
             Self::HeldTwice { node, axis, boundaries: [a, b] } => {
                 let axis = ["x", "y", "z"][*axis];
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
+            }
+            Self::RigidSupport { boundaries: [a, _], turns: true } => write!(
+                out,
+                "boundary '{a}' leaves a rigid body a rotation about a point or a line that it holds: it can only hold its \
+                 rotation altogether, or leave one about an axis of coordinates through the centre of mass; hold the whole body"
+            ),
+            Self::RigidSupport { boundaries: [a, b], turns: false } => {
+                write!(out, "boundaries '{a}' and '{b}' move one rigid body in different ways along one axis")
             }
             Self::FractureEnergy { material, element, least, sliding } => {
                 let ModeWords { of, numeral, .. } = ModeWords::new(*sliding);

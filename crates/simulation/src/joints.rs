@@ -158,10 +158,9 @@ impl<const D: usize> Joints<D> {
                 let side = facet.corners[0];
                 let set = model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).unwrap_or(NONE);
                 let of_set = model.joint_sets.get(set as usize).map(|set| (set.strength, true));
-                let Some((strength, interface)) = of_set.or_else(|| strength_between(model, [a, b], None))
-                else {
-                    return NONE;
-                };
+                let found = of_set.or_else(|| strength_between(model, [a, b], None));
+                let may_part = |_: &_| !facet.elements().iter().any(|&element| model.is_rigid(element));
+                let Some((strength, interface)) = found.filter(may_part) else { return NONE };
                 let mut known = strengths.iter().zip(&of_interface).zip(&sets);
                 let alike = |((other, at), of): ((&Strength, &bool), &u32)| {
                     *other == strength && *at == interface && *of == set

@@ -53,6 +53,10 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     /// Factor, at least 1, of the mass of each element in its motion; empty for none. Its weight stays that
     /// of its density. See [`MassScaling`](crate::MassScaling).
     pub mass_factors: Vec<f64>,
+    /// Numbers of the bodies that are rigid, ascending: see [`Mesh::bodies`]. Their elements have no stress,
+    /// no joints, and give them mass and shape alone. A boundary that holds or moves nodes of such a body
+    /// holds or moves the body.
+    pub rigid: Vec<u32>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -67,6 +71,11 @@ impl<const D: usize, const N: usize> Model<D, N> {
         self.interfaces
             .iter()
             .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
+    }
+
+    /// Whether an element belongs to a rigid body.
+    pub(crate) fn is_rigid(&self, element: u32) -> bool {
+        !self.rigid.is_empty() && self.rigid.binary_search(&self.mesh.bodies[element as usize]).is_ok()
     }
 
     /// Factor of the mass of an element in its motion.
@@ -92,6 +101,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             velocities: Vec::new(),
             stresses: Vec::new(),
             mass_factors: Vec::new(),
+            rigid: Vec::new(),
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),

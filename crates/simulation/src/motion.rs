@@ -8,6 +8,7 @@
 //! chunks of members, and sums over their motion, are written once.
 
 pub(crate) mod nodes;
+pub(crate) mod rigid;
 
 use crate::sum::{Pile, Sum};
 use crate::vector::{Point, dot};

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::lanes::{Available, LANES, set_tensor, tensor};
 use crate::laws::AnyLaw;
 use crate::model::{Material, Model};
+use crate::rigid::RigidBodies;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::batch::{BatchInputs, BatchResults, Deformed, History, Undeformed, forces_of};
@@ -112,6 +113,8 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Number of values of the memory of an element: that of the law with the most.
     pub(crate) memory: usize,
     corners: Nodes<N>,
+    /// Bodies that are rigid. Their elements have no stress and no forces.
+    pub(crate) rigid: RigidBodies<D>,
     share: Share,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
@@ -152,12 +155,15 @@ where
             SolidElement { material: mesh.materials[number], volume, length, mass: 0.0 }
         };
         let elements: Vec<SolidElement> = (0..mesh.elements.len()).map(element).collect();
+        let rigid = RigidBodies::new(model, origin);
         let mut undeformed = vec![Undeformed::EMPTY; elements.len().div_ceil(LANES)];
         for (number, element) in elements.iter().enumerate() {
             let gradients = <[[f64; D]; N]>::inverse_edges(&corners_of(mesh, number));
             let batch = &mut undeformed[number / LANES];
             set_tensor(&mut batch.gradients, number % LANES, &gradients);
-            batch.volume.set(number % LANES, element.volume);
+            // Forces and energy of an element are proportional to it.
+            let volume = if rigid.of_element(number as u32).is_some() { 0.0 } else { element.volume };
+            batch.volume.set(number % LANES, volume);
         }
         let constitution = |material: &Material| {
             let law = material.in_elements::<D, N>(model.plane);
@@ -209,7 +215,11 @@ where
             histories,
             memory,
             origin,
-            true_masses: if model.mass_factors.is_empty() { Vec::new() } else { vec![0.0; mesh.nodes.len()] },
+            true_masses: if model.mass_factors.is_empty() && rigid.is_empty() {
+                Vec::new()
+            } else {
+                vec![0.0; mesh.nodes.len()]
+            },
             positions: mesh.nodes.iter().map(|&place| minus(place, origin)).collect(),
             velocities: vertices.clone().map(velocity).collect(),
             constants: vertices.map(constant).collect(),
@@ -218,6 +228,7 @@ where
             deformed,
             available: Available::best(),
             corners,
+            rigid,
             share: Share::default(),
             grains: Grains::of(0.0),
             thickness: model.thickness,
@@ -227,6 +238,10 @@ where
         };
         for node in 0..solid.node_count() {
             solid.weigh(node as u32, model);
+        }
+        if !solid.rigid.is_empty() {
+            solid.list_rigid_nodes();
+            solid.place_rigid_nodes(model, 0.0, &Team::ALONE);
         }
         solid
     }
@@ -246,6 +261,7 @@ where
             + size_of_val(&**histories)
             + histories.iter().map(|history| size_of_val(&*history.memory)).sum::<usize>()
             + corners.bytes()
+            + self.rigid.bytes()
             + size_of_val(&*share.corners)
             + size_of_val(&*share.nodes)
             + size_of_val(&**heights)
@@ -281,6 +297,7 @@ where
         }
         let of_corner = self.corners.of_corner.iter().map(|nodes| nodes.map(|node| number[node as usize]));
         self.corners = Nodes::new(of_corner.collect(), order.len());
+        self.list_rigid_nodes();
     }
 
     /// The nodes in the order of results: the first of each vertex, and then all others, both in the order of
@@ -317,6 +334,7 @@ where
             self.constants[node as usize] = Constants { mass: 0.0, vertex, hold: holds[vertex as usize] };
         }
         self.corners = Nodes::new(of_corner, nodes.len());
+        self.list_rigid_nodes();
         if !self.true_masses.is_empty() {
             self.true_masses = vec![0.0; nodes.len()];
         }
@@ -328,9 +346,10 @@ where
         self.weigh_elements();
     }
 
-    /// Sets the masses of a node to the sums over its corners, and the mean masses of the elements there.
+    /// Sets the masses of a node to the sums over its corners, for the motion of a rigid body to that of the
+    /// whole body, and the mean masses of the elements there.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
-        let Self { elements, constants, true_masses, corners, .. } = self;
+        let Self { elements, constants, true_masses, corners, rigid, .. } = self;
         let (mut mass, mut true_mass) = (0.0, 0.0);
         for &corner in corners.of(node as usize) {
             let element = corner as usize / N;
@@ -338,7 +357,8 @@ where
             mass += model.mass_factor(element) * of_corner;
             true_mass += of_corner;
         }
-        constants[node as usize].mass = mass;
+        let first = corners.of(node as usize)[0] / N as u32;
+        constants[node as usize].mass = rigid.mass_with(first).unwrap_or(mass);
         if let Some(of_node) = true_masses.get_mut(node as usize) {
             *of_node = true_mass;
         }
@@ -387,7 +407,7 @@ where
     /// Gives each group of these corners of a vertex a separate node. Returns the nodes whose corners have
     /// changed, ascending.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
-        let Self { positions, velocities, constants, true_masses, corners: lists, share, .. } = self;
+        let Self { positions, velocities, constants, true_masses, corners: lists, share, rigid, .. } = self;
         let mut changed = Vec::new();
         lists.split(corners, groups, |old, new| {
             positions.push(positions[old as usize]);
@@ -397,6 +417,7 @@ where
                 true_masses.push(true_mass);
             }
             share.split(old);
+            rigid.split(old);
             changed.extend([old, new]);
         });
         changed.sort_unstable();
@@ -496,7 +517,7 @@ where
         team: &Team,
     ) -> Option<(u32, f64)> {
         let Self { positions, velocities, elements, undeformed, deformed, forces, histories, .. } = self;
-        let corners = &self.corners;
+        let (corners, rigid) = (&self.corners, &self.rigid);
         let constitutions = &self.constitutions;
         let any_dissipates = constitutions.iter().any(|of| of.dissipates);
         let (heights, prestress, available, share) =
@@ -544,6 +565,9 @@ where
                     };
                     let law_of = |lane: usize| &constitutions[own[lane].material as usize].law;
                     batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut results);
+                    for lane in range.clone().filter(|&number| rigid.of_element(number as u32).is_some()) {
+                        deformed.set_stress(lane % LANES, &[[0.0; D]; D]);
+                    }
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = results.forces(lane);

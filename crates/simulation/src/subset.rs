@@ -102,7 +102,10 @@ where
         } else {
             elements.iter().map(|element| self.mass_factors[of_elements(element)]).collect()
         };
-        let mut model = Self { mesh: part, velocities, stresses, joint_facets, mass_factors, ..self.clone() };
+        let mut rigid = self.rigid.clone();
+        rigid.retain(|body| part.bodies.contains(body));
+        let mut model =
+            Self { mesh: part, velocities, stresses, joint_facets, mass_factors, rigid, ..self.clone() };
         let renumber = |facets: &mut Vec<[u32; D]>| {
             for facet in facets {
                 *facet = facet.map(number);

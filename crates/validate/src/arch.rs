@@ -27,15 +27,17 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     );
     let mut outcomes = Vec::new();
     for &(share, stands) in shares {
-        let found = f64::from(u8::from(is_standing(share * LEAST)?));
-        let name = format!("arch of {share} times the least thickness: 1 if it stands");
-        outcomes.push(Outcome::absolute(name, f64::from(u8::from(stands)), found, 0.0, ""));
+        for (is_rigid, kind) in [(false, ""), (true, ", rigid")] {
+            let found = f64::from(u8::from(is_standing(share * LEAST, is_rigid)?));
+            let name = format!("arch of {share} times the least thickness{kind}: 1 if it stands");
+            outcomes.push(Outcome::absolute(name, f64::from(u8::from(stands)), found, 0.0, ""));
+        }
     }
     Ok(outcomes)
 }
 
-/// Whether an arch of this thickness, m, stands under its weight.
-fn is_standing(thickness: f64) -> Result<bool, String> {
+/// Whether an arch of this thickness, m, stands under its weight. `is_rigid`: whether all of its parts are.
+fn is_standing(thickness: f64, is_rigid: bool) -> Result<bool, String> {
     let count = 32;
     let bases = [-1.0, 1.0].map(|side: f64| {
         let middle = side * RADIUS;
@@ -46,6 +48,7 @@ fn is_standing(thickness: f64) -> Result<bool, String> {
     parts.extend(
         (0..count).map(|k| voussoir(thickness, [k, k + 1].map(|k| PI * f64::from(k) / f64::from(count)))),
     );
+    let rigid = if is_rigid { (0..parts.len() as u32).collect() } else { Vec::new() };
     let mesh = together(&parts);
     let crown = (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][1].total_cmp(&mesh.nodes[b][1]));
     let crown = crown.unwrap_or_default() as u32;
@@ -61,6 +64,7 @@ fn is_standing(thickness: f64) -> Result<bool, String> {
         contact: ContactOptions { damping: 0.3, ..ContactOptions::default() },
         gravity: [0.0, -GRAVITY],
         gravity_schedule: Schedule::Ramp(0.2),
+        rigid,
         boundaries: vec![moved("bases", held, [Some(0.0); 2], Schedule::Constant)],
         ..Model::default()
     };

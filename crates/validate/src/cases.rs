@@ -437,6 +437,27 @@ const CASES: &[Case] = &[
         source: "largest tension at the front: E. Sommer, Eng. Fract. Mech. 1 (1969) 539-546",
         run: space::free_crack::turning,
     },
+    Case {
+        number: 42,
+        name: "rigid body that tumbles",
+        what: "A free rigid box spins nearly about its middle axis, and turns over again and again, with the period of the elliptic functions; its kinetic energy stays.",
+        source: "L. D. Landau and E. M. Lifshitz, Mechanics (1976), 37",
+        run: space::rigid::tumbles,
+    },
+    Case {
+        number: 42,
+        name: "rigid cube on a plane",
+        what: "At rest a rigid cube sinks into a rigid plane by its weight over the stiffness of the contact, and does not turn. On a slope it rests below the angle of friction, and slides above with a = g (sin θ − µ cos θ).",
+        source: "Coulomb; potentials of flush faces",
+        run: space::rigid::on_a_plane,
+    },
+    Case {
+        number: 42,
+        name: "rigid cubes that collide",
+        what: "Pairs of rigid cubes meet in random orientations without friction and damping. Energy and momentum are the same before and after.",
+        source: "conservation",
+        run: space::rigid::collisions,
+    },
 ];
 
 /// All cases, in the order of the ladder.

@@ -16,6 +16,7 @@ pub(super) mod incline;
 pub(super) mod locking;
 pub(super) mod penny;
 pub(super) mod perforation;
+pub(super) mod rigid;
 pub(super) mod rotation;
 pub(super) mod shear;
 pub(super) mod sphere;

@@ -186,6 +186,12 @@ where
     (mesh, placed, missing)
 }
 
+/// Numbers of the bodies that are rigid, ascending.
+pub(crate) fn rigid<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D, N>]) -> Vec<u32> {
+    let rigid = (0..).zip(placed).filter(|(_, body)| file.body[body.table].rigid);
+    rigid.map(|(number, _)| number).collect()
+}
+
 /// The pieces of a body in their places: bodies of a packing and copies, each with the suffix of its name.
 fn named_pieces<const D: usize, const N: usize>(
     body: &Body,

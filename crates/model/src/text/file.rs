@@ -33,7 +33,7 @@ pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Outp
 pub use principal::Principal;
 pub use scaling::MassScaling;
 pub use stage::{Release, Stage};
-pub use vector::Vector;
+pub use vector::{Spin, Vector};
 
 /// A model of the combined finite-discrete element method in two or three dimensions. SI units: m, kg, s, N,
 /// Pa; angles in degrees.

@@ -80,6 +80,9 @@ where
 
     fn couple(&self, elements: [u32; 2]) -> Option<Couple<u32>> {
         let Self { joints, topology, surface, .. } = self;
+        if self.solid.rigid.joins(elements) {
+            return None;
+        }
         let parted = surface.parted.binary_search(&elements).is_ok();
         couple(elements, parted, &surface.groups, joints, topology)
     }

@@ -6,7 +6,7 @@ use crate::joints::Pulling;
 use crate::machine::{Columns, Machine};
 use crate::model::Model;
 use crate::motion::nodes::{self, Motion};
-use crate::motion::{MotionSums, Selected};
+use crate::motion::{MotionSums, Selected, rigid};
 use crate::simplex::Simplex;
 use crate::solid::Node;
 use crate::sum::Sum;
@@ -68,6 +68,11 @@ where
         sums: &mut MotionSums<Sum, D>,
     ) {
         let Columns { solid, joints, .. } = &mut self.columns;
+        // Rigid bodies move with the nodes that other ranks wait for, if there are any.
+        let awaited = matches!(selected, Selected::Only([_, ..]) | Selected::Except([]));
+        if awaited {
+            rigid::advance(solid, motion, &self.team, sums);
+        }
         nodes::advance(solid, joints, motion, &self.team, selected, sums);
     }
 

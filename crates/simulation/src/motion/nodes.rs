@@ -49,7 +49,7 @@ where
 
     #[inline]
     fn is_own(&self, node: usize) -> bool {
-        self.solid.share().node(node)
+        self.solid.share().node(node) && !self.solid.rigid.has_node(node)
     }
 
     #[inline]
@@ -217,7 +217,7 @@ fn take<const D: usize, const N: usize>(
 
 /// The force of local damping, and of dynamic relaxation, against a motion.
 #[inline]
-fn damping<const D: usize, const N: usize>(
+pub(super) fn damping<const D: usize, const N: usize>(
     motion: &Motion<'_, D, N>,
     mass: f64,
     force: Point<D>,
@@ -243,7 +243,7 @@ fn accelerated<const D: usize>(before: Point<D>, over: f64, force: Point<D>) -> 
 
 /// The force of local damping against a motion.
 #[inline]
-fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
+pub(super) fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
     if damping == 0.0 {
         return [0.0; D];
     }

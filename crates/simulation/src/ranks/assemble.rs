@@ -81,6 +81,7 @@ where
         solid.set_nodes(&moving, nodes.of_corner, &model);
         solid.set_masses(&nodes.first.iter().map(|at| at.masses).collect::<Vec<_>>());
         solid.set_share(share);
+        solid.hold_rigid_bodies(&actions.prescribed.holds, &model)?;
         solid.grains = Grains::of(frame.scales.size);
         solid.restore(
             &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),

@@ -87,7 +87,13 @@ where
             let of = (0..corners.len()).filter(|&place| groups[place] as usize == leader);
             let corners: Vec<u32> = of.map(|place| corners[place]).collect();
             let weight = corners.iter().map(|&corner| weights[corner as usize / N]).sum();
-            units.push(CornerUnit { key: curve.key(run.solid().position_at(corners[0])), corners, weight });
+            // A rigid body has one owner.
+            let rigid = run.solid().rigid.of_element(corners[0] / N as u32);
+            let place = rigid.map_or_else(
+                || run.solid().position_at(corners[0]),
+                |body| run.solid().rigid.motions[body as usize].centre,
+            );
+            units.push(CornerUnit { key: curve.key(place), corners, weight });
         }
     }
     units

@@ -144,11 +144,15 @@ where
 
     /// Kinetic energy with the velocities half a step after the positions, J.
     pub(super) fn kinetic_of_half_step(&self) -> Sum {
+        let solid = self.solid();
         let of = |node: usize| {
             let velocity = self.solid().velocity(node);
             0.5 * self.solid().constants(node).mass * dot(velocity, velocity)
         };
-        (0..self.solid().node_count()).filter(|&node| self.solid().share().node(node)).map(of).collect()
+        let rigid = (0..solid.rigid.all.len()).filter(|&body| solid.moves_rigid(body));
+        let own = |node: &usize| solid.share().node(*node) && !solid.rigid.has_node(*node);
+        let nodes = (0..solid.node_count()).filter(own).map(of);
+        nodes.chain(rigid.map(|body| solid.rigid.kinetic(body))).collect()
     }
 }
 

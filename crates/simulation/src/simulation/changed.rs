@@ -97,6 +97,7 @@ where
         let numbers = Numbers::new(elements, before.mesh.elements.len(), &model)?;
         model.time.step = Some(old.time_step());
         let fresh = Simulation::new(model.clone(), threads)?;
+        numbers.check_rigid(&old, &fresh)?;
         if fresh.critical_step().step < old.time_step() {
             return Err(ModelError::OutOfRange {
                 place: "the changed model".to_owned(),
@@ -267,6 +268,39 @@ impl Numbers {
             }
         }
         Ok(Self { before, after })
+    }
+
+    /// A rigid body appears, stays or vanishes as a whole.
+    fn check_rigid<const D: usize, const N: usize>(
+        &self,
+        old: &Simulation<D, N>,
+        fresh: &Simulation<D, N>,
+    ) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let known = &old.solid().rigid;
+        for body in &fresh.solid().rigid.all {
+            let before = |element: &u32| self.before[*element as usize];
+            let of = body.elements.iter().map(|element| before(element).map(|old| known.of_element(old)));
+            let mut of = of.collect::<Vec<_>>();
+            of.dedup();
+            let stays =
+                |body_before: u32| known.all[body_before as usize].elements.len() == body.elements.len();
+            match of[..] {
+                [None] => {}
+                [Some(Some(body_before))] if stays(body_before) => {}
+                _ => {
+                    let place = "the changed model, in which it was another body before".to_owned();
+                    return Err(ModelError::Missing {
+                        what: "rigid body with element",
+                        index: body.elements[0],
+                        place,
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The number now of an element before.

@@ -49,6 +49,11 @@ where
             return Err(ModelError::OutOfRange { place, what: "a velocity", value, range });
         }
         let solid = &mut self.machine.columns_mut().solid;
+        if let Some(&index) = nodes.iter().find(|&&node| solid.rigid.has_node(order[node as usize] as usize))
+        {
+            let what = "node of a body that deforms instead of";
+            return Err(ModelError::Missing { what, index, place: "velocities that are set".to_owned() });
+        }
         for (&node, &velocity) in nodes.iter().zip(velocities) {
             let node = order[node as usize] as usize;
             let before = solid.velocity(node);

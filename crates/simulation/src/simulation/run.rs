@@ -19,6 +19,7 @@ use crate::machine::list::Machines;
 use crate::machine::{Columns, Machine};
 use crate::model::{Insertion, Model};
 use crate::ranks::part::RankPart;
+use crate::rigid;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::simulation::totals::Totals;
@@ -155,6 +156,7 @@ where
             joints.law(facet, &model, &topology)?;
         }
         let mut actions = Actions::new(&model, &topology, &mut solid, None)?;
+        solid.hold_rigid_bodies(&actions.prescribed.holds, &model)?;
         let team = Team::new(threads)?;
         let contacts = Contacts::new(&model, &topology, &joints.faces, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {
@@ -279,13 +281,18 @@ where
 
     /// The memory of the actions, as far as this rank counts it.
     pub(crate) fn records(&self) -> Vec<Record> {
-        self.actions.records(&self.scene())
+        let mut records = self.actions.records(&self.scene());
+        records.extend(self.solid().rigid_records(&self.topology));
+        records
     }
 
     /// Gives an action a record. Returns `false` if it does not fit the model.
     pub(crate) fn take_record(&mut self, record: &Record) -> bool {
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, machine, actions, team, .. } = self;
+        if record.action == rigid::RECORD {
+            return machine.columns_mut().solid.take_rigid(record, topology);
+        }
         actions.take(record, &Scene { model, topology, machine: &**machine, team, time, step })
     }
 

@@ -45,3 +45,5 @@ mod mass;
 /// Models that are refused.
 mod refusal;
 mod relaxation;
+/// Bodies that are rigid.
+mod rigid;

@@ -68,6 +68,15 @@ macro_rules! same_on_ranks {
     }};
 }
 
+/// Rigid bodies that break others; each has one owner, and moves from rank to rank with it.
+#[test]
+fn a_crash_of_rigid_bodies_is_the_same() {
+    let counts = same_on_ranks!(crate::rigid::blocks(), 2, 3, &[1, 2, 3, 8], &[1, 299, 700, 1500]);
+    assert!(counts.broken > 5 && counts.contacts > 5, "{counts:?}");
+    let counts = same_on_ranks!(crate::rigid::blocks_in_space(), 3, 4, &[2, 3], &[1, 150, 70]);
+    assert!(counts.contacts > 5, "{counts:?}");
+}
+
 /// Everything that can happen in the plane: joints that are inserted, break and hand over; contacts, damping,
 /// weight, a floor.
 #[test]

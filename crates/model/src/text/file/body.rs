@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::text::file::vector::Vector;
+use crate::text::file::vector::{Spin, Vector};
 
 /// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions
 /// rectangle, disc, ring or polygon; in three dimensions box, cylinder, tube, sphere, polyhedron, surface or
@@ -58,6 +58,16 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
+    /// Angular velocity about the centroid at the start, rad/s: one number in two dimensions,
+    /// counter-clockwise; [x, y, z] in three. Default: none.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "rad/s"))]
+    pub spin: Option<Spin>,
+    /// Whether the body is rigid: it moves and turns as a whole, has no stress and no joints, does not
+    /// break, and its waves do not limit the time step. Its mesh gives it mass, moments of inertia and
+    /// shape. A boundary that holds or moves a part of it holds or moves all of it.
+    #[serde(default)]
+    pub rigid: bool,
     /// Whether a `mesh_size` below 1/500 of the width of the body is meant. Without, it is refused: it is
     /// more often a wrong unit.
     #[serde(default)]

@@ -14,3 +14,23 @@ impl Vector {
         self.0.as_slice().try_into().unwrap_or([0.0; D])
     }
 }
+
+/// An angular velocity: one number in two dimensions, [x, y, z] in three.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Spin {
+    /// Counter-clockwise in the plane.
+    Plane(f64),
+    /// About an axis in space.
+    Space([f64; 3]),
+}
+
+impl Spin {
+    /// As a vector in space.
+    pub(crate) fn vector(self) -> [f64; 3] {
+        match self {
+            Self::Plane(about) => [0.0, 0.0, about],
+            Self::Space(vector) => vector,
+        }
+    }
+}

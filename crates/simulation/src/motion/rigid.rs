@@ -1,0 +1,222 @@
+//! Motion of rigid bodies: central differences for the centre of mass and for the angular momentum, and a
+//! rotation by the angular velocity in the middle of a step.
+//!
+//! With the angular momentum `L` after a step, the angular velocity at its middle is `ω = I⁻¹(q) L`, with the
+//! orientation `q` in the middle, which depends on `ω`: a fixed point, found by iteration. The orientation
+//! then turns by `h ω`. Backwards in time the step is the same, so that the energy of a free body does not
+//! drift; its angular momentum is kept exactly.
+
+use crate::motion::nodes::{Motion, damping, local_damping};
+use crate::motion::{Freedoms, MotionSums, MovedNow, RelaxationSums};
+use crate::rigid::{RigidBody, RigidMotion};
+use crate::rotation::{lifted, matrix_of, turned};
+use crate::simplex::Simplex;
+use crate::solid::Solid;
+use crate::sum::{Pile, Sum};
+use crate::team::Team;
+use crate::vector::{Point, add, cross3, dot, length, minus, plus};
+
+/// Most iterations for the orientation in the middle of a step. Each multiplies the error by about the angle
+/// of a step.
+const ITERATIONS: usize = 30;
+
+/// The rigid bodies of a solid, and all that their motion depends on.
+struct RigidFreedoms<'a, const D: usize, const N: usize> {
+    solid: &'a Solid<D, N>,
+    motion: &'a Motion<'a, D, N>,
+}
+
+/// Moves all rigid bodies of this rank, and their nodes.
+pub(crate) fn advance<const D: usize, const N: usize>(
+    solid: &mut Solid<D, N>,
+    motion: &Motion<'_, D, N>,
+    team: &Team,
+    all: &mut MotionSums<Sum, D>,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    if solid.rigid.is_empty() {
+        return;
+    }
+    let mut motions = std::mem::take(&mut solid.rigid.motions);
+    let freedoms = RigidFreedoms { solid: &*solid, motion };
+    let now = MovedNow { moves: |_| true, speed_limit: motion.speed_limit };
+    let found = team.change_lanes::<1, _, _>(&mut motions, |first, motions| {
+        now.advance_chunk(&freedoms, first, motions.iter_mut())
+    });
+    solid.rigid.motions = motions;
+    all.add_chunks(found);
+    solid.place_rigid_nodes(motion.model, motion.step, team);
+}
+
+/// Force and moment on a rigid body, without its weight.
+struct RigidForce<const D: usize> {
+    /// N.
+    force: Point<D>,
+    /// About `pivot`, N m.
+    moment: Point<3>,
+    /// A point of the body relative to [`Solid::origin`], m.
+    pivot: Point<D>,
+}
+
+impl<const D: usize, const N: usize> RigidFreedoms<'_, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The corners of a body, with the forces on them, N.
+    fn corner_forces(&self, body: &RigidBody<D>) -> impl Iterator<Item = (u32, Point<D>)> {
+        let corners = |&element: &u32| (0..N as u32).map(move |k| element * N as u32 + k);
+        let solid = self.solid;
+        body.elements.iter().flat_map(corners).map(move |corner| (corner, solid.force(corner)))
+    }
+
+    /// Moves the centre of mass under a force without the weight, N. Returns its speed, m/s.
+    fn move_centre(
+        &self,
+        body: &RigidBody<D>,
+        moving: &mut RigidMotion<D>,
+        force: Point<D>,
+        sum: &mut MotionSums<Pile, D>,
+    ) -> f64 {
+        let Self { solid, motion, .. } = self;
+        let (mass, step, before) = (body.mass, motion.step, moving.velocity);
+        let weight = motion.gravity.map(|acceleration| mass * acceleration);
+        let force = plus(force, weight);
+        if motion.energy {
+            let free = if body.is_held() { [0.0; D] } else { force };
+            sum.note_forces(free, self.corner_forces(body).map(|(_, force)| force));
+        }
+        let mut damped = damping(motion, mass, force, before);
+        let mut after = std::array::from_fn(|axis| before[axis] + step / mass * (force[axis] - damped[axis]));
+        let mut reactions = [0.0; D];
+        for axis in 0..D {
+            let Some((hold, corner)) = body.holds[axis] else { continue };
+            let moved = body.displacement(moving, axis);
+            after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
+            damped[axis] = 0.0;
+            reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
+            let mut reaction = [0.0; D];
+            reaction[axis] = reactions[axis];
+            sum.held.push((solid.node_at(corner), reaction));
+        }
+        add(&mut moving.centre, after, step);
+        moving.velocity = after;
+        if motion.energy {
+            sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
+        }
+        let external = plus(weight, reactions);
+        for (half, velocity) in [before, after].into_iter().enumerate() {
+            sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
+            sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
+        }
+        for axis in (0..D).filter(|&axis| body.holds[axis].is_none()) {
+            take(motion, force[axis], [before[axis], after[axis]], mass * before[axis], sum);
+        }
+        length(after)
+    }
+}
+
+impl<const D: usize, const N: usize> Freedoms<D> for RigidFreedoms<'_, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    type Moving<'m> = &'m mut RigidMotion<D>;
+    type Force = RigidForce<D>;
+
+    fn is_own(&self, body: usize) -> bool {
+        self.solid.moves_rigid(body)
+    }
+
+    fn force(&self, body: usize) -> RigidForce<D> {
+        let body = &self.solid.rigid.all[body];
+        let pivot = self.solid.position_at(body.elements[0] * N as u32);
+        let (mut force, mut moment) = ([0.0; D], [0.0; 3]);
+        for (corner, on_corner) in self.corner_forces(body).filter(|(_, force)| *force != [0.0; D]) {
+            let arm = minus(self.solid.position_at(corner), pivot);
+            add(&mut force, on_corner, 1.0);
+            add(&mut moment, cross3(lifted(arm), lifted(on_corner)), 1.0);
+        }
+        RigidForce { force, moment, pivot }
+    }
+
+    fn advance(
+        &self,
+        number: usize,
+        moving: &mut RigidMotion<D>,
+        RigidForce { force, mut moment, pivot }: RigidForce<D>,
+        sum: &mut MotionSums<Pile, D>,
+    ) -> f64 {
+        let body = &self.solid.rigid.all[number];
+        let arm = lifted(minus(pivot, moving.centre));
+        add(&mut moment, cross3(arm, lifted(force)), 1.0);
+        turn_body(body, moving, moment, self.motion, sum);
+        let speed = self.move_centre(body, moving, force, sum) + length(moving.spin) * body.radius;
+        speed * speed
+    }
+
+    fn element(&self, body: usize) -> u32 {
+        self.solid.rigid.all[body].elements[0]
+    }
+}
+
+/// Turns a body under a moment about its centre of mass, N m.
+fn turn_body<const D: usize, const N: usize>(
+    body: &RigidBody<D>,
+    moving: &mut RigidMotion<D>,
+    moment: Point<3>,
+    motion: &Motion<'_, D, N>,
+    sum: &mut MotionSums<Pile, D>,
+) {
+    let (step, momentum) = (motion.step, moving.momentum);
+    let moment = body.left(moment);
+    let now = matrix_of(moving.orientation);
+    let before = body.spin(&now, momentum);
+    let mut damped = local_damping(motion.model.time.local_damping, moment, before);
+    if motion.relaxation != 0.0 {
+        // The force of dynamic relaxation on a node is made in the same way.
+        let half = 0.5 * motion.relaxation * step;
+        for axis in 0..3 {
+            let mean = momentum[axis] + 0.5 * step * (moment[axis] - damped[axis]);
+            damped[axis] += motion.relaxation * mean / (1.0 + half);
+        }
+    }
+    moving.momentum = body.left(plus(momentum, minus(moment, damped).map(|x| step * x)));
+    let after = body.spin(&now, moving.momentum);
+    moving.spin = after;
+    for _ in 0..ITERATIONS {
+        let middle = matrix_of(turned(moving.orientation, moving.spin.map(|x| 0.5 * step * x)));
+        let spin = body.spin(&middle, moving.momentum);
+        if spin == std::mem::replace(&mut moving.spin, spin) {
+            break;
+        }
+    }
+    moving.orientation = turned(moving.orientation, moving.spin.map(|x| step * x));
+    if motion.energy {
+        sum.kinetic.add(0.5 * dot(momentum, after), motion.grains);
+    }
+    for (half, spin) in [before, after].into_iter().enumerate() {
+        sum.damping[half].add(0.5 * step * dot(damped, spin), motion.grains);
+    }
+    for axis in 0..3 {
+        take(motion, moment[axis], [before[axis], after[axis]], momentum[axis], sum);
+    }
+}
+
+/// Adds the terms along an axis to the sums for the damping of dynamic relaxation, as nodes do. `momentum`:
+/// that before the step.
+fn take<const D: usize, const N: usize>(
+    motion: &Motion<'_, D, N>,
+    force: f64,
+    [before, after]: [f64; 2],
+    momentum: f64,
+    sum: &mut MotionSums<Pile, D>,
+) {
+    match motion.taken {
+        RelaxationSums::Nothing => {}
+        RelaxationSums::After => sum.taken[0].add(force * after, motion.grains),
+        RelaxationSums::Before => {
+            sum.taken[0].add(force * before, motion.grains);
+            sum.taken[1].add(momentum * before, motion.grains);
+        }
+    }
+}

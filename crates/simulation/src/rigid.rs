@@ -1,0 +1,537 @@
+//! Bodies that are rigid: their nodes move as the body does, by its centre of mass and its rotation.
+//!
+//! The elements of a rigid body have no stress. They give the body its mass, its moments of inertia and its
+//! shape, so that contacts and loads act on it as on any other body. Its nodes are placed after each step;
+//! its motion is `motion/rigid.rs`.
+
+use fdem_distributed::wire;
+use fdem_mesh::Mesh;
+
+use crate::action::Record;
+use crate::actions::prescribed::Hold;
+use crate::error::ModelError;
+use crate::model::Model;
+use crate::rotation::{Quaternion, UNTURNED, inverse, lifted, lowered, matrix_of, turned};
+use crate::simplex::Simplex;
+use crate::solid::{Node, Solid};
+use crate::team::Team;
+use crate::topology::{NONE, Topology};
+use crate::vector::{
+    Matrix, Point, add, applied, cross3, dot, length, matrix, minus, plus, product_transposed, transposed,
+};
+
+/// Place in the list of actions of a record with the motion of a rigid body, which is no action.
+pub(crate) const RECORD: u32 = NONE - 1;
+
+/// All rigid bodies, in the order of [`Model::rigid`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RigidBodies<const D: usize> {
+    /// The rigid body of each element, or [`NONE`]; empty if there is none.
+    of_element: Vec<u32>,
+    /// Whether each node belongs to a rigid body; empty if there is none.
+    is_rigid: Vec<bool>,
+    /// The nodes of rigid bodies, each with its body.
+    nodes: Vec<[u32; 2]>,
+    pub(crate) all: Vec<RigidBody<D>>,
+    pub(crate) motions: Vec<RigidMotion<D>>,
+}
+
+/// A rigid body, as the mesh has it. On a rank that does not own it, its elements are some of all.
+#[derive(Clone, Debug)]
+pub(crate) struct RigidBody<const D: usize> {
+    /// Ascending.
+    pub(crate) elements: Vec<u32>,
+    /// Mass, kg.
+    pub(crate) mass: f64,
+    /// Centre of mass in the undeformed mesh, relative to [`Solid::origin`], m.
+    start: Point<D>,
+    /// Moments of inertia about that centre, kg m², and their inverse. In the plane only the last counts.
+    inertia: Matrix<3>,
+    inverse: Matrix<3>,
+    /// Largest distance of a node from the centre, m.
+    pub(crate) radius: f64,
+    /// Prescribed motion of the centre along each axis, with a corner that it holds.
+    pub(crate) holds: [Option<(Hold, u32)>; D],
+    turns: Turns,
+}
+
+/// The rotations that the supports of a body leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turns {
+    All,
+    /// About this axis.
+    About(usize),
+    None,
+}
+
+/// Motion of a rigid body. Velocity, momentum and spin are half a step before the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RigidMotion<const D: usize> {
+    /// Centre of mass relative to [`Solid::origin`], m, and its velocity, m/s.
+    pub(crate) centre: Point<D>,
+    pub(crate) velocity: Point<D>,
+    /// Rotation since the undeformed mesh.
+    pub(crate) orientation: Quaternion,
+    /// Angular momentum, N m s, and angular velocity, rad/s.
+    pub(crate) momentum: Point<3>,
+    pub(crate) spin: Point<3>,
+}
+
+wire!([const D: usize] RigidMotion<D> { centre, velocity, orientation, momentum, spin });
+
+impl<const D: usize> RigidBodies<D> {
+    /// The rigid bodies of a model, or of a part of one, at rest in the undeformed mesh. `origin`: see
+    /// [`Solid::origin`].
+    pub(crate) fn new<const N: usize>(model: &Model<D, N>, origin: Point<D>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if model.rigid.is_empty() {
+            return Self::default();
+        }
+        let of_body = |body: &u32| model.rigid.binary_search(body).map_or(NONE, |place| place as u32);
+        let of_element: Vec<u32> = model.mesh.bodies.iter().map(of_body).collect();
+        let mut elements = vec![Vec::new(); model.rigid.len()];
+        for (element, &body) in (0..).zip(&of_element) {
+            if let Some(elements) = elements.get_mut(body as usize) {
+                elements.push(element);
+            }
+        }
+        let all: Vec<RigidBody<D>> =
+            elements.into_iter().map(|elements| RigidBody::new(model, elements, origin)).collect();
+        let motions = all.iter().map(|body| body.begin(model, origin)).collect();
+        Self { of_element, all, motions, ..Self::default() }
+    }
+
+    /// Whether there is none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { of_element, is_rigid, nodes, all, motions } = self;
+        size_of_val(&**of_element)
+            + size_of_val(&**is_rigid)
+            + size_of_val(&**nodes)
+            + size_of_val(&**motions)
+            + all.iter().map(|body| size_of_val(body) + size_of_val(&*body.elements)).sum::<usize>()
+    }
+
+    /// The rigid body of an element.
+    #[inline]
+    pub(crate) fn of_element(&self, element: u32) -> Option<u32> {
+        self.of_element.get(element as usize).copied().filter(|&body| body != NONE)
+    }
+
+    /// Whether two elements belong to one rigid body.
+    #[inline]
+    pub(crate) fn joins(&self, [a, b]: [u32; 2]) -> bool {
+        self.of_element(a).is_some_and(|body| self.of_element(b) == Some(body))
+    }
+
+    /// Notes a new node that has been split from another.
+    pub(crate) fn split(&mut self, old: u32) {
+        let Some(&is_rigid) = self.is_rigid.get(old as usize) else { return };
+        let new = self.is_rigid.len() as u32;
+        self.is_rigid.push(is_rigid);
+        let body = self.nodes.iter().find(|[node, _]| *node == old).map(|&[_, body]| body);
+        self.nodes.extend(body.map(|body| [new, body]));
+    }
+
+    /// Whether a node belongs to a rigid body.
+    #[inline]
+    pub(crate) fn has_node(&self, node: usize) -> bool {
+        self.is_rigid.get(node).copied().unwrap_or(false)
+    }
+
+    /// Kinetic energy of a body with the velocities half a step before its position, J.
+    pub(crate) fn kinetic(&self, body: usize) -> f64 {
+        let RigidMotion { velocity, momentum, spin, .. } = self.motions[body];
+        0.5 * (self.all[body].mass * dot(velocity, velocity) + dot(momentum, spin))
+    }
+
+    /// The whole mass, kg, that an element moves with, if it is rigid.
+    pub(crate) fn mass_with(&self, element: u32) -> Option<f64> {
+        self.of_element(element).map(|body| self.all[body as usize].mass)
+    }
+}
+
+impl<const D: usize> RigidBody<D> {
+    fn new<const N: usize>(model: &Model<D, N>, elements: Vec<u32>, origin: Point<D>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let (mut mass, mut moment) = (0.0, [0.0; D]);
+        for (of_element, corners) in masses(model, &elements, origin) {
+            mass += of_element;
+            for corner in corners {
+                add(&mut moment, corner, of_element / N as f64);
+            }
+        }
+        let start = moment.map(|x| x / mass);
+        // The integral of r rᵀ over an element of mass m is m/((D+1)(D+2)) (Σ rᵢ rᵢᵀ + Σ rᵢ Σ rᵢᵀ), with the
+        // sums over its corners.
+        let (mut spread, mut radius) = ([[0.0; 3]; 3], 0.0_f64);
+        for (of_element, corners) in masses(model, &elements, origin) {
+            let arms = corners.map(|corner| lifted(minus(corner, start)));
+            let sum = arms.into_iter().fold([0.0; 3], plus);
+            let share = of_element / ((D + 1) * (D + 2)) as f64;
+            for arm in arms.iter().chain([&sum]) {
+                for (row, x) in spread.iter_mut().zip(arm) {
+                    add(row, *arm, share * x);
+                }
+            }
+            radius = arms.into_iter().map(length).fold(radius, f64::max);
+        }
+        let trace = spread[0][0] + spread[1][1] + spread[2][2];
+        let inertia = matrix(|i, k| if i == k { trace - spread[i][i] } else { -spread[i.min(k)][i.max(k)] });
+        Self {
+            elements,
+            mass,
+            start,
+            inverse: inverse(&inertia),
+            inertia,
+            radius,
+            holds: [None; D],
+            turns: Turns::All,
+        }
+    }
+
+    /// The motion at the beginning: of all rigid ones, that with the momentum and the angular momentum of the
+    /// masses at the nodes.
+    fn begin<const N: usize>(&self, model: &Model<D, N>, origin: Point<D>) -> RigidMotion<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let mut motion = RigidMotion {
+            centre: self.start,
+            velocity: [0.0; D],
+            orientation: UNTURNED,
+            momentum: [0.0; 3],
+            spin: [0.0; 3],
+        };
+        if model.velocities.is_empty() {
+            return motion;
+        }
+        let (mut momentum, mut lumped) = ([0.0; 3], [[0.0; 3]; 3]);
+        for (&element, (mass, corners)) in self.elements.iter().zip(masses(model, &self.elements, origin)) {
+            let share = mass / N as f64;
+            for (node, corner) in model.mesh.elements[element as usize].into_iter().zip(corners) {
+                let (arm, velocity) = (lifted(minus(corner, self.start)), model.velocities[node as usize]);
+                add(&mut motion.velocity, velocity, share / self.mass);
+                add(&mut momentum, cross3(arm, lifted(velocity)), share);
+                let square = dot(arm, arm);
+                for (i, row) in lumped.iter_mut().enumerate() {
+                    row[i] += share * square;
+                    add(row, arm, -share * arm[i]);
+                }
+            }
+        }
+        motion.spin = applied(&inverse(&lumped), momentum);
+        motion.momentum = applied(&self.inertia, motion.spin);
+        motion
+    }
+
+    /// Angular velocity, rad/s, with an angular momentum at an orientation.
+    pub(crate) fn spin(&self, turn: &Matrix<3>, momentum: Point<3>) -> Point<3> {
+        match self.turns {
+            Turns::All => applied(turn, applied(&self.inverse, applied(&transposed(turn), momentum))),
+            Turns::About(axis) => along(axis, momentum[axis] / self.inertia[axis][axis]),
+            Turns::None => [0.0; 3],
+        }
+    }
+
+    /// The part of an angular momentum that supports leave, N m s.
+    pub(crate) fn left(&self, momentum: Point<3>) -> Point<3> {
+        match self.turns {
+            Turns::All => momentum,
+            Turns::About(axis) => along(axis, momentum[axis]),
+            Turns::None => [0.0; 3],
+        }
+    }
+
+    /// Displacement of the centre along an axis, m.
+    pub(crate) fn displacement(&self, motion: &RigidMotion<D>, axis: usize) -> f64 {
+        motion.centre[axis] - self.start[axis]
+    }
+
+    /// Whether supports hold it.
+    pub(crate) fn is_held(&self) -> bool {
+        self.turns != Turns::All || self.holds.iter().any(Option::is_some)
+    }
+
+    /// The square of a frequency, 1/s², that the motion of this body on springs does not exceed. Each spring
+    /// has its place and its unit normal, and a stiffness along it, N/m, of which a share acts aslant.
+    pub(crate) fn highest_square(&self, springs: &[(Point<D>, Point<D>, f64)], aslant: f64) -> f64 {
+        // With the coordinates √m x, and Cᵀ φ⁻¹ of the rotation with C Cᵀ the inverse of the moments of
+        // inertia, the frequencies are the eigenvalues of a matrix of six rows.
+        let root = cholesky(&self.inverse);
+        let over = 1.0 / self.mass.sqrt();
+        let mut whole = [[0.0; 6]; 6];
+        for (place, normal, stiffness) in springs {
+            let (arm, normal) = (lifted(minus(*place, self.start)), lifted(*normal));
+            for axis in 0..D {
+                // k (a + (1 - a) n nᵀ) is the sum of springs along the axes and one along the normal.
+                let mut unit = [0.0; 3];
+                unit[axis] = 1.0;
+                add_spring(&mut whole, over, &root, arm, unit, aslant * stiffness);
+            }
+            add_spring(&mut whole, over, &root, arm, normal, (1.0 - aslant).max(0.0) * stiffness);
+        }
+        largest_at_most(&whole)
+    }
+}
+
+/// Adds the spring along a direction to the matrix of [`RigidBody::highest_square`].
+fn add_spring(
+    whole: &mut [[f64; 6]; 6],
+    over: f64,
+    root: &Matrix<3>,
+    arm: Point<3>,
+    direction: Point<3>,
+    stiffness: f64,
+) {
+    let turning = applied(&transposed(root), cross3(arm, direction));
+    let row: [f64; 6] = std::array::from_fn(|k| if k < 3 { over * direction[k] } else { turning[k - 3] });
+    for (i, of_row) in whole.iter_mut().enumerate() {
+        add(of_row, row, stiffness * row[i]);
+    }
+}
+
+/// A bound of the largest eigenvalue of a matrix whose eigenvalues are not negative, at most 6^(1/16) times
+/// as large: the norm of its eighth power.
+fn largest_at_most(matrix: &[[f64; 6]; 6]) -> f64 {
+    let norm = |a: &[[f64; 6]; 6]| a.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (mut power, mut bound) = (*matrix, 1.0);
+    // Square roots are the same on every platform.
+    let root = |value: f64, times: usize| (0..times).fold(value, |value, _| value.sqrt());
+    for times in 0..3 {
+        let scale = norm(&power);
+        if scale == 0.0 {
+            return 0.0;
+        }
+        bound *= root(scale, times);
+        let scaled = power.map(|row| row.map(|x| x / scale));
+        power = product_transposed(&scaled, &scaled);
+    }
+    bound * root(norm(&power), 3)
+}
+
+/// The lower triangle whose product with its transpose is a symmetric, positive matrix.
+fn cholesky(a: &Matrix<3>) -> Matrix<3> {
+    let mut c = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for k in 0..=i {
+            let rest = a[i][k] - (0..k).map(|j| c[i][j] * c[k][j]).sum::<f64>();
+            c[i][k] = if i == k { rest.sqrt() } else { rest / c[k][k] };
+        }
+    }
+    c
+}
+
+/// The vector along an axis.
+fn along(axis: usize, value: f64) -> Point<3> {
+    let mut vector = [0.0; 3];
+    vector[axis] = value;
+    vector
+}
+
+/// Mass and corners of some elements, relative to an origin.
+fn masses<'a, const D: usize, const N: usize>(
+    model: &'a Model<D, N>,
+    elements: &'a [u32],
+    origin: Point<D>,
+) -> impl Iterator<Item = (f64, [Point<D>; N])> + 'a
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let Mesh { nodes, elements: all, materials, .. } = &model.mesh;
+    elements.iter().map(move |&element| {
+        let corners = all[element as usize].map(|node| minus(nodes[node as usize], origin));
+        let density = model.materials[materials[element as usize] as usize].density;
+        (density * corners.measure() * model.thickness, corners)
+    })
+}
+
+/// Nodes and supports.
+impl<const D: usize, const N: usize> Solid<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Lists the nodes of rigid bodies.
+    pub(crate) fn list_rigid_nodes(&mut self) {
+        if self.rigid.is_empty() {
+            return;
+        }
+        let body = |node: usize| self.rigid.of_element(self.corners(node)[0] / N as u32);
+        let bodies: Vec<Option<u32>> = (0..self.node_count()).map(body).collect();
+        self.rigid.is_rigid = bodies.iter().map(Option::is_some).collect();
+        let rigid = (0..).zip(bodies).filter_map(|(node, body)| body.map(|body| [node, body]));
+        self.rigid.nodes = rigid.collect();
+    }
+
+    /// Whether this rank moves a rigid body.
+    pub(crate) fn moves_rigid(&self, body: usize) -> bool {
+        let first = self.rigid.all[body].elements.first();
+        first.is_some_and(|&element| self.share().corner(element * N as u32))
+    }
+
+    /// Places the nodes of the rigid bodies of this rank. Their velocities are those with which they have
+    /// come here in the last step, of length `step`, s.
+    pub(crate) fn place_rigid_nodes(&mut self, model: &Model<D, N>, step: f64, team: &Team) {
+        let RigidBodies { nodes, all, motions, .. } = &self.rigid;
+        let poses: Vec<Pose> = motions.iter().map(|motion| Pose::of(motion, step)).collect();
+        let placed = team.list(nodes.len(), |range| {
+            let place = |&[node, body]: &[u32; 2]| {
+                let (body, vertex) = (body as usize, self.vertex(node as usize) as usize);
+                let place = minus(model.mesh.nodes[vertex], self.origin);
+                (node, poses[body].node(&motions[body], lifted(minus(place, all[body].start))))
+            };
+            let own = nodes[range].iter().filter(|[_, body]| self.moves_rigid(*body as usize));
+            own.map(place).collect()
+        });
+        for (node, to) in placed {
+            self.set_node(node as usize, to);
+        }
+    }
+
+    /// Takes the supports of nodes of rigid bodies over. `holds`: the prescribed motions of nodes.
+    ///
+    /// # Errors
+    /// [`ModelError::RigidSupport`] if two motions are prescribed along one axis, or if the supports leave a
+    /// rotation about another point than the centre of mass.
+    pub(crate) fn hold_rigid_bodies(
+        &mut self,
+        holds: &[[Option<Hold>; D]],
+        model: &Model<D, N>,
+    ) -> Result<(), ModelError> {
+        let name = |boundary: u32| model.boundaries[boundary as usize].name.clone();
+        for body in (0..self.rigid.all.len()).filter(|&body| self.moves_rigid(body)).collect::<Vec<_>>() {
+            let held =
+                self.holds_of(&self.rigid.all[body], holds, model).map_err(|(boundaries, turns)| {
+                    ModelError::RigidSupport { boundaries: boundaries.map(name), turns }
+                })?;
+            let of_body = &mut self.rigid.all[body];
+            (of_body.holds, of_body.turns) = held;
+        }
+        Ok(())
+    }
+
+    /// The supports of a body, or the boundaries of an error, and whether they leave a rotation that cannot be.
+    #[allow(clippy::type_complexity, reason = "two fields of a body")]
+    fn holds_of(
+        &self,
+        body: &RigidBody<D>,
+        holds: &[[Option<Hold>; D]],
+        model: &Model<D, N>,
+    ) -> Result<([Option<(Hold, u32)>; D], Turns), ([u32; 2], bool)> {
+        let mut found: [Option<(Hold, u32)>; D] = [None; D];
+        // Rows that a rotation must be at right angles to: those of nodes that move alike along an axis, and
+        // for the centre those of one node.
+        let (mut rows, mut of_centre) = ([[0.0; 3]; 3], Vec::new());
+        let mut first: [Point<3>; D] = [[0.0; 3]; D];
+        let corners =
+            body.elements.iter().flat_map(|element| (0..N as u32).map(move |k| element * N as u32 + k));
+        for corner in corners.filter(|&corner| self.hold_at(corner) != NONE) {
+            let place = model.mesh.nodes[self.vertex(self.node_at(corner) as usize) as usize];
+            let arm = lifted(minus(minus(place, self.origin), body.start)).map(|x| x / body.radius);
+            for axis in 0..D {
+                let Some(hold) = holds[self.hold_at(corner) as usize][axis] else { continue };
+                let along_axis = along(axis, 1.0);
+                match found[axis] {
+                    None => {
+                        (found[axis], first[axis]) = (Some((hold, corner)), arm);
+                        of_centre.push(cross3(arm, along_axis));
+                    }
+                    Some((other, _)) if other == hold => {
+                        let row = cross3(minus(arm, first[axis]), along_axis);
+                        for (of_rows, x) in rows.iter_mut().zip(row) {
+                            add(of_rows, row, x);
+                        }
+                    }
+                    Some((other, _)) => {
+                        return Err(([other.boundary, hold.boundary], false));
+                    }
+                }
+            }
+        }
+        // In the plane a body turns about the third axis.
+        let first_axis = 3 - D * (D - 1) / 2;
+        let free: Vec<usize> = (first_axis..3).filter(|&axis| rows[axis][axis] <= STRAIGHT).collect();
+        let turns = match free.as_slice() {
+            [] => Turns::None,
+            [axis] if first_axis == 0 => Turns::About(*axis),
+            _ => Turns::All,
+        };
+        let blocked: Vec<usize> = (first_axis..3).filter(|axis| !free.contains(axis)).collect();
+        let mut of_blocked = matrix(|i, k| f64::from(u8::from(i == k)));
+        for (&i, &k) in blocked.iter().flat_map(|i| blocked.iter().map(move |k| (i, k))) {
+            of_blocked[i][k] = rows[i][k];
+        }
+        let is_whole = cholesky(&of_blocked).iter().enumerate().all(|(k, row)| row[k] * row[k] > STRAIGHT);
+        let all_or_some = free.len() < 2 || blocked.is_empty();
+        let about_centre = free
+            .iter()
+            .all(|&axis| of_centre.iter().all(|row: &Point<3>| row[axis].abs() <= STRAIGHT.sqrt()));
+        let boundary = found.iter().flatten().map(|(hold, _)| hold.boundary).next();
+        match boundary {
+            Some(boundary) if !(is_whole && all_or_some && about_centre) => Err(([boundary; 2], true)),
+            _ => Ok((found, turns)),
+        }
+    }
+
+    /// The motions of the rigid bodies that this rank moves, for states that are saved and for other ranks.
+    pub(crate) fn rigid_records(&self, topology: &Topology<D, N>) -> Vec<Record> {
+        let own = (0..self.rigid.all.len()).filter(|&body| self.moves_rigid(body));
+        let record = |body: usize| {
+            let code = topology.code_of_corner(self.rigid.all[body].elements[0] * N as u32);
+            let mut record = Record::new([code; 2], 0, &self.rigid.motions[body]);
+            record.action = RECORD;
+            record
+        };
+        own.map(record).collect()
+    }
+
+    /// Takes the motion of a rigid body over. Returns `false` if it does not fit.
+    pub(crate) fn take_rigid(&mut self, record: &Record, topology: &Topology<D, N>) -> bool {
+        let Some(corner) = topology.corner(record.codes[0]) else { return false };
+        let Some(body) = self.rigid.of_element(corner / N as u32) else { return false };
+        let Some(motion) = self.rigid.motions.get_mut(body as usize) else { return false };
+        record.value(motion).map(|value| *motion = value).is_some()
+    }
+}
+
+/// Square of an angle, or of a length over the radius of a body, that is nothing.
+const STRAIGHT: f64 = 1e-18;
+
+/// A rigid body between two places: the rotation at the second, that half a step earlier, and the velocity of
+/// turning with which nodes go from one to the other.
+struct Pose {
+    turn: Matrix<3>,
+    half: Matrix<3>,
+    spin: Point<3>,
+}
+
+impl Pose {
+    fn of<const D: usize>(motion: &RigidMotion<D>, step: f64) -> Self {
+        let RigidMotion { orientation, spin, .. } = *motion;
+        let angle = step * length(spin);
+        // A node moves along a chord.
+        let chord = if angle > 1e-100 { 2.0 * libm::sin(0.5 * angle) / angle } else { 1.0 };
+        Self {
+            turn: matrix_of(orientation),
+            half: matrix_of(turned(orientation, spin.map(|x| -0.5 * step * x))),
+            spin: spin.map(|x| chord * x),
+        }
+    }
+
+    /// A node with this arm in the undeformed body, m.
+    fn node<const D: usize>(&self, motion: &RigidMotion<D>, arm: Point<3>) -> Node<D> {
+        let turning = cross3(self.spin, applied(&self.half, arm));
+        Node {
+            position: plus(motion.centre, lowered(applied(&self.turn, arm))),
+            velocity: plus(motion.velocity, lowered(turning)),
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Bodies that are rigid.
+
+use crate::common::*;
+use fdem_simulation::*;
+
+/// A tilted block that falls on another one, with a third beside it: all rigid but the lowest.
+pub(crate) fn blocks() -> Model {
+    let ground = rectangle([0.0, -0.05], [0.4, 0.0], 16, 2);
+    let one = turned(&rectangle([0.0, 0.0], [0.1, 0.06], 3, 2), 0.5, [0.2, 0.002]);
+    let other = turned(&rectangle([0.0, 0.0], [0.08, 0.08], 2, 2), -0.3, [0.08, 0.03]);
+    let moves = |mesh: &Mesh, velocity: [f64; 2]| vec![velocity; mesh.nodes.len()];
+    let velocities =
+        [moves(&ground, [0.0; 2]), moves(&one, [-1.0, -8.0]), moves(&other, [6.0, -2.0])].concat();
+    let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
+    Model {
+        boundaries: vec![Boundary {
+            name: "floor".to_owned(),
+            target: Target::Nodes(nodes_where(&ground, |[_, y]| y < -0.0499)),
+            load: Load::Velocity([Some(0.0); 2]),
+            schedule: Schedule::Constant,
+        }],
+        mesh: together(&[ground, one, other]),
+        velocities,
+        materials: vec![Material { strength: Some(strength), friction: 0.5, damping: 0.05, ..granite() }],
+        gravity: [0.0, -9.81],
+        rigid: vec![1, 2],
+        contact: ContactOptions { damping: 0.2, ..ContactOptions::default() },
+        time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
+        ..Model::default()
+    }
+}
+
+/// A tumbling rigid box that falls on a slab.
+pub(crate) fn blocks_in_space() -> Model<3, 4> {
+    let slab = crate::space::cuboid([0.0, 0.0, -0.05], [0.3, 0.2, 0.0], [6, 4, 1]);
+    let falling = crate::space::cuboid([0.08, 0.05, 0.002], [0.18, 0.11, 0.06], [2, 1, 1]);
+    let spin = [40.0, -25.0, 10.0];
+    let velocity = |node: &[f64; 3]| {
+        let arm = [node[0] - 0.13, node[1] - 0.08, node[2] - 0.031];
+        [
+            3.0 + spin[1] * arm[2] - spin[2] * arm[1],
+            spin[2] * arm[0] - spin[0] * arm[2],
+            -9.0 + spin[0] * arm[1] - spin[1] * arm[0],
+        ]
+    };
+    let velocities = slab.nodes.iter().map(|_| [0.0; 3]).chain(falling.nodes.iter().map(velocity)).collect();
+    let bottom = (0..).zip(&slab.nodes).filter(|(_, node)| node[2] < -0.0499).map(|(node, _)| node);
+    Model {
+        boundaries: vec![Boundary {
+            name: "floor".to_owned(),
+            target: Target::Nodes(bottom.collect()),
+            load: Load::Velocity([Some(0.0); 3]),
+            schedule: Schedule::Constant,
+        }],
+        mesh: together(&[slab, falling]),
+        velocities,
+        materials: vec![Material { friction: 0.5, ..granite() }],
+        gravity: [0.0, 0.0, -9.81],
+        rigid: vec![1],
+        time: TimeOptions { step: Some(1e-6), ..TimeOptions::default() },
+        ..Model::default()
+    }
+}
+
+/// A box that tumbles onto a slab keeps the energy, the better the shorter the step.
+#[test]
+fn a_box_in_space_bounces_off_a_slab() {
+    let mut errors = Vec::new();
+    for step in [1e-6, 0.5e-6, 0.25e-6] {
+        let time = TimeOptions { step: Some(step), ..TimeOptions::default() };
+        let mut run = Simulation::new(Model { time, ..blocks_in_space() }, 1).expect("a model");
+        run.advance((1.2e-3 / step) as u64).expect("steps");
+        assert!(run.energies().friction > 0.0);
+        errors.push(run.energies().error().abs());
+    }
+    // Of second order.
+    assert!(errors[0] < 3e-3 && errors[1] < 0.3 * errors[0] && errors[2] < 0.3 * errors[1], "{errors:?}");
+}
+
+/// Distances of all nodes of a body to each other, squared.
+fn distances(run: &Simulation, body: u32) -> Vec<f64> {
+    let snapshot = run.snapshot();
+    let elements = run.model().mesh.bodies.iter().zip(&snapshot.elements).filter(|(of, _)| **of == body);
+    let nodes: Vec<u32> = elements.flat_map(|(_, nodes)| *nodes).collect();
+    let at = |node: &u32| snapshot.positions[*node as usize];
+    nodes
+        .iter()
+        .flat_map(|a| nodes.iter().map(move |b| [at(a), at(b)]))
+        .map(|[[x, y], [u, v]]| (x - u).powi(2) + (y - v).powi(2))
+        .collect()
+}
+
+#[test]
+fn rigid_bodies_keep_their_shape_and_the_energy_and_break_others() {
+    let mut run = Simulation::new(blocks(), 1).expect("a model");
+    let before = [1, 2].map(|body| distances(&run, body));
+    run.advance(4000).expect("steps");
+    for (before, body) in before.iter().zip([1, 2]) {
+        for (a, b) in before.iter().zip(distances(&run, body)) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+    }
+    let counts = run.counts();
+    assert!(counts.broken > 5, "{counts:?}");
+    assert!(run.energies().error().abs() < 1e-3, "{:?}", run.energies());
+    let stresses = run.snapshot().stresses;
+    let rigid = run.model().mesh.bodies.iter().zip(&stresses).filter(|(body, _)| **body > 0);
+    assert!(rigid.into_iter().all(|(_, stress)| stress.iter().all(|part| *part == 0.0)));
+}
+
+/// Two free squares that meet at any angle, without friction.
+#[test]
+fn a_collision_keeps_momentum_and_energy() {
+    for k in 0..20 {
+        let angle = 0.37 * f64::from(k);
+        let square = rectangle([-0.05, -0.05], [0.05, 0.05], 2, 2);
+        let meshes = [turned(&square, angle, [-0.08, 0.01]), turned(&square, 1.7 * angle, [0.08, 0.0])];
+        let moves = [vec![[5.0, 0.3]; 9], vec![[-3.0, 0.0]; 9]].concat();
+        let model = Model {
+            mesh: together(&meshes),
+            velocities: moves,
+            materials: vec![granite()],
+            rigid: vec![0, 1],
+            time: TimeOptions { safety: 0.2, ..TimeOptions::default() },
+            ..Model::default()
+        };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        let before = momentum(&run);
+        run.advance((0.03 / run.time_step()) as u64).expect("steps");
+        let after = momentum(&run);
+        let (_, [velocity, _]) = run.node(4).expect("the middle of the first square");
+        assert!((velocity - 5.0).abs() > 1.0 && run.counts().contacts == 0, "{k}: {velocity}");
+        let kinetic = run.energies().kinetic;
+        let first = 0.5 * 27.0 * (25.09 + 9.0);
+        assert!((kinetic / first - 1.0).abs() < 1e-4, "{k}: {kinetic} {first}");
+        for axis in 0..2 {
+            assert!((after[axis] - before[axis]).abs() < 1e-10, "{k}: {before:?} {after:?}");
+        }
+        assert!(run.energies().error().abs() < 1e-4, "{k}: {:?}", run.energies());
+    }
+}
+
+/// A block on a plane at rest, and one that slides; both planes are rigid and held.
+#[test]
+fn a_block_rests_or_slides_on_a_slope() {
+    let g = 9.81;
+    for (friction, degrees, moves) in [(0.45, 20.0, false), (0.3, 20.0, true), (0.3, -20.0, true)] {
+        let angle = f64::to_radians(degrees);
+        let plane = rectangle([-1.0, -0.1], [1.0, 0.0], 8, 1);
+        // It begins where the contact carries the weight.
+        let block = rectangle([-0.05, 0.0], [0.05, 0.1], 1, 1);
+        let mesh = together(&[plane.clone(), block]);
+        let model = Model {
+            boundaries: vec![Boundary {
+                name: "plane".to_owned(),
+                target: Target::Nodes((0..plane.nodes.len() as u32).collect()),
+                load: Load::Velocity([Some(0.0); 2]),
+                schedule: Schedule::Constant,
+            }],
+            mesh,
+            materials: vec![Material { friction, youngs_modulus: 1e8, ..granite() }],
+            gravity: [g * angle.sin(), -g * angle.cos()],
+            rigid: vec![0, 1],
+            contact: ContactOptions { damping: 0.3, ..ContactOptions::default() },
+            ..Model::default()
+        };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        let node = 2 * 9;
+        run.advance((0.1 / run.time_step()) as u64).expect("steps");
+        let (_, [first, _]) = run.node(node).expect("a node");
+        let time = run.time();
+        run.advance((0.2 / run.time_step()) as u64).expect("steps");
+        let (_, [last, _]) = run.node(node).expect("a node");
+        let found = (last - first) / (run.time() - time);
+        let expected =
+            if moves { g * (angle.abs().sin() - friction * angle.cos()) * angle.signum() } else { 0.0 };
+        assert!((found - expected).abs() < 1e-3 * g, "{friction} {degrees}: {found} {expected}");
+    }
+}
+
+/// Supports hold a whole body, and its reaction is its weight; supports of one node would be a hinge.
+#[test]
+fn supports_hold_a_body_or_are_refused() {
+    let block = rectangle([0.0, 0.0], [0.2, 0.1], 4, 2);
+    let held = |nodes: Vec<u32>, axes: [Option<f64>; 2]| Model {
+        boundaries: vec![Boundary {
+            name: "held".to_owned(),
+            target: Target::Nodes(nodes),
+            load: Load::Velocity(axes),
+            schedule: Schedule::Constant,
+        }],
+        mesh: block.clone(),
+        materials: vec![granite()],
+        gravity: [0.0, -9.81],
+        rigid: vec![0],
+        ..Model::default()
+    };
+    let bottom = nodes_where(&block, |[_, y]| y == 0.0);
+    let mut run = Simulation::new(held(bottom.clone(), [None, Some(0.0)]), 1).expect("a model");
+    run.advance(100).expect("steps");
+    let [_, force] = run.force(0).expect("a boundary");
+    assert!((force - 0.2 * 0.1 * 2700.0 * 9.81).abs() < 1e-9, "{force}");
+    let (moved, velocity) = run.node(3).expect("a node");
+    assert_eq!((moved, velocity), ([0.0; 2], [0.0; 2]));
+    for (nodes, axes) in [(vec![0], [Some(0.0); 2]), (vec![0], [None, Some(0.0)])] {
+        let refused = Simulation::new(held(nodes, axes), 1).expect_err("a hinge");
+        assert!(matches!(refused, ModelError::RigidSupport { turns: true, .. }), "{refused}");
+    }
+    // A body that is driven moves as a whole.
+    let mut run = Simulation::new(held(bottom, [Some(2.0), Some(-1.0)]), 1).expect("a model");
+    run.advance(100).expect("steps");
+    for node in 0..block.nodes.len() as u32 {
+        let ([x, y], [u, v]) = run.node(node).expect("a node");
+        let time = run.time();
+        assert!((x - 2.0 * time).abs() < 1e-15 && (y + time).abs() < 1e-15 && [u, v] == [2.0, -1.0]);
+    }
+}
+
+#[test]
+fn a_run_with_rigid_bodies_is_resumed_bit_for_bit() {
+    let mut whole = Simulation::new(blocks(), 2).expect("a model");
+    whole.advance(700).expect("steps");
+    let saved = postcard::to_allocvec(&whole.state()).expect("bytes");
+    whole.advance(900).expect("steps");
+    let state: State = postcard::from_bytes(&saved).expect("a state");
+    let mut resumed = Simulation::resume(blocks(), state, 1).expect("the same model");
+    resumed.advance(900).expect("steps");
+    assert!(resumed.counts().contacts > 0);
+    let bytes = |run: &Simulation| postcard::to_allocvec(&run.state()).expect("bytes");
+    assert!(bytes(&resumed) == bytes(&whole));
+}
+
+/// A body of bricks in space that turns about no axis of its own: its energy does not drift, and its moments
+/// of inertia are those of the formula for a box.
+#[test]
+fn a_free_body_keeps_its_energy_while_it_tumbles() {
+    let sides = [0.3, 0.2, 0.1];
+    let mesh = crate::space::cuboid([0.0; 3], sides, [1, 1, 1]);
+    let spin = [0.01, 1.0, 0.01];
+    let velocity = |node: &[f64; 3]| {
+        let arm: [f64; 3] = std::array::from_fn(|k| node[k] - 0.5 * sides[k]);
+        [
+            spin[1] * arm[2] - spin[2] * arm[1],
+            spin[2] * arm[0] - spin[0] * arm[2],
+            spin[0] * arm[1] - spin[1] * arm[0],
+        ]
+    };
+    let model = Model {
+        velocities: mesh.nodes.iter().map(velocity).collect(),
+        mesh,
+        materials: vec![granite()],
+        rigid: vec![0],
+        time: TimeOptions { step: Some(2e-3), ..TimeOptions::default() },
+        ..Model::<3, 4>::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let mass = 2700.0 * sides.iter().product::<f64>();
+    let square = |a: usize, b: usize| mass / 12.0 * (sides[a].powi(2) + sides[b].powi(2));
+    let inertia = [square(1, 2), square(0, 2), square(0, 1)];
+    let expected: f64 = (0..3).map(|k| 0.5 * inertia[k] * spin[k].powi(2)).sum();
+    let (mut least, mut turned) = (f64::INFINITY, false);
+    for _ in 0..200 {
+        run.advance(100).expect("steps");
+        let kinetic = run.energies().kinetic;
+        assert!((kinetic / expected - 1.0).abs() < 1e-6, "{kinetic} {expected}");
+        least = least.min(kinetic);
+        // The middle axis is unstable: the body turns over.
+        let corner = |node: u32| run.snapshot().positions[node as usize];
+        let along: f64 = corner(2)[1] - corner(0)[1];
+        turned |= along < 0.0;
+    }
+    assert!(turned);
+}
