@@ -4,15 +4,20 @@ use crate::error::ReadError;
 
 /// The error for a file that starts like one of another format.
 pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
+    recognised(bytes).map(|(format, advice)| ReadError::Foreign { format, advice })
+}
+
+/// Name of the other format that a file has, and advice.
+pub(crate) fn recognised(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     let by_magic = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic));
     if let Some((_, format, advice)) = by_magic {
-        return Some(ReadError::Foreign { format, advice });
+        return Some((format, advice));
     }
     let head = std::str::from_utf8(&bytes[..bytes.len().min(HEAD)]);
     let head =
         head.unwrap_or_else(|error| std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or_default());
     let (_, format, advice) = TEXTS.iter().find(|(is, ..)| is(head))?;
-    Some(ReadError::Foreign { format, advice })
+    Some((format, advice))
 }
 
 /// Number of bytes at the start of a text that show its format.
@@ -22,7 +27,10 @@ const HEAD: usize = 4096;
 type IsFormat = fn(&str) -> bool;
 
 /// Texts of other programs: how they are recognised, name, advice.
-const TEXTS: [(IsFormat, &str, &str); 5] = [
+const TEXTS: [(IsFormat, &str, &str); 8] = [
+    (is_off, "a mesh in the Object File Format (OFF)", AS_MESH),
+    (is_gts, "a surface of GTS", "convert it to STL, for example with 'gts2stl'"),
+    (is_medit, "a mesh of MEDIT", AS_MESH),
     (is_poscar, "a POSCAR file of VASP", AS_XYZ),
     (|text| has_line(text, |line| line.starts_with("_cell_length_a")), "a CIF file", AS_XYZ),
     (is_pdb, "a PDB file", AS_XYZ),
@@ -40,6 +48,47 @@ const TEXTS: [(IsFormat, &str, &str); 5] = [
 
 fn has_line(text: &str, is: impl Fn(&str) -> bool) -> bool {
     text.lines().any(|line| is(line.trim()))
+}
+
+/// The lines of a text without comments, which `#` starts, and without blank lines.
+fn significant(text: &str) -> impl Iterator<Item = &str> + Clone {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or(line).trim());
+    lines.filter(|line| !line.is_empty())
+}
+
+fn are_counts<'t>(mut words: impl Iterator<Item = &'t str>) -> bool {
+    (0..3).all(|_| words.next().is_some_and(|word| word.parse::<u64>().is_ok()))
+}
+
+/// The word `OFF`, with letters before it for texture, colours and normals, and three counts.
+///
+/// # Source
+/// Geomview, "OFF: object file format".
+fn is_off(text: &str) -> bool {
+    let mut words = significant(text).flat_map(str::split_whitespace);
+    let kind = words.next().and_then(|word| word.strip_suffix("OFF"));
+    let is_kind = kind.is_some_and(|letters| letters.chars().all(|letter| "STCN4n".contains(letter)));
+    is_kind && (words.clone().next() == Some("BINARY") || are_counts(words))
+}
+
+/// Three counts and the names of the classes of the GNU Triangulated Surface Library.
+///
+/// # Source
+/// GTS reference manual, `gts_surface_write`.
+fn is_gts(text: &str) -> bool {
+    let comment = |line: &&str| !line.starts_with('!');
+    let first = significant(text).find(comment).unwrap_or_default();
+    are_counts(first.split_whitespace()) && first.contains("GtsSurface")
+}
+
+/// The keyword with which these files begin.
+///
+/// # Source
+/// P. J. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253 (2001).
+fn is_medit(text: &str) -> bool {
+    let first = significant(text).next().unwrap_or_default();
+    first.split_whitespace().next() == Some("MeshVersionFormatted")
 }
 
 /// A title, a scale, and three edges of three numbers.
@@ -76,6 +125,8 @@ pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 const UNPACK: &str = "unpack it first";
 const AS_UTF_8: &str = "save it as UTF-8";
 const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
+
+const AS_MESH: &str = "convert it to STL, OBJ or VTK, for example with 'meshio convert'";
 
 const AS_XYZ: &str = "convert it to extended XYZ, for example with 'ase convert'";
 

@@ -26,7 +26,7 @@ pub(crate) mod vtk_points;
 pub(crate) mod vtk_xml;
 
 use crate::excerpt;
-use crate::foreign::{BYTE_ORDER_MARK, FOREIGN};
+use crate::foreign::{BYTE_ORDER_MARK, recognised};
 use crate::place::Place;
 use abaqus_include::MeshLoad;
 use build::Draft;
@@ -142,8 +142,8 @@ fn found(bytes: &[u8]) -> String {
     if bytes.is_empty() {
         return "no bytes".into();
     }
-    if let Some((_, format, _)) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
-        return (*format).to_owned();
+    if let Some((format, _)) = recognised(bytes) {
+        return format.to_owned();
     }
     let line = bytes.split(|&byte| byte == b'\n').next().unwrap_or(bytes);
     format!("'{}'", excerpt::field(line))

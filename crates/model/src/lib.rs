@@ -92,7 +92,7 @@ pub use prepared::{
     PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled, open_from_start,
 };
 pub use stages::present::Present;
-pub use text::document::{number, toml_tree};
+pub use text::document::{number, toml_tree, whole};
 pub use text::fault::{Drawing, Fault, ModelErrors, nearest};
 pub use text::file;
 pub use text::included::Load;

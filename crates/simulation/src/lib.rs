@@ -99,7 +99,7 @@
 //! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
 //! | changes by the caller between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
-//! | rigid bodies | `src/rigid.rs`, and their motion: `src/motion/rigid.rs` |
+//! | rigid bodies | `src/rigid.rs`, their nodes and supports: `src/rigid/nodes.rs`, their motion: `src/motion/rigid.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | dynamic relaxation | `src/simulation/relaxation.rs`, and its force: `src/motion/nodes.rs` |
 //! | mass that is added for a longer time step | `src/mass.rs` |

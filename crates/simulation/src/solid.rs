@@ -205,7 +205,8 @@ where
             })
             .collect();
         let mut deformed = vec![Deformed::NONE; undeformed.len()];
-        for (number, (prestress, element)) in prestress.iter().zip(&elements).enumerate() {
+        let stressed = prestress.iter().zip(&elements).enumerate();
+        for (number, (prestress, element)) in stressed.filter(|(k, _)| !rigid.has_all(*k..k + 1)) {
             let batch: &mut Deformed<D> = &mut deformed[number / LANES];
             batch.set_stress(number % LANES, &prestress.stress);
             batch.energy.set(number % LANES, prestress.energy * element.volume);
@@ -533,6 +534,10 @@ where
                 for (k, deformed) in deformed.iter_mut().enumerate() {
                     let batch = first + k;
                     let range = batch * LANES..((batch + 1) * LANES).min(elements.len());
+                    if rigid.has_all(range.clone()) {
+                        forces[k * LANES..][..range.len()].fill([[0.0; D]; N]);
+                        continue;
+                    }
                     for (lane, of_corner) in corners.of_corner[range.clone()].iter().enumerate() {
                         let ends = of_corner.map(|node| positions[node as usize]);
                         let edges = <[[f64; D]; N]>::edges(&ends);

@@ -8,6 +8,7 @@ use fdem_contact::discretised::{
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
+use fdem_io::numbers::grouped;
 use fdem_io::{Centres, MeshFormat, MeshGroup, Table, Values};
 use fdem_results::network::Sizes;
 use fdem_results::picture::MeshDrawing;
@@ -144,6 +145,9 @@ fn read(
     }
 }
 
+/// Element sets that a note names; the rest is counted.
+const NAMED_SETS: usize = 6;
+
 /// Differences between a mesh and its file, and sets that are no bodies because they overlap.
 fn notes_of(mesh: &fdem_io::MeshFile) -> Vec<String> {
     let mut notes = mesh.source.notes();
@@ -155,7 +159,14 @@ fn notes_of(mesh: &fdem_io::MeshFile) -> Vec<String> {
     // One set of all elements is no other body.
     let has_parts = sets.clone().any(|group| elements(group) < whole);
     if mesh.source.format == MeshFormat::Abaqus && mesh.bodies.len() == 1 && has_parts {
-        notes.push(format!("the element sets {} overlap: the elements are one body", names.join(", ")));
+        // Files of grains have thousands of sets.
+        let (some, more) = names.split_at(names.len().min(NAMED_SETS));
+        let more = match more.len() {
+            0 => String::new(),
+            count => format!(" and {} more", grouped(count as u64)),
+        };
+        let some = some.join(", ");
+        notes.push(format!("the element sets {some}{more} overlap: the elements are one body"));
     }
     notes
 }

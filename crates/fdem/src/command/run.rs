@@ -210,7 +210,7 @@ where
         )));
     }
     let is_over = steps == step || reached.over;
-    if is_over && intact.is_whole() && arguments.options.animate.is_none() && folder.is_finished() {
+    if is_over && intact.is_whole() && arguments.options.animate.is_none() && folder.is_finished(step) {
         return print(&format!(
             "nothing to do: the run in {place} is finished, {} s in {} steps{}\n",
             brief(simulation.time()),
@@ -394,7 +394,8 @@ where
             recorder.table(EVENTS, emission.csv.as_bytes())?;
         }
         // The summary is written before the drawings, so that it shows how the run ended even if drawing
-        // fails.
+        // fails. Without a report, `fdem resume` draws again.
+        self.folder.remove_report();
         self.summarise(&status)?;
         let fragments = self.course.observer.fragments(&*self.course.run)?;
         let facts = self.facts(&status, &fragments);

@@ -140,6 +140,18 @@ fn a_run_ends_at_a_share_of_the_peak() {
     assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
 }
 
+/// A condition that the first step meets ends the run after it, and the log says so.
+#[test]
+fn a_run_that_ends_with_its_first_step_says_why() {
+    let bench = Bench::new();
+    let until = "until = { column = \"time\", above = -1 }\nend_time = 6e-6";
+    bench.write("servo.toml", SERVO.replace("end_time = 6e-3", until));
+    bench.run(&["run", "servo.toml", "-o", "one", "-q"]).succeeds();
+    assert_eq!(summary(&bench, "one")["steps"], 1);
+    let log = std::fs::read_to_string(bench.path("one/run.log")).unwrap();
+    assert!(log.contains("the run ends at") && log.contains("above -1"), "{log}");
+}
+
 /// A condition that was not met is reported at the end.
 #[test]
 fn what_was_not_reached_is_told() {

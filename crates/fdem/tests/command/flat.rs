@@ -180,6 +180,22 @@ fn files_of_other_programs_are_named() {
             "a field of OpenFOAM",
         ),
         ("a.yaml", "---\ncreator: LAMMPS\ntimestep: 0\n".to_owned(), "a dump of LAMMPS in YAML"),
+        (
+            "a.off",
+            "OFF\n# a face\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_owned(),
+            "a mesh in the Object File Format (OFF)",
+        ),
+        ("b.off", "COFF 3 1 0\n0 0 0 9 9 9 9\n".to_owned(), "a mesh in the Object File Format (OFF)"),
+        (
+            "a.gts",
+            "# a face\n3 3 1 GtsSurface GtsFace GtsEdge GtsVertex\n0 0 0\n1 0 0\n0 1 0\n".to_owned(),
+            "a surface of GTS",
+        ),
+        (
+            "a.mesh",
+            "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 0 0 1\n".to_owned(),
+            "a mesh of MEDIT",
+        ),
     ];
     for (name, text, format) in files {
         bench.write(name, text);

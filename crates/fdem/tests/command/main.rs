@@ -11,6 +11,7 @@
 //! - `pairs`: cut-offs by pairs of types.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
+//! - `rigid`: rigid bodies in model files.
 //! - `mesh`: meshes, several files, spheres against walls.
 //! - `model`: new models, and models checked without a run.
 //! - `conditions`: runs and stages that end on a condition; servos.
@@ -47,6 +48,7 @@ mod mesh;
 mod model;
 mod pairs;
 mod periodic;
+mod rigid;
 mod runs;
 mod scaling;
 mod series;

@@ -307,6 +307,19 @@ fn the_summary_has_notes_on_mesh_files() {
     assert_eq!(bench.json("a.json")["files"][0]["notes"].as_array().map(Vec::len), Some(2));
 }
 
+/// The note on sets that overlap once named all of them, which took pages for a file of grains.
+#[test]
+fn a_note_names_some_of_many_sets() {
+    let bench = Bench::new();
+    let set = |k: usize| format!("*Elset, elset=poly{k}\n{}\n", 1 + k % 2);
+    let sets: String = (1..=1300).map(set).collect();
+    let mesh = "*Node\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*Element, type=CPS3\n1, 1, 2, 3\n2, 1, 3, 4\n";
+    bench.write("a.inp", format!("{mesh}{sets}*Elset, elset=all\n1, 2\n"));
+    let run = bench.run(&["contacts", "a.inp"]).succeeds();
+    let named = "the element sets poly1, poly2, poly3, poly4, poly5, poly6 and 1,295 more overlap: the";
+    assert!(run.stderr.contains(named), "{}", run.stderr);
+}
+
 /// Elements that are cut when they are read have one contact for each pair of them.
 #[test]
 fn pairs_of_hexahedra_are_one_row() {

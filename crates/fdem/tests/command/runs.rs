@@ -775,6 +775,60 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
     assert!(resumed > enough * 2 / 5, "most should have been killed after a checkpoint: {resumed}");
 }
 
+/// The report of an earlier end is not taken for that of this one.
+#[test]
+fn a_run_killed_while_it_draws_is_drawn_again() {
+    let bench = Bench::of(CRASH);
+    bench.run(&["run", "crash.toml", "--output", "whole", "--threads", "1", "-q"]).succeeds();
+    let end = bench.summary("whole")["time"].as_f64().unwrap();
+    bench
+        .run(&[
+            "run",
+            "crash.toml",
+            "--output",
+            "cut",
+            "-q",
+            "--set",
+            &format!("model.end_time={}", 0.5 * end),
+        ])
+        .succeeds();
+    let half = bench.summary("cut")["steps"].as_u64().unwrap();
+    let mut child = bench.start(&["resume", "cut", "-q", "--threads", "1", "--end-time", &format!("{end}")]);
+    let is_drawing = || {
+        let text = fs::read_to_string(bench.path("cut/run.json")).unwrap_or_default();
+        let json: Value = serde_json::from_str(&text).unwrap_or_default();
+        json["status"] == "finished" && json["steps"].as_u64() > Some(half)
+    };
+    while child.try_wait().unwrap().is_none() && !is_drawing() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    bench.run(&["resume", "cut", "-q"]).succeeds();
+    let steps = |folder: &str| {
+        let report = bench.read(&format!("{folder}/report.html"));
+        let (_, rest) = report.split_once(" s in ").unwrap();
+        rest.split_once(" steps").unwrap().0.to_owned()
+    };
+    assert_eq!(steps("cut"), steps("whole"));
+}
+
+/// An interval that is nothing has a frame each step, and curves of other names other files.
+#[test]
+fn short_intervals_and_names_that_differ_in_few_letters() {
+    let curve = |name: &str| format!("[[curve]]\nname = \"{name}\"\nx = \"time\"\ny = \"kinetic\"\n");
+    let curves = ["σ", "τ", "a b", "a-b"].map(curve).concat();
+    let bench = Bench::of(&format!("{}{curves}", CRASH.replace("frames = 8", "interval = 1e-29")));
+    let set =
+        ["--set", "output.interval=1e-29", "--set", "model.end_time=1e-6", "--set", "body.block.seed=0"];
+    bench.run(&[&["run", "crash.toml", "-o", "short", "-q"][..], &set].concat()).succeeds();
+    let steps = bench.summary("short")["steps"].as_u64().unwrap();
+    assert!(bench.path(&format!("short/frames/{steps:05}.vtu")).exists(), "{steps}");
+    for name in ["curve_σ", "curve_τ", "curve_a_b", "curve_a_b-2"] {
+        assert!(bench.path(&format!("short/plots/{name}.svg")).exists(), "{name}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_saves_where_the_run_stands() {

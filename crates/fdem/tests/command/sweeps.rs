@@ -243,6 +243,24 @@ fn a_table_sets_keys_by_their_paths() {
     assert!(model.contains("[[material]]\nweibull_modulus = 9"), "{model}");
 }
 
+/// Seeds are whole numbers, also 0 and those that are no floating-point numbers.
+#[test]
+fn seeds_are_swept_with_all_of_their_digits() {
+    let bench = bench("model = \"plate.toml\"\n[grid]\nbody.plate.seed = [0, 9007199254740993]\n");
+    bench.run(&["sweep", "sweep.toml", "-q"]).succeeds();
+    let seeds = column(&table(&bench, "sweep_results"), "body.plate.seed");
+    assert_eq!(seeds, ["0", "9007199254740993"]);
+    assert!(bench.read("sweep_results/runs/001/model.toml").contains("seed = 0\n"));
+    assert!(bench.read("sweep_results/runs/002/model.toml").contains("seed = 9007199254740993\n"));
+    bench.write("values.csv", "body.plate.seed\n0\n9007199254740993\n");
+    bench.write("sweep.toml", "model = \"plate.toml\"\ntable = \"values.csv\"\n");
+    bench.run(&["sweep", "sweep.toml", "-q", "-o", "again"]).succeeds();
+    assert_eq!(bench.read("again/runs.csv"), bench.read("sweep_results/runs.csv"));
+    bench
+        .run(&["check", "plate.toml", "--set", "output.frames=0"])
+        .refused_with(&["\"frames\" is 0: it has to be at least 1"]);
+}
+
 /// Runs that stop by themselves are noted and do not stop the others; refused models stop the sweep unless
 /// they are to be skipped.
 #[test]

@@ -204,7 +204,14 @@ impl MeshFile {
             (Shape::Triangle, &[a, b, c]) => self.triangles.push([a, b, c], body, number),
             (Shape::Tetrahedron, &[a, b, c, d]) => self.tetrahedra.push([a, b, c, d], body, number),
             (Shape::Quadrilateral, &[a, b, c, d]) => {
-                let halves = cut::quadrilateral([a, b, c, d], &self.points).ok_or_else(folded)?;
+                let corners = [a, b, c, d];
+                let halves = cut::quadrilateral(corners, &self.points).ok_or_else(|| {
+                    let fold = cut::fold(corners, &self.points);
+                    fold.map_or_else(folded, |degrees| MeshProblem::FoldedQuadrilateral {
+                        element: number,
+                        degrees,
+                    })
+                })?;
                 self.source.quadrilaterals += 1;
                 for half in halves {
                     self.triangles.push(half, body, number);

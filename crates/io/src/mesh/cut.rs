@@ -57,6 +57,23 @@ pub(crate) fn quadrilateral(nodes: [u32; 4], points: &[[f64; 3]]) -> Option<[[u3
     Some(cut.map(|half| half.map(|corner| nodes[corner])))
 }
 
+/// Largest angle between the normals of two halves, degrees, up to which a quadrilateral that cannot be cut
+/// is folded. Above it, its corners are nearly in one plane, and it crosses itself.
+const MOST_FOLDED: f64 = 165.0;
+
+/// The angle, degrees, by which a quadrilateral that cannot be cut is folded along one of its diagonals;
+/// `None` if it is nearly flat, or one of its halves has no area.
+pub(crate) fn fold(nodes: [u32; 4], points: &[[f64; 3]]) -> Option<u32> {
+    let corners = nodes.map(|node| points[node as usize]);
+    let (low, size) = extent(&corners);
+    let [a, b, c, d] = corners.map(|corner| scaled(corner, low, size));
+    let normal = |a, b, c| cross(minus(b, a), minus(c, a));
+    let between = |[p, q]: [[f64; 3]; 2]| (dot(p, q) / (dot(p, p) * dot(q, q)).sqrt()).acos().to_degrees();
+    let angles = [[normal(a, b, c), normal(a, c, d)], [normal(b, c, d), normal(b, d, a)]].map(between);
+    let least = angles.into_iter().filter(|angle| angle.is_finite()).reduce(f64::min)?;
+    (least <= MOST_FOLDED).then_some(least.round() as u32)
+}
+
 /// The triangles of a polygon, which need not be convex; `None` if it crosses itself or has no area.
 pub(crate) fn polygon(nodes: &[u32], points: &[[f64; 3]]) -> Option<Vec<[u32; 3]>> {
     let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| points[node as usize]).collect();

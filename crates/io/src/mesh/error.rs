@@ -103,6 +103,14 @@ pub enum MeshProblem {
         /// Kind of the element, such as `quadrilateral`.
         kind: &'static str,
     },
+    /// A quadrilateral is folded along a diagonal by more than a right angle.
+    #[error("element {element} (quadrilateral) is folded by {degrees} degrees: divide it into triangles")]
+    FoldedQuadrilateral {
+        /// Number of the element.
+        element: u64,
+        /// Angle between the normals of its two halves, degrees: 0 if it is flat.
+        degrees: u32,
+    },
     /// Two nodes have the same number.
     #[error("node {node} is defined twice")]
     RepeatedNumber {

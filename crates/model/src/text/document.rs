@@ -127,6 +127,11 @@ impl<'a> Document<'a> {
         })
     }
 
+    /// Whether the value of a key is a list.
+    pub(crate) fn is_list(&self, table: Table, dotted: &str) -> bool {
+        self.walk(table, dotted).is_some_and(|value| value.get_ref().is_array())
+    }
+
     /// Returns the place of an entry of the list that is the value of a key.
     pub(crate) fn entry(&self, table: Table, dotted: &str, index: usize) -> Range<usize> {
         let Some(spot) = self.walk(table, dotted).and_then(|value| value.get_ref().as_array()) else {
@@ -190,12 +195,16 @@ pub fn toml_tree(text: &str) -> (Spanned<DeTable<'_>>, Vec<Fault>) {
     (document.into_root(), faults)
 }
 
+/// The whole number that a value is, without rounding; `None` for one with a decimal point or an exponent.
+pub fn whole(value: &DeValue<'_>) -> Option<i64> {
+    let DeValue::Integer(number) = value else { return None };
+    i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()
+}
+
 /// The number that a value is.
 pub fn number(value: &DeValue<'_>) -> Option<f64> {
     let found = match value {
-        DeValue::Integer(number) => {
-            i64::from_str_radix(&number.as_str().replace('_', ""), number.radix()).ok()? as f64
-        }
+        DeValue::Integer(_) => whole(value)? as f64,
         DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok()?,
         _ => return None,
     };

@@ -23,6 +23,8 @@ const WHOLE: f64 = 9_007_199_254_740_992.0;
 pub enum Setting {
     /// A number in SI units.
     Number(f64),
+    /// A number that is written without a decimal point, such as a seed. All of its digits count.
+    Whole(i64),
     /// A word, or an expression such as `8 MPa`.
     Text(String),
     /// True or false.
@@ -33,6 +35,9 @@ impl Setting {
     /// Parses a value of a command line or a table: a number, `true`, `false`, or else a text.
     pub fn parse(text: &str) -> Self {
         let text = text.trim();
+        if let Ok(number) = text.parse() {
+            return Self::Whole(number);
+        }
         match (text.parse::<f64>(), text) {
             (Ok(number), _) if number.is_finite() => Self::Number(number),
             (_, "true") => Self::Flag(true),
@@ -45,6 +50,7 @@ impl Setting {
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
+            Self::Whole(number) => Some(*number as f64),
             Self::Text(text) => constant(text).ok().map(|(number, _)| number),
             Self::Flag(_) => None,
         }
@@ -53,10 +59,16 @@ impl Setting {
     /// The value as TOML.
     fn toml(&self) -> String {
         match self {
-            Self::Number(number) if number.fract() == 0.0 && number.abs() < WHOLE && *number != 0.0 => {
+            // No integer is -0.
+            Self::Number(number)
+                if number.fract() == 0.0
+                    && number.abs() < WHOLE
+                    && (*number != 0.0 || number.is_sign_positive()) =>
+            {
                 format!("{number:.0}")
             }
             Self::Number(number) => format!("{number:?}"),
+            Self::Whole(number) => number.to_string(),
             Self::Text(text) => toml::Value::from(text.as_str()).to_string(),
             Self::Flag(flag) => flag.to_string(),
         }
@@ -67,15 +79,15 @@ impl Setting {
 impl fmt::Display for Setting {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Number(_) | Self::Flag(_) => out.write_str(&self.toml()),
+            Self::Number(_) | Self::Whole(_) | Self::Flag(_) => out.write_str(&self.toml()),
             Self::Text(text) => out.write_str(text),
         }
     }
 }
 
-/// The same model file with other values. A name without a dot is a parameter; any other is the path of a
-/// key: `model.end_time`, `material.rock.cohesion`, `body.disc.mesh_size`, `initial.stress.0`. Tables that
-/// may come several times are found by their name, or by their number from 1.
+/// The same model file with other values. A name without a dot, or after `parameters.`, is a parameter; any
+/// other is the path of a key: `model.end_time`, `material.rock.cohesion`, `body.disc.mesh_size`,
+/// `initial.stress.0`. Tables that may come several times are found by their name, or by their number from 1.
 ///
 /// # Errors
 /// A name that the model does not have, or a key that cannot be set. A text that is no TOML comes back
@@ -102,6 +114,7 @@ pub fn with_values(text: &str, load: &mut Load<'_>, sets: &[(String, Setting)]) 
     for (name, value) in sets {
         text = match name.split_once('.') {
             None => with_parameter(&text, load, name, value)?,
+            Some((PARAMETERS, name)) => with_parameter(&text, load, name, value)?,
             Some((table, path)) => with_key(&text, load, (table, path), value)?,
         };
     }
@@ -177,6 +190,12 @@ fn with_key(
             (Table::of(table, index), key.to_owned())
         }
     };
+    if matches!(value, Setting::Text(list) if list.starts_with('[') && list.ends_with(']')) {
+        let first = if document.is_list(place, &key) { "" } else { "write the list into the model, and " };
+        return Err(format!(
+            "\"{whole}\" cannot be set to a list: {first}set its entries one by one, as in {whole}.1=0"
+        ));
+    }
     if let Some(text) = replaced(text, &document, place, &key, &value.toml()) {
         return Ok(text);
     }

@@ -24,6 +24,11 @@ fn values_replace_those_of_the_file_and_nothing_else_changes() {
     for (name, value, from, to) in [
         ("E", "30 GPa", "E = 1e9", "E = \"30 GPa\""),
         ("E", "3", "E = 1e9", "E = 3"),
+        ("E", "0", "E = 1e9", "E = 0"),
+        ("E", "-0.0", "E = 1e9", "E = -0.0"),
+        ("E", "9007199254740993", "E = 1e9", "E = 9007199254740993"),
+        ("E", "-9223372036854775808", "E = 1e9", "E = -9223372036854775808"),
+        ("parameters.E", "3", "E = 1e9", "E = 3"),
         ("E", "0.5", "E = 1e9", "E = 0.5"),
         ("model.end_time", "1e-3", "end_time = 1 #", "end_time = 0.001 #"),
         ("model.gravity.1", "-1", "-9.81", "-1"),
@@ -79,9 +84,18 @@ fn names_that_a_model_does_not_have_are_told() {
         ("model.initial.speed", &["\"model.initial.speed\" is not in the model: write it there first"]),
         ("body.a.rectangle", &["\"body.a.rectangle\" is a table of the model: set one of its keys"]),
         ("body.a.rectangle.holes", &["write it there first"]),
+        ("parameters.e", &["no parameter \"e\"", "did you mean \"E\"?"]),
     ] {
         let error = set(MODEL, &[(name, "1")]).unwrap_err();
         assert!(parts.iter().all(|part| error.contains(part)), "{name}: {error}");
+    }
+    // A list was once taken for a word.
+    for (name, part) in [
+        ("model.gravity", "to a list: set its entries one by one, as in model.gravity.1=0"),
+        ("initial.stress", "to a list: write the list into the model, and set its entries"),
+    ] {
+        let error = set(MODEL, &[(name, "[0, -9]")]).unwrap_err();
+        assert!(error.contains(part), "{error}");
     }
     // The checks of the model report text that is not TOML.
     assert_eq!(set("a = \n", &[("b", "1")]).unwrap(), "a = \n");
@@ -90,7 +104,9 @@ fn names_that_a_model_does_not_have_are_told() {
 /// A value can be read back from its text.
 #[test]
 fn a_setting_is_what_is_shown_of_it() {
-    for text in ["1", "-2.5", "1e-300", "8 MPa", "true", "intrinsic", "2*radius", "nan"] {
+    for text in
+        ["0", "1", "9007199254740993", "-2.5", "1e-300", "8 MPa", "true", "intrinsic", "2*radius", "nan"]
+    {
         let setting = Setting::parse(text);
         assert_eq!(Setting::parse(&setting.to_string()), setting, "{text}");
     }

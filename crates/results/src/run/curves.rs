@@ -223,7 +223,7 @@ impl HistoryCurve {
         let name: String = self
             .name
             .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+            .map(|c| if c.is_alphanumeric() { c.to_lowercase().next().unwrap_or(c) } else { '_' })
             .collect();
         Some(Plot { name: format!("curve_{name}"), svg: chart.svg() })
     }

@@ -90,7 +90,8 @@ where
         let mut after = std::array::from_fn(|axis| before[axis] + step / mass * (force[axis] - damped[axis]));
         let mut reactions = [0.0; D];
         for axis in 0..D {
-            let Some((hold, corner)) = body.holds[axis] else { continue };
+            let Some([number, corner]) = body.holds[axis] else { continue };
+            let Some(hold) = motion.holds[number as usize][axis] else { continue };
             let moved = body.displacement(moving, axis);
             after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
             damped[axis] = 0.0;

@@ -19,7 +19,7 @@ use crate::machine::list::Machines;
 use crate::machine::{Columns, Machine};
 use crate::model::{Insertion, Model};
 use crate::ranks::part::RankPart;
-use crate::rigid;
+use crate::rigid::nodes::RECORD;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::simulation::totals::Totals;
@@ -290,7 +290,7 @@ where
     pub(crate) fn take_record(&mut self, record: &Record) -> bool {
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, machine, actions, team, .. } = self;
-        if record.action == rigid::RECORD {
+        if record.action == RECORD {
             return machine.columns_mut().solid.take_rigid(record, topology);
         }
         actions.take(record, &Scene { model, topology, machine: &**machine, team, time, step })

@@ -159,11 +159,13 @@ impl Folder {
         Ok((folder, checkpoint))
     }
 
-    /// Whether the run has reached its end and everything is drawn.
-    pub(crate) fn is_finished(&self) -> bool {
+    /// Whether the run has reached its end, at this step, and everything is drawn. A run with a later end
+    /// that is killed just after its last checkpoint has the summary and the report of the earlier one.
+    pub(crate) fn is_finished(&self, step: u64) -> bool {
         let summary = fs::read(self.path(SUMMARY)).ok();
         let summary = summary.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
-        summary.is_some_and(|json| json["status"] == "finished") && self.path(REPORT).exists()
+        let is_of_end = |json: serde_json::Value| json["status"] == "finished" && json["steps"] == step;
+        summary.is_some_and(is_of_end) && self.path(REPORT).exists()
     }
 
     /// Removes the files that a run makes, and nothing else.
@@ -179,6 +181,12 @@ impl Folder {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
             _ => Ok(()),
         }
+    }
+
+    /// Removes the report of an earlier end, if there is one. One that cannot be removed cannot be written
+    /// either, which is reported then.
+    pub(crate) fn remove_report(&self) {
+        let _ = self.remove(REPORT, fs::remove_file);
     }
 
     /// Removes plots, as far as there are any.

@@ -1,7 +1,7 @@
 //! Writes the results of a run: frames, history and checkpoints during the run, plots, animation and report
 //! at its end.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Write};
@@ -105,7 +105,7 @@ where
             holds: Some(folder.hold()?),
             shown: prepared.output.shown,
             intact_joints: prepared.output.intact_joints,
-            expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
+            expected: ((prepared.end_time / prepared.output.interval).ceil() as usize).saturating_add(1),
         })
     }
 
@@ -354,6 +354,7 @@ where
         drawn.extend(emitted);
         drawn.extend(prepared.curves.iter().filter_map(|curve| curve.plot(&history)));
         drawn.extend(more);
+        name_apart(&mut drawn);
         let frames = self.read_frames(done)?;
         let drawings = <[[f64; D]; N]>::draw(
             &DrawnRun {
@@ -404,4 +405,16 @@ where
 
 pub(crate) fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
     Failure::Unusable(format!("{what}: {error}"))
+}
+
+/// Gives plots that would have one file each its own: the second of a name ends in `-2`.
+fn name_apart(plots: &mut [Plot]) {
+    let mut taken = BTreeSet::new();
+    for plot in plots {
+        let (first, mut number) = (plot.name.clone(), 1);
+        while !taken.insert(plot.name.clone()) {
+            number += 1;
+            plot.name = format!("{first}-{number}");
+        }
+    }
 }

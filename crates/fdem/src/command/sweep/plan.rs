@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::command::sweep::values::{self, Axis, Scale};
-use fdem_model::{Fault, ModelErrors, Setting, constant, nearest, number, toml_tree};
+use fdem_model::{Fault, ModelErrors, Setting, constant, nearest, number, toml_tree, whole};
 
 /// The keys of a sweep file.
 const KEYS: [&str; 8] =
@@ -383,6 +383,7 @@ impl Reader {
             // The same as on a command line, where the process of the run reads it.
             DeValue::String(text) => Some(Setting::parse(text)),
             DeValue::Boolean(flag) => Some(Setting::Flag(*flag)),
+            whole_number @ DeValue::Integer(_) => whole(whole_number).map(Setting::Whole),
             other => number(other).map(Setting::Number),
         };
         if found.is_none() {

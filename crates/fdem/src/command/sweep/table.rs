@@ -81,6 +81,12 @@ impl Table {
 
 /// A value in the table: its number in SI units, or a text.
 fn cell(value: &Setting) -> Cell {
+    // Larger ones are not all floating-point numbers, and a seed is of use with all of its digits only.
+    if let Setting::Whole(number) = value
+        && number.unsigned_abs() > 1 << 53
+    {
+        return Cell::Text(number.to_string());
+    }
     value.number().map_or_else(|| Cell::Text(value.to_string()), Cell::Number)
 }
 

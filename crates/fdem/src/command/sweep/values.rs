@@ -184,7 +184,7 @@ mod tests {
     fn tables_are_read_and_faults_told_with_their_line() {
         let (names, rows) = csv(b"a, material.rock.cohesion\n# note\n1, 6 MPa\ntrue,\"x, y\"\n", 9).unwrap();
         assert_eq!(names, ["a", "material.rock.cohesion"]);
-        assert_eq!(rows[0], [Setting::Number(1.0), Setting::Text("6 MPa".into())]);
+        assert_eq!(rows[0], [Setting::Whole(1), Setting::Text("6 MPa".into())]);
         assert_eq!(rows[1], [Setting::Flag(true), Setting::Text("x, y".into())]);
         for (text, why) in [
             ("a,b\n1,2\n3\n", "line 3 has 1 value, and the first line has 2 names"),
