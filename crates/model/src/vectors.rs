@@ -48,9 +48,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             && matches!(spin, file::Spin::Plane(_)) != (d == 2)
         {
             let help = if d == 2 {
-                "write one number: rad/s, counter-clockwise"
+                "write one number: degrees per second, counter-clockwise"
             } else {
-                "write [x, y, z]: the axis, as long as the rad/s about it"
+                "write [x, y, z]: the axis, as long as the degrees per second about it"
             };
             let fault =
                 Fault::at(document.value(table, "spin"), format!("\"spin\" of a body in {d} dimensions"));

@@ -121,7 +121,7 @@ fn a_collision_keeps_momentum_and_energy() {
             velocities: moves,
             materials: vec![granite()],
             rigid: vec![0, 1],
-            time: TimeOptions { safety: 0.2, ..TimeOptions::default() },
+            time: TimeOptions { safety: 0.1, ..TimeOptions::default() },
             ..Model::default()
         };
         let mut run = Simulation::new(model, 1).expect("a model");

@@ -58,10 +58,10 @@ pub struct Body {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
-    /// Angular velocity about the centroid at the start, rad/s: one number in two dimensions,
+    /// Angular velocity about the centroid at the start, degrees per second: one number in two dimensions,
     /// counter-clockwise; [x, y, z] in three. Default: none.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "rad/s"))]
+    #[schemars(extend("x-unit" = "deg/s"))]
     pub spin: Option<Spin>,
     /// Whether the body is rigid: it moves and turns as a whole, has no stress and no joints, does not
     /// break, and its waves do not limit the time step. Its mesh gives it mass, moments of inertia and

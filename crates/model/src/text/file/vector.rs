@@ -15,7 +15,7 @@ impl Vector {
     }
 }
 
-/// An angular velocity: one number in two dimensions, [x, y, z] in three.
+/// An angular velocity, degrees per second: one number in two dimensions, [x, y, z] in three.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Spin {
@@ -26,11 +26,11 @@ pub enum Spin {
 }
 
 impl Spin {
-    /// As a vector in space.
+    /// As a vector in space, rad/s.
     pub(crate) fn vector(self) -> [f64; 3] {
         match self {
-            Self::Plane(about) => [0.0, 0.0, about],
-            Self::Space(vector) => vector,
+            Self::Plane(about) => [0.0, 0.0, about.to_radians()],
+            Self::Space(vector) => vector.map(f64::to_radians),
         }
     }
 }
