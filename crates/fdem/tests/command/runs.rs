@@ -813,18 +813,40 @@ fn a_run_killed_while_it_draws_is_drawn_again() {
     assert_eq!(steps("cut"), steps("whole"));
 }
 
+/// A run with a later end that is killed after its last checkpoint and before its summary has the summary and
+/// the report of the earlier end.
+#[test]
+fn a_run_killed_before_its_summary_is_drawn_again() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let files = ["run.json", "report.html"].map(|name| bench.path("run").join(name));
+    let earlier = files.each_ref().map(|file| fs::read(file).unwrap());
+    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
+    let steps = bench.summary("run")["steps"].clone();
+    for (file, bytes) in files.iter().zip(&earlier) {
+        fs::write(file, bytes).unwrap();
+    }
+    assert_ne!(bench.summary("run")["steps"], steps);
+    bench.run(&["resume", "-q", "run"]).succeeds();
+    assert_eq!(bench.summary("run")["steps"], steps);
+    assert!(fs::read(&files[1]).unwrap() != earlier[1], "the report is that of the earlier end");
+}
+
 /// An interval that is nothing has a frame each step, and curves of other names other files.
 #[test]
 fn short_intervals_and_names_that_differ_in_few_letters() {
     let curve = |name: &str| format!("[[curve]]\nname = \"{name}\"\nx = \"time\"\ny = \"kinetic\"\n");
-    let curves = ["σ", "τ", "a b", "a-b"].map(curve).concat();
+    // File systems allow 255 bytes, and a letter may take three.
+    let long = "長".repeat(82);
+    let curves = ["σ", "τ", "a b", "a-b", &format!("{long}1"), &format!("{long}2")].map(curve).concat();
     let bench = Bench::of(&format!("{}{curves}", CRASH.replace("frames = 8", "interval = 1e-29")));
     let set =
         ["--set", "output.interval=1e-29", "--set", "model.end_time=1e-6", "--set", "body.block.seed=0"];
     bench.run(&[&["run", "crash.toml", "-o", "short", "-q"][..], &set].concat()).succeeds();
     let steps = bench.summary("short")["steps"].as_u64().unwrap();
     assert!(bench.path(&format!("short/frames/{steps:05}.vtu")).exists(), "{steps}");
-    for name in ["curve_σ", "curve_τ", "curve_a_b", "curve_a_b-2"] {
+    let cut = format!("curve_{}", "長".repeat(64));
+    for name in ["curve_σ", "curve_τ", "curve_a_b", "curve_a_b-2", &cut, &format!("{cut}-2")] {
         assert!(bench.path(&format!("short/plots/{name}.svg")).exists(), "{name}");
     }
 }

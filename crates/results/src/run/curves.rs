@@ -16,6 +16,10 @@ use crate::run::unit::split;
 /// yield.
 const SLOPE: [f64; 2] = [0.1, 0.5];
 
+/// Longest name of the file of a curve, bytes. File systems allow 255, with the extension and a number that
+/// keeps equal names apart.
+const LONGEST: usize = 200;
+
 /// The request for a curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryCurve {
@@ -220,12 +224,15 @@ impl HistoryCurve {
             whole: false,
             curves: vec![curve],
         };
-        let name: String = self
-            .name
-            .chars()
-            .map(|c| if c.is_alphanumeric() { c.to_lowercase().next().unwrap_or(c) } else { '_' })
-            .collect();
-        Some(Plot { name: format!("curve_{name}"), svg: chart.svg() })
+        let mut name = "curve_".to_owned();
+        for c in self.name.chars() {
+            let letter = if c.is_alphanumeric() { c.to_lowercase().next().unwrap_or(c) } else { '_' };
+            if name.len() + letter.len_utf8() > LONGEST {
+                break;
+            }
+            name.push(letter);
+        }
+        Some(Plot { name, svg: chart.svg() })
     }
 }
 
