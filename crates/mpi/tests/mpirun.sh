@@ -21,31 +21,30 @@ trap 'rm -rf "$work"' EXIT
 "$fdem" generate gas -n 20000 --seed 3 --neighbours 8 --output "$work/gas.npy"
 count=$("$fdem" contacts "$work/gas.npy" --count --quiet)
 
-# Compares the files of couples that any number of processes write: same FORMAT FILE OPTIONS...
+# Compares the files of couples that any number of processes write: same FILE OPTIONS...
 same() {
-    local format=$1 ranks
-    shift
-    "$fdem" contacts "$@" --output "$work/one.$format" --quiet
-    test -s "$work/one.$format"
-    for ranks in 2 3 4 8; do
-        timeout 120 mpirun -n "$ranks" "$fdem" contacts "$@" --output "$work/many.$format" --quiet
-        cmp "$work/one.$format" "$work/many.$format"
+    local format ranks
+    for format in npy csv; do
+        "$fdem" contacts "$@" --output "$work/one.$format" --quiet
+        test -s "$work/one.$format"
+        for ranks in 2 3 4 8; do
+            timeout 120 mpirun -n "$ranks" "$fdem" contacts "$@" --output "$work/many.$format" --quiet
+            cmp "$work/one.$format" "$work/many.$format"
+        done
     done
 }
 
 "$fdem" generate gas -n 5000 --seed 3 --sizes power:0.01:100:2.5 --output "$work/sizes.csv"
 "$fdem" generate clusters -n 20000 --seed 3 --output "$work/clusters.npy"
-# A format does not depend on the couples, so one set is written in both.
-same csv "$work/gas.npy"
-same npy "$work/gas.npy"
-same npy "$work/gas.npy" --periodic xyz --box 0,20,0,20,0,25
-same npy "$work/gas.npy" --periodic xyz --edges 20,0,0,7,20,0,-3,5,25
-same npy "$work/sizes.csv"
-same npy "$work/clusters.npy"
+same "$work/gas.npy"
+same "$work/gas.npy" --periodic xyz --box 0,20,0,20,0,25
+same "$work/gas.npy" --periodic xyz --edges 20,0,0,7,20,0,-3,5,25
+same "$work/sizes.csv"
+same "$work/clusters.npy"
 data=../shared/data/roundrobin
 if test -d "$data"; then
-    same npy "$data/drum/PartCoordinates.txt"
-    same npy "$data/penetration/25KParticles.txt" --skip-bad-lines
+    same "$data/drum/PartCoordinates.txt"
+    same "$data/penetration/25KParticles.txt" --skip-bad-lines
 else
     echo "SKIPPED: $data is absent, so the couples of its drum and of its bed were not compared"
 fi

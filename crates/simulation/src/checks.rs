@@ -67,35 +67,21 @@ where
     positive("time", "energy bound", time.energy_bound)
 }
 
-/// Rigid bodies are bodies of the mesh, in order, and have no node in common with others.
+/// Rigid bodies are bodies of the mesh, in order.
 fn rigid<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
-    let mesh = &model.mesh;
     let place = || "the rigid bodies".to_owned();
     if let Some(pair) = model.rigid.windows(2).find(|pair| pair[0] >= pair[1]) {
-        return Err(ModelError::Missing {
-            what: "ascending number of a body",
-            index: pair[1],
-            place: place(),
-        });
+        let what = "ascending number of a body";
+        return Err(ModelError::Missing { what, index: pair[1], place: place() });
     }
     if model.rigid.is_empty() {
         return Ok(());
     }
-    let used: BTreeSet<u32> =
-        mesh.bodies.iter().copied().filter(|body| model.rigid.binary_search(body).is_ok()).collect();
-    if let Some(&index) = model.rigid.iter().find(|body| !used.contains(body)) {
-        return Err(ModelError::Missing { what: "body", index, place: place() });
+    let bodies: BTreeSet<u32> = model.mesh.bodies.iter().copied().collect();
+    match model.rigid.iter().find(|body| !bodies.contains(body)) {
+        Some(&index) => Err(ModelError::Missing { what: "body", index, place: place() }),
+        None => Ok(()),
     }
-    let mut body_of = vec![NONE; mesh.nodes.len()];
-    for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
-        for &node in nodes {
-            let other = std::mem::replace(&mut body_of[node as usize], body);
-            if other != NONE && other != body && (used.contains(&other) || used.contains(&body)) {
-                return Err(ModelError::SharedNode { node, bodies: [other, body] });
-            }
-        }
-    }
-    Ok(())
 }
 
 fn joint_sets<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
@@ -163,7 +149,11 @@ where
             };
             let body = mesh.bodies[element];
             match *known {
-                Some(other) if other != body && !bonded.contains(&node) => {
+                Some(other)
+                    if other != body
+                        && (!bonded.contains(&node)
+                            || [other, body].iter().any(|body| model.rigid.contains(body))) =>
+                {
                     return Err(ModelError::SharedNode { node, bodies: [other, body] });
                 }
                 _ => *known = Some(body),

@@ -181,7 +181,7 @@ pub(crate) fn least_nodes<const D: usize, const N: usize>(
 
 /// Share of the longest stable time step that rigid bodies allow. Where nothing else is compressed, contacts
 /// must be followed by more steps than stability needs: an impact of flush faces then changes the energy by
-/// up to three thousandths.
+/// up to 1.5 %.
 const OF_RIGID: f64 = 0.5;
 
 /// The square of the frequency that the motion of each rigid body does not exceed, with all of its outer

@@ -36,7 +36,7 @@ use crate::joints::demand::{Demands, Slopes, Weakest};
 pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
 use crate::joints::pass::JointChunk;
 pub(crate) use crate::joints::strength::penalty;
-use crate::joints::strength::{directed_strength, measure_of, strength_between};
+use crate::joints::strength::{directed_strength, measure_of, strength_on};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
@@ -45,7 +45,7 @@ use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::sum::Sum;
 use crate::team::Team;
-use crate::topology::{Facet, NONE, Topology, place_in_element};
+use crate::topology::{Facet, NONE, Topology};
 use crate::vector::{Point, add, dot, length, minus};
 
 /// When and how a joint broke.
@@ -154,13 +154,7 @@ impl<const D: usize> Joints<D> {
             .facets
             .iter()
             .map(|facet| {
-                let [a, b] = facet.elements().map(|element| mesh.materials[element as usize]);
-                let side = facet.corners[0];
-                let set = model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).unwrap_or(NONE);
-                let of_set = model.joint_sets.get(set as usize).map(|set| (set.strength, true));
-                let found = of_set.or_else(|| strength_between(model, [a, b], None));
-                let may_part = |_: &_| !facet.elements().iter().any(|&element| model.is_rigid(element));
-                let Some((strength, interface)) = found.filter(may_part) else { return NONE };
+                let Some((strength, interface, set)) = strength_on(model, facet) else { return NONE };
                 let mut known = strengths.iter().zip(&of_interface).zip(&sets);
                 let alike = |((other, at), of): ((&Strength, &bool), &u32)| {
                     *other == strength && *at == interface && *of == set

@@ -10,7 +10,7 @@
 pub(crate) mod nodes;
 pub(crate) mod rigid;
 
-use crate::sum::{Pile, Sum};
+use crate::sum::{Grains, Pile, Sum};
 use crate::vector::{Point, dot};
 
 /// Members of one kind in a step, with all that their motion depends on: nodes, or bodies that are rigid.
@@ -120,6 +120,46 @@ impl<S, const D: usize> MotionSums<S, D> {
     fn note_runaway(&mut self, found: (u32, f64)) {
         if self.runaway.is_none_or(|(element, _)| found.0 < element) {
             self.runaway = Some(found);
+        }
+    }
+}
+
+impl<const D: usize> MotionSums<Pile, D> {
+    /// Adds the terms of a free axis to the sums for the damping of dynamic relaxation. `velocities`: before
+    /// and after the step; `momentum`: before it.
+    #[inline]
+    fn take(
+        &mut self,
+        taken: RelaxationSums,
+        force: f64,
+        [before, after]: [f64; 2],
+        momentum: f64,
+        grains: Grains,
+    ) {
+        match taken {
+            RelaxationSums::Nothing => {}
+            RelaxationSums::After => self.taken[0].add(force * after, grains),
+            RelaxationSums::Before => {
+                self.taken[0].add(force * before, grains);
+                self.taken[1].add(momentum * before, grains);
+            }
+        }
+    }
+}
+
+/// Adds the works of a force in the two halves of a step, J. `velocities`: before and after it.
+#[inline(always)]
+fn add_works<const K: usize>(
+    works: &mut [Pile; 2],
+    force: [f64; K],
+    velocities: [[f64; K]; 2],
+    step: f64,
+    grains: Grains,
+) {
+    // Most members have none.
+    if force != [0.0; K] {
+        for (work, velocity) in works.iter_mut().zip(velocities) {
+            work.add(0.5 * step * dot(force, velocity), grains);
         }
     }
 }

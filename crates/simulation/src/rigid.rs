@@ -16,7 +16,8 @@ use crate::rotation::{Quaternion, UNTURNED, inverse, lifted};
 use crate::simplex::Simplex;
 use crate::topology::NONE;
 use crate::vector::{
-    Matrix, Point, add, applied, cross3, dot, length, matrix, minus, plus, product_transposed, transposed,
+    Matrix, Point, add, applied, cholesky, cross3, dot, length, matrix, minus, plus, product_transposed,
+    transposed,
 };
 
 /// All rigid bodies, in the order of [`Model::rigid`].
@@ -26,7 +27,7 @@ pub(crate) struct RigidBodies<const D: usize> {
     of_element: Vec<u32>,
     /// Whether each node belongs to a rigid body; empty if there is none.
     is_rigid: Vec<bool>,
-    /// The nodes of rigid bodies, each with its body.
+    /// The nodes of rigid bodies, ascending, each with its body.
     nodes: Vec<[u32; 2]>,
     pub(crate) all: Vec<RigidBody<D>>,
     pub(crate) motions: Vec<RigidMotion<D>>,
@@ -120,10 +121,11 @@ impl<const D: usize> RigidBodies<D> {
         self.of_element.get(element as usize).copied().filter(|&body| body != NONE)
     }
 
-    /// Whether these elements are all rigid.
+    /// The rigid ones of some elements.
     #[inline]
-    pub(crate) fn has_all(&self, mut elements: Range<usize>) -> bool {
-        elements.all(|element| self.of_element(element as u32).is_some())
+    pub(crate) fn among(&self, elements: Range<usize>) -> impl Iterator<Item = usize> {
+        let bodies = self.of_element.get(elements.clone()).unwrap_or_default();
+        elements.zip(bodies).filter(|(_, body)| **body != NONE).map(|(element, _)| element)
     }
 
     /// Whether two elements belong to one rigid body.
@@ -137,8 +139,11 @@ impl<const D: usize> RigidBodies<D> {
         let Some(&is_rigid) = self.is_rigid.get(old as usize) else { return };
         let new = self.is_rigid.len() as u32;
         self.is_rigid.push(is_rigid);
-        let body = self.nodes.iter().find(|[node, _]| *node == old).map(|&[_, body]| body);
-        self.nodes.extend(body.map(|body| [new, body]));
+        // Nodes ascend.
+        if let Ok(place) = self.nodes.binary_search_by_key(&old, |[node, _]| *node) {
+            let [_, body] = self.nodes[place];
+            self.nodes.push([new, body]);
+        }
     }
 
     /// Whether a node belongs to a rigid body.
@@ -318,18 +323,6 @@ fn largest_at_most(matrix: &[[f64; 6]; 6]) -> f64 {
         power = product_transposed(&scaled, &scaled);
     }
     bound * root(norm(&power), 3)
-}
-
-/// The lower triangle whose product with its transpose is a symmetric, positive matrix.
-fn cholesky(a: &Matrix<3>) -> Matrix<3> {
-    let mut c = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for k in 0..=i {
-            let rest = a[i][k] - (0..k).map(|j| c[i][j] * c[k][j]).sum::<f64>();
-            c[i][k] = if i == k { rest.sqrt() } else { rest / c[k][k] };
-        }
-    }
-    c
 }
 
 /// The vector along an axis.

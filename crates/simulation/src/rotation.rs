@@ -1,6 +1,7 @@
 //! Rotations in space, as quaternions of unit length with the real part first. A rotation in the plane is one
 //! about the third axis.
 
+use crate::simplex::Simplex;
 use crate::vector::{Matrix, Point, dot, length, matrix};
 
 /// A rotation.
@@ -49,12 +50,9 @@ pub(crate) fn lowered<const D: usize>(vector: Point<3>) -> Point<D> {
 
 /// The inverse of a symmetric matrix.
 pub(crate) fn inverse(a: &Matrix<3>) -> Matrix<3> {
-    let cofactor = |i: usize, k: usize| {
-        let ([r, s], [t, u]) = ([(i + 1) % 3, (i + 2) % 3], [(k + 1) % 3, (k + 2) % 3]);
-        a[r][t] * a[s][u] - a[r][u] * a[s][t]
-    };
-    let determinant: f64 = (0..3).map(|k| a[0][k] * cofactor(0, k)).sum();
-    matrix(|i, k| cofactor(i.min(k), i.max(k)) / determinant)
+    let cofactor = <[[f64; 3]; 4]>::cofactor(a);
+    let determinant = <[[f64; 3]; 4]>::determinant(a);
+    matrix(|i, k| cofactor[i.min(k)][i.max(k)] / determinant)
 }
 
 #[cfg(test)]

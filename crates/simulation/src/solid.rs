@@ -206,7 +206,8 @@ where
             .collect();
         let mut deformed = vec![Deformed::NONE; undeformed.len()];
         let stressed = prestress.iter().zip(&elements).enumerate();
-        for (number, (prestress, element)) in stressed.filter(|(k, _)| !rigid.has_all(*k..k + 1)) {
+        for (number, (prestress, element)) in stressed.filter(|(k, _)| rigid.of_element(*k as u32).is_none())
+        {
             let batch: &mut Deformed<D> = &mut deformed[number / LANES];
             batch.set_stress(number % LANES, &prestress.stress);
             batch.energy.set(number % LANES, prestress.energy * element.volume);
@@ -240,10 +241,8 @@ where
         for node in 0..solid.node_count() {
             solid.weigh(node as u32, model);
         }
-        if !solid.rigid.is_empty() {
-            solid.list_rigid_nodes();
-            solid.place_rigid_nodes(model, 0.0, &Team::ALONE);
-        }
+        solid.list_rigid_nodes();
+        solid.place_rigid_nodes(model, 0.0, &Team::ALONE);
         solid
     }
 
@@ -566,8 +565,8 @@ where
                     };
                     let law_of = |lane: usize| &constitutions[own[lane].material as usize].law;
                     batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut results);
-                    for lane in range.clone().filter(|&number| rigid.of_element(number as u32).is_some()) {
-                        deformed.set_stress(lane % LANES, &[[0.0; D]; D]);
+                    for number in rigid.among(range.clone()) {
+                        deformed.set_stress(number % LANES, &[[0.0; D]; D]);
                     }
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {

@@ -103,7 +103,10 @@ where
             elements.iter().map(|element| self.mass_factors[of_elements(element)]).collect()
         };
         let mut rigid = self.rigid.clone();
-        rigid.retain(|body| part.bodies.contains(body));
+        if !rigid.is_empty() {
+            let left: BTreeSet<u32> = part.bodies.iter().copied().collect();
+            rigid.retain(|body| left.contains(body));
+        }
         let mut model =
             Self { mesh: part, velocities, stresses, joint_facets, mass_factors, rigid, ..self.clone() };
         let renumber = |facets: &mut Vec<[u32; D]>| {

@@ -113,3 +113,15 @@ pub(crate) fn contraction<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> f64 {
 pub(crate) fn symmetric<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
     matrix(|i, k| if i == k { a[i][i] } else { 0.5 * (a[i.min(k)][i.max(k)] + a[i.max(k)][i.min(k)]) })
 }
+
+/// The lower triangular matrix `L` with `L Lᵀ = a`, which is symmetric and positive.
+pub(crate) fn cholesky<const K: usize>(a: &Matrix<K>) -> Matrix<K> {
+    let mut root = [[0.0; K]; K];
+    for i in 0..K {
+        for k in 0..=i {
+            let rest = a[i][k] - (0..k).map(|m| root[i][m] * root[k][m]).sum::<f64>();
+            root[i][k] = if i == k { rest.max(0.0).sqrt() } else { rest / root[k][k] };
+        }
+    }
+    root
+}

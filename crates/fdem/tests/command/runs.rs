@@ -1,10 +1,13 @@
 //! Tests of `fdem run` and `fdem resume`: results, interrupts, kills, runs that stop or cannot be resumed.
 
+mod damaged;
+mod killed;
+
 use std::collections::BTreeMap;
 use std::fs;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -321,101 +324,6 @@ fn of_two_runs_started_at_once_one_has_the_folder() {
         assert_eq!(bench.read("both/model.toml"), bench.read(models[first]));
         fs::remove_dir_all(bench.path("both")).unwrap();
     }
-}
-
-/// A file with other contents, or `None` for no file.
-type Damage<'a> = &'a dyn Fn(&[u8]) -> Option<Vec<u8>>;
-
-/// A damaged result is named before the run continues, and nothing is changed.
-#[test]
-fn damaged_results_of_a_run_are_found_before_it_goes_on() {
-    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
-    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
-    let cut = |whole: &[u8]| Some(whole[..whole.len() / 2].to_vec());
-    let flipped = |whole: &[u8]| {
-        let mut bytes = whole.to_vec();
-        *bytes.last_mut().unwrap() ^= 1;
-        Some(bytes)
-    };
-    // Another digit in the second row.
-    let miswritten = |whole: &[u8]| {
-        let mut bytes = whole.to_vec();
-        let line = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0;
-        let digit = line + 1 + bytes[line + 1..].iter().position(|byte| *byte == b',').unwrap() + 1;
-        bytes[digit] = if bytes[digit] == b'9' { b'8' } else { b'9' };
-        Some(bytes)
-    };
-    let cases: [(&str, Damage<'_>, &str); 6] = [
-        ("history.csv", &miswritten, "rows until the checkpoint have changed"),
-        ("history.csv", &cut, "bytes are left"),
-        ("history.csv", &|_| None, "it is missing"),
-        ("frames/00001.frame", &flipped, "its contents have changed"),
-        ("frames/00002.vtu", &cut, "and the run wrote"),
-        ("frames/00003_cracks.vtp", &|_| None, "it is missing"),
-    ];
-    for (name, damage, says) in cases {
-        let file = bench.path("run").join(name);
-        let whole = fs::read(&file).unwrap();
-        match damage(&whole) {
-            Some(damaged) => fs::write(&file, damaged).unwrap(),
-            None => fs::remove_file(&file).unwrap(),
-        }
-        let before = bench.read("run/model.toml");
-        for arguments in [&["resume", "-q", "run"][..], &["resume", "-q", "run", "--end-time", "0.06e-3"]] {
-            bench.run(arguments).refused_with(&[name, says, "`fdem run run/model.toml --from run"]);
-        }
-        assert_eq!(bench.read("run/model.toml"), before);
-        fs::write(&file, whole).unwrap();
-    }
-    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
-}
-
-/// The frame of the checkpoint and the tables at the end are made again, to the last bit.
-#[test]
-fn damaged_results_of_the_checkpoint_are_made_again() {
-    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
-    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
-    let last = bench.summary("run")["output"]["frames"].as_u64().unwrap() - 1;
-    let frame = format!("run/frames/{last:05}");
-    let files = [format!("{frame}.frame"), format!("{frame}_cracks.vtp"), "run/fragments.csv".to_owned()];
-    let whole = files.each_ref().map(|name| fs::read(bench.path(name)).unwrap());
-    for (name, bytes) in files.iter().zip(&whole) {
-        bench.write(name, &bytes[..bytes.len() / 2]);
-    }
-    let told = bench.run(&["resume", "run"]).succeeds();
-    for (name, bytes) in files.iter().zip(&whole) {
-        assert!(
-            told.stderr.contains(&format!("warning: {name} is not as the checkpoint")),
-            "{}",
-            told.stderr
-        );
-        assert!(fs::read(bench.path(name)).unwrap() == *bytes, "{name} differs");
-    }
-    let again = bench.run(&["resume", "run"]).succeeds();
-    assert!(again.stdout.contains("nothing to do"), "{}", again.stdout);
-}
-
-/// After a power cut the disk may have a later frame without those before it.
-#[test]
-fn later_frames_are_removed_also_if_some_are_missing() {
-    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
-    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
-    let files = [
-        "00037.vtu",
-        "00040_cracks.vtp",
-        "00040_damaged_joints.vtp",
-        "00041_contacts.vtp",
-        "123456.frame",
-        "00050_mine.vtp",
-    ];
-    for file in files {
-        bench.write(&format!("run/frames/{file}"), "cut off");
-    }
-    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
-    let left = files.map(|file| bench.path("run/frames").join(file).exists());
-    assert_eq!(left, [false, false, false, false, false, true], "only files of frames are removed");
-    bench.has_all_that_collections_name("run");
-    assert!(!bench.read("run/results.pvd").contains("00037.vtu"));
 }
 
 #[test]
@@ -735,103 +643,6 @@ fn the_model_of_a_run_can_be_run_again() {
     bench.run(&["run", "run/model.toml", "-q", "-o", "next", "--from", "run"]).refused_with(&["inputs/0"]);
 }
 
-#[test]
-fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
-    let bench = Bench::of(CRASH);
-    let start = Instant::now();
-    bench.run(&["run", "crash.toml", "--output", "whole", "--threads", "1"]).succeeds();
-    let usual = start.elapsed();
-    let whole = bench.fingerprint("whole");
-    let (mut kills, mut resumed, mut state) = (0, 0, 99_u64);
-    let enough = if thorough() { 50 } else { 10 };
-    while kills < enough {
-        // A pseudorandom share of the usual time.
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let share = (state >> 40) as f64 / f64::from(1 << 24);
-        let patience = Duration::from_secs_f64(usual.as_secs_f64() * share * 0.6);
-        let exists = bench.path("cut/checkpoint").exists();
-        let mut child = if exists {
-            resumed += 1;
-            bench.start(&["resume", "cut", "--threads", if kills % 2 == 0 { "1" } else { "2" }])
-        } else {
-            bench.start(&["run", "crash.toml", "--output", "cut", "--force", "--threads", "1"])
-        };
-        thread::sleep(patience);
-        if child.try_wait().unwrap().is_some() {
-            // The run had finished: it has the results of an uninterrupted run. Begin again.
-            bench.is_like("cut", &whole);
-            fs::remove_dir_all(bench.path("cut")).unwrap();
-            continue;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        bench.has_all_that_collections_name("cut");
-        kills += 1;
-    }
-    if bench.path("cut/checkpoint").exists() {
-        bench.run(&["resume", "cut"]).succeeds();
-        bench.is_like("cut", &whole);
-    }
-    assert!(resumed > enough * 2 / 5, "most should have been killed after a checkpoint: {resumed}");
-}
-
-/// The report of an earlier end is not taken for that of this one.
-#[test]
-fn a_run_killed_while_it_draws_is_drawn_again() {
-    let bench = Bench::of(CRASH);
-    bench.run(&["run", "crash.toml", "--output", "whole", "--threads", "1", "-q"]).succeeds();
-    let end = bench.summary("whole")["time"].as_f64().unwrap();
-    bench
-        .run(&[
-            "run",
-            "crash.toml",
-            "--output",
-            "cut",
-            "-q",
-            "--set",
-            &format!("model.end_time={}", 0.5 * end),
-        ])
-        .succeeds();
-    let half = bench.summary("cut")["steps"].as_u64().unwrap();
-    let mut child = bench.start(&["resume", "cut", "-q", "--threads", "1", "--end-time", &format!("{end}")]);
-    let is_drawing = || {
-        let text = fs::read_to_string(bench.path("cut/run.json")).unwrap_or_default();
-        let json: Value = serde_json::from_str(&text).unwrap_or_default();
-        json["status"] == "finished" && json["steps"].as_u64() > Some(half)
-    };
-    while child.try_wait().unwrap().is_none() && !is_drawing() {
-        thread::sleep(Duration::from_millis(1));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    bench.run(&["resume", "cut", "-q"]).succeeds();
-    let steps = |folder: &str| {
-        let report = bench.read(&format!("{folder}/report.html"));
-        let (_, rest) = report.split_once(" s in ").unwrap();
-        rest.split_once(" steps").unwrap().0.to_owned()
-    };
-    assert_eq!(steps("cut"), steps("whole"));
-}
-
-/// A run with a later end that is killed after its last checkpoint and before its summary has the summary and
-/// the report of the earlier end.
-#[test]
-fn a_run_killed_before_its_summary_is_drawn_again() {
-    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
-    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
-    let files = ["run.json", "report.html"].map(|name| bench.path("run").join(name));
-    let earlier = files.each_ref().map(|file| fs::read(file).unwrap());
-    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
-    let steps = bench.summary("run")["steps"].clone();
-    for (file, bytes) in files.iter().zip(&earlier) {
-        fs::write(file, bytes).unwrap();
-    }
-    assert_ne!(bench.summary("run")["steps"], steps);
-    bench.run(&["resume", "-q", "run"]).succeeds();
-    assert_eq!(bench.summary("run")["steps"], steps);
-    assert!(fs::read(&files[1]).unwrap() != earlier[1], "the report is that of the earlier end");
-}
-
 /// An interval that is nothing has a frame each step, and curves of other names other files.
 #[test]
 fn short_intervals_and_names_that_differ_in_few_letters() {
@@ -849,55 +660,6 @@ fn short_intervals_and_names_that_differ_in_few_letters() {
     for name in ["curve_σ", "curve_τ", "curve_a_b", "curve_a_b-2", &cut, &format!("{cut}-2")] {
         assert!(bench.path(&format!("short/plots/{name}.svg")).exists(), "{name}");
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupt_saves_where_the_run_stands() {
-    // Long enough to be interrupted, and without checkpoints during the run.
-    let model = CRASH
-        .replace("0.8e-3", "20e-3")
-        .replace("checkpoint_steps = 40", "checkpoint_interval = 1000\nshown_elements = 100");
-    let bench = Bench::of(&model);
-    let child = bench.start(&["run", "crash.toml", "--output", "cut"]);
-    let begun = || bench.path("cut/history.csv").exists() && bench.path("cut/frames/00001.vtu").exists();
-    while !begun() {
-        thread::sleep(Duration::from_millis(20));
-    }
-    // The same as `timeout`: to the process and to its group.
-    let process = child.id().to_string();
-    let sent = Command::new("kill").args(["-TERM", &process]).status().unwrap();
-    thread::sleep(Duration::from_millis(20));
-    let _ = Command::new("kill").args(["-TERM", &process]).stderr(Stdio::null()).status();
-    assert!(sent.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(128 + 15));
-    let json = bench.summary("cut");
-    assert_eq!(json["status"], "interrupted");
-    let steps = json["steps"].as_u64().unwrap();
-    assert!(steps > 10, "{json}");
-    assert!(bench.path("cut/report.html").exists());
-    // The collections end with the last state, between two frames, until the run continues.
-    let times = || -> Vec<f64> {
-        let text = bench.read("cut/results.pvd");
-        let times = text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
-        times.map(|time| time.parse().unwrap()).collect()
-    };
-    bench.has_all_that_collections_name("cut");
-    let (before, now) = (times(), json["time"].as_f64().unwrap());
-    // The reader of JSON may miss the last bit of a number.
-    let is_now = |time: &f64| (time - now).abs() < 1e-12 * now;
-    assert!(is_now(before.last().unwrap()), "{before:?} {now}");
-    assert_eq!(json["output"]["frames"], before.len());
-    bench.run(&["resume", "-q", "cut", "--end-time", &(now * 1.01).to_string()]).succeeds();
-    bench.has_all_that_collections_name("cut");
-    let after = times();
-    assert!(
-        after.starts_with(&before[..before.len() - 1]) && !after.iter().any(is_now),
-        "{before:?} {after:?}"
-    );
-    bench.write("cut/model.toml", model.replace("-20", "-21"));
-    bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }
 
 /// The thread that writes results cannot continue without its folder, and the run ends with it.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use fdem_model::{
     AnyPrepared, Bound, Checkpoint, Preflight, Prepared, PreparedUntil, Quantity, Rehearsal, Rehearsed,
+    prepare_any,
 };
 use fdem_results::Field;
 use fdem_simulation::{Load, Schedule, Simulation, Target};
@@ -12,6 +13,30 @@ use crate::{SMALL, read, right};
 
 fn with(more: &str) -> String {
     format!("{SMALL}\n{more}")
+}
+
+/// A body spins about its centroid, in degrees per second.
+#[test]
+fn a_body_begins_with_its_spin() {
+    let body = "name = \"a\"\nmaterial = \"m\"\nmesh_size = 1\nrigid = true\n";
+    let material = "[[material]]\nname = \"m\"\ndensity = 2700\nyoungs_modulus = 1e9\npoissons_ratio = 0.2\n";
+    let model = |shape: &str| format!("[model]\nend_time = 1\n[[body]]\n{body}{shape}\n{material}");
+    let plane = "rectangle = { min = [1, 2], max = [3, 3] }\nvelocity = [7, 0]\nspin = \"2 rad/s\"";
+    let prepared = right(&model(plane));
+    for (node, [u, v]) in prepared.model.mesh.nodes.iter().zip(&prepared.model.velocities) {
+        let [x, y] = [node[0] - 2.0, node[1] - 2.5];
+        assert!((u - 7.0 + 2.0 * y).abs() < 1e-12 && (v - 2.0 * x).abs() < 1e-12, "{node:?}");
+    }
+    assert_eq!(prepared.model.rigid, [0]);
+    let space = "box = { min = [1, 2, 3], max = [3, 3, 4] }\nspin = [180, 0, 90]";
+    let prepared = prepare_any(&model(space), "a.toml", &mut |_| Err("no files".into()), None).unwrap();
+    let AnyPrepared::Space(prepared) = prepared else { panic!("a box is in space") };
+    let pi = std::f64::consts::PI;
+    for (node, velocity) in prepared.model.mesh.nodes.iter().zip(&prepared.model.velocities) {
+        let [x, y, z] = [node[0] - 2.0, node[1] - 2.5, node[2] - 3.5];
+        let expected = [-0.5 * pi * y, 0.5 * pi * x - pi * z, pi * y];
+        assert!((0..3).all(|k| (velocity[k] - expected[k]).abs() < 1e-9), "{node:?} {velocity:?}");
+    }
 }
 
 #[test]

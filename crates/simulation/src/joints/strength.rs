@@ -4,7 +4,7 @@ use crate::joint_sets::common_set;
 use crate::model::{Model, Strength};
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
-use crate::topology::{Facet, Topology, place_in_element};
+use crate::topology::{Facet, NONE, Topology, place_in_element};
 use crate::vector::{Point, unit};
 
 /// Penalty of the joint on a facet, Pa/m.
@@ -54,6 +54,28 @@ where
         strength_between(self, elements.map(|element| self.mesh.materials[element as usize]), normal)
             .map(|(strength, _)| strength)
     }
+}
+
+/// Strength of the joint that a facet may get, whether it is that of an interface, and its joint set or
+/// [`NONE`]. `None` if the facet cannot break. Strengths that depend on the direction are
+/// [`directed_strength`].
+pub(super) fn strength_on<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    facet: &Facet<D>,
+) -> Option<(Strength, bool, u32)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let elements = facet.elements();
+    if elements.iter().any(|&element| model.is_rigid(element)) {
+        return None;
+    }
+    let side = facet.corners[0];
+    let set = model.set_of(side[0] / N as u32, place_in_element::<D, N>(&side)).unwrap_or(NONE);
+    let of_set = model.joint_sets.get(set as usize).map(|set| (set.strength, true));
+    let materials = elements.map(|element| model.mesh.materials[element as usize]);
+    let found = of_set.or_else(|| strength_between(model, materials, None));
+    found.map(|(strength, interface)| (strength, interface, set))
 }
 
 /// The normal of an undeformed facet, of unit length.

@@ -37,8 +37,8 @@ use crate::laws::element_law::{ElementLaw, Refusal, Response};
 use crate::simplex::Simplex;
 use crate::strength::Strength;
 use crate::vector::{
-    Matrix, Point, applied, contraction, dot, matrix, product, product_transposed, symmetric, transposed,
-    unit,
+    Matrix, Point, applied, cholesky, contraction, dot, matrix, product, product_transposed, symmetric,
+    transposed, unit,
 };
 
 /// The bedding of a transversely isotropic material: its normal, the constants across it, and the strength on
@@ -421,18 +421,6 @@ fn basis<const D: usize>() -> ([Matrix<D>; MOST], usize) {
         }
     }
     (basis, size)
-}
-
-/// The lower triangular matrix `L` with `L Lᵀ = a`, which is symmetric and positive.
-fn cholesky(a: &Matrix<MOST>) -> Matrix<MOST> {
-    let mut root = [[0.0; MOST]; MOST];
-    for i in 0..MOST {
-        for k in 0..=i {
-            let rest = a[i][k] - (0..k).map(|m| root[i][m] * root[k][m]).sum::<f64>();
-            root[i][k] = if i == k { rest.max(0.0).sqrt() } else { rest / root[k][k] };
-        }
-    }
-    root
 }
 
 /// The largest eigenvalue of a symmetric matrix, by Jacobi's rotations.

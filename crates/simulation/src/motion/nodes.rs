@@ -3,7 +3,7 @@
 use crate::actions::prescribed::Hold;
 use crate::joints::Joints;
 use crate::model::{Model, Schedule};
-use crate::motion::{Freedoms, MotionSums, MovedNow, RelaxationSums, Selected};
+use crate::motion::{Freedoms, MotionSums, MovedNow, RelaxationSums, Selected, add_works};
 use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
@@ -176,16 +176,9 @@ fn move_node<const D: usize, const N: usize>(
     if motion.energy {
         sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
     }
-    // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
-    let external = plus(weight, reactions);
-    for (half, velocity) in [before, after].into_iter().enumerate() {
-        if external != [0.0; D] {
-            sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
-        }
-        if damped != [0.0; D] {
-            sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
-        }
-    }
+    // Forces that do work, besides those of elements, joints and contacts.
+    add_works(&mut sum.external, plus(weight, reactions), [before, after], step, motion.grains);
+    add_works(&mut sum.damping, damped, [before, after], step, motion.grains);
     if motion.taken != RelaxationSums::Nothing {
         take(motion, constants, force, [before, after], sum);
     }
@@ -206,12 +199,8 @@ fn take<const D: usize, const N: usize>(
         if constants.hold != NONE && motion.holds[constants.hold as usize][axis].is_some() {
             continue;
         }
-        if motion.taken == RelaxationSums::After {
-            sum.taken[0].add(force[axis] * after[axis], motion.grains);
-        } else {
-            sum.taken[0].add(force[axis] * before[axis], motion.grains);
-            sum.taken[1].add(constants.mass * before[axis] * before[axis], motion.grains);
-        }
+        let (velocities, momentum) = ([before[axis], after[axis]], constants.mass * before[axis]);
+        sum.take(motion.taken, force[axis], velocities, momentum, motion.grains);
     }
 }
 
@@ -224,6 +213,19 @@ pub(super) fn damping<const D: usize, const N: usize>(
     before: Point<D>,
 ) -> Point<D> {
     let local = local_damping(motion.model.time.local_damping, force, before);
+    relaxed(motion, mass, force, before, local)
+}
+
+/// The force of dynamic relaxation, with that of `local` damping. For a rotation, force and velocity are
+/// moment and angular momentum, and the mass is 1.
+#[inline]
+pub(super) fn relaxed<const K: usize, const D: usize, const N: usize>(
+    motion: &Motion<'_, D, N>,
+    mass: f64,
+    force: [f64; K],
+    before: [f64; K],
+    local: [f64; K],
+) -> [f64; K] {
     if motion.relaxation == 0.0 {
         return local;
     }

@@ -6,8 +6,8 @@
 //! then turns by `h ω`. Backwards in time the step is the same, so that the energy of a free body does not
 //! drift; its angular momentum is kept exactly.
 
-use crate::motion::nodes::{Motion, damping, local_damping};
-use crate::motion::{Freedoms, MotionSums, MovedNow, RelaxationSums};
+use crate::motion::nodes::{Motion, damping, local_damping, relaxed};
+use crate::motion::{Freedoms, MotionSums, MovedNow, add_works};
 use crate::rigid::{RigidBody, RigidMotion};
 use crate::rotation::{lifted, matrix_of, turned};
 use crate::simplex::Simplex;
@@ -105,13 +105,11 @@ where
         if motion.energy {
             sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
         }
-        let external = plus(weight, reactions);
-        for (half, velocity) in [before, after].into_iter().enumerate() {
-            sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
-            sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
-        }
+        add_works(&mut sum.external, plus(weight, reactions), [before, after], step, motion.grains);
+        add_works(&mut sum.damping, damped, [before, after], step, motion.grains);
         for axis in (0..D).filter(|&axis| body.holds[axis].is_none()) {
-            take(motion, force[axis], [before[axis], after[axis]], mass * before[axis], sum);
+            let (velocities, momentum) = ([before[axis], after[axis]], mass * before[axis]);
+            sum.take(motion.taken, force[axis], velocities, momentum, motion.grains);
         }
         length(after)
     }
@@ -172,15 +170,8 @@ fn turn_body<const D: usize, const N: usize>(
     let moment = body.left(moment);
     let now = matrix_of(moving.orientation);
     let before = body.spin(&now, momentum);
-    let mut damped = local_damping(motion.model.time.local_damping, moment, before);
-    if motion.relaxation != 0.0 {
-        // The force of dynamic relaxation on a node is made in the same way.
-        let half = 0.5 * motion.relaxation * step;
-        for axis in 0..3 {
-            let mean = momentum[axis] + 0.5 * step * (moment[axis] - damped[axis]);
-            damped[axis] += motion.relaxation * mean / (1.0 + half);
-        }
-    }
+    let local = local_damping(motion.model.time.local_damping, moment, before);
+    let damped = relaxed(motion, 1.0, moment, momentum, local);
     moving.momentum = body.left(plus(momentum, minus(moment, damped).map(|x| step * x)));
     let after = body.spin(&now, moving.momentum);
     moving.spin = after;
@@ -195,29 +186,9 @@ fn turn_body<const D: usize, const N: usize>(
     if motion.energy {
         sum.kinetic.add(0.5 * dot(momentum, after), motion.grains);
     }
-    for (half, spin) in [before, after].into_iter().enumerate() {
-        sum.damping[half].add(0.5 * step * dot(damped, spin), motion.grains);
-    }
+    add_works(&mut sum.damping, damped, [before, after], step, motion.grains);
     for axis in 0..3 {
-        take(motion, moment[axis], [before[axis], after[axis]], momentum[axis], sum);
-    }
-}
-
-/// Adds the terms along an axis to the sums for the damping of dynamic relaxation, as nodes do. `momentum`:
-/// that before the step.
-fn take<const D: usize, const N: usize>(
-    motion: &Motion<'_, D, N>,
-    force: f64,
-    [before, after]: [f64; 2],
-    momentum: f64,
-    sum: &mut MotionSums<Pile, D>,
-) {
-    match motion.taken {
-        RelaxationSums::Nothing => {}
-        RelaxationSums::After => sum.taken[0].add(force * after, motion.grains),
-        RelaxationSums::Before => {
-            sum.taken[0].add(force * before, motion.grains);
-            sum.taken[1].add(momentum * before, motion.grains);
-        }
+        let spins = [before[axis], after[axis]];
+        sum.take(motion.taken, moment[axis], spins, momentum[axis], motion.grains);
     }
 }

@@ -4,13 +4,13 @@ use crate::action::Record;
 use crate::actions::prescribed::Hold;
 use crate::error::ModelError;
 use crate::model::Model;
-use crate::rigid::{RigidBodies, RigidBody, RigidMotion, Turns, along, cholesky};
+use crate::rigid::{RigidBodies, RigidBody, RigidMotion, Turns, along};
 use crate::rotation::{lifted, lowered, matrix_of, turned};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
-use crate::vector::{Matrix, Point, add, applied, cross3, length, matrix, minus, plus};
+use crate::vector::{Matrix, Point, add, applied, cholesky, cross3, length, matrix, minus, plus};
 
 /// Place in the list of actions of a record with the motion of a rigid body, which is no action.
 pub(crate) const RECORD: u32 = NONE - 1;
@@ -126,7 +126,7 @@ where
             _ => Turns::All,
         };
         let blocked: Vec<usize> = (first_axis..3).filter(|axis| !free.contains(axis)).collect();
-        let mut of_blocked = matrix(|i, k| f64::from(u8::from(i == k)));
+        let mut of_blocked: Matrix<3> = matrix(|i, k| f64::from(u8::from(i == k)));
         for (&i, &k) in blocked.iter().flat_map(|i| blocked.iter().map(move |k| (i, k))) {
             of_blocked[i][k] = rows[i][k];
         }

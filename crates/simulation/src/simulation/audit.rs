@@ -146,8 +146,8 @@ where
     pub(super) fn kinetic_of_half_step(&self) -> Sum {
         let solid = self.solid();
         let of = |node: usize| {
-            let velocity = self.solid().velocity(node);
-            0.5 * self.solid().constants(node).mass * dot(velocity, velocity)
+            let velocity = solid.velocity(node);
+            0.5 * solid.constants(node).mass * dot(velocity, velocity)
         };
         let rigid = (0..solid.rigid.all.len()).filter(|&body| solid.moves_rigid(body));
         let own = |node: &usize| solid.share().node(*node) && !solid.rigid.has_node(*node);

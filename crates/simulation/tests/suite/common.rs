@@ -74,14 +74,19 @@ pub(crate) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
+/// A boundary that moves nodes with a velocity, m/s, along the axes that have one.
+pub(crate) fn held<const D: usize>(
+    name: &str,
+    nodes: Vec<u32>,
+    velocity: [Option<f64>; D],
+    schedule: Schedule,
+) -> Boundary<D> {
+    Boundary { name: name.to_owned(), target: Target::Nodes(nodes), load: Load::Velocity(velocity), schedule }
+}
+
 /// A boundary that holds the nodes at y = 0.
 pub(crate) fn floor(mesh: &Mesh) -> Boundary {
-    Boundary {
-        name: "floor".to_owned(),
-        target: Target::Nodes(nodes_where(mesh, |[_, y]| y == 0.0)),
-        load: Load::Velocity([Some(0.0); 2]),
-        schedule: Schedule::Constant,
-    }
+    held("floor", nodes_where(mesh, |[_, y]| y == 0.0), [Some(0.0); 2], Schedule::Constant)
 }
 
 /// Linear momentum and angular momentum about the origin.

@@ -7,10 +7,6 @@ fn brittle(strength: Strength) -> Material {
     Material { youngs_modulus: 30e9, strength: Some(strength), ..granite() }
 }
 
-fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Schedule) -> Boundary {
-    Boundary { name: name.to_owned(), target: Target::Nodes(nodes), load: Load::Velocity(velocity), schedule }
-}
-
 /// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
 fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);

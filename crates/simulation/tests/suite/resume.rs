@@ -8,12 +8,12 @@ pub(crate) fn crash(insertion: Insertion) -> Model {
     let velocities = [vec![[0.0; 2]; ground.nodes.len()], vec![[1.0, -15.0]; block.nodes.len()]].concat();
     let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
     Model {
-        boundaries: vec![Boundary {
-            name: "floor".to_owned(),
-            target: Target::Nodes(nodes_where(&ground, |[_, y]| y < -0.0999)),
-            load: Load::Velocity([Some(0.0); 2]),
-            schedule: Schedule::Constant,
-        }],
+        boundaries: vec![held(
+            "floor",
+            nodes_where(&ground, |[_, y]| y < -0.0999),
+            [Some(0.0); 2],
+            Schedule::Constant,
+        )],
         mesh: together(&[ground, block]),
         velocities,
         materials: vec![Material { strength: Some(strength), friction: 0.5, damping: 0.05, ..granite() }],

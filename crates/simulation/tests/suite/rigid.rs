@@ -13,12 +13,12 @@ pub(crate) fn blocks() -> Model {
         [moves(&ground, [0.0; 2]), moves(&one, [-1.0, -8.0]), moves(&other, [6.0, -2.0])].concat();
     let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
     Model {
-        boundaries: vec![Boundary {
-            name: "floor".to_owned(),
-            target: Target::Nodes(nodes_where(&ground, |[_, y]| y < -0.0499)),
-            load: Load::Velocity([Some(0.0); 2]),
-            schedule: Schedule::Constant,
-        }],
+        boundaries: vec![held(
+            "floor",
+            nodes_where(&ground, |[_, y]| y < -0.0499),
+            [Some(0.0); 2],
+            Schedule::Constant,
+        )],
         mesh: together(&[ground, one, other]),
         velocities,
         materials: vec![Material { strength: Some(strength), friction: 0.5, damping: 0.05, ..granite() }],
@@ -46,12 +46,7 @@ pub(crate) fn blocks_in_space() -> Model<3, 4> {
     let velocities = slab.nodes.iter().map(|_| [0.0; 3]).chain(falling.nodes.iter().map(velocity)).collect();
     let bottom = (0..).zip(&slab.nodes).filter(|(_, node)| node[2] < -0.0499).map(|(node, _)| node);
     Model {
-        boundaries: vec![Boundary {
-            name: "floor".to_owned(),
-            target: Target::Nodes(bottom.collect()),
-            load: Load::Velocity([Some(0.0); 3]),
-            schedule: Schedule::Constant,
-        }],
+        boundaries: vec![held("floor", bottom.collect(), [Some(0.0); 3], Schedule::Constant)],
         mesh: together(&[slab, falling]),
         velocities,
         materials: vec![Material { friction: 0.5, ..granite() }],
@@ -151,12 +146,12 @@ fn a_block_rests_or_slides_on_a_slope() {
         let block = rectangle([-0.05, 0.0], [0.05, 0.1], 1, 1);
         let mesh = together(&[plane.clone(), block]);
         let model = Model {
-            boundaries: vec![Boundary {
-                name: "plane".to_owned(),
-                target: Target::Nodes((0..plane.nodes.len() as u32).collect()),
-                load: Load::Velocity([Some(0.0); 2]),
-                schedule: Schedule::Constant,
-            }],
+            boundaries: vec![held(
+                "plane",
+                (0..plane.nodes.len() as u32).collect(),
+                [Some(0.0); 2],
+                Schedule::Constant,
+            )],
             mesh,
             materials: vec![Material { friction, youngs_modulus: 1e8, ..granite() }],
             gravity: [g * angle.sin(), -g * angle.cos()],
@@ -182,13 +177,8 @@ fn a_block_rests_or_slides_on_a_slope() {
 #[test]
 fn supports_hold_a_body_or_are_refused() {
     let block = rectangle([0.0, 0.0], [0.2, 0.1], 4, 2);
-    let held = |nodes: Vec<u32>, axes: [Option<f64>; 2]| Model {
-        boundaries: vec![Boundary {
-            name: "held".to_owned(),
-            target: Target::Nodes(nodes),
-            load: Load::Velocity(axes),
-            schedule: Schedule::Constant,
-        }],
+    let block_on = |nodes: Vec<u32>, axes: [Option<f64>; 2]| Model {
+        boundaries: vec![held("held", nodes, axes, Schedule::Constant)],
         mesh: block.clone(),
         materials: vec![granite()],
         gravity: [0.0, -9.81],
@@ -196,18 +186,18 @@ fn supports_hold_a_body_or_are_refused() {
         ..Model::default()
     };
     let bottom = nodes_where(&block, |[_, y]| y == 0.0);
-    let mut run = Simulation::new(held(bottom.clone(), [None, Some(0.0)]), 1).expect("a model");
+    let mut run = Simulation::new(block_on(bottom.clone(), [None, Some(0.0)]), 1).expect("a model");
     run.advance(100).expect("steps");
     let [_, force] = run.force(0).expect("a boundary");
     assert!((force - 0.2 * 0.1 * 2700.0 * 9.81).abs() < 1e-9, "{force}");
     let (moved, velocity) = run.node(3).expect("a node");
     assert_eq!((moved, velocity), ([0.0; 2], [0.0; 2]));
     for (nodes, axes) in [(vec![0], [Some(0.0); 2]), (vec![0], [None, Some(0.0)])] {
-        let refused = Simulation::new(held(nodes, axes), 1).expect_err("a hinge");
+        let refused = Simulation::new(block_on(nodes, axes), 1).expect_err("a hinge");
         assert!(matches!(refused, ModelError::RigidSupport { turns: true, .. }), "{refused}");
     }
     // A body that is driven moves as a whole.
-    let mut run = Simulation::new(held(bottom, [Some(2.0), Some(-1.0)]), 1).expect("a model");
+    let mut run = Simulation::new(block_on(bottom, [Some(2.0), Some(-1.0)]), 1).expect("a model");
     run.advance(100).expect("steps");
     for node in 0..block.nodes.len() as u32 {
         let ([x, y], [u, v]) = run.node(node).expect("a node");

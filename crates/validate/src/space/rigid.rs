@@ -8,6 +8,7 @@ use super::bodies::{
     Body, Point, Random, Run, Turn, advance, advance_to, change, cross, cuboid, dot, length, mapped,
     mean_motion, minus, momentum, plus, start, turned, volume_of,
 };
+use super::rotation::axis_of;
 use crate::models::{DENSITY, granite, moved, nodes_where, together, worse};
 use crate::{Outcome, Size};
 
@@ -48,7 +49,7 @@ pub(crate) fn tumbles(size: Size) -> Result<Vec<Outcome>, String> {
     while crossings.len() < wanted && run.time() < 20.0 * f64::from(size.choose(1, 10)) * period {
         advance(&mut run, 10)?;
         drift = worse(2.0 * run.energies().kinetic / twice - 1.0, drift);
-        let now = dot(middle_axis(&run), moment) / length(moment);
+        let now = dot(axis_of(&run, 0.5 * SIDES[1]), moment) / length(moment);
         if now * before < 0.0 {
             crossings.push(run.time() - 10.0 * step * now / (now - before));
         }
@@ -75,18 +76,6 @@ fn period([one, two, three]: Point, twice: f64, square: f64) -> f64 {
         (a, b) = (f64::midpoint(a, b), f64::sqrt(a * b));
     }
     4.0 * (0.5 * PI / a) * (one * two * three / below).sqrt()
-}
-
-/// The direction of the body's own y axis now.
-fn middle_axis(run: &Run) -> Point {
-    let half = 0.5 * SIDES[1];
-    let [low, high] = [-half, half].map(|at| {
-        let nodes = nodes_where(&run.model().mesh, |p: Point| (p[1] - at).abs() < 1e-9);
-        plus([0.0, at, 0.0], mean_motion(run, &nodes)[0])
-    });
-    let along = minus(high, low);
-    let long = length(along);
-    along.map(|x| x / long)
 }
 
 /// A cube on a plane: at rest it sinks in by the weight over the stiffness of flush faces, and does not turn;

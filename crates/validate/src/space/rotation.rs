@@ -83,7 +83,7 @@ fn tumbles(size: Size) -> Result<Vec<Outcome>, String> {
     for _ in 0..parts {
         advance(&mut run, steps / parts)?;
         drift = worse(run.energies().balance() / kinetic, drift);
-        let axis = axis_of(&run);
+        let axis = axis_of(&run, 0.1);
         least = least.min(axis[1]);
     }
     let after = momentum(&run);
@@ -101,10 +101,11 @@ fn tumbles(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-/// The direction of the block's own y axis now: from the nodes of one side to those of the other.
-fn axis_of(run: &Run) -> Point {
+/// The direction now of the y axis of a block whose sides were at `half` and its opposite along it, m: from
+/// the nodes of one side to those of the other.
+pub(super) fn axis_of(run: &Run, half: f64) -> Point {
     let mesh = &run.model().mesh;
-    let [low, high] = [-0.1, 0.1].map(|at| {
+    let [low, high] = [-half, half].map(|at| {
         let nodes = nodes_where(mesh, |p: Point| (p[1] - at).abs() < 1e-9);
         plus([0.0, at, 0.0], mean_motion(run, &nodes)[0])
     });

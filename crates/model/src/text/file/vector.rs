@@ -26,7 +26,7 @@ pub enum Spin {
 }
 
 impl Spin {
-    /// As a vector in space, rad/s.
+    /// Returns the angular velocity as a vector in space, rad/s.
     pub(crate) fn vector(self) -> [f64; 3] {
         match self {
             Self::Plane(about) => [0.0, 0.0, about.to_radians()],
