@@ -164,6 +164,11 @@ where
         elements.forces(&ElementPass { solid, joints, topology, surface, laws })
     }
 
+    /// The elements that touch others, with repetitions.
+    pub(crate) fn touching(&self, team: &Team) -> Vec<u32> {
+        self.elements.touching_parts(team)
+    }
+
     /// The elements that touch, with the force on the first of each couple, N.
     pub(crate) fn pushes(&self) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
         self.elements.touching().map(|(elements, grip)| (elements, grip.push))

@@ -12,17 +12,19 @@
 //! under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
 mod batch;
+mod check;
 mod cut;
-mod demand;
+mod failing;
 mod fan;
 mod insertion;
 mod joint;
 mod pass;
 mod plane;
 pub(crate) mod saved;
+mod slack;
 mod start;
 mod strength;
-mod uses;
+mod tips;
 
 use serde::{Deserialize, Serialize};
 
@@ -31,13 +33,12 @@ use crate::error::ModelError;
 use crate::faces::{BrokenSides, Faces};
 use crate::forces::ContactForce;
 use crate::joints::batch::Link;
-use crate::joints::cut::Cut;
-use crate::joints::demand::{Demands, Slopes, Weakest};
+use crate::joints::cut::{Cut, InsertionData};
 pub(crate) use crate::joints::joint::{Joint, JointAxes, JointState};
 use crate::joints::pass::JointChunk;
+use crate::joints::slack::Checked;
 pub(crate) use crate::joints::strength::penalty;
 use crate::joints::strength::{directed_strength, measure_of, strength_on};
-use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::share::Share;
@@ -98,19 +99,18 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip<D>>,
-    /// Lowest strengths of the facets of each element, and the demand of its stress on them, in batches, and
-    /// the level of each element; the lists are empty if joints are not inserted.
-    weakest: Vec<[Weakest; LANES]>,
-    demands: Vec<Demands>,
-    levels: Vec<u8>,
-    /// Strengths of each facet, infinite if it has a joint or cannot get one. This list and the next two are
-    /// empty if joints are not inserted.
-    limits: Vec<Weakest>,
-    /// Use of the strength of each facet in this step; 0 if it is too small to count.
-    uses: Vec<f64>,
-    /// Whether each facet has been at a tip.
-    near_tip: Vec<bool>,
-    slopes: Slopes,
+    /// The last check of each facet, and the slack of the tip at each vertex, Pa, infinite without one. These
+    /// lists and the next are empty if joints are not inserted.
+    checked: Vec<Checked>,
+    tip_slack: Vec<f64>,
+    /// Whether each facet is checked in every step, and why: 0 for no.
+    restless: Vec<u8>,
+    /// Whether the facets of each element are checked in this step.
+    awake: Vec<bool>,
+    /// Number of steps in which anything was checked.
+    checks: u64,
+    /// The elements on which contacts and loads acted in the last step.
+    pressed: Vec<u32>,
 }
 
 /// A vertex on a free surface or at a joint, with the facets there that can get a joint.
@@ -121,8 +121,41 @@ struct Tip<const D: usize> {
     alone: Box<[u32]>,
     /// Joints that connect elements only together with others.
     together: Box<[u32]>,
-    /// Cuts that the last steps have looked at.
-    cuts: Vec<Cut<D>>,
+    /// Cuts that the last steps have looked at, by the facets that give their planes; `None` where all facets
+    /// along the plane cannot part.
+    cuts: Vec<(u32, Option<Cut<D>>)>,
+    /// Facets to check in every step, in the order of the lists above; see `joints/tips.rs`.
+    contenders: Vec<u32>,
+}
+
+impl<const D: usize> Tip<D> {
+    /// Its facets, first those that connect elements alone.
+    fn facets(&self) -> impl Iterator<Item = u32> {
+        self.alone.iter().chain(&self.together).copied()
+    }
+
+    /// The cut along the plane of a facet: one that is known, or a new one.
+    fn cut<const N: usize>(
+        &mut self,
+        facet: u32,
+        state: InsertionData<'_, D, N>,
+        new: impl FnOnce() -> Option<Cut<D>>,
+    ) -> Option<&Cut<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let holds = |(of, cut): &(u32, Option<Cut<D>>)| {
+            *of == facet && cut.as_ref().is_none_or(|cut| cut.holds(state))
+        };
+        let known = self.cuts.iter().position(holds);
+        let place = known.unwrap_or_else(|| {
+            let Self { alone, contenders, cuts, .. } = self;
+            cuts.retain(|(of, _)| *of != facet && (alone.contains(of) || contenders.contains(of)));
+            cuts.push((facet, new()));
+            cuts.len() - 1
+        });
+        self.cuts[place].1.as_ref()
+    }
 }
 
 /// The results of a pass over all joints.
@@ -183,10 +216,8 @@ impl<const D: usize> Joints<D> {
         };
         // Joints of sets are never inserted: they are there.
         let of_classes = strengths.iter().zip(&sets).filter(|(_, set)| **set == NONE);
-        let inserted =
-            || of_classes.clone().map(|(strength, _)| *strength).chain(directed.iter().flatten().copied());
-        let slopes = Slopes::of(&inserted().collect::<Vec<Strength>>());
-        let inserts = model.fracture.insertion == Insertion::Adaptive && inserted().next().is_some();
+        let inserts = model.fracture.insertion == Insertion::Adaptive
+            && (of_classes.count() > 0 || directed.iter().flatten().next().is_some());
         let mut joints = Self {
             tips: Vec::new(),
             all: Vec::new(),
@@ -210,27 +241,18 @@ impl<const D: usize> Joints<D> {
             factors,
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
-            weakest: Vec::new(),
-            demands: Vec::new(),
-            levels: Vec::new(),
-            limits: Vec::new(),
-            uses: Vec::new(),
-            near_tip: Vec::new(),
-            slopes,
+            checked: Vec::new(),
+            tip_slack: Vec::new(),
+            restless: Vec::new(),
+            awake: Vec::new(),
+            checks: 0,
+            pressed: Vec::new(),
         };
         if inserts {
-            let count = topology.facets.len();
-            let limit = |facet: usize| {
-                Weakest::of(joints.strength(facet as u32).filter(|_| joints.set(facet as u32).is_none()))
-            };
-            joints.limits = (0..count).map(limit).collect();
-            (joints.uses, joints.near_tip) = (vec![0.0; count], vec![false; count]);
-            let weakest = |element: usize| joints.weakest_in(element as u32, topology);
-            let batches = 0..mesh.elements.len().div_ceil(LANES);
-            joints.weakest =
-                batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
-            joints.demands = vec![Demands::ZERO; joints.weakest.len()];
-            joints.levels = vec![0; LANES * joints.weakest.len()];
+            joints.checked = vec![Checked::NEVER; topology.facets.len()];
+            joints.restless = vec![0; topology.facets.len()];
+            joints.tip_slack = vec![f64::INFINITY; topology.vertex_count()];
+            joints.awake = vec![false; mesh.elements.len()];
             let outer = joints.faces.vertices(topology);
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
             joints.find_tips(&outer, topology, share, &Team::ALONE);
@@ -241,9 +263,9 @@ impl<const D: usize> Joints<D> {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
-        let Self { at_vertex, tips, weakest, demands, levels, directed, limits, uses, near_tip, .. } = self;
+        let Self { at_vertex, tips, directed, checked, tip_slack, restless, awake, pressed, .. } = self;
         let of_tip = |tip: &Tip<D>| {
-            let cuts: usize = tip.cuts.iter().map(Cut::bytes).sum();
+            let cuts: usize = tip.cuts.iter().filter_map(|(_, cut)| cut.as_ref()).map(Cut::bytes).sum();
             size_of::<Tip<D>>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together) + cuts
         };
         size_of_val(&**all)
@@ -258,12 +280,11 @@ impl<const D: usize> Joints<D> {
             + size_of_val(&**factors)
             + size_of_val(&**at_vertex)
             + tips.iter().map(of_tip).sum::<usize>()
-            + size_of_val(&**weakest)
-            + size_of_val(&**demands)
-            + size_of_val(&**levels)
-            + size_of_val(&**limits)
-            + size_of_val(&**uses)
-            + size_of_val(&**near_tip)
+            + size_of_val(&**checked)
+            + size_of_val(&**tip_slack)
+            + size_of_val(&**restless)
+            + size_of_val(&**awake)
+            + size_of_val(&**pressed)
     }
 
     /// Whether a facet can ever get a joint.
@@ -280,12 +301,6 @@ impl<const D: usize> Joints<D> {
             cohesion: strength.cohesion * factor,
             ..*strength
         })
-    }
-
-    /// The lowest strengths of the facets of an element that may still get a joint.
-    fn weakest_in<const N: usize>(&self, element: u32, topology: &Topology<D, N>) -> Weakest {
-        let facets = topology.facet_of.get(element as usize).into_iter().flatten();
-        Weakest::least(facets.filter_map(|&facet| self.limits.get(facet as usize).copied()))
     }
 
     /// The law of a joint on a facet; `None` if the facet cannot break.
@@ -352,13 +367,6 @@ impl<const D: usize> Joints<D> {
         let sides = &topology.facets[facet as usize];
         for corner in sides.corners[0] {
             self.at_vertex[topology.vertices[corner as usize] as usize] = true;
-        }
-        if !self.weakest.is_empty() {
-            self.limits[facet as usize] = Weakest::NONE;
-            for element in sides.elements() {
-                self.weakest[element as usize / LANES][element as usize % LANES] =
-                    self.weakest_in(element, topology);
-            }
         }
         self.forces.push([[0.0; D]; D]);
         self.links.push(Link::of(&joint, thickness));

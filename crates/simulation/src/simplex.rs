@@ -132,10 +132,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Middle and radius of Mohr's largest circle, Pa.
     fn circle(stress: &Matrix<D>) -> [f64; 2];
 
-    /// Upper bounds of the middle and of the radius of Mohr's largest circle, Pa, that are faster to compute.
-    fn circle_bound(stress: &Matrix<D>) -> [f64; 2];
-
-    /// Upper bounds of both as well, larger by at most 2e-6 of the radius and 2e-9 of the mean stress.
+    /// Upper bounds of both that are faster to compute, larger by at most 2e-6 of the radius and 2e-9 of the
+    /// mean stress.
     fn circle_close(stress: &Matrix<D>) -> [f64; 2];
 
     /// Whether the stress out of the plane vanishes, which it never does in space.

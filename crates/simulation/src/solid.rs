@@ -4,6 +4,7 @@ pub(crate) mod batch;
 mod by_law;
 mod columns;
 mod viscous;
+pub(crate) mod watch;
 
 use std::ops::Range;
 
@@ -568,6 +569,7 @@ where
                     for number in rigid.among(range.clone()) {
                         deformed.set_stress(number % LANES, &[[0.0; D]; D]);
                     }
+                    deformed.find_moved::<N>(available, &given.edges);
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = results.forces(lane);
@@ -595,6 +597,11 @@ where
             },
         );
         found.into_iter().flatten().next()
+    }
+
+    /// Lets the facets of all elements at a vertex be checked in the next step.
+    pub(crate) fn wake_around(&mut self, vertex: u32, topology: &Topology<D, N>) {
+        topology.corners_of(vertex).iter().for_each(|corner| self.wake(corner / N as u32));
     }
 
     /// Strain energy in the last pass, and energy that viscosity and laws have dissipated so far, J.

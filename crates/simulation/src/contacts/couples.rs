@@ -203,6 +203,14 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         })
     }
 
+    /// The parts of the couples that touch, with repetitions.
+    pub(crate) fn touching_parts(&self, team: &Team) -> Vec<u32> {
+        team.list(self.all.len(), |range| {
+            let touching = self.all[range].iter().filter(|couple| couple.touches);
+            touching.flat_map(|couple| couple.parts).collect()
+        })
+    }
+
     /// The couples that touch, with the time that each takes in a step.
     pub(crate) fn costs(&self) -> impl Iterator<Item = ([u32; 2], u64)> {
         self.all.iter().filter(|couple| couple.touches).map(|couple| (couple.parts, P::COST))

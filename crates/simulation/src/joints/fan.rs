@@ -101,7 +101,6 @@ where
         Cut {
             facet,
             facets: more.into(),
-            above: [].into(),
             parts: parts.collect(),
             groups,
             share: mass[0] / (mass[0] + mass[1]),
@@ -125,9 +124,8 @@ where
                 cut.push(other);
             }
         }
-        let above = self.corners().iter().map(|&corner| above(corner)).collect();
         let parted = Fan::new(self.vertex, &cut, self.joints, self.state);
-        Some(Cut { above, ..parted.cut(facet, &cut) })
+        Some(parted.cut(facet, &cut))
     }
 }
 

@@ -1,4 +1,5 @@
-//! Adaptive insertion: where joints are inserted, and with which traction.
+//! Adaptive insertion: where joints are inserted, and with which traction. `joints/failing.rs` finds the
+//! facets that get one.
 //!
 //! In whole material a facet gets a joint when the mean stress of its two elements reaches the strength on
 //! the facet or on a plane near it (`joints/plane.rs`). At a free surface and at a crack tip, the traction at
@@ -19,15 +20,12 @@
 //! its two sides are one cut, with one traction. The cut is a staircase, so that its area is that of the sum
 //! of the vectors of its facets, and each facet takes a share by its projection.
 
-use crate::cohesive::{JointPlane, Memory, use_of};
+use crate::cohesive::{JointPlane, Memory};
 use crate::joints::batch::Link;
-use crate::joints::cut::{Cut, InsertionData};
-use crate::joints::demand::{Demand, FAILING, SUSPECT, SUSPECTED, find_demands};
+use crate::joints::cut::InsertionData;
 use crate::joints::fan::{Fan, end_at};
-use crate::joints::plane::{breaks, mean_stress, plane_near, plane_of, side, traction};
-use crate::joints::uses::UseBatch;
+use crate::joints::plane::{mean_stress, plane_of, side, traction};
 use crate::joints::{Joint, Joints, Tip, VertexSplit};
-use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::share::Share;
 use crate::simplex::Simplex;
@@ -37,59 +35,6 @@ use crate::topology::{Facet, NONE, Topology};
 use crate::vector::{Point, dot, unit};
 
 impl<const D: usize> Joints<D> {
-    /// Returns the facets, ascending, whose traction has reached their strength.
-    pub(crate) fn failing<const N: usize>(
-        &mut self,
-        solid: &Solid<D, N>,
-        model: &Model<D, N>,
-        topology: &Topology<D, N>,
-        team: &Team,
-    ) -> Vec<u32>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        if self.weakest.is_empty() {
-            return Vec::new();
-        }
-        let state = InsertionData { solid, model, topology };
-        let Self { weakest, slopes, demands, levels, .. } = self;
-        let none: &mut [()] = &mut [];
-        let suspect =
-            team.change_batches::<LANES, _, _, _, _>(demands, levels, none, |first, chunk, levels, _| {
-                let mut suspect = false;
-                for ((batch, demands), levels) in (first..).zip(chunk).zip(levels.as_chunks_mut().0) {
-                    let (deformed, weakest) = (solid.deformed(batch), &weakest[batch]);
-                    suspect |=
-                        find_demands::<D, N>(solid.available, slopes, deformed, weakest, demands, levels);
-                }
-                suspect
-            });
-        if suspect.iter().all(|suspect| !suspect) {
-            return Vec::new();
-        }
-        let mut uses = std::mem::take(&mut self.uses);
-        let whole = team.change_lanes::<1, _, _>(&mut uses, |first, uses| {
-            self.find_uses(first as u32, uses, state);
-            let facets = (first as u32..).zip(uses);
-            let fails = |(facet, used): &(u32, &mut f64)| self.fails(**used, **used, *facet, state);
-            facets.filter(fails).map(|(facet, _)| facet).collect::<Vec<u32>>()
-        });
-        self.uses = uses;
-        let mut tips = std::mem::take(&mut self.tips);
-        let at_tips = team.change_lanes::<1, _, _>(&mut tips, |_, tips| {
-            let mut failing = Vec::new();
-            for tip in tips {
-                self.failing_at(tip, state, &mut failing);
-            }
-            failing
-        });
-        self.tips = tips;
-        let mut failing = [whole, at_tips].concat().concat();
-        team.sort(&mut failing);
-        failing.dedup();
-        failing
-    }
-
     /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected.
     /// Returns the vertices at which this rank has done so.
     ///
@@ -144,10 +89,8 @@ impl<const D: usize> Joints<D> {
             let tip = |&vertex: &u32| self.tip(vertex, topology, share, &mut bridges);
             vertices[range].iter().filter_map(tip).collect()
         });
-        for tip in &tips {
-            for &facet in tip.alone.iter().chain(&tip.together) {
-                self.near_tip[facet as usize] = true;
-            }
+        for &vertex in vertices {
+            self.tip_slack[vertex as usize] = f64::INFINITY;
         }
         self.tips.extend(tips);
     }
@@ -174,7 +117,13 @@ impl<const D: usize> Joints<D> {
             .collect();
         bridges.retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
         let some = !bridges.is_empty() || !together.is_empty();
-        some.then(|| Tip { vertex, alone: bridges.as_slice().into(), together, cuts: Vec::new() })
+        some.then(|| Tip {
+            vertex,
+            alone: bridges.as_slice().into(),
+            together,
+            cuts: Vec::new(),
+            contenders: Vec::new(),
+        })
     }
 
     /// The strength of a facet that a plane near it may have in its place: the facets of an interface lie in
@@ -198,131 +147,6 @@ impl<const D: usize> Joints<D> {
         self.strength_of_planes(facet).map_or(JointPlane::own(), |strength| {
             plane_of::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength)
         })
-    }
-
-    /// Use of the strength on a plane near a facet over that on the facet, at least 1.
-    fn excess<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> f64
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let InsertionData { solid, topology, .. } = state;
-        let sides = &topology.facets[facet as usize];
-        self.strength_of_planes(facet).map_or(1.0, |strength| {
-            plane_near::<D, N>(&side(solid, sides), &mean_stress(solid, sides), &strength).excess
-        })
-    }
-
-    /// Whether a use of the strength of a facet breaks it or a plane near it. `own`: the use by the mean
-    /// stress of its two elements.
-    fn fails<const N: usize>(&self, used: f64, own: f64, facet: u32, state: InsertionData<'_, D, N>) -> bool
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let most = || self.demand_on(facet, state).most(self.limits[facet as usize]) / own;
-        breaks(used, most, || self.excess(facet, state))
-    }
-
-    /// The demand of the mean stress of the two elements of a facet.
-    fn demand_on<const N: usize>(&self, facet: u32, state: InsertionData<'_, D, N>) -> Demand {
-        let of = |element: u32| self.demands[element as usize / LANES].get(element as usize % LANES);
-        Demand::mean(state.topology.facets[facet as usize].elements().map(of))
-    }
-
-    /// Computes the uses of the strengths of facets by the mean stress of their two elements. A use is 0 if
-    /// the facet has a joint or cannot break, or if it is certain to be too little to count: below 1 on all
-    /// planes, and below [`SUSPECT`] at a tip.
-    fn find_uses<const N: usize>(&self, first: u32, uses: &mut [f64], state: InsertionData<'_, D, N>)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let InsertionData { solid, topology, .. } = state;
-        let mut batch = UseBatch::EMPTY;
-        for place in 0..uses.len() {
-            let facet = first + place as u32;
-            let sides = &topology.facets[facet as usize];
-            let (level, least) =
-                if self.near_tip[facet as usize] { (SUSPECTED, SUSPECT) } else { (FAILING, 1.0) };
-            uses[place] = 0.0;
-            // The mean demand of two elements reaches a limit only if that of one does.
-            if sides.elements().iter().all(|&element| self.levels[element as usize] < level) {
-                continue;
-            }
-            if self.demand_on(facet, state).reaches(least, self.limits[facet as usize])
-                && let Some(strength) = self.strength(facet)
-            {
-                batch.push(place, &strength, sides, solid, uses);
-            }
-        }
-        batch.write::<N>(solid.available, uses);
-    }
-
-    /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that
-    /// holds their two sides together at the vertex reaches the strength.
-    fn failing_at<const N: usize>(
-        &self,
-        tip: &mut Tip<D>,
-        state: InsertionData<'_, D, N>,
-        failing: &mut Vec<u32>,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let InsertionData { solid, topology, .. } = state;
-        let Tip { vertex, alone, together, cuts } = tip;
-        let vertex = *vertex;
-        // The force that moves a held node is unknown here. There the mean traction of the elements decides.
-        if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
-            return;
-        }
-        let used = |facet: u32| self.uses[facet as usize];
-        for &facet in alone.iter().filter(|&&facet| used(facet) >= SUSPECT) {
-            let known = cuts.iter().position(|cut| cut.facet == facet && cut.holds(vertex, state));
-            let place = known.unwrap_or_else(|| {
-                cuts.retain(|cut| cut.facet != facet);
-                cuts.push(Fan::new(vertex, &[facet], self, state).cut(facet, &[facet]));
-                cuts.len() - 1
-            });
-            self.fails_along(&cuts[place], vertex, state, failing);
-        }
-        let all = together.iter().map(|&facet| (used(facet), facet)).filter(|(used, _)| *used >= SUSPECT);
-        let most = all.reduce(|most, next| if next.0 > most.0 { next } else { most });
-        let Some((_, facet)) = most else { return };
-        if !cuts.iter().any(|cut| cut.facet == facet && cut.holds(vertex, state)) {
-            // One cut through several facets is kept.
-            cuts.retain(|cut| alone.contains(&cut.facet));
-            cuts.extend(Fan::new(vertex, &[], self, state).cut_along(facet));
-        }
-        if let Some(cut) = cuts.iter().find(|cut| cut.facet == facet) {
-            self.fails_along(cut, vertex, state, failing);
-        }
-    }
-
-    /// Force of elements, contacts and joints on a corner, N.
-    fn force_on<const N: usize>(&self, corner: u32, solid: &Solid<D, N>) -> Point<D>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let mut total = solid.force(corner);
-        self.add_force(corner, &mut total);
-        total
-    }
-
-    /// Adds the facets of a cut to those that fail if the traction at the vertex does that holds its two
-    /// sides together.
-    fn fails_along<const N: usize>(
-        &self,
-        cut: &Cut<D>,
-        vertex: u32,
-        state: InsertionData<'_, D, N>,
-        failing: &mut Vec<u32>,
-    ) where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, state.solid), state);
-        let traction = axes.map(|axis| dot(held, axis));
-        let used = self.strength(cut.facet).map_or(0.0, |strength| use_of(&strength, traction));
-        if self.fails(used, self.uses[cut.facet as usize], cut.facet, state) {
-            failing.extend(&cut.facets);
-        }
     }
 
     /// Splits the nodes of these vertices, ascending, so that each group of elements between joints has a
@@ -362,6 +186,9 @@ impl<const D: usize> Joints<D> {
         };
         let openings = team.list(partings.len(), |range| partings[range].iter().flat_map(opening).collect());
         self.open(openings, solid, topology, team);
+        for &vertex in vertices {
+            solid.wake_around(vertex, topology);
+        }
         partings.into_iter().map(|parting| (parting.vertex, parting.begin)).collect()
     }
 
@@ -381,9 +208,9 @@ impl<const D: usize> Joints<D> {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
                     let cut = fan.cut(facet, &[]);
-                    let (held, axes) = cut.held(vertex, |corner| self.force_on(corner, solid), state);
-                    let share = <[[f64; D]; N]>::projection(cut.normal(state), axes[0]);
-                    let traction = held.map(|x| share * x);
+                    let pull = cut.held(vertex, |corner| self.force_on(corner, solid), state);
+                    let share = <[[f64; D]; N]>::projection(cut.normal(state), pull.axes[0]);
+                    let traction = pull.traction.map(|x| share * x);
                     begin.push((facet, components(traction, solid, &topology.facets[facet as usize])));
                 }
             }

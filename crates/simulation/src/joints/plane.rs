@@ -24,7 +24,7 @@ use crate::vector::{Matrix, Point, matrix};
 /// Largest angle between an edge and the plane that its joint represents. Six edges meet at a vertex on
 /// average, so the nearest one is 15° off on average, and at most 30°. With a larger reach edges fail that
 /// the crack does not take; `bench/NOTES.md` has the table.
-const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
+pub(super) const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
 /// Least area of the projection of a facet on the plane across the largest tension, over its own. A facet
 /// along the tension has this share, because without any strength it would slide freely beside the crack.

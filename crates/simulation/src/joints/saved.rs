@@ -177,7 +177,7 @@ impl<const D: usize> Joints<D> {
                 self.connect(number, end, topology);
             }
         }
-        if !self.weakest.is_empty() {
+        if self.inserts() {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
             self.find_tips(&joined, topology, solid.share(), &Team::ALONE);

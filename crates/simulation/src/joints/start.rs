@@ -42,7 +42,7 @@ impl<const D: usize> Joints<D> {
         let mut vertices: Vec<u32> = corners.map(|corner| topology.vertices[corner as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        if !self.weakest.is_empty() {
+        if self.inserts() {
             self.find_tips(&vertices, topology, &Share::default(), &Team::ALONE);
         }
         Ok(())

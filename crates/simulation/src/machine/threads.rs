@@ -18,12 +18,14 @@ use crate::vector::Point;
 #[derive(Debug)]
 pub(super) struct Threads<const D: usize, const N: usize> {
     columns: Columns<D, N>,
+    /// The corners on which loads act in this step, with repetitions.
+    loaded: Vec<u32>,
     team: Team,
 }
 
 impl<const D: usize, const N: usize> Threads<D, N> {
     pub(super) fn new(columns: Columns<D, N>, team: Team) -> Self {
-        Self { columns, team }
+        Self { columns, loaded: Vec::new(), team }
     }
 }
 
@@ -54,11 +56,18 @@ where
         for &(corner, force) in forces {
             self.columns.solid.add_force(corner, force);
         }
+        self.loaded.extend(forces.iter().map(|(corner, _)| corner));
     }
 
     fn failing(&mut self, model: &Model<D, N>, topology: &Topology<D, N>) -> Vec<u32> {
-        let Columns { solid, joints, .. } = &mut self.columns;
-        joints.failing(solid, model, topology, &self.team)
+        let Columns { solid, joints, contacts } = &mut self.columns;
+        let loaded = std::mem::take(&mut self.loaded);
+        if !joints.inserts() {
+            return Vec::new();
+        }
+        let mut pressed = contacts.touching(&self.team);
+        pressed.extend(loaded.into_iter().map(|corner| corner / N as u32));
+        joints.failing(solid, pressed, model, topology, &self.team)
     }
 
     fn move_nodes(

@@ -353,6 +353,7 @@ fn follow<const D: usize, const N: usize>(
         let begun = |&(code, traction): &(u32, [f64; D])| Some((topology.facet_with(code)?, traction));
         let begin: Vec<_> = change.begin.iter().filter_map(begun).collect();
         joints.open_at(vertex, &corners, &begin, solid, topology, &Team::ALONE);
+        solid.wake_around(vertex, topology);
     }
     if change.broken {
         let groups: Vec<_> =

@@ -161,18 +161,6 @@ impl Simplex<3, 4> for Tetrahedron {
         [0.5 * (most + least), 0.5 * (most - least)]
     }
 
-    /// From the mean stress p and the second invariant J₂ of the deviator. Its eigenvalues differ by at most
-    /// 2 √J₂, and the one between the others is at least −√(J₂/3); the middle of the others is p less half of
-    /// it.
-    #[inline(always)]
-    fn circle_bound(stress: &Matrix<3>) -> [f64; 2] {
-        let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
-        // Enlarged by more than rounding.
-        let radius = (elastic::deviation(stress) * ((1.0 + 1e-12) / 3.0)).sqrt();
-        let rounding = 1e-12 * mean.abs();
-        [mean + 0.288_675_2 * radius + rounding, radius + rounding]
-    }
-
     #[inline(always)]
     fn circle_close(stress: &Matrix<3>) -> [f64; 2] {
         eigen::circle_close(stress)
@@ -251,28 +239,6 @@ mod tests {
     use super::*;
     use crate::random::uniform;
     use crate::vector::matrix;
-
-    /// The bounds hold, and are not far off, for stresses of all kinds.
-    #[test]
-    fn the_circle_is_within_its_bound() {
-        for seed in 0..1000 {
-            let [pressure, shear] = [0, 1].map(|k| 10_f64.powi((uniform(seed, k) * 8.0) as i32));
-            let half: Matrix<3> = matrix(|i, k| uniform(seed, 2 + (3 * i + k) as u64) - 0.5);
-            let stress = matrix(|i, k| {
-                shear * (half[i][k] + half[k][i])
-                    - if i == k { pressure * (uniform(seed, 20) - 0.5) } else { 0.0 }
-            });
-            let (exact, bound) = (Tetrahedron::circle(&stress), Tetrahedron::circle_bound(&stress));
-            let rounding = 1e-14 * (pressure + shear);
-            for k in 0..2 {
-                assert!(exact[k] <= bound[k] + rounding, "{stress:?} {exact:?} {bound:?}");
-                assert!(
-                    bound[k] <= exact[k] + 0.7 * exact[1] + 1e-9 * (pressure + shear),
-                    "{stress:?} {exact:?} {bound:?}"
-                );
-            }
-        }
-    }
 
     /// The batch computes the stress to the last bit, up to the measure that it returns.
     #[test]

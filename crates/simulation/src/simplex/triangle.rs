@@ -144,11 +144,6 @@ impl Simplex<2, 3> for Triangle {
     }
 
     #[inline(always)]
-    fn circle_bound(stress: &Matrix) -> [f64; 2] {
-        Self::circle(stress)
-    }
-
-    #[inline(always)]
     fn circle_close(stress: &Matrix) -> [f64; 2] {
         Self::circle(stress)
     }

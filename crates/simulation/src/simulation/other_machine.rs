@@ -37,6 +37,8 @@ struct Device<const D: usize, const N: usize> {
     /// The columns of the host since the last phase, and whether it may have changed them.
     host: OnceLock<Columns<D, N>>,
     changed: bool,
+    /// Whether all facets are checked in every step.
+    sleepless: bool,
     /// All phases so far, and the number of copies for the host.
     phases: Arc<Mutex<Vec<&'static str>>>,
     copies: Arc<Mutex<usize>>,
@@ -76,6 +78,10 @@ impl<const D: usize, const N: usize> Machine<D, N> for Device<D, N> {
     }
 
     fn failing(&mut self, model: &Model<D, N>, topology: &Topology<D, N>) -> Vec<u32> {
+        if self.sleepless {
+            let solid = &mut self.own.columns_mut().solid;
+            (0..solid.element_count() as u32).for_each(|element| solid.wake(element));
+        }
         self.begin("failing").failing(model, topology)
     }
 
@@ -228,6 +234,7 @@ where
         own: <[[f64; D]; N]>::machine(columns, &Team::new(3).expect("threads")),
         host: OnceLock::new(),
         changed: false,
+        sleepless: false,
         phases: Arc::clone(&phases),
         copies: Arc::clone(&copies),
     });
@@ -272,6 +279,80 @@ where
 fn a_machine_with_its_own_memory_gives_the_same_bits() {
     check::<2, 3>(10.0);
     check::<3, 4>(10.0);
+}
+
+/// A block that is drawn along its last axis until it breaks.
+fn drawn<const D: usize, const N: usize>() -> Model<D, N>
+where
+    [[f64; D]; N]: Concrete<D, N>,
+{
+    let mut cells = [4; D];
+    cells[D - 1] = 8;
+    let mesh = grid::<D, N>([0.0; D], 0.02, cells);
+    let rate =
+        |place: &Point<D>| std::array::from_fn(|axis| if axis == D - 1 { 0.8 * place[axis] } else { 0.0 });
+    let velocities: Vec<Point<D>> = mesh.nodes.iter().map(rate).collect();
+    let end = |name: &str, at: f64| {
+        let there = |node: &u32| (mesh.nodes[*node as usize][D - 1] - at).abs() < 1e-9;
+        let mut velocity = [None; D];
+        velocity[D - 1] = Some(0.8 * at);
+        Boundary {
+            name: name.to_owned(),
+            target: Target::Nodes((0..mesh.nodes.len() as u32).filter(there).collect()),
+            load: Load::Velocity(velocity),
+            schedule: Schedule::Constant,
+        }
+    };
+    let boundaries = vec![end("bottom", 0.0), end("top", 0.16)];
+    let mut model = Model { mesh, boundaries, velocities, ..crash::<D, N>(0.0) };
+    model.gravity = [0.0; D];
+    for strength in model.materials.iter_mut().filter_map(|material| material.strength.as_mut()) {
+        strength.weibull_modulus = Some(8.0);
+    }
+    model
+}
+
+fn sleeps<const D: usize, const N: usize>()
+where
+    [[f64; D]; N]: Concrete<D, N>,
+    State<D, N>: Serialize,
+{
+    for (model, steps) in [(crash::<D, N>(5.0), 400), (drawn::<D, N>(), 900)] {
+        let mut run = Simulation::new(model.clone(), 1).expect("a model");
+        let mut other = Simulation::new(model, 1).expect("a model");
+        other.machine = Box::new(Device {
+            own: <[[f64; D]; N]>::machine(other.machine.columns().clone(), &Team::ALONE),
+            host: OnceLock::new(),
+            changed: false,
+            sleepless: true,
+            phases: Arc::default(),
+            copies: Arc::default(),
+        });
+        let (mut awake, mut all) = (0, 0);
+        for step in 0..steps {
+            for run in [&mut run, &mut other] {
+                run.advance(1).expect("a step");
+            }
+            let solid = &run.machine.columns().solid;
+            awake += (0..solid.element_count()).filter(|&element| solid.is_awake(element)).count();
+            all += solid.element_count();
+            if step % 50 == 0 || step == steps - 1 {
+                let [state, expected] =
+                    [&other, &run].map(|run| postcard::to_allocvec(&run.state()).expect("bytes"));
+                assert!(state == expected, "after {step} steps");
+            }
+        }
+        let counts = run.counts();
+        assert!(counts.joints > 5, "it should have broken: {counts:?}");
+        assert!(4 * awake < 3 * all, "elements should have slept: {awake} of {all}");
+    }
+}
+
+/// Where a check says how long facets need no other one, checks in each step find nothing more.
+#[test]
+fn facets_that_are_not_checked_do_not_fail() {
+    sleeps::<2, 3>();
+    sleeps::<3, 4>();
 }
 
 /// Steps without loads and fracture read columns only where energies are summed up.

@@ -6,6 +6,7 @@ use crate::lanes::{
 use crate::laws::ElementLaw;
 use crate::simplex::Simplex;
 use crate::solid::viscous::viscous_stress;
+use crate::solid::watch::{Watch, find_moved, upper};
 use crate::vector::{Matrix, Point, contraction, matrix, product, product_transposed, symmetric, transposed};
 
 /// The undeformed elements of a batch.
@@ -29,14 +30,27 @@ pub(crate) struct Deformed<const D: usize> {
     stress: Tensors<D>,
     /// Strain energy, J.
     pub(crate) energy: Lanes,
+    /// The states in which facets were checked, where joints are inserted.
+    pub(crate) watch: Option<Box<Watch<D>>>,
 }
 
 impl<const D: usize> Deformed<D> {
-    pub(crate) const NONE: Self = Self { stress: [[Lanes::ZERO; D]; D], energy: Lanes::ZERO };
+    pub(crate) const NONE: Self = Self { stress: [[Lanes::ZERO; D]; D], energy: Lanes::ZERO, watch: None };
 
     #[inline(always)]
     pub(crate) fn stress(&self, lane: usize) -> Matrix<D> {
-        matrix(|i, k| self.stress[i.min(k)][i.max(k)].get(lane))
+        upper(&self.stress, lane)
+    }
+
+    /// Compares the present states with those that were noted, if any were. `edges`: as those of
+    /// [`BatchInputs`].
+    pub(super) fn find_moved<const N: usize>(&mut self, available: Available, edges: &Tensors<D>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if let Some(watch) = &mut self.watch {
+            find_moved::<D, N>(available, edges, &self.stress, watch);
+        }
     }
 
     /// Takes one element from another batch.

@@ -6,6 +6,7 @@ use crate::lanes::LANES;
 use crate::model::Model;
 use crate::share::Share;
 use crate::solid::batch::Deformed;
+use crate::solid::watch::Watch;
 use crate::solid::{Constants, Node, Solid, SolidElement};
 use crate::vector::{Matrix, Point, add, minus};
 
@@ -195,10 +196,12 @@ impl<const D: usize, const N: usize> Solid<D, N> {
         result
     }
 
-    /// Results of the deformation of a batch of elements.
-    #[inline]
-    pub(crate) fn deformed(&self, batch: usize) -> &Deformed<D> {
-        &self.deformed[batch]
+    /// Calls `work` with the results of the deformation, in batches, apart from the other columns.
+    pub(crate) fn with_deformed<R>(&mut self, work: impl FnOnce(&Self, &mut [Deformed<D>]) -> R) -> R {
+        let mut deformed = std::mem::take(&mut self.deformed);
+        let result = work(self, &mut deformed);
+        self.deformed = deformed;
+        result
     }
 
     /// Cauchy stress of an element in the last pass, Pa.
@@ -211,6 +214,36 @@ impl<const D: usize, const N: usize> Solid<D, N> {
     #[inline]
     pub(crate) fn energy(&self, element: usize) -> f64 {
         self.deformed[element / LANES].energy.get(element % LANES)
+    }
+}
+
+/// Which elements have changed since their facets were checked: see `solid/watch.rs`.
+impl<const D: usize, const N: usize> Solid<D, N> {
+    /// Begins to watch the states of all elements, if it has not begun yet. All elements are awake then.
+    pub(crate) fn begin_watch(&mut self) {
+        for batch in self.deformed.iter_mut().filter(|batch| batch.watch.is_none()) {
+            batch.watch = Some(Box::new(Watch::NONE));
+        }
+    }
+
+    /// Whether the facets of an element are to be checked.
+    #[inline]
+    pub(crate) fn is_awake(&self, element: usize) -> bool {
+        let watch = self.deformed[element / LANES].watch.as_ref();
+        watch.is_none_or(|watch| watch.is_awake(element % LANES))
+    }
+
+    /// Lets the facets of an element be checked in the next step.
+    pub(crate) fn wake(&mut self, element: u32) {
+        if let Some(watch) = &mut self.deformed[element as usize / LANES].watch {
+            watch.wake(element as usize % LANES);
+        }
+    }
+
+    /// The largest change of the stress of an element from now on, Pa, before its facets are checked again.
+    pub(crate) fn room(&self, element: u32) -> f64 {
+        let watch = self.deformed[element as usize / LANES].watch.as_ref();
+        watch.map_or(0.0, |watch| watch.room(element as usize % LANES))
     }
 }
 
