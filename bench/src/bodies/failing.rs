@@ -16,8 +16,7 @@ const EXPANSION: f64 = 50.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failing {
     /// Compressed along its last axis at 0.9 of the load at which it would break: with scattered strengths
-    /// that is 0.84 of the mean strength. A few facets have joints. It rings, as a specimen does that is
-    /// loaded.
+    /// that is 0.84 of the mean strength. A few facets have joints.
     Near,
     /// Drawn on all sides at 0.92 of the mean tensile strength, which is above that of a tenth of its facets.
     /// All facets have joints.
@@ -30,9 +29,6 @@ pub(super) enum Failing {
 
 /// Speed of the pieces of a block after a blast, m/s.
 const BLAST: f64 = 10.0;
-
-/// Speed of the waves in a block near its strength, m/s.
-const RINGING: f64 = 0.01;
 
 impl Failing {
     /// A block of this mesh, whose outer nodes are held or expand with it.
@@ -47,14 +43,9 @@ impl Failing {
         });
         let rate = if self == Self::Breaking { EXPANSION } else { 0.0 };
         let speed = |node: &[f64; D]| -> [f64; D] {
-            let wave = match self {
-                Self::Blown => BLAST,
-                Self::Near => RINGING,
-                Self::Softening | Self::Breaking => 0.0,
-            };
-            if wave > 0.0 {
+            if self == Self::Blown {
                 let waves = [300.0, 200.0, 250.0];
-                return std::array::from_fn(|axis| wave * (waves[axis] * node[axis]).sin());
+                return std::array::from_fn(|axis| BLAST * (waves[axis] * node[axis]).sin());
             }
             std::array::from_fn(|axis| rate * (node[axis] - 0.5 * (ends[axis][0] + ends[axis][1])))
         };

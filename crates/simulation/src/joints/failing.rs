@@ -119,10 +119,18 @@ impl<const D: usize> Joints<D> {
         let restless = self.tips.iter().any(|tip| !tip.contenders.is_empty())
             || self.restless.iter().any(|&restless| restless > 0);
         let any = team.change_lanes::<1, _, _>(&mut self.awake, |first, awake| {
-            for (element, awake) in (first..).zip(&mut *awake) {
-                *awake = solid.is_awake(element);
+            let mut any = false;
+            for (batch, awake) in (first / LANES..).zip(awake.chunks_mut(LANES)) {
+                if !solid.any_awake(batch) {
+                    awake.fill(false);
+                    continue;
+                }
+                for (element, awake) in (batch * LANES..).zip(awake) {
+                    *awake = solid.is_awake(element);
+                    any |= *awake;
+                }
             }
-            awake.contains(&true)
+            any
         });
         // Forces of contacts and loads are not in the stress.
         for &element in pressed.iter().chain(&self.pressed) {

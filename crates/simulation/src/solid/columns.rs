@@ -226,6 +226,12 @@ impl<const D: usize, const N: usize> Solid<D, N> {
         }
     }
 
+    /// Whether the facets of an element of a batch may have to be checked.
+    #[inline]
+    pub(crate) fn any_awake(&self, batch: usize) -> bool {
+        self.deformed[batch].watch.as_ref().is_none_or(|watch| watch.any_awake())
+    }
+
     /// Whether the facets of an element are to be checked.
     #[inline]
     pub(crate) fn is_awake(&self, element: usize) -> bool {

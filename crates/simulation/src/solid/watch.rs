@@ -45,6 +45,8 @@ pub(crate) struct Watch<const D: usize> {
     reach: Lanes,
     /// Square of the present change of stress, Pa²; infinite if the edges have changed by more than they may.
     moved: Lanes,
+    /// Number of elements that are awake, those without a place in the mesh too.
+    awake: u64,
 }
 
 impl<const D: usize> Watch<D> {
@@ -55,7 +57,14 @@ impl<const D: usize> Watch<D> {
         shift: Lanes::ZERO,
         reach: Lanes::ZERO,
         moved: Lanes::ZERO,
+        awake: LANES as u64,
     };
+
+    /// Whether an element of the batch may be awake.
+    #[inline]
+    pub(crate) fn any_awake(&self) -> bool {
+        self.awake > 0
+    }
 
     /// Whether the facets of an element are to be checked. A change that is not a number says yes.
     #[inline]
@@ -67,6 +76,7 @@ impl<const D: usize> Watch<D> {
     /// Lets the facets of an element be checked in the next step.
     pub(crate) fn wake(&mut self, lane: usize) {
         self.reach.set(lane, 0.0);
+        self.awake += 1;
     }
 
     /// The largest change of the stress of an element from now on, Pa, before its facets are checked again.
@@ -112,6 +122,7 @@ fn all_moved<const D: usize, const N: usize>(edges: &Tensors<D>, stress: &Tensor
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    let mut awake = 0;
     for lane in 0..LANES {
         let noted = matrix(|i, k| watch.edges[i][k].get(lane));
         let shifted = square_of_difference(&tensor(edges, lane), &noted);
@@ -119,7 +130,10 @@ where
         let moved = square_of_difference(&upper(stress, lane), &noted);
         let allowed = if shifted < watch.shift.get(lane) { moved } else { f64::INFINITY };
         watch.moved.set(lane, allowed);
+        let reach = watch.reach.get(lane);
+        awake += 1 - u64::from(allowed < reach * reach);
     }
+    watch.awake = awake;
 }
 
 /// A symmetric tensor of one member, from its upper half.
