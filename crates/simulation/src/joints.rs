@@ -266,7 +266,8 @@ impl<const D: usize> Joints<D> {
         let Self { at_vertex, tips, directed, checked, tip_slack, restless, awake, pressed, .. } = self;
         let of_tip = |tip: &Tip<D>| {
             let cuts: usize = tip.cuts.iter().filter_map(|(_, cut)| cut.as_ref()).map(Cut::bytes).sum();
-            size_of::<Tip<D>>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together) + cuts
+            let lists = [&*tip.alone, &tip.together, &tip.contenders].map(size_of_val);
+            size_of::<Tip<D>>() + lists.iter().sum::<usize>() + cuts
         };
         size_of_val(&**all)
             + size_of_val(&**links)

@@ -258,6 +258,7 @@ where
             + size_of_val(&**elements)
             + size_of_val(&**undeformed)
             + size_of_val(&**deformed)
+            + deformed.iter().filter_map(|batch| batch.watch.as_deref()).map(size_of_val).sum::<usize>()
             + size_of_val(&**forces)
             + size_of_val(&**histories)
             + histories.iter().map(|history| size_of_val(&*history.memory)).sum::<usize>()
@@ -569,7 +570,7 @@ where
                     for number in rigid.among(range.clone()) {
                         deformed.set_stress(number % LANES, &[[0.0; D]; D]);
                     }
-                    deformed.find_moved::<N>(available, &given.edges);
+                    deformed.find_moved(available, &given.edges);
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = results.forces(lane);

@@ -118,8 +118,8 @@ impl<const D: usize> Cut<D> {
         Pull { traction, axes, width, folds: [sizes / width, sizes / length(sum)] }
     }
 
-    /// How much the traction across the cut changes at most, over the change of the stresses around the
-    /// vertex, and how much by changes of the shapes up to [`TURN`](crate::solid::watch::TURN), Pa.
+    /// Largest change of the traction across the cut, over the change of the stresses around the vertex; and
+    /// its largest change by changes of the shapes up to [`TURN`](crate::solid::watch::TURN), Pa.
     ///
     /// The force on a corner is the stress times a vector of area, a `D`-th of the facet opposite. Such a
     /// vector changes with the shape by at most twice [`NORMAL`] of its length, the width of the cut by three

@@ -1,4 +1,4 @@
-//! Which facets fail: those whose traction has reached their strength.
+//! Facets that fail: their traction has reached their strength.
 //!
 //! A facet is checked when the state of one of its elements has changed by so much since the last check that
 //! it may fail now ([`Watch`](crate::solid::watch::Watch)). Elements are *awake* then. A check finds the
@@ -144,6 +144,10 @@ impl<const D: usize> Joints<D> {
         self.awake[element as usize]
     }
 
+    fn any_awake(&self, elements: [u32; 2]) -> bool {
+        elements.into_iter().any(|element| self.is_awake(element))
+    }
+
     /// Whether a facet may still get a joint.
     fn may_fail(&self, facet: u32) -> bool {
         self.of_facet[facet as usize] == NONE && self.may_part(facet) && self.set(facet).is_none()
@@ -165,7 +169,7 @@ impl<const D: usize> Joints<D> {
         for place in 0..checked.len() {
             let facet = first + place as u32;
             let sides = &topology.facets[facet as usize];
-            if restless[place] == 0 && !sides.elements().into_iter().any(|element| self.is_awake(element)) {
+            if restless[place] == 0 && !self.any_awake(sides.elements()) {
                 continue;
             }
             if let Some(strength) = self.strength(facet).filter(|_| self.may_fail(facet)) {
@@ -250,7 +254,7 @@ impl<const D: usize> Joints<D> {
 
     /// Whether the check of a facet is of this step.
     pub(super) fn is_fresh(&self, facet: u32, elements: [u32; 2]) -> bool {
-        self.restless[facet as usize] > 0 || elements.into_iter().any(|element| self.is_awake(element))
+        self.restless[facet as usize] > 0 || self.any_awake(elements)
     }
 
     /// Notes the states of the elements that are awake: all of their facets and tips have been checked.

@@ -87,7 +87,7 @@ impl Limits {
         [tension / self.tensile, shear / self.cohesion]
     }
 
-    /// How much these bounds grow with the stress, 1/Pa.
+    /// Growth of these bounds with the stress, 1/Pa.
     #[inline(always)]
     fn rises(&self) -> [f64; 2] {
         [self.chord / self.tensile, self.shear / self.cohesion]
@@ -120,7 +120,7 @@ impl Limits {
         larger(tension, shear) * (1.0 + ROUNDING)
     }
 
-    /// How much a use grows at most with the traction, 1/Pa: in compression, and anywhere.
+    /// Largest growth of a use with the traction, 1/Pa: in compression, and anywhere.
     fn growth(&self) -> [f64; 2] {
         let pressed = self.shear / self.cohesion;
         [pressed, larger(pressed, 1.0 / self.tensile)]
@@ -130,9 +130,9 @@ impl Limits {
 /// The result of a check of a facet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Checked {
-    /// Use of its strength by the mean traction of its two elements.
+    /// Use of its strength by `traction`.
     pub(super) used: f64,
-    /// That traction, across it and along it, Pa.
+    /// The mean traction of its two elements, across it and along it, Pa.
     pub(super) traction: [f64; 2],
     /// Middle and radius of Mohr's largest circle of their mean stress, Pa, or slightly more.
     pub(super) circle: [f64; 2],
@@ -289,7 +289,7 @@ mod tests {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let traction = <[[f64; D]; N]>::traction_on(facet, stress);
-        let along = traction[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+        let along = <[[f64; D]; N]>::sliding(&traction).abs();
         let (traction_of, circle) = ([traction[0], along], <[[f64; D]; N]>::circle_close(stress));
         let size = contraction(stress, stress).sqrt();
         let slack = Limits::of(strength).expect("strengths").slack(traction_of, circle, size);

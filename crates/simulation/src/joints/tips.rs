@@ -1,5 +1,5 @@
-//! Which facets fail at a tip: a vertex on a free surface or at a crack, where the traction at the node is
-//! higher than in the elements around it.
+//! Facets that fail at a tip. A tip is a vertex on a free surface or at a crack, where the traction at the
+//! node is higher than in the elements around it.
 //!
 //! A check of a tip finds its slack, as that of a facet does (`joints/failing.rs`). A tip with little slack,
 //! or where joints act, whose forces are not in the stress, is *restless*: it is checked in every step. Such
@@ -226,7 +226,7 @@ impl<const D: usize> Joints<D> {
             return 0.0;
         }
         let Some(limits) = Limits::of(&strength).filter(|_| with_slack) else { return 0.0 };
-        let along = traction[1..].iter().map(|along| along * along).sum::<f64>().sqrt();
+        let along = <[[f64; D]; N]>::sliding(&traction).abs();
         let [follows, turned] = cut.sensitivity(vertex, &pull, state);
         Held { used, traction: [traction[0], along], follows, turned }.slack(checked, &limits)
     }

@@ -44,12 +44,9 @@ impl<const D: usize> Deformed<D> {
 
     /// Compares the present states with those that were noted, if any were. `edges`: as those of
     /// [`BatchInputs`].
-    pub(super) fn find_moved<const N: usize>(&mut self, available: Available, edges: &Tensors<D>)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
+    pub(super) fn find_moved(&mut self, available: Available, edges: &Tensors<D>) {
         if let Some(watch) = &mut self.watch {
-            find_moved::<D, N>(available, edges, &self.stress, watch);
+            find_moved(available, edges, &self.stress, watch);
         }
     }
 

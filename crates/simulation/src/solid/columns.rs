@@ -217,7 +217,7 @@ impl<const D: usize, const N: usize> Solid<D, N> {
     }
 }
 
-/// Which elements have changed since their facets were checked: see `solid/watch.rs`.
+/// Elements whose facets are to be checked again: see `solid/watch.rs`.
 impl<const D: usize, const N: usize> Solid<D, N> {
     /// Begins to watch the states of all elements, if it has not begun yet. All elements are awake then.
     pub(crate) fn begin_watch(&mut self) {

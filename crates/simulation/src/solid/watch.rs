@@ -1,11 +1,10 @@
-//! How far elements have come from the states in which their facets were last checked.
+//! Distances of elements from the states in which their facets were last checked.
 //!
 //! Whether a facet fails depends on the stress and the shape of the elements beside it. A check finds by how
 //! much both may change before it has to be repeated: [`Watch::note`]. Until then a step compares the present
 //! state with the noted one, which is far less work than the check.
 
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, tensor};
-use crate::simplex::Simplex;
 use crate::vector::{Matrix, contraction, matrix};
 
 /// Change of the deformation gradient up to which a shape counts as the noted one. Slacks allow for it.
@@ -109,19 +108,16 @@ impl<const D: usize> Watch<D> {
     }
 }
 
-compiled_for_vectors!(pub(super) fn find_moved = all_moved<const D: usize, const N: usize>(
+compiled_for_vectors!(pub(super) fn find_moved = all_moved<const D: usize>(
     edges: &Tensors<D>,
     stress: &Tensors<D>,
     watch: &mut Watch<D>
-) where [[f64; D]; N]: Simplex<D, N>);
+));
 
 /// Compares the present states of a batch with the noted ones. `edges`: matrices of the edges from corner 0,
 /// m; `stress`: Cauchy stresses, Pa, of which only the upper halves are read.
 #[inline(always)]
-fn all_moved<const D: usize, const N: usize>(edges: &Tensors<D>, stress: &Tensors<D>, watch: &mut Watch<D>)
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
+fn all_moved<const D: usize>(edges: &Tensors<D>, stress: &Tensors<D>, watch: &mut Watch<D>) {
     let mut awake = 0;
     for lane in 0..LANES {
         let noted = matrix(|i, k| watch.edges[i][k].get(lane));
