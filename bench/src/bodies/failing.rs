@@ -16,7 +16,7 @@ const EXPANSION: f64 = 50.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failing {
     /// Compressed along its last axis at 0.9 of the load at which it would break: with scattered strengths
-    /// that is 0.84 of the mean strength. A few facets have joints.
+    /// that is 0.84 of the mean strength. A few facets have joints. It rings at up to [`RINGING`].
     Near,
     /// Drawn on all sides at 0.92 of the mean tensile strength, which is above that of a tenth of its facets.
     /// All facets have joints.
@@ -27,8 +27,9 @@ pub(super) enum Failing {
     Blown,
 }
 
-/// Speed of the pieces of a block after a blast, m/s.
+/// Speed of the pieces of a block after a blast, and of a block near its strength, m/s.
 const BLAST: f64 = 10.0;
+const RINGING: f64 = 0.01;
 
 impl Failing {
     /// A block of this mesh, whose outer nodes are held or expand with it.
@@ -42,12 +43,17 @@ impl Failing {
             [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
         });
         let rate = if self == Self::Breaking { EXPANSION } else { 0.0 };
+        let ringing = match self {
+            Self::Near => RINGING,
+            Self::Blown => BLAST,
+            Self::Softening | Self::Breaking => 0.0,
+        };
         let speed = |node: &[f64; D]| -> [f64; D] {
-            if self == Self::Blown {
-                let waves = [300.0, 200.0, 250.0];
-                return std::array::from_fn(|axis| BLAST * (waves[axis] * node[axis]).sin());
-            }
-            std::array::from_fn(|axis| rate * (node[axis] - 0.5 * (ends[axis][0] + ends[axis][1])))
+            let waves = [300.0, 200.0, 250.0];
+            std::array::from_fn(|axis| {
+                ringing * (waves[axis] * node[axis]).sin()
+                    + rate * (node[axis] - 0.5 * (ends[axis][0] + ends[axis][1]))
+            })
         };
         let velocities = mesh.nodes.iter().map(speed).collect();
         let mut boundaries = Vec::new();

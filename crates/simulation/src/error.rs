@@ -432,7 +432,7 @@ impl fmt::Display for Stop {
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,
-                "step {step}: joints have given back {:.2} % of the energy, more than {:.2} %; element {element} holds most for its mass",
+                "step {step}: joints have given back energy that they had dissipated, {:.2} % of the energy exchanged, more than {:.2} %; element {element} holds most for its mass",
                 100.0 * share,
                 100.0 * bound
             ),

@@ -254,10 +254,10 @@ pub(super) struct CarriedState<const D: usize> {
 impl<const D: usize> CarriedState<D> {
     /// Bytes of the data that all ranks have in common.
     pub(super) fn bytes(&self) -> Vec<u8> {
-        let Totals { first, exchanged, most_cohesive, relaxation, .. } = &self.totals;
+        let Totals { first, exchanged, most_dissipated, relaxation, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);
         first.put(&mut bytes);
-        [*exchanged, *most_cohesive, relaxation.power, relaxation.damping].put(&mut bytes);
+        [*exchanged, *most_dissipated, relaxation.power, relaxation.damping].put(&mut bytes);
         self.energies.put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
@@ -271,12 +271,12 @@ impl<const D: usize> CarriedState<D> {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
         let first = Wire::take(bytes);
-        let [exchanged, most_cohesive, power, damping] = Wire::take(bytes);
+        let [exchanged, most_dissipated, power, damping] = Wire::take(bytes);
         let relaxation = Relaxation { power, damping };
         let energies = Wire::take(bytes);
         let imbalance = f64::take(bytes);
         let (reactions, factors, records) = (Vec::take(bytes), Vec::take(bytes), Vec::take(bytes));
-        let totals = Totals { first, exchanged, most_cohesive, relaxation, ..Totals::default() };
+        let totals = Totals { first, exchanged, most_dissipated, relaxation, ..Totals::default() };
         let timings = Timings::default();
         Self { step, totals, energies, imbalance, reactions, factors, records, timings, detections: 0 }
     }

@@ -2,7 +2,6 @@
 
 use crate::energy::{Account, Energies, Ledger};
 use crate::error::Stop;
-use crate::model::Insertion;
 use crate::peers::{Peers, first_of_largest};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -62,7 +61,7 @@ where
     /// Checks the energy balance during a run, and keeps the largest energies.
     pub(super) fn audit(&mut self, peers: &dyn Peers<D, N>) -> Result<(), Stop> {
         self.totals.exchanged = self.energies.exchanged;
-        self.totals.most_cohesive = self.totals.most_cohesive.max(self.energies.cohesive);
+        self.totals.most_dissipated = self.totals.most_dissipated.max(self.energies.joint_dissipated());
         self.balanced(self.step, || self.hottest(peers))
     }
 
@@ -88,14 +87,8 @@ where
         if energies.kinetic > available + bound * scale {
             return Err(Stop::Kinetic { element: hottest(), step, kinetic: energies.kinetic, available });
         }
-        // Joints that are there from the beginning store elastic energy and return it, as elements do.
-        let returned = match self.model.fracture.insertion {
-            Insertion::Adaptive if self.model.joint_sets.is_empty() => {
-                self.totals.most_cohesive.max(energies.cohesive) - energies.cohesive
-            }
-            Insertion::Adaptive | Insertion::Intrinsic => -energies.cohesive,
-        };
-        let share = returned / scale;
+        // What joints store, they return as elements do.
+        let share = (self.totals.most_dissipated - energies.joint_dissipated()) / scale;
         if share > bound {
             return Err(Stop::Returned { element: hottest(), step, share, bound });
         }

@@ -208,7 +208,7 @@ where
         // The balance counts the energy with which joints begin.
         joints.take_inserted();
         let [strain, _] = machine.energies().map(|sum| sum.value());
-        let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
+        let totals = Totals { cohesive, ..Totals::default() };
         let scales = Scales {
             critical,
             time_step,

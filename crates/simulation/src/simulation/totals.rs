@@ -22,9 +22,9 @@ pub(crate) struct Totals {
     pub(crate) loads: Sum,
     /// Energies at the beginning, once the first step has found them.
     pub(crate) first: Option<Energies>,
-    /// Largest exchanged and cohesive energy at any audit.
+    /// Largest energy exchanged, and dissipated by joints, at any audit.
     pub(crate) exchanged: f64,
-    pub(crate) most_cohesive: f64,
+    pub(crate) most_dissipated: f64,
     pub(crate) relaxation: Relaxation,
 }
 

@@ -199,3 +199,39 @@ fn a_joint_that_broke_under_pressure_lets_go_without_a_jump() {
     assert!(jump < 0.02 * most, "{jump} of {most}");
     assert!(drift < 1e-5, "{drift}");
 }
+
+/// Joints that are inserted under pressure store energy, and return it where the pressure changes. That is no
+/// energy out of nothing.
+#[test]
+fn joints_that_are_inserted_under_pressure_may_return_what_they_store() {
+    let mesh = rectangle([0.0, 0.0], [0.02, 0.02], 20, 20);
+    let material =
+        brittle(Strength { cohesion: 15e6, tensile: 5e6, weibull_modulus: Some(20.0), seed: 1, ..rock() });
+    let velocities = mesh.nodes.iter().map(|node| node.map(|x| 0.01 * (300.0 * x).sin())).collect();
+    let sides = [(0, 0.0), (0, 0.02), (1, 0.0), (1, 0.02)].map(|(axis, end): (usize, f64)| {
+        let mut velocity = [None; 2];
+        velocity[axis] = Some(0.0);
+        let nodes = nodes_where(&mesh, |node| (node[axis] - end).abs() < 1e-9);
+        held("side", nodes, velocity, Schedule::Constant)
+    });
+    let model = Model {
+        velocities,
+        stresses: vec![[[0.0, 0.0], [0.0, -34e6]]; mesh.elements.len()],
+        mesh,
+        materials: vec![material],
+        boundaries: sides.into(),
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let (mut most, mut dissipated, mut returned) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..20 {
+        run.advance(100).expect("energies in balance");
+        let energies = run.energies();
+        most = most.max(energies.cohesive);
+        returned = returned.max((most - energies.cohesive) / energies.scale());
+        assert!(energies.joint_dissipated() > dissipated - 0.01 * energies.scale(), "{energies:?}");
+        dissipated = dissipated.max(energies.joint_dissipated());
+    }
+    assert!(run.counts().joints > 0 && run.counts().broken == 0, "{:?}", run.counts());
+    assert!(returned > 0.05, "{returned}");
+}
