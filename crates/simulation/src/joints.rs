@@ -144,8 +144,10 @@ impl<const D: usize> Tip<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
+        // Where this rank splits a vertex, its tip is a new one. Other ranks may split it, too.
+        let alone = state.solid.share().is_whole();
         let holds = |(of, cut): &(u32, Option<Cut<D>>)| {
-            *of == facet && cut.as_ref().is_none_or(|cut| cut.holds(state))
+            *of == facet && (alone || cut.as_ref().is_none_or(|cut| cut.holds(state)))
         };
         let known = self.cuts.iter().position(holds);
         let place = known.unwrap_or_else(|| {

@@ -212,15 +212,21 @@ impl<const D: usize> JointLaw<D> {
     #[inline(always)]
     pub(super) fn in_direction(&self, [cosine, sine]: [f64; 2]) -> [f64; 2] {
         let ([tensile, cohesion], [opening, sliding]) = ([self.tensile, self.cohesion], self.critical);
-        let fourth = sine * sine;
         let strength = tensile * cohesion / (cosine * cohesion * cohesion + sine * tensile * tensile).sqrt();
-        let energy = tensile * opening * cosine.sqrt() + cohesion * sliding * (fourth * fourth);
+        let energy = self.energy_towards([cosine, sine]);
         // Pure modes, exactly. A joint without one of its strengths has no other.
         let of = |mixed: f64, opens: f64, slides: f64| {
             let other = if cosine == 0.0 { slides } else { mixed };
             if sine == 0.0 { opens } else { other }
         };
         [of(strength, tensile, cohesion), of(energy / strength, opening, sliding)]
+    }
+
+    /// Strength times critical length, N/m, in the same direction.
+    #[inline(always)]
+    pub(super) fn energy_towards(&self, [cosine, sine]: [f64; 2]) -> f64 {
+        let fourth = sine * sine;
+        self.tensile * self.critical[0] * cosine.sqrt() + self.cohesion * self.critical[1] * (fourth * fourth)
     }
 
     /// Whether [`Memory::of_common`](super::Memory::of_common) is its law: it has both strengths, one

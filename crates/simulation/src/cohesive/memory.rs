@@ -142,7 +142,9 @@ impl<const D: usize> Memory<D> {
         if law.cohesion == 0.0 {
             self.slide_to(gap);
         }
-        let (traction, excess) = self.of_bond_and_friction(law, gap, law.friction_at(self.damage()));
+        let friction = law.friction_at(self.damage());
+        let (begins, _) = self.load(law, gap, friction);
+        let (traction, excess) = self.of_bond_and_friction(law, gap, friction, begins);
         if excess != 0.0 {
             let lost = self.lost(law);
             if law.dilation > 0.0 && self.origin[0] < law.dilated {
@@ -159,15 +161,61 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Traction of a joint that is [common](JointLaw::is_common). There is no branch, so that many joints can
-    /// be computed side by side.
+    /// be computed side by side. `rests`: whether [`rests`](Self::rests) has found that the bond does not
+    /// soften; `left`: see there.
     #[inline(always)]
-    pub(crate) fn of_common(&mut self, law: &JointLaw<D>, gap: [f64; D]) -> [f64; D] {
+    pub(crate) fn of_common(
+        &mut self,
+        law: &JointLaw<D>,
+        gap: [f64; D],
+        rests: bool,
+        left: &mut f64,
+    ) -> [f64; D] {
         let (whole, holds) = law.of_whole(minus(gap, self.origin));
         let holds = (self.stiffness == 1.0) && holds;
         let rubbed = self.rubbed;
-        let (traction, _) = self.of_bond_and_friction(law, gap, law.friction);
+        let begins = if rests {
+            false
+        } else {
+            let begins;
+            (begins, *left) = self.load(law, gap, law.friction);
+            begins
+        };
+        let (traction, _) = self.of_bond_and_friction(law, gap, law.friction, begins);
         self.rubbed = chosen(holds, rubbed, self.rubbed);
         chosen(holds, whole, traction)
+    }
+
+    /// Whether the bond of a [common](JointLaw::is_common) joint does not soften at this opening and sliding,
+    /// m, found with little work; `false` may be wrong. `left`: share of the strength that is left at its
+    /// damage, 0 if it is not known.
+    ///
+    /// A bond with the damage D and the stiffness s softens if its length exceeds `σ/p + D c`, or if `z(D)
+    /// σ/(σ + p D c)` is less than s, with σ and c in its direction. Here these are multiplied out.
+    #[inline(always)]
+    pub(crate) fn rests(&self, law: &JointLaw<D>, gap: [f64; D], left: f64) -> bool {
+        const MARGIN: f64 = 1e-9;
+        let (bond, pressure) = self.bond(law, gap);
+        let squared = dot(bond, bond);
+        let whole = self.stiffness == 1.0;
+        let elastic = law.penalty * law.penalty * squared;
+        let least = law.least(law.friction * pressure);
+        let idle = (squared == 0.0) || (self.stiffness == 0.0) || (whole && (elastic <= least * least));
+        let [cosine, sine] = law.shares(bond, squared);
+        let both = law.tensile * law.tensile * law.cohesion * law.cohesion;
+        // (f c/σ)², and p D c/σ times (f c)².
+        let over = cosine * law.cohesion * law.cohesion + sine * law.tensile * law.tensile;
+        let slope = law.penalty * self.damage();
+        let lengthened = slope * law.energy_towards([cosine, sine]) * over;
+        let short = elastic * over * both * (1.0 + MARGIN) <= (both + lengthened) * (both + lengthened);
+        let soft = left * (1.0 - MARGIN) * both >= self.stiffness * (both + lengthened);
+        // In a pure mode the stiffness is usually that of the damage, to the last bit.
+        let (opens, slides) = (sine == 0.0, cosine == 0.0);
+        let strength = if opens { law.tensile } else { law.cohesion };
+        let critical = if opens { law.critical[0] } else { law.critical[1] };
+        let secant = strength * left / (strength + law.penalty * self.damage() * critical);
+        let soft = soft || ((opens || slides) && (secant >= self.stiffness));
+        idle || (!whole && (left > 0.0) && short && soft)
     }
 
     /// Stiffness of the spring of friction, Pa/m: that which the bond has lost.
@@ -176,16 +224,28 @@ impl<const D: usize> Memory<D> {
         if law.cohesion == 0.0 { law.penalty } else { law.penalty - law.penalty * self.stiffness }
     }
 
-    /// Traction of the bond, of pressure and of the spring of friction, and how much longer the traction of
-    /// this spring would be if the sides did not slip, Pa. `friction`: its coefficient. There is no branch.
+    /// The part of opening and sliding that the bond holds, m, and the pressure, Pa.
     #[inline(always)]
-    fn of_bond_and_friction(&mut self, law: &JointLaw<D>, gap: [f64; D], friction: f64) -> ([f64; D], f64) {
+    fn bond(&self, law: &JointLaw<D>, gap: [f64; D]) -> ([f64; D], f64) {
         let mut bond = minus(gap, self.origin);
         let opening = bond[0];
-        let pressure = law.penalty * larger(-opening, 0.0);
-        let friction = friction * pressure;
         bond[0] = larger(opening, 0.0);
-        let begins = self.load(law, bond, friction);
+        (bond, law.penalty * larger(-opening, 0.0))
+    }
+
+    /// Traction of the bond, of pressure and of the spring of friction, and how much longer the traction of
+    /// this spring would be if the sides did not slip, Pa. `friction`: its coefficient; `begins`: whether the
+    /// bond has begun to soften. There is no branch.
+    #[inline(always)]
+    fn of_bond_and_friction(
+        &mut self,
+        law: &JointLaw<D>,
+        gap: [f64; D],
+        friction: f64,
+        begins: bool,
+    ) -> ([f64; D], f64) {
+        let (bond, pressure) = self.bond(law, gap);
+        let friction = friction * pressure;
         let rubbed = chosen(begins, self.origin, self.rubbed);
         let stiffness = law.penalty * self.stiffness;
         let mut traction = bond.map(|length| stiffness * length);
@@ -214,10 +274,12 @@ impl<const D: usize> Memory<D> {
         self.origin[0] = opening;
     }
 
-    /// Loads the bond by a vector of opening and sliding. Returns whether it begins to soften. `friction`:
-    /// the part of the shear strength of a whole joint that pressure adds, Pa. There is no branch.
+    /// Loads the bond. Returns whether it begins to soften, and `left` of [`rests`](Self::rests). `friction`:
+    /// its coefficient, which adds to the shear strength of a whole joint under pressure. There is no branch.
     #[inline(always)]
-    fn load(&mut self, law: &JointLaw<D>, bond: [f64; D], friction: f64) -> bool {
+    fn load(&mut self, law: &JointLaw<D>, gap: [f64; D], friction: f64) -> (bool, f64) {
+        let (bond, pressure) = self.bond(law, gap);
+        let friction = friction * pressure;
         let squared = dot(bond, bond);
         let whole = self.stiffness == 1.0;
         let elastic = law.penalty * law.penalty * squared;
@@ -231,14 +293,14 @@ impl<const D: usize> Memory<D> {
             || (whole && (elastic <= least * least))
             || (whole && (friction > 0.0) && (elastic <= held * held));
         let damage = (squared.sqrt() - strength / law.penalty) / critical;
-        self.soften(law, !rests, damage, squares, [strength, critical]);
-        whole && (self.stiffness < 1.0)
+        let left = self.soften(law, !rests, damage, squares, [strength, critical]);
+        (whole && (self.stiffness < 1.0), left)
     }
 
     /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness
     /// to that of the damage in the direction in which the bond has this strength, Pa, and this critical
     /// length, m. A stiffness that fell more in another direction does not rise again. Nothing happens unless
-    /// the bond `loads`.
+    /// the bond `loads`. Returns `left` of [`rests`](Self::rests).
     #[inline(always)]
     fn soften(
         &mut self,
@@ -247,16 +309,19 @@ impl<const D: usize> Memory<D> {
         damage: f64,
         shares: [f64; 2],
         [strength, critical]: [f64; 2],
-    ) {
+    ) -> f64 {
         let (before, damage) = (self.damage(), smaller(damage, 1.0));
         let grows = loads && (damage > before);
         for (part, share) in self.damages.iter_mut().zip(shares) {
             *part += if grows { (damage - before) * share } else { 0.0 };
         }
         let damage = larger(damage, before);
-        let secant = strength * softening(damage) / (strength + law.penalty * damage * critical);
+        let left = softening(damage);
+        let secant = strength * left / (strength + law.penalty * damage * critical);
         let secant = if loads && (damage > 0.0) { secant } else { 1.0 };
         self.stiffness = smaller(secant, self.stiffness);
+        // The parts of the damage need not add up to it to the last bit.
+        if self.damage() == damage { left } else { 0.0 }
     }
 }
 

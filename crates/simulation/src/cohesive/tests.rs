@@ -4,6 +4,8 @@ use crate::cohesive::curve::{AREA, dissipated_at, softening};
 use crate::cohesive::law::{JointLaw, JointPlane, TooLittle};
 use crate::cohesive::memory::Memory;
 use crate::model::{CriticalOpening, Strength};
+use crate::random;
+use crate::vector::unit;
 
 pub(crate) const ROCK: Strength = Strength {
     tensile: 1e6,
@@ -309,4 +311,71 @@ fn too_little_energy_is_that_of_the_mode_that_has_a_strength() {
     assert_eq!(of(sliding), Err(TooLittle { least: 0.45, sliding: true }));
     let opening = Strength { cohesion: 0.0, energy_ii: 0.0, energy_i: 0.04, ..ROCK };
     assert_eq!(of(opening), Err(TooLittle { least: 0.05, sliding: false }));
+}
+
+/// A bond that is found to rest has the same history and traction as one that is loaded.
+fn bond_that_rests<const D: usize>() {
+    let mut count = 0;
+    let mut next = || {
+        count += 1;
+        random::uniform(11, count)
+    };
+    let (mut resting, mut damaged, mut pure) = (0, 0, 0);
+    for round in 0..400 {
+        let ratio = 0.5 + 9.5 * next();
+        let strength = Strength {
+            cohesion: ratio * ROCK.tensile,
+            energy_ii: ROCK.energy_i * (0.5 + 20.0 * next()),
+            friction: next(),
+            ..ROCK
+        };
+        let law = JointLaw::<D>::new(&strength, 1e13, CriticalOpening::Exact, false, 1.0);
+        let mut law = law.expect("energies that are enough");
+        // Half of the joints represent a plane at an angle.
+        if round % 2 == 0 {
+            let normal = unit(std::array::from_fn(|axis| if axis == 0 { 1.0 } else { next() - 0.5 }));
+            law = law.on(JointPlane { normal, ..JointPlane::own() });
+        }
+        let (mut memory, mut left) = (Memory::<D>::default(), 0.0);
+        let mut gap = [0.0; D];
+        let mut goal = gap;
+        for step in 0..400 {
+            if step % 20 == 0 {
+                // Sometimes in one mode only, and sometimes back to where it began.
+                let mode = (5.0 * next()) as usize;
+                let size = law.critical[0] * next() * next();
+                goal = std::array::from_fn(|axis| match mode {
+                    0 if axis > 0 => 0.0,
+                    1 if axis != 1 => -0.1 * size,
+                    2 => 0.0,
+                    _ => size * (2.0 * next() - 0.7),
+                });
+            }
+            gap = std::array::from_fn(|axis| gap[axis] + 0.1 * (goal[axis] - gap[axis]));
+            let mut other = memory;
+            let rests = memory.rests(&law, gap, left);
+            if rests {
+                resting += 1;
+                let is_damaged = memory.stiffness < 1.0 && memory.stiffness > 0.0;
+                damaged += u32::from(is_damaged);
+                pure += u32::from(is_damaged && gap[1..] == [0.0; D][1..]);
+                let traction = other.of_common(&law, gap, true, &mut left.clone());
+                let whole = memory.of_common(&law, gap, false, &mut left.clone());
+                assert_eq!(other, memory, "{law:?} at {gap:?}");
+                assert_eq!(traction, whole, "{law:?} at {gap:?}");
+            } else {
+                memory.of_common(&law, gap, false, &mut left);
+            }
+            if left > 0.0 {
+                assert_eq!(left, softening(memory.damage()));
+            }
+        }
+    }
+    assert!(resting > 40_000 && damaged > 20_000 && pure > 100, "{resting} {damaged} {pure}");
+}
+
+#[test]
+fn bonds_that_rest_need_no_load() {
+    bond_that_rests::<2>();
+    bond_that_rests::<3>();
 }

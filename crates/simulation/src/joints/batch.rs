@@ -99,6 +99,15 @@ impl<const D: usize> Link<D> {
     }
 }
 
+/// Opening and sliding of an end, m, the square of the distance between its two nodes, m², and whether there
+/// are two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap<const D: usize> {
+    gap: [f64; D],
+    apart: f64,
+    open: bool,
+}
+
 /// The law of the joints of a batch.
 pub(super) trait LawLanes<const D: usize>: Copy {
     /// The history of one end of the joints.
@@ -113,15 +122,18 @@ pub(super) trait LawLanes<const D: usize>: Copy {
     /// Takes the history of an end into a lane.
     fn take_end(history: &mut Self::End, lane: usize, end: usize, link: &Link<D>, joint: &Joint<D>);
 
-    /// Traction of an end with this opening and sliding, m, and whether the joint may be computed in a batch.
-    /// `apart`: distance between the two nodes, m; `open`: whether there are two.
+    /// Whether the history of an end does not change at this opening and sliding, m, found with little work;
+    /// `false` may be wrong.
+    fn rests(&self, history: &Self::End, lane: usize, gap: [f64; D]) -> bool;
+
+    /// Traction of an end at an opening and sliding, and whether the joint may be computed in a batch.
+    /// `rests`: that of [`rests`](Self::rests) for all joints of the batch.
     fn traction(
         &mut self,
         history: &mut Self::End,
         lane: usize,
-        gap: [f64; D],
-        apart: f64,
-        open: bool,
+        gap: Gap<D>,
+        rests: bool,
     ) -> ([f64; D], bool);
 
     /// Whether the joint is still of the same kind, after all its ends.
@@ -285,21 +297,34 @@ where
     batch.holds.set(lane, batch.taken.get(lane));
 }
 
-/// Computes an end of a joint of a batch.
+/// Whether an end of a joint of a batch rests, or there is none.
+#[inline(always)]
+fn rests_one<const D: usize, L: LawLanes<D>>(
+    lane: usize,
+    at: &EndLanes<D, L::End>,
+    batch: &JointBatch<D, L>,
+) -> bool {
+    let (axes, apart) = (tensor(&batch.axes, lane), row(&at.apart, lane));
+    let rests = batch.law.rests(&at.history, lane, std::array::from_fn(|k| dot(apart, axes[k])));
+    rests || (at.open.get(lane) == 0.0) || (batch.taken.get(lane) == 0.0)
+}
+
+/// Computes an end of a joint of a batch. `rests`: see [`LawLanes::traction`].
 #[inline(always)]
 fn pull_one<const D: usize, L: LawLanes<D>>(
     lane: usize,
     at: &mut EndLanes<D, L::End>,
     batch: &mut JointBatch<D, L>,
     step: f64,
+    rests: bool,
 ) {
     let axes = tensor(&batch.axes, lane);
     let (apart, rate) = (row(&at.apart, lane), row(&at.rates, lane));
     let before = row(&at.force, lane);
     let share = batch.share.get(lane);
     let open = at.open.get(lane) > 0.0;
-    let gap: [f64; D] = std::array::from_fn(|k| dot(apart, axes[k]));
-    let (traction, holds) = batch.law.traction(&mut at.history, lane, gap, dot(apart, apart), open);
+    let gap = Gap { gap: std::array::from_fn(|k| dot(apart, axes[k])), apart: dot(apart, apart), open };
+    let (traction, holds) = batch.law.traction(&mut at.history, lane, gap, rests);
     let force: Point<D> = std::array::from_fn(|axis| {
         let mut sum = traction[0] * axes[0][axis];
         for k in 1..D {
@@ -330,8 +355,18 @@ fn pull_all<const D: usize, const N: usize, L: LawLanes<D>>(
     for end in 0..D {
         // A copy, because the compiler makes no vectors where `end` decides the address.
         let mut at = batch.ends[end];
+        let mut resting = 0;
         for lane in 0..LANES {
-            pull_one::<D, L>(lane, &mut at, batch, step);
+            resting += u64::from(rests_one::<D, L>(lane, &at, batch));
+        }
+        if resting == LANES as u64 {
+            for lane in 0..LANES {
+                pull_one::<D, L>(lane, &mut at, batch, step, true);
+            }
+        } else {
+            for lane in 0..LANES {
+                pull_one::<D, L>(lane, &mut at, batch, step, false);
+            }
         }
         batch.ends[end] = at;
     }
@@ -413,13 +448,17 @@ impl<const D: usize> LawLanes<D> for WholeLanes {
     }
 
     #[inline(always)]
+    fn rests(&self, _origin: &Self::End, _lane: usize, _gap: [f64; D]) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn traction(
         &mut self,
         origin: &mut Self::End,
         lane: usize,
-        gap: [f64; D],
-        _apart: f64,
-        _open: bool,
+        Gap { gap, .. }: Gap<D>,
+        _rests: bool,
     ) -> ([f64; D], bool) {
         let law = self.strengths.law(lane, across(), [0.0; 2]);
         law.of_whole(minus(gap, row(origin, lane)))
@@ -461,6 +500,7 @@ pub(super) struct MemoryLanes<const D: usize> {
     stiffness: Lanes,
     origin: [Lanes; D],
     rubbed: [Lanes; D],
+    left: Lanes,
 }
 
 impl<const D: usize> MemoryLanes<D> {
@@ -480,6 +520,13 @@ impl<const D: usize> MemoryLanes<D> {
         self.stiffness.set(lane, memory.stiffness);
         set_row(&mut self.origin, lane, &memory.origin);
         set_row(&mut self.rubbed, lane, &memory.rubbed);
+    }
+}
+
+impl<const D: usize> SofteningLanes<D> {
+    #[inline(always)]
+    fn law(&self, lane: usize) -> JointLaw<D> {
+        self.strengths.law(lane, row(&self.normal, lane), row(&self.critical, lane))
     }
 }
 
@@ -503,6 +550,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         stiffness: Lanes::ZERO,
         origin: [Lanes::ZERO; D],
         rubbed: [Lanes::ZERO; D],
+        left: Lanes::ZERO,
     };
 
     #[inline(always)]
@@ -523,6 +571,12 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
     #[inline(always)]
     fn take_end(history: &mut Self::End, lane: usize, end: usize, _link: &Link<D>, joint: &Joint<D>) {
         history.set(lane, &joint.ends[end]);
+        history.left.set(lane, joint.left[end]);
+    }
+
+    #[inline(always)]
+    fn rests(&self, history: &Self::End, lane: usize, gap: [f64; D]) -> bool {
+        history.get(lane).rests(&self.law(lane), gap, history.left.get(lane))
     }
 
     #[inline(always)]
@@ -530,16 +584,17 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         &mut self,
         history: &mut Self::End,
         lane: usize,
-        gap: [f64; D],
-        apart: f64,
-        open: bool,
+        Gap { gap, apart, open }: Gap<D>,
+        rests: bool,
     ) -> ([f64; D], bool) {
-        let law = self.strengths.law(lane, row(&self.normal, lane), row(&self.critical, lane));
+        let law = self.law(lane);
         let mut memory = history.get(lane);
         let reach = APART * self.length.get(lane);
         let far = (memory.damage() >= 1.0) && (apart > reach * reach);
-        let traction = memory.of_common(&law, gap);
+        let mut left = history.left.get(lane);
+        let traction = memory.of_common(&law, gap, rests, &mut left);
         history.set(lane, &memory);
+        history.left.set(lane, left);
         let broken = flag(open && (memory.damage() >= 1.0));
         self.broken_ends.set(lane, self.broken_ends.get(lane) + broken);
         for axis in 1..D {
@@ -566,6 +621,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
     fn write(history: &Self::End, lane: usize, end: usize, joint: &mut Joint<D>) {
         if joint.open[end] {
             joint.ends[end] = history.get(lane);
+            joint.left[end] = history.left.get(lane);
         }
     }
 }

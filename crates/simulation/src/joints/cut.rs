@@ -69,8 +69,7 @@ impl<const D: usize> Cut<D> {
         size_of::<Self>() + size_of_val(&**facets) + size_of_val(&**groups) + size_of_val(&**parts)
     }
 
-    /// Whether all of its facets still have one node on both sides at the vertex: other ranks may split it,
-    /// too.
+    /// Whether all of its facets still have one node on both sides at the vertex.
     pub(super) fn holds<const N: usize>(&self, state: InsertionData<'_, D, N>) -> bool
     where
         [[f64; D]; N]: Simplex<D, N>,

@@ -75,6 +75,10 @@ pub(crate) struct Joint<const D: usize = 2> {
     #[serde(skip, default = "no_nodes")]
     pub(crate) nodes: [[u32; 2]; D],
     pub(crate) ends: [Memory<D>; D],
+    /// Share of the strength that is left at the damage of each end, 0 where it is not known: see
+    /// [`Memory::rests`].
+    #[serde(skip, default = "nothing_left")]
+    pub(super) left: [f64; D],
     /// Whether each end has two nodes.
     pub(crate) open: [bool; D],
     /// Whether each end is detached: see [`APART`].
@@ -120,6 +124,7 @@ impl<const D: usize> Wire for Joint<D> {
             length: 0.0,
             nodes,
             ends,
+            left: [0.0; D],
             open,
             detached,
             faded,
@@ -142,6 +147,10 @@ fn no_law<const D: usize>() -> JointLaw<D> {
         dilation: 0.0,
         dilated: 0.0,
     }
+}
+
+fn nothing_left<const D: usize>() -> [f64; D] {
+    [0.0; D]
 }
 
 fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
@@ -168,6 +177,7 @@ impl<const D: usize> Joint<D> {
             length,
             nodes: no_nodes(),
             ends: [Memory::default(); D],
+            left: [0.0; D],
             open: [false; D],
             detached: [false; D],
             faded: 0.0,
@@ -272,6 +282,8 @@ impl<const D: usize> Joint<D> {
             } else {
                 least = least.min(gap[0]);
                 let traction = self.ends[end].traction(&self.law, gap);
+                // The damage may have grown.
+                self.left[end] = 0.0;
                 pressed |= traction[0] < 0.0;
                 traction
             };
