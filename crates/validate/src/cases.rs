@@ -418,7 +418,7 @@ const CASES: &[Case] = &[
         number: 41,
         name: "free crack in space, in tension",
         what: "A notched plate of tetrahedra, in plane strain, is pulled until it is in two. Its crack chooses its surface along the faces. It grows at the K of the same crack on a flat joint set, and dissipates \
-               the fracture energy times its projected area, though sliding costs ten times as much as opening.",
+               the fracture energy times its projected area, though sliding costs ten times as much as opening. Meshes of fdem and, at full size, one of Gmsh.",
         source: COHESIVE,
         run: space::free_crack::tension,
     },

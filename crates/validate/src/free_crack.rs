@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::models::{
     advance_to, along_slit, centroid, mean_load, moved, nodes_where, rectangle, slit, start, worse,
 };
-use super::rocks::{prepared, prepared_with};
+use super::rocks::prepared;
 use super::{Outcome, Size};
 
 /// Width and half of the length of the specimen, and length of its notch, m. The crack grows along y = 0.
@@ -295,7 +295,7 @@ impl Specimen {
             Mesher::Delaunay => format!("mesh = \"delaunay-{elements}.msh\""),
             Mesher::Frontal => format!("mesh = \"frontal-{elements}.msh\""),
         };
-        let mut model = prepared_with(&self.model_file(&body), &mut |name| mesh_file(name))?;
+        let mut model = prepared(&self.model_file(&body))?;
         model.fracture.insertion = self.insertion;
         // Far from the crack nothing breaks, and elements without joints cost less.
         model.materials.push(Material { strength: None, ..model.materials[0].clone() });
@@ -368,18 +368,4 @@ fracture_energy_ii = {sliding}
         };
         model.boundaries = boundaries.to_vec();
     }
-}
-
-/// A mesh of Gmsh, by the name of its file.
-fn mesh_file(name: &str) -> Result<Vec<u8>, String> {
-    let text: &[u8] = match name {
-        "delaunay-3.msh" => include_bytes!("meshes/delaunay-3.msh"),
-        "delaunay-6.msh" => include_bytes!("meshes/delaunay-6.msh"),
-        "delaunay-12.msh" => include_bytes!("meshes/delaunay-12.msh"),
-        "frontal-3.msh" => include_bytes!("meshes/frontal-3.msh"),
-        "frontal-6.msh" => include_bytes!("meshes/frontal-6.msh"),
-        "frontal-12.msh" => include_bytes!("meshes/frontal-12.msh"),
-        _ => return Err(format!("{name}: there is no such mesh")),
-    };
-    Ok(text.to_vec())
 }

@@ -3,26 +3,35 @@
 use fdem_simulation::{Model, Simulation};
 
 use super::models::centroid;
-use fdem_model::{AnyPrepared, Load, prepare, prepare_any};
+use fdem_model::{AnyPrepared, prepare, prepare_any};
 
-/// The model of a model file.
+/// The model of a model file, which may name the meshes of [`mesh_file`].
 pub(super) fn prepared(text: &str) -> Result<Model, String> {
-    prepared_with(text, &mut |name| Err(format!("{name}: there are no files")))
-}
-
-/// The model of a model file that names files.
-pub(super) fn prepared_with(text: &str, load: &mut Load<'_>) -> Result<Model, String> {
-    let prepared = prepare(text, "case.toml", load);
+    let prepared = prepare(text, "case.toml", &mut mesh_file);
     prepared.map(|prepared| prepared.model).map_err(|errors| errors.to_string())
 }
 
-/// The model of a model file in three dimensions.
+/// The model of a model file in three dimensions, which may name the meshes of [`mesh_file`].
 pub(super) fn prepared_in_space(text: &str) -> Result<Model<3, 4>, String> {
-    let mut load = |name: &str| Err(format!("{name}: there are no files"));
-    match prepare_any(text, "case.toml", &mut load, None).map_err(|errors| errors.to_string())? {
+    match prepare_any(text, "case.toml", &mut mesh_file, None).map_err(|errors| errors.to_string())? {
         AnyPrepared::Space(prepared) => Ok(prepared.model),
         AnyPrepared::Plane(_) => Err("the model of the case is flat".to_owned()),
     }
+}
+
+/// A mesh of Gmsh, by the name of its file.
+fn mesh_file(name: &str) -> Result<Vec<u8>, String> {
+    let text: &[u8] = match name {
+        "delaunay-3.msh" => include_bytes!("meshes/delaunay-3.msh"),
+        "delaunay-6.msh" => include_bytes!("meshes/delaunay-6.msh"),
+        "delaunay-12.msh" => include_bytes!("meshes/delaunay-12.msh"),
+        "frontal-3.msh" => include_bytes!("meshes/frontal-3.msh"),
+        "frontal-6.msh" => include_bytes!("meshes/frontal-6.msh"),
+        "frontal-12.msh" => include_bytes!("meshes/frontal-12.msh"),
+        "plate-6.msh" => include_bytes!("meshes/plate-6.msh"),
+        _ => return Err(format!("{name}: there is no such mesh")),
+    };
+    Ok(text.to_vec())
 }
 
 /// Mean stress of the elements whose centroids were within a distance of a point, `[xx, yy, xy]` in Pa.

@@ -34,8 +34,8 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
         balance = worse(error, balance);
     }
     Ok(vec![
-        Outcome::relative(format!("mean strength of {}", meshes(count)), expected, mean, 0.1, "Pa"),
-        Outcome::relative("the farthest from it", expected, expected + farthest, 0.15, "Pa"),
+        Outcome::relative(format!("mean strength of {}", meshes(count)), expected, mean, 0.08, "Pa"),
+        Outcome::relative("the farthest from it", expected, expected + farthest, 0.08, "Pa"),
         Outcome::absolute("error of the energy balance", 0.0, balance, 1e-3, ""),
     ])
 }
