@@ -169,6 +169,9 @@ SORTED = {
 SINGLE = ("freud AABBQuery", "molar")
 """Packages that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
 
+MOST = {"ASE": 20_000}
+"""Packages that need too much memory and time for more points: ASE 24 GB and minutes for a million."""
+
 
 def gas(n, seed):
     """Random points in a cube with NEIGHBOURS neighbours on average, whose coordinates are exact in float32."""
@@ -207,6 +210,9 @@ def measure(n, rounds, packages, count):
     points, edge = gas(n, seed=n)
     runs, missing = {}, {}
     for name, (distribution, prepare) in packages.items():
+        if n > MOST.get(name, n):
+            missing[name] = f"left out beyond {MOST[name]:,} points"
+            continue
         try:
             importlib.metadata.version(distribution)
             for threads, find in prepare(points, edge).items():

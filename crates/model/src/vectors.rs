@@ -81,6 +81,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         for (key, found, wanted) in lengths {
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
         }
+        if let Some(rotation) = &boundary.rotation {
+            vectors.push((table, "rotation.through".to_owned(), rotation.through.0.len(), d));
+            faults.extend(wrong_axis(rotation, d, document, table));
+        }
         if d == 2 && boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
             let key = if boundary.side.is_some() { "side" } else { "sides" };
             faults.push(
@@ -107,6 +111,22 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
         faults.push(wrong_length(file, document, dimensions, (table, &key), [found, wanted]));
     }
+}
+
+/// The fault of a rotation whose axis does not fit the dimensions.
+fn wrong_axis(rotation: &file::Rotation, d: usize, document: &Document<'_>, table: Table) -> Option<Fault> {
+    let message = match rotation.axis {
+        Some(_) if d == 2 => "a flat body turns about z: \"axis\" is for three dimensions",
+        None if d == 3 => "a rotation in three dimensions has an \"axis\"",
+        Some(axis) if axis == [0.0; 3] => "\"axis\" has no direction",
+        _ => return None,
+    };
+    let help = if d == 2 {
+        "write rotation = { through = [x, y], speed = degrees per second }"
+    } else {
+        "write rotation = { through = [x, y, z], axis = [x, y, z], speed = degrees per second }"
+    };
+    Some(Fault::at(document.value(table, "rotation"), message).label("here").help(help))
 }
 
 /// The error of a key whose number of entries fits other dimensions.

@@ -249,6 +249,11 @@ impl<const D: usize> RigidBody<D> {
         }
     }
 
+    /// Angular momentum, N m s, with an angular velocity at an orientation, rad/s.
+    pub(crate) fn momentum(&self, turn: &Matrix<3>, spin: Point<3>) -> Point<3> {
+        applied(turn, applied(&self.inertia, applied(&transposed(turn), spin)))
+    }
+
     /// The part of an angular momentum that supports leave, N m s.
     pub(crate) fn left(&self, momentum: Point<3>) -> Point<3> {
         match self.turns {

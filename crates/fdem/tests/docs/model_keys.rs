@@ -31,7 +31,7 @@ const ORDER: [(&str, &[&str]); 14] = [
     ("material", &["Anisotropy"]),
     ("interface", &[]),
     ("joint_set", &[]),
-    ("boundary", &["servo"]),
+    ("boundary", &["Rotation", "servo"]),
     ("stage", &["until"]),
     ("initial", &["Principal", "Ground"]),
     ("contact", &[]),

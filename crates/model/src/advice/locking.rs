@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use fdem_io::numbers::brief;
 use fdem_mesh::{Corners, bounds, edges};
-use fdem_simulation::{Load, Model, Plane, Target};
+use fdem_simulation::{Model, Plane, Target};
 
 use crate::shapes::outline::{distance, twice_area};
 use crate::shapes::placed::Placed;
@@ -282,11 +282,10 @@ fn held_nodes<const D: usize, const N: usize>(
     own: Range<u32>,
 ) -> impl Iterator<Item = Vec<[f64; D]>> {
     model.boundaries.iter().filter_map(move |boundary| {
-        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
-            (boundary.load, &boundary.target)
-        else {
+        let Target::Nodes(nodes) = &boundary.target else { return None };
+        if !boundary.load.moves_nodes() {
             return None;
-        };
+        }
         let held = nodes.iter().filter(|node| own.contains(node));
         Some(held.map(|&node| model.mesh.nodes[node as usize]).collect())
     })

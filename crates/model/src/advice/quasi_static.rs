@@ -186,7 +186,7 @@ fn sudden_gravity<const D: usize, const N: usize>(
 fn is_held<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     let mut held = vec![false; model.mesh.nodes.len()];
     for boundary in &model.boundaries {
-        if matches!(boundary.load, Load::Velocity(_) | Load::Displacement(_)) {
+        if boundary.load.moves_nodes() {
             for node in boundary.target.nodes() {
                 held[node as usize] = true;
             }

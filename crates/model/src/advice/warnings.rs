@@ -246,6 +246,7 @@ fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
     let what = match boundary.load {
         Load::Velocity(velocity) if moves(velocity) => "velocity",
         Load::Displacement(by) if moves(by) => "displacement",
+        Load::Rotation { spin, .. } if spin != [0.0; 3] => "rotation",
         _ => return,
     };
     if starts {

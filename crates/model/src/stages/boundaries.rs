@@ -27,7 +27,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 Fault::at(document.key(table, "name"), format!("{title} does nothing"))
                     .label("this boundary")
                     .help(
-                        "give it one of fixed, velocity, displacement, force, traction, pressure, absorbing",
+                        "give it one of fixed, velocity, displacement, rotation, force, traction, pressure, absorbing",
                     ),
             ),
             [first, second, ..] => faults.push(
@@ -68,6 +68,7 @@ fn loads(boundary: &file::Boundary) -> Vec<&'static str> {
         ("fixed", boundary.fixed.is_some()),
         ("velocity", boundary.velocity.is_some()),
         ("displacement", boundary.displacement.is_some()),
+        ("rotation", boundary.rotation.is_some()),
         ("force", boundary.force.is_some()),
         ("traction", boundary.traction.is_some()),
         ("pressure", boundary.pressure.is_some()),
@@ -229,6 +230,8 @@ fn prescribed_twice<'a, const D: usize>(
 ) -> Option<(String, u32, usize)> {
     let components = |load: Load<D>| match load {
         Load::Velocity(components) | Load::Displacement(components) => components,
+        // It moves nodes along all axes.
+        Load::Rotation { .. } => [Some(1.0); D],
         _ => [None; D],
     };
     let still = |load: Load<D>, axis: usize| matches!(load, Load::Velocity(of) if of[axis] == Some(0.0));
@@ -354,6 +357,10 @@ fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>> {
     let velocity = boundary.velocity.as_ref().map(|velocity| Load::Velocity(prescribed(velocity)));
     velocity
         .or_else(|| boundary.displacement.as_ref().map(|by| Load::Displacement(prescribed(by))))
+        .or_else(|| {
+            let rotation = boundary.rotation.as_ref()?;
+            Some(Load::Rotation { spin: rotation.spin(), through: rotation.through.components() })
+        })
         .or_else(|| boundary.force.as_ref().map(|force| Load::Force(force.components())))
         .or_else(|| boundary.traction.as_ref().map(|traction| Load::Traction(traction.components())))
         .or_else(|| cavities::load(boundary).or_else(|| boundary.pressure.map(Load::Pressure)))

@@ -24,7 +24,7 @@ pub use body::{
     Block, Body, CopiesOf, Cylinder, Disc, Extrusion, Hole, Outline, Packing, PieceShape, Polygon,
     Polyhedron, Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
-pub use boundary::{Boundary, Component, Fixed, Side};
+pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
 pub use condition::{Servo, Until};
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;

@@ -39,6 +39,39 @@ fn a_body_begins_with_its_spin() {
     }
 }
 
+/// A rotation is an angular velocity about an axis through a point, in degrees per second or another unit.
+#[test]
+fn a_boundary_turns_bodies_about_an_axis() {
+    let material = "[[material]]\nname = \"m\"\ndensity = 2700\nyoungs_modulus = 1e9\npoissons_ratio = 0.2\n";
+    let model = |shape: &str, rotation: &str| {
+        format!(
+            "[model]\nend_time = 1\n[[body]]\nname = \"a\"\nmaterial = \"m\"\nmesh_size = 1\nrigid = true\n{shape}\n\
+             {material}[[boundary]]\nname = \"drive\"\nbody = \"a\"\nrotation = {rotation}\n"
+        )
+    };
+    let plane = "rectangle = { min = [0, 0], max = [2, 1] }";
+    let cube = "box = { min = [0, 0, 0], max = [2, 1, 1] }";
+    let prepared = right(&model(plane, "{ through = [1, \"50 cm\"], speed = \"-2 rad/s\" }"));
+    let Load::Rotation { spin, through } = prepared.model.boundaries[0].load else { panic!("a rotation") };
+    assert!((spin[2] + 2.0).abs() < 1e-12 && through == [1.0, 0.5], "{spin:?} {through:?}");
+    let read_any = |text: &str| prepare_any(text, "a.toml", &mut |_| Err("no files".into()), None);
+    let turned = model(cube, "{ through = [0, 0, 1], axis = [0, 3, 4], speed = 180 }");
+    let AnyPrepared::Space(prepared) = read_any(&turned).unwrap() else { panic!("a box is in space") };
+    let Load::Rotation { spin, .. } = prepared.model.boundaries[0].load else { panic!("a rotation") };
+    let expected = [0.0, 0.6, 0.8].map(|x| x * std::f64::consts::PI);
+    assert!((0..3).all(|k| (spin[k] - expected[k]).abs() < 1e-12), "{spin:?}");
+    for (shape, rotation, message) in [
+        (plane, "{ through = [1, 1], axis = [0, 0, 1], speed = 1 }", "a flat body turns about z"),
+        (plane, "{ through = [1, 1, 1], speed = 1 }", "rotation.through"),
+        (cube, "{ through = [1, 1, 1], speed = 1 }", "has an \"axis\""),
+        (cube, "{ through = [1, 1, 1], axis = [0, 0, 0], speed = 1 }", "has no direction"),
+        (cube, "{ through = [1, 1, 1], axis = [0, 0, 1] }", "speed"),
+    ] {
+        let Err(errors) = read_any(&model(shape, rotation)) else { panic!("{rotation} is taken") };
+        assert!(errors.to_string().contains(message), "{message}: {errors}");
+    }
+}
+
 #[test]
 fn sides_boxes_and_groups_become_nodes_and_edges_counter_clockwise() {
     let prepared = right(&with(

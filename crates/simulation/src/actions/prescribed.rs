@@ -3,10 +3,11 @@
 
 use crate::error::ModelError;
 use crate::model::{Load, Model, Schedule};
+use crate::rotation::{UNTURNED, lifted, matrix_of, turned};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::NONE;
-use crate::vector::dot;
+use crate::vector::{Point, applied, cross3, dot, length, minus};
 
 /// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,32 +22,63 @@ enum PrescribedMotion {
     Velocity(f64),
     /// Displacement, m.
     Displacement(f64),
+    /// Angular velocity, rad/s, about an axis through a point, m.
+    Rotation { spin: Point<3>, through: Point<3> },
 }
 
 impl Hold {
-    /// Velocity in the step that begins at `time`, of a node that has moved by `displacement` so far.
-    #[inline]
-    pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
+    /// Velocity along an axis in the step that begins at `time`, m/s, of a node at a place that has moved by
+    /// `displacement` along the axis so far, m.
+    pub(crate) fn velocity(
+        &self,
+        axis: usize,
+        schedules: &[Schedule],
+        [time, step]: [f64; 2],
+        displacement: f64,
+        place: Point<3>,
+    ) -> f64 {
         let schedule = &schedules[self.boundary as usize];
         match self.motion {
             PrescribedMotion::Velocity(velocity) => velocity * schedule.factor(time + 0.5 * step),
             PrescribedMotion::Displacement(goal) => {
                 (goal * schedule.factor(time + step) - displacement) / step
             }
+            PrescribedMotion::Rotation { spin, through } => {
+                let angle = step * schedule.factor(time + 0.5 * step);
+                let turn = matrix_of(turned(UNTURNED, spin.map(|x| angle * x)));
+                let arm = minus(place, through);
+                (applied(&turn, arm)[axis] - arm[axis]) / step
+            }
         }
+    }
+
+    /// Angular velocity in the middle of the step that begins at `time`, rad/s, of a rotation.
+    pub(crate) fn spin(&self, schedules: &[Schedule], [time, step]: [f64; 2]) -> Option<Point<3>> {
+        let PrescribedMotion::Rotation { spin, .. } = self.motion else { return None };
+        let factor = schedules[self.boundary as usize].factor(time + 0.5 * step);
+        Some(spin.map(|x| factor * x))
+    }
+
+    pub(crate) fn is_rotation(&self) -> bool {
+        matches!(self.motion, PrescribedMotion::Rotation { .. })
     }
 }
 
 /// The greatest speed that a model gives to nodes, m/s: at the beginning, and by prescribed motions.
 pub(crate) fn fastest<const D: usize, const N: usize>(model: &Model<D, N>, step: f64) -> f64 {
-    let length = |vector: [f64; D]| dot(vector, vector).sqrt();
-    let initial = model.velocities.iter().map(|&velocity| length(velocity));
+    let length_of = |vector: [f64; D]| dot(vector, vector).sqrt();
+    let initial = model.velocities.iter().map(|&velocity| length_of(velocity));
     let prescribed = model.boundaries.iter().map(|boundary| match boundary.load {
         Load::Velocity(velocity) => {
-            length(velocity.map(Option::unwrap_or_default)) * boundary.schedule.most()
+            length_of(velocity.map(Option::unwrap_or_default)) * boundary.schedule.most()
         }
         Load::Displacement(goal) => {
-            length(goal.map(Option::unwrap_or_default)) * boundary.schedule.steepest(step)
+            length_of(goal.map(Option::unwrap_or_default)) * boundary.schedule.steepest(step)
+        }
+        Load::Rotation { spin, through } => {
+            let speed =
+                |node: u32| length(cross3(spin, lifted(minus(model.mesh.nodes[node as usize], through))));
+            boundary.target.nodes().into_iter().map(speed).fold(0.0, f64::max) * boundary.schedule.most()
         }
         _ => 0.0,
     });
@@ -120,6 +152,12 @@ impl<const D: usize> Prescribed<D> {
         let motion = match of_model.load {
             Load::Velocity(velocity) => velocity.map(|v| v.map(PrescribedMotion::Velocity)),
             Load::Displacement(goal) => goal.map(|u| u.map(PrescribedMotion::Displacement)),
+            Load::Rotation { spin, through } => {
+                // In the plane only the third component counts.
+                let first = 3 - D * (D - 1) / 2;
+                let spin = std::array::from_fn(|axis| if axis < first { 0.0 } else { spin[axis] });
+                [Some(PrescribedMotion::Rotation { spin, through: lifted(through) }); D]
+            }
             _ => return Ok(false),
         };
         self.hold(model, solid, boundary, &of_model.target.nodes(), motion)?;

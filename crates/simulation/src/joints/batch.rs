@@ -103,7 +103,7 @@ impl<const D: usize> Link<D> {
 /// are two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap<const D: usize> {
-    gap: [f64; D],
+    between: [f64; D],
     apart: f64,
     open: bool,
 }
@@ -323,7 +323,7 @@ fn pull_one<const D: usize, L: LawLanes<D>>(
     let before = row(&at.force, lane);
     let share = batch.share.get(lane);
     let open = at.open.get(lane) > 0.0;
-    let gap = Gap { gap: std::array::from_fn(|k| dot(apart, axes[k])), apart: dot(apart, apart), open };
+    let gap = Gap { between: std::array::from_fn(|k| dot(apart, axes[k])), apart: dot(apart, apart), open };
     let (traction, holds) = batch.law.traction(&mut at.history, lane, gap, rests);
     let force: Point<D> = std::array::from_fn(|axis| {
         let mut sum = traction[0] * axes[0][axis];
@@ -457,7 +457,7 @@ impl<const D: usize> LawLanes<D> for WholeLanes {
         &mut self,
         origin: &mut Self::End,
         lane: usize,
-        Gap { gap, .. }: Gap<D>,
+        Gap { between: gap, .. }: Gap<D>,
         _rests: bool,
     ) -> ([f64; D], bool) {
         let law = self.strengths.law(lane, across(), [0.0; 2]);
@@ -584,7 +584,7 @@ impl<const D: usize> LawLanes<D> for SofteningLanes<D> {
         &mut self,
         history: &mut Self::End,
         lane: usize,
-        Gap { gap, apart, open }: Gap<D>,
+        Gap { between: gap, apart, open }: Gap<D>,
         rests: bool,
     ) -> ([f64; D], bool) {
         let law = self.law(lane);

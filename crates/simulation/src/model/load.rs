@@ -13,6 +13,14 @@ pub enum Load<const D: usize = 2> {
     Velocity([Option<f64>; D]),
     /// Prescribes the displacement of nodes, m.
     Displacement([Option<f64>; D]),
+    /// Turns nodes about a fixed axis: exactly along circles, in whichever steps. A rigid body turns as a
+    /// whole. The schedule is that of the angular velocity.
+    Rotation {
+        /// Angular velocity, rad/s. In two dimensions only the third component counts.
+        spin: [f64; 3],
+        /// A point on the axis, m.
+        through: [f64; D],
+    },
     /// A total force, N, shared equally by the nodes.
     Force([f64; D]),
     /// A traction on facets, Pa, in a fixed direction, per measure of the undeformed facet.
@@ -59,7 +67,7 @@ pub struct LoadSummary {
     pub key: &'static str,
     /// Effect on nodes or facets.
     pub effect: LoadEffect,
-    /// Components that are not free, m/s, m, N or Pa; none for a support.
+    /// Components that are not free, m/s, m, N or Pa; none for a support or a rotation.
     pub components: Vec<f64>,
     /// Whether it acts on facets; on nodes otherwise.
     pub on_facets: bool,
@@ -72,6 +80,7 @@ impl<const D: usize> Load<D> {
         let (key, effect, components) = match self {
             Self::Velocity(velocity) => ("velocity", LoadEffect::Velocity, given(velocity)),
             Self::Displacement(goal) => ("displacement", LoadEffect::Displacement, given(goal)),
+            Self::Rotation { .. } => ("rotation", LoadEffect::Velocity, Vec::new()),
             Self::Force(force) => ("force", LoadEffect::Force, force.to_vec()),
             Self::Traction(traction) => ("traction", LoadEffect::Stress, traction.to_vec()),
             Self::Pressure(pressure) | Self::Cavity { pressure, .. } => {
@@ -82,6 +91,11 @@ impl<const D: usize> Load<D> {
         };
         let on_facets = matches!(effect, LoadEffect::Stress | LoadEffect::Support);
         LoadSummary { key, effect, components, on_facets }
+    }
+
+    /// Whether it prescribes how nodes move.
+    pub fn moves_nodes(&self) -> bool {
+        matches!(self, Self::Velocity(_) | Self::Displacement(_) | Self::Rotation { .. })
     }
 }
 

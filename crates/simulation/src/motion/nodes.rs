@@ -4,6 +4,7 @@ use crate::actions::prescribed::Hold;
 use crate::joints::Joints;
 use crate::model::{Model, Schedule};
 use crate::motion::{Freedoms, MotionSums, MovedNow, RelaxationSums, Selected, add_works};
+use crate::rotation::lifted;
 use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
 use crate::sum::{Grains, Pile, Sum};
@@ -275,7 +276,8 @@ fn hold_node<const D: usize, const N: usize>(
         let Some(hold) = held[axis] else { continue };
         let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
         let moved = node.position[axis] - start;
-        after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
+        let place = lifted(plus(node.position, origin));
+        after[axis] = hold.velocity(axis, motion.schedules, [motion.time, step], moved, place);
         damped[axis] = 0.0;
         reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
     }

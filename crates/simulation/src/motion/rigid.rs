@@ -70,6 +70,13 @@ where
         body.elements.iter().flat_map(corners).map(move |corner| (corner, solid.force(corner)))
     }
 
+    /// The prescribed angular velocity of a body in the middle of this step, rad/s.
+    fn spin_of(&self, body: &RigidBody<D>) -> Option<Point<3>> {
+        let [number, _] = body.holds[0]?;
+        let Motion { holds, schedules, time, step, .. } = self.motion;
+        holds[number as usize][0]?.spin(schedules, [*time, *step])
+    }
+
     /// Moves the centre of mass under a force without the weight, N. Returns its speed, m/s.
     fn move_centre(
         &self,
@@ -93,7 +100,8 @@ where
             let Some([number, corner]) = body.holds[axis] else { continue };
             let Some(hold) = motion.holds[number as usize][axis] else { continue };
             let moved = body.displacement(moving, axis);
-            after[axis] = hold.velocity(motion.schedules, motion.time, step, moved);
+            let place = lifted(plus(moving.centre, solid.origin));
+            after[axis] = hold.velocity(axis, motion.schedules, [motion.time, step], moved, place);
             damped[axis] = 0.0;
             reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
             let mut reaction = [0.0; D];
@@ -148,7 +156,10 @@ where
         let body = &self.solid.rigid.all[number];
         let arm = lifted(minus(pivot, moving.centre));
         add(&mut moment, cross3(arm, lifted(force)), 1.0);
-        turn_body(body, moving, moment, self.motion, sum);
+        match self.spin_of(body) {
+            Some(spin) => turn_held_body(body, moving, (moment, spin), self.motion, sum),
+            None => turn_body(body, moving, moment, self.motion, sum),
+        }
         let speed = self.move_centre(body, moving, force, sum) + length(moving.spin) * body.radius;
         speed * speed
     }
@@ -156,6 +167,27 @@ where
     fn element(&self, body: usize) -> u32 {
         self.solid.rigid.all[body].elements[0]
     }
+}
+
+/// Turns a body with a prescribed angular velocity, rad/s, against a moment about its centre of mass, N m.
+/// The moment of its support does work.
+fn turn_held_body<const D: usize, const N: usize>(
+    body: &RigidBody<D>,
+    moving: &mut RigidMotion<D>,
+    (moment, spin): (Point<3>, Point<3>),
+    motion: &Motion<'_, D, N>,
+    sum: &mut MotionSums<Pile, D>,
+) {
+    let (step, before) = (motion.step, moving.momentum);
+    let middle = matrix_of(turned(moving.orientation, spin.map(|x| 0.5 * step * x)));
+    let after = body.momentum(&middle, spin);
+    let reaction = minus(minus(after, before).map(|x| x / step), moment);
+    if motion.energy {
+        sum.kinetic.add(0.5 * dot(before, spin), motion.grains);
+    }
+    add_works(&mut sum.external, reaction, [moving.spin, spin], step, motion.grains);
+    moving.orientation = turned(moving.orientation, spin.map(|x| step * x));
+    (moving.momentum, moving.spin) = (after, spin);
 }
 
 /// Turns a body under a moment about its centre of mass, N m.

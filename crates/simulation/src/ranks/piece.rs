@@ -373,7 +373,7 @@ where
 
 /// Whether a load acts on nodes, and not on facets.
 pub(super) fn acts_on_nodes<const D: usize>(load: &Load<D>) -> bool {
-    matches!(load, Load::Velocity(_) | Load::Displacement(_) | Load::Force(_))
+    load.moves_nodes() || matches!(load, Load::Force(_))
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>

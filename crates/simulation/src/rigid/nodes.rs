@@ -117,6 +117,9 @@ where
                 }
             }
         }
+        if found[0].is_some_and(|(hold, _)| hold.is_rotation()) {
+            return Ok((found.map(|hold| hold.map(|(_, place)| place)), Turns::None));
+        }
         // In the plane a body turns about the third axis.
         let first_axis = 3 - D * (D - 1) / 2;
         let free: Vec<usize> = (first_axis..3).filter(|&axis| rows[axis][axis] <= STRAIGHT).collect();

@@ -87,7 +87,7 @@ where
         if energies.kinetic > available + bound * scale {
             return Err(Stop::Kinetic { element: hottest(), step, kinetic: energies.kinetic, available });
         }
-        // What joints store, they return as elements do.
+        // Energy that joints store is returned, as that of elements.
         let share = (self.totals.most_dissipated - energies.joint_dissipated()) / scale;
         if share > bound {
             return Err(Stop::Returned { element: hottest(), step, share, bound });

@@ -3,27 +3,34 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// A tilted block that falls on another one, with a third beside it: all rigid but the lowest.
+/// A tilted block that falls on another one, with a third beside it, and a paddle that turns: all rigid but
+/// the lowest.
 pub(crate) fn blocks() -> Model {
     let ground = rectangle([0.0, -0.05], [0.4, 0.0], 16, 2);
     let one = turned(&rectangle([0.0, 0.0], [0.1, 0.06], 3, 2), 0.5, [0.2, 0.002]);
     let other = turned(&rectangle([0.0, 0.0], [0.08, 0.08], 2, 2), -0.3, [0.08, 0.03]);
+    let paddle = rectangle([0.32, 0.002], [0.34, 0.1], 1, 4);
     let moves = |mesh: &Mesh, velocity: [f64; 2]| vec![velocity; mesh.nodes.len()];
     let velocities =
         [moves(&ground, [0.0; 2]), moves(&one, [-1.0, -8.0]), moves(&other, [6.0, -2.0])].concat();
+    let velocities = [velocities, moves(&paddle, [0.0; 2])].concat();
+    let first = (ground.nodes.len() + one.nodes.len() + other.nodes.len()) as u32;
     let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
     Model {
-        boundaries: vec![held(
-            "floor",
-            nodes_where(&ground, |[_, y]| y < -0.0499),
-            [Some(0.0); 2],
-            Schedule::Constant,
-        )],
-        mesh: together(&[ground, one, other]),
+        boundaries: vec![
+            held("floor", nodes_where(&ground, |[_, y]| y < -0.0499), [Some(0.0); 2], Schedule::Constant),
+            Boundary {
+                name: "paddle".to_owned(),
+                target: Target::Nodes((first..first + paddle.nodes.len() as u32).collect()),
+                load: Load::Rotation { spin: [0.0, 0.0, 30.0], through: [0.33, 0.08] },
+                schedule: Schedule::Ramp(1e-3),
+            },
+        ],
+        mesh: together(&[ground, one, other, paddle]),
         velocities,
         materials: vec![Material { strength: Some(strength), friction: 0.5, damping: 0.05, ..granite() }],
         gravity: [0.0, -9.81],
-        rigid: vec![1, 2],
+        rigid: vec![1, 2, 3],
         contact: ContactOptions { damping: 0.2, ..ContactOptions::default() },
         time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
         ..Model::default()
@@ -260,4 +267,106 @@ fn a_free_body_keeps_its_energy_while_it_tumbles() {
         turned |= along < 0.0;
     }
     assert!(turned);
+}
+
+/// The largest distance of the nodes of a model from where a rotation about an axis takes them, m.
+fn off_circle<const D: usize, const N: usize>(
+    run: &Simulation<D, N>,
+    [through, axis]: [[f64; 3]; 2],
+    angle: f64,
+) -> f64
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let snapshot = run.snapshot();
+    let (sin, cos) = angle.sin_cos();
+    let mut largest = 0.0_f64;
+    for (nodes, of_run) in run.model().mesh.elements.iter().zip(&snapshot.elements) {
+        for (&node, &now) in nodes.iter().zip(of_run) {
+            let start = run.model().mesh.nodes[node as usize];
+            let arm: [f64; 3] = std::array::from_fn(|k| start.get(k).copied().unwrap_or(0.0) - through[k]);
+            let along: f64 = (0..3).map(|k| axis[k] * arm[k]).sum();
+            let cross = |k: usize| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                axis[i] * arm[j] - axis[j] * arm[i]
+            };
+            for k in 0..D {
+                let to = through[k] + cos * arm[k] + sin * cross(k) + (1.0 - cos) * along * axis[k];
+                largest = largest.max((snapshot.positions[now as usize][k] - to).abs());
+            }
+        }
+    }
+    largest
+}
+
+#[test]
+fn a_rotation_turns_bodies_about_an_axis() {
+    // A deformable block in the plane, all of whose nodes turn: exactly along circles, without stress.
+    let mesh = rectangle([0.0, 0.0], [0.1, 0.05], 4, 2);
+    let nodes = (0..mesh.nodes.len() as u32).collect();
+    let turning = |target, spin, schedule| Boundary {
+        name: "turning".to_owned(),
+        target,
+        load: Load::Rotation { spin, through: [-0.2, 0.1] },
+        schedule,
+    };
+    let model = Model {
+        mesh,
+        materials: vec![granite()],
+        boundaries: vec![turning(Target::Nodes(nodes), [0.0, 0.0, 50.0], Schedule::Constant)],
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(20_000).expect("steps");
+    let angle = 50.0 * run.time();
+    assert!(angle > 0.5 && off_circle(&run, [[-0.2, 0.1, 0.0], [0.0, 0.0, 1.0]], angle) < 1e-12);
+    assert!(run.energies().strain < 1e-9 * run.energies().kinetic, "{:?}", run.energies());
+}
+
+#[test]
+fn a_rotation_of_a_rigid_body_does_the_work_of_its_kinetic_energy() {
+    let mesh = crate::space::cuboid([0.0, 0.0, 0.0], [0.1, 0.06, 0.02], [3, 2, 1]);
+    let (through, spin) = ([0.05, -0.1, 0.0], [20.0, 0.0, 15.0]);
+    // One face of the body is enough.
+    let face = (0..).zip(&mesh.nodes).filter(|(_, node)| node[0] < 1e-9).map(|(node, _)| node).collect();
+    let model = Model {
+        mesh,
+        materials: vec![granite()],
+        rigid: vec![0],
+        boundaries: vec![Boundary {
+            name: "turning".to_owned(),
+            target: Target::Nodes(face),
+            load: Load::Rotation { spin, through },
+            schedule: Schedule::Ramp(0.02),
+        }],
+        time: TimeOptions { step: Some(1e-5), ..TimeOptions::default() },
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(2_000).expect("steps");
+    let before = run.time();
+    run.advance(3_000).expect("steps");
+    let speed = 25.0;
+    // The ramp is half a cosine: its mean is 1/2.
+    let angle = speed * (0.5 * before + (run.time() - before));
+    let axis = spin.map(|x| x / speed);
+    let off = off_circle(&run, [through, axis], angle);
+    assert!(angle > 0.9 && off < 1e-9, "{angle} {off}");
+    let energies = run.energies();
+    assert!(energies.error().abs() < 1e-4, "{energies:?}");
+    assert!((energies.external / energies.kinetic - 1.0).abs() < 1e-4, "{energies:?}");
+    // ½ ω I ω of a block about an axis beside its centre.
+    let (mass, sides) = (2700.0 * 0.1 * 0.06 * 0.02, [0.1, 0.06, 0.02_f64]);
+    let about = |k: usize| mass * (sides.iter().map(|x| x * x).sum::<f64>() - sides[k] * sides[k]) / 12.0;
+    let arm = [0.0, 0.13, 0.01];
+    let along: f64 = (0..3).map(|k| axis[k] * arm[k]).sum();
+    let aside: f64 = arm.iter().map(|x| x * x).sum::<f64>() - along * along;
+    let inertia: f64 = (0..3).map(|k| axis[k] * axis[k] * about(k)).sum::<f64>() + mass * aside;
+    let kinetic = 0.5 * inertia * speed * speed;
+    assert!((energies.kinetic / kinetic - 1.0).abs() < 1e-6, "{} {kinetic}", energies.kinetic);
+    // The support holds the centre of mass on its circle.
+    let force = run.force(0).expect("a boundary");
+    let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let wanted = mass * aside.sqrt() * speed * speed;
+    assert!((size / wanted - 1.0).abs() < 1e-3, "{size} {wanted}");
 }

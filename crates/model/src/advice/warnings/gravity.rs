@@ -64,6 +64,7 @@ fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> 
             Load::Velocity(components) | Load::Displacement(components) => {
                 (0..D).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
             }
+            Load::Rotation { .. } => true,
             _ => boundary.load.summary().effect == LoadEffect::Support,
         };
         if holds {

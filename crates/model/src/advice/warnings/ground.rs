@@ -114,7 +114,11 @@ fn acted_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool>
         let acts = match boundary.load {
             Load::Velocity(components) | Load::Displacement(components) => components[D - 1].is_some(),
             Load::Force(force) | Load::Traction(force) => force[D - 1] != 0.0,
-            Load::Pressure(_) | Load::Cavity { .. } | Load::Absorbing | Load::Held => true,
+            Load::Rotation { .. }
+            | Load::Pressure(_)
+            | Load::Cavity { .. }
+            | Load::Absorbing
+            | Load::Held => true,
         };
         if acts {
             for node in boundary.target.nodes() {

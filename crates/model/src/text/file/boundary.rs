@@ -7,8 +7,9 @@ use crate::text::file::condition::Servo;
 use crate::text::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of
-/// side, sides, box, group, at. How: exactly one of fixed, velocity, displacement, force, traction, pressure,
-/// absorbing. When: one of ramp, table, `table_file`, expression (default: constant from the start).
+/// side, sides, box, group, at. How: exactly one of fixed, velocity, displacement, rotation, force, traction,
+/// pressure, absorbing. When: one of ramp, table, `table_file`, expression (default: constant from the
+/// start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
@@ -55,6 +56,10 @@ pub struct Boundary {
     #[schemars(length(min = 2, max = 3))]
     #[schemars(extend("x-unit" = "m"))]
     pub displacement: Option<Vec<Component>>,
+    /// Rotation of the nodes about a fixed axis: of a drum, a roller, a jaw, an end that twists. A rigid body
+    /// turns as a whole.
+    #[serde(default)]
+    pub rotation: Option<Rotation>,
     /// Total force [x, y] or [x, y, z], N. Each node gets an equal part.
     #[serde(default)]
     #[schemars(extend("x-unit" = "N"))]
@@ -111,6 +116,31 @@ impl Boundary {
     /// The sides on which it acts.
     pub(crate) fn all_sides(&self) -> impl Iterator<Item = Side> {
         self.side.into_iter().chain(self.sides.iter().flatten().copied())
+    }
+}
+
+/// A rotation about a fixed axis.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// Angular velocity, degrees per second: counter-clockwise in the plane, right-handed about the axis in
+    /// space. The ramp, table or expression of the boundary is its factor.
+    #[schemars(extend("x-unit" = "deg/s"))]
+    pub speed: f64,
+    /// Point [x, y] or [x, y, z] on the axis, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub through: Vector,
+    /// In three dimensions: the direction [x, y, z] of the axis.
+    #[serde(default)]
+    pub axis: Option<[f64; 3]>,
+}
+
+impl Rotation {
+    /// The angular velocity as a vector in space, rad/s. Without an axis it is about the third one.
+    pub(crate) fn spin(&self) -> [f64; 3] {
+        let axis = self.axis.unwrap_or([0.0, 0.0, 1.0]);
+        let long = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+        axis.map(|x| x / long * self.speed.to_radians())
     }
 }
 
