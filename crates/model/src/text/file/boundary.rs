@@ -132,6 +132,7 @@ pub struct Rotation {
     pub through: Vector,
     /// In three dimensions: the direction [x, y, z] of the axis.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "1"))]
     pub axis: Option<[f64; 3]>,
 }
 
