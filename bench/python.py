@@ -211,7 +211,7 @@ def measure(n, rounds, packages, count):
     runs, missing = {}, {}
     for name, (distribution, prepare) in packages.items():
         if n > MOST.get(name, n):
-            missing[name] = f"left out beyond {MOST[name]:,} points"
+            missing[name] = f"more than {MOST[name]:,} points"
             continue
         try:
             importlib.metadata.version(distribution)

@@ -77,14 +77,12 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             ("force", boundary.force.as_ref().map(|force| force.0.len()), d),
             ("traction", boundary.traction.as_ref().map(|traction| traction.0.len()), d),
             ("at", boundary.at.as_ref().map(|at| at.0.len()), d),
+            ("rotation.through", boundary.rotation.as_ref().map(|rotation| rotation.through.0.len()), d),
         ];
         for (key, found, wanted) in lengths {
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
         }
-        if let Some(rotation) = &boundary.rotation {
-            vectors.push((table, "rotation.through".to_owned(), rotation.through.0.len(), d));
-            faults.extend(wrong_axis(rotation, d, document, table));
-        }
+        faults.extend(wrong_axis(boundary, d, document, table));
         if d == 2 && boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
             let key = if boundary.side.is_some() { "side" } else { "sides" };
             faults.push(
@@ -114,8 +112,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
 }
 
 /// The fault of a rotation whose axis does not fit the dimensions.
-fn wrong_axis(rotation: &file::Rotation, d: usize, document: &Document<'_>, table: Table) -> Option<Fault> {
-    let message = match rotation.axis {
+fn wrong_axis(boundary: &file::Boundary, d: usize, document: &Document<'_>, table: Table) -> Option<Fault> {
+    let message = match boundary.rotation.as_ref()?.axis {
         Some(_) if d == 2 => "a flat body turns about z: \"axis\" is for three dimensions",
         None if d == 3 => "a rotation in three dimensions has an \"axis\"",
         Some(axis) if axis == [0.0; 3] => "\"axis\" has no direction",

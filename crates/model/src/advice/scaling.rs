@@ -220,7 +220,8 @@ where
     let longer = rounded_down(safety * scaling.longest(LITTLE, MOST * scaling.critical));
     let factors = scaling.factors(longer.parse::<f64>().ok()? / safety);
     let times = longer.parse::<f64>().ok()? / step;
-    (times >= WORTH).then(|| {
+    // Rigid bodies take no more mass.
+    (times >= WORTH && !factors.is_empty()).then(|| {
         format!(
             "few elements alone set the time step: with {} % more mass on {} it is {times:.1} times as long, and forces at rest are the same; \
              if inertia does not matter here, write mass_scaling = {{ time_step = {longer} }} in [model]; most mass for its size goes to {}",

@@ -52,6 +52,9 @@ fn a_boundary_turns_bodies_about_an_axis() {
     let plane = "rectangle = { min = [0, 0], max = [2, 1] }";
     let cube = "box = { min = [0, 0, 0], max = [2, 1, 1] }";
     let prepared = right(&model(plane, "{ through = [1, \"50 cm\"], speed = \"-2 rad/s\" }"));
+    // Rigid bodies take no more mass, so that there is no advice on it.
+    let driven = model(plane, "").replace("rotation = ", "velocity = [1, 0]");
+    assert!(Preflight::of(&right(&driven)).unwrap().steps > 0);
     let Load::Rotation { spin, through } = prepared.model.boundaries[0].load else { panic!("a rotation") };
     assert!((spin[2] + 2.0).abs() < 1e-12 && through == [1.0, 0.5], "{spin:?} {through:?}");
     let read_any = |text: &str| prepare_any(text, "a.toml", &mut |_| Err("no files".into()), None);

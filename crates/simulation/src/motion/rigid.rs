@@ -199,13 +199,19 @@ fn turn_body<const D: usize, const N: usize>(
     sum: &mut MotionSums<Pile, D>,
 ) {
     let (step, momentum) = (motion.step, moving.momentum);
-    let moment = body.left(moment);
+    let (whole, moment) = (moment, body.left(moment));
     let now = matrix_of(moving.orientation);
     let before = body.spin(&now, momentum);
     let local = local_damping(motion.model.time.local_damping, moment, before);
     let damped = relaxed(motion, 1.0, moment, momentum, local);
-    moving.momentum = body.left(plus(momentum, minus(moment, damped).map(|x| step * x)));
+    let pushed = plus(momentum, minus(whole, damped).map(|x| step * x));
+    moving.momentum = body.left(pushed);
     let after = body.spin(&now, moving.momentum);
+    if body.is_held() {
+        // A support that is new takes the angular momentum that it does not leave.
+        let reaction = minus(moving.momentum, pushed).map(|x| x / step);
+        add_works(&mut sum.external, reaction, [moving.spin, after], step, motion.grains);
+    }
     moving.spin = after;
     for _ in 0..ITERATIONS {
         let middle = matrix_of(turned(moving.orientation, moving.spin.map(|x| 0.5 * step * x)));

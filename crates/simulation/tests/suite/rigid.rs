@@ -370,3 +370,27 @@ fn a_rotation_of_a_rigid_body_does_the_work_of_its_kinetic_energy() {
     let wanted = mass * aside.sqrt() * speed * speed;
     assert!((size / wanted - 1.0).abs() < 1e-3, "{size} {wanted}");
 }
+
+/// A support that comes while a body turns takes its angular momentum, and the energy.
+#[test]
+fn a_support_that_comes_later_stops_a_rotation() {
+    let block = rectangle([0.0, 0.0], [0.2, 0.1], 4, 2);
+    let velocities = block.nodes.iter().map(|[x, y]| [-3.0 * (y - 0.05), 3.0 * (x - 0.1)]).collect();
+    let free =
+        Model { mesh: block, velocities, materials: vec![granite()], rigid: vec![0], ..Model::default() };
+    let mut run = Simulation::new(free.clone(), 1).expect("a model");
+    run.advance(500).expect("steps");
+    let kinetic = run.energies().kinetic;
+    assert!(kinetic > 0.0);
+    let nodes = (0..free.mesh.nodes.len() as u32).collect();
+    let held =
+        Model { boundaries: vec![held("held", nodes, [Some(0.0); 2], Schedule::Constant)], ..free.clone() };
+    let elements = (0..free.mesh.elements.len() as u32).map(Some).collect();
+    let change = Change { model: held, elements, release: None };
+    let (held, state) = run.state().changed(&free, change, 1).expect("a changed run");
+    let mut held = Simulation::resume(held, state, 1).expect("a run");
+    held.advance(500).expect("energies in balance");
+    let energies = held.energies();
+    assert!(energies.kinetic == 0.0 && (energies.external / kinetic + 1.0).abs() < 1e-9, "{energies:?}");
+    assert!(energies.error().abs() < 1e-9, "{energies:?}");
+}
