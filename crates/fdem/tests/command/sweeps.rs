@@ -406,7 +406,7 @@ fn a_latin_hypercube_is_run() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_sweep_goes_on() {
-    let long = PLATE.replace("end_time = 2e-4", "end_time = 2e-3");
+    let long = PLATE.replace("end_time = 2e-4", "end_time = 6e-3");
     let sweep = "model = \"plate.toml\"\nprocesses = 2\n[grid]\nspeed = [0.1, 0.2, 0.3]\n";
     let whole = bench(sweep);
     whole.write("plate.toml", &long);
@@ -428,22 +428,12 @@ fn an_interrupted_sweep_goes_on() {
     assert_eq!(child.wait().unwrap().code(), Some(143), "{said}");
     assert!(said.contains("the same command continues the sweep"), "{said}");
     let rows = table(&bench, "sweep_results");
-    // On a busy machine one of the two may have ended before.
-    let states = column(&rows, "status");
-    let interrupted: Vec<usize> = (0..2).filter(|&run| states[run] == "interrupted").collect();
-    assert!(states[..2].iter().all(|state| ["interrupted", "finished"].contains(&state.as_str())), "{said}");
-    assert!(!interrupted.is_empty() && states[2] == "waiting", "{states:?} {said}");
-    let report = bench.read("sweep_results/report.html");
-    for counted in [format!("{} interrupted", interrupted.len()), "1 waiting".to_owned()] {
-        assert!(report.contains(&counted), "{counted}");
-    }
+    assert_eq!(column(&rows, "status"), ["interrupted", "interrupted", "waiting"], "{said}");
+    assert!(bench.read("sweep_results/report.html").contains("2 interrupted, 1 waiting"));
 
     bench.run(&["sweep", "sweep.toml", "-q"]).succeeds();
     assert_eq!(bench.read("sweep_results/runs.csv"), whole.read("sweep_results/runs.csv"));
-    for run in interrupted {
-        let log = bench.read(&format!("sweep_results/runs/00{}/run.log", run + 1));
-        assert!(log.contains("continues after step"), "{log}");
-    }
+    assert!(bench.read("sweep_results/runs/001/run.log").contains("continues after step"));
     let left: Vec<_> =
         fs::read_dir(bench.path("sweep_results")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left.len(), 5, "{left:?}");

@@ -272,11 +272,11 @@ fn hold_node<const D: usize, const N: usize>(
     let mut after = accelerated(before, step / mass, minus(force, damped));
     let mut reactions = [0.0; D];
     let held = motion.holds[constants.hold as usize];
+    let place = lifted(plus(node.position, origin));
     for axis in 0..D {
         let Some(hold) = held[axis] else { continue };
         let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
         let moved = node.position[axis] - start;
-        let place = lifted(plus(node.position, origin));
         after[axis] = hold.velocity(axis, motion.schedules, [motion.time, step], moved, place);
         damped[axis] = 0.0;
         reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];

@@ -96,11 +96,11 @@ where
         let mut damped = damping(motion, mass, force, before);
         let mut after = std::array::from_fn(|axis| before[axis] + step / mass * (force[axis] - damped[axis]));
         let mut reactions = [0.0; D];
+        let place = lifted(plus(moving.centre, solid.origin));
         for axis in 0..D {
             let Some([number, corner]) = body.holds[axis] else { continue };
             let Some(hold) = motion.holds[number as usize][axis] else { continue };
             let moved = body.displacement(moving, axis);
-            let place = lifted(plus(moving.centre, solid.origin));
             after[axis] = hold.velocity(axis, motion.schedules, [motion.time, step], moved, place);
             damped[axis] = 0.0;
             reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
