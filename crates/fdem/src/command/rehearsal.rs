@@ -17,11 +17,12 @@ pub(crate) fn rehearse<const D: usize, const N: usize>(
     progress: &Progress,
 ) {
     let Some(factor) = Rehearsal::factor(prepared, preflight) else { return };
+    let boxes = Rehearsal::boxes(prepared);
     let (rehearsal, _) = progress.step("rehearsing the run with a coarse mesh", None, |_| {
         // A mesh may be too coarse for its bodies: then the estimate stays.
         match prepare_coarse(text, &display_name(path), &mut inputs_of(path), factor).ok()? {
-            AnyPrepared::Plane(coarse) => rehearsal(*coarse, preflight),
-            AnyPrepared::Space(coarse) => rehearsal(*coarse, preflight),
+            AnyPrepared::Plane(coarse) => rehearsal(*coarse, &boxes, preflight),
+            AnyPrepared::Space(coarse) => rehearsal(*coarse, &boxes, preflight),
         }
     });
     match rehearsal {
@@ -34,12 +35,14 @@ pub(crate) fn rehearse<const D: usize, const N: usize>(
 /// is too large.
 fn rehearsal<const D: usize, const N: usize>(
     mut coarse: Prepared<D, N>,
+    boxes: &[[[f64; 3]; 2]],
     preflight: &Preflight,
 ) -> Option<Rehearsal>
 where
     [[f64; D]; N]: Results<D, N>,
 {
     let elements = coarse.quality.elements;
+    Rehearsal::fit(&mut coarse, boxes);
     Rehearsal::scale_counts(&mut coarse, preflight.quality.elements);
     let mut start = Start::new(coarse, None).ok()?;
     let (simulation, _) = start.simulation(1).ok()?;

@@ -33,9 +33,9 @@ const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 900.0 };
 /// Costs of an element with joints on its edges from the beginning.
 const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
 
-/// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints
+/// Costs of an element of a material that breaks, as the mean over a run in which much of it breaks: joints
 /// are inserted, fragments touch.
-const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 2000.0 };
+const BREAKING: Cost = Cost { seconds: 240e-9, bytes: 2000.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
@@ -125,11 +125,15 @@ pub struct Preflight {
     pub step: f64,
     /// Number of steps until the end time.
     pub steps: u64,
-    /// Run time on one core, s; of a model that can break, by the rehearsal, or else if it breaks to pieces.
+    /// Run time on one core, s; of a model that can break, by the rehearsal, or else if much of it breaks.
     pub seconds: f64,
-    /// The result of the rehearsal with a coarse mesh; none of a run that is short or cannot break.
+    /// The result of the rehearsal with a coarse mesh; none of a run that is short, or that has bodies that
+    /// cannot break and are not rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rehearsal: Option<Rehearsed>,
+    /// Whether a material can break.
+    #[serde(skip)]
+    pub breaks: bool,
     /// Run time on one core if nothing breaks, s.
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
@@ -242,6 +246,7 @@ impl Preflight {
             steps,
             seconds,
             rehearsal: None,
+            breaks: model.materials.iter().any(|material| material.strength.is_some()),
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
@@ -452,15 +457,16 @@ impl fmt::Display for Preflight {
                 |time| format!("that ended at about {} s", about(time)),
             );
             let to_end = if ended.is_some() { " to end_time" } else { "" };
+            let pace = if self.breaks { "if nothing breaks" } else { "at the pace of the first steps" };
             writeln!(
                 out,
-                "run time         about {most} on one core, by a rehearsal with {} {end}; {whole}{to_end} if nothing breaks",
+                "run time         about {most} on one core, by a rehearsal with {} {end}; {whole}{to_end} {pace}",
                 counted(elements)
             )?;
         } else if self.seconds_whole < self.seconds {
             writeln!(
                 out,
-                "run time         about {most} on one core if it breaks to pieces, {whole} if nothing breaks"
+                "run time         about {most} on one core if much of it breaks, {whole} if nothing breaks"
             )?;
             if self.rehearsal == Some(Rehearsed::Failed) {
                 writeln!(

@@ -8,20 +8,22 @@ use crate::advice::clock::processor_time;
 use crate::advice::preflight::{Preflight, Rehearsed, measured};
 use crate::prepared::{Bound, Prepared, PreparedUntil};
 
-/// A run that takes less, s, has no rehearsal.
-const SHORT: f64 = 5.0;
+/// A run that takes less while nothing breaks, s, has no rehearsal.
+const SHORT: f64 = 0.25;
 
-/// Processor time that a rehearsal should take, and after which it ends, s.
-const WANTED: f64 = 1.5;
-const MOST: f64 = 5.0;
+/// Processor time that a rehearsal should take, as a share of the run and within these limits, and after which
+/// it ends, s.
+const SHARE: f64 = 0.1;
+const WANTED: [f64; 2] = [0.2, 3.0];
+const MOST: f64 = 8.0;
 
 /// Time of a run in which much breaks over that of one in which nothing does, with which the mesh of a
-/// rehearsal is chosen.
-const BREAKING: f64 = 5.0;
+/// rehearsal is chosen, in the plane and in space.
+const BREAKING: [f64; 2] = [5.0, 10.0];
 
 /// Elements that a coarse mesh has at least, in the plane and in space: with fewer, the shapes of bodies and
 /// the zones in which cracks grow are lost.
-const ELEMENTS: [f64; 2] = [250.0, 400.0];
+const ELEMENTS: [f64; 2] = [250.0, 250.0];
 
 /// Share of the elements of a model that a coarse mesh has at most: bodies from mesh files stay as they are.
 const FEWER: f64 = 0.7;
@@ -30,7 +32,7 @@ const FEWER: f64 = 0.7;
 const LAST: f64 = 0.25;
 
 /// Share of a run that a rehearsal must reach: the rest cannot be guessed from less.
-const ENOUGH: f64 = 0.5;
+const ENOUGH: f64 = 0.25;
 
 /// Parts of equal length into which a rehearsal is cut.
 const PARTS: u64 = 100;
@@ -49,24 +51,64 @@ pub struct Rehearsal {
 }
 
 impl Rehearsal {
-    /// Mesh sizes for a rehearsal over those of the model. `None` if the run is short, or does not break, or
-    /// if no coarser mesh would do.
+    /// Mesh sizes for a rehearsal over those of the model. `None` if the run is short, if its bodies neither
+    /// break nor are rigid, or if no coarser mesh would do.
     pub fn factor<const D: usize, const N: usize>(
         prepared: &Prepared<D, N>,
         preflight: &Preflight,
     ) -> Option<f64> {
-        let breaks = prepared.model.materials.iter().any(|material| material.strength.is_some());
-        if !breaks || preflight.seconds_whole < SHORT {
+        // Contacts of rigid bodies are most of their cost, and few are there from the beginning.
+        let is_rigid = !prepared.model.rigid.is_empty();
+        if !(preflight.breaks || is_rigid) || preflight.seconds_whole < SHORT {
             return None;
         }
         let time = preflight.seconds_whole;
-        let wanted = (BREAKING * time / WANTED).powf(1.0 / (D as f64 + 1.0));
+        let [least, most] = WANTED;
+        let goal = (SHARE * BREAKING[D - 2] * time).clamp(least, most);
+        let wanted = (BREAKING[D - 2] * time / goal).powf(1.0 / (D as f64 + 1.0));
         let coarsest = (preflight.quality.elements as f64 / ELEMENTS[D - 2]).powf(1.0 / D as f64);
         let factor = wanted.min(coarsest);
         // A run that may end early is tried, however long it is to its end time.
         let ends_early = prepared.until.is_some() || !prepared.stages.is_empty();
         let ends_soon = ENOUGH * time <= MOST * factor.powf(D as f64 + 1.0);
         (factor > 1.5 && (ends_early || ends_soon)).then_some(factor)
+    }
+
+    /// The box of each body, m. In the plane, the last coordinate is nothing.
+    pub fn boxes<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<[[f64; 3]; 2]> {
+        let mesh = &prepared.model.mesh;
+        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; prepared.bodies.len()];
+        for (corners, &body) in mesh.elements.iter().zip(&mesh.bodies) {
+            let Some([low, high]) = boxes.get_mut(body as usize) else { continue };
+            for place in corners.iter().map(|&node| mesh.nodes[node as usize]) {
+                for (axis, x) in place.into_iter().enumerate() {
+                    low[axis] = low[axis].min(x);
+                    high[axis] = high[axis].max(x);
+                }
+            }
+        }
+        boxes
+    }
+
+    /// Stretches the bodies of a coarse model to the boxes that they have in the model: with large elements a
+    /// round body is smaller, and others would reach it later.
+    pub fn fit<const D: usize, const N: usize>(coarse: &mut Prepared<D, N>, boxes: &[[[f64; 3]; 2]]) {
+        let before = Self::boxes(coarse);
+        let mesh = &mut coarse.model.mesh;
+        let mut is_fit = vec![false; mesh.nodes.len()];
+        for (corners, &body) in mesh.elements.iter().zip(&mesh.bodies) {
+            let body = body as usize;
+            let (Some([from, to]), Some([low, high])) = (before.get(body), boxes.get(body)) else { continue };
+            for &node in corners {
+                if std::mem::replace(&mut is_fit[node as usize], true) {
+                    continue;
+                }
+                for (axis, x) in mesh.nodes[node as usize].iter_mut().enumerate() {
+                    let factor = (high[axis] - low[axis]) / (to[axis] - from[axis]);
+                    *x = low[axis] + factor * (*x - from[axis]);
+                }
+            }
+        }
     }
 
     /// Changes the conditions of a coarse model on columns that count steps or joints to the counts that it

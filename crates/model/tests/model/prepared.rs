@@ -602,13 +602,30 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
     assert!(!preflight.to_string().contains("rehearsal"));
 
     // Such a short run is not rehearsed, a long one is, and one that does not break is not.
-    preflight.seconds_whole = 1.0;
+    preflight.seconds_whole = 0.2;
     assert_eq!(Rehearsal::factor(&fine, &preflight), None);
     preflight.seconds_whole = 100.0;
     assert!(Rehearsal::factor(&fine, &preflight).is_some_and(|factor| (1.5..3.0).contains(&factor)));
     let mut strong = fine.clone();
     strong.model.materials[0].strength = None;
-    assert_eq!(Rehearsal::factor(&strong, &preflight), None);
+    let mut whole = preflight.clone();
+    whole.breaks = false;
+    assert_eq!(Rehearsal::factor(&strong, &whole), None);
+    // Contacts of rigid bodies come later.
+    strong.model.rigid = vec![0];
+    assert!(Rehearsal::factor(&strong, &whole).is_some());
+
+    // The bodies get the size of the model.
+    let boxes = Rehearsal::boxes(&fine);
+    let mut smaller = coarse.clone();
+    smaller.model.mesh.nodes.iter_mut().for_each(|node| node[1] *= 0.9);
+    assert_ne!(Rehearsal::boxes(&smaller), boxes);
+    Rehearsal::fit(&mut smaller, &boxes);
+    for (fit, body) in
+        Rehearsal::boxes(&smaller).iter().flatten().flatten().zip(boxes.iter().flatten().flatten())
+    {
+        assert!((fit - body).abs() < 1e-15 || fit == body, "{fit} {body}");
+    }
 
     let counts = [coarse.quality.elements, fine.quality.elements];
     let begun = || Simulation::new(coarse.model.clone(), 1).unwrap();
