@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::error::ModelError;
 use crate::laws::Refusal;
-use crate::model::{Load, Model, Schedule, Strength, Target};
+use crate::model::{Insertion, Load, Model, Schedule, Strength, Target};
 use crate::simplex::Simplex;
 use crate::topology::NONE;
 
@@ -38,6 +38,7 @@ where
         interface.strength.iter().try_for_each(|strength| strength_of_joints(&place, strength))?;
     }
     rigid(model)?;
+    until_overloaded(model)?;
     joint_sets(model)?;
     boundaries(model)?;
     schedule("gravity", &model.gravity_schedule)?;
@@ -80,6 +81,58 @@ fn rigid<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), Mode
     let bodies: BTreeSet<u32> = model.mesh.bodies.iter().copied().collect();
     match model.rigid.iter().find(|body| !bodies.contains(body)) {
         Some(&index) => Err(ModelError::Missing { what: "body", index, place: place() }),
+        None => Ok(()),
+    }
+}
+
+/// Bodies that are rigid until they are overloaded are bodies of the mesh, in order, and can break.
+fn until_overloaded<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
+    let all = &model.until_overloaded;
+    if all.is_empty() {
+        return Ok(());
+    }
+    if let Some(pair) = all.windows(2).find(|pair| pair[0].body >= pair[1].body) {
+        let place = "the bodies that are rigid until they are overloaded".to_owned();
+        return Err(ModelError::Missing { what: "ascending number of a body", index: pair[1].body, place });
+    }
+    for of in all {
+        let place = format!("body {}", of.body);
+        if !(of.share > 0.0 && of.share <= 1.0) {
+            return Err(out_of_range(&place, "share of its strength", of.share, "above 0 and at most 1"));
+        }
+    }
+    let is_one = |body: u32| all.binary_search_by_key(&body, |of| of.body).is_ok();
+    let mesh = &model.mesh;
+    let own = || (0..mesh.elements.len()).filter(|&element| is_one(mesh.bodies[element]));
+    let refused = |body: u32, why| Err(ModelError::UntilOverloaded { body, why });
+    if let Some(element) = own().find(|&of| model.materials[mesh.materials[of] as usize].strength.is_none()) {
+        return refused(mesh.bodies[element], "its material has no strength");
+    }
+    let Some(first) = own().next().map(|element| mesh.bodies[element]) else {
+        let index = all[0].body;
+        return Err(ModelError::Missing { what: "body", index, place: "the rigid bodies".to_owned() });
+    };
+    if model.fracture.insertion == Insertion::Intrinsic {
+        return refused(first, "joints are on all facets from the beginning");
+    }
+    if !model.stresses.is_empty() {
+        return refused(first, "the model begins with a stress");
+    }
+    if !model.mass_factors.is_empty() {
+        return refused(first, "masses are scaled");
+    }
+    let is_in_set = |&element: &usize| model.joint_facets.get(element).is_some_and(|of| *of != [NONE; N]);
+    if let Some(element) = own().find(is_in_set) {
+        return refused(mesh.bodies[element], "a joint set is in it");
+    }
+    let moved: BTreeSet<u32> = model
+        .boundaries
+        .iter()
+        .filter(|boundary| boundary.load.moves_nodes())
+        .flat_map(|boundary| boundary.target.nodes())
+        .collect();
+    match own().find(|&element| mesh.elements[element].iter().any(|node| moved.contains(node))) {
+        Some(element) => refused(mesh.bodies[element], "a boundary holds or moves it"),
         None => Ok(()),
     }
 }

@@ -12,6 +12,8 @@
 //! free, the stiffer of its joint and its contact. Each node is as small as it can become, as if all facets
 //! around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
 
+use std::collections::BTreeSet;
+
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
 
@@ -96,10 +98,37 @@ impl CriticalStep {
         Ok(Self::new(model, &topology, &joints))
     }
 
+    /// That of a model with its topology and its joints.
     pub(crate) fn new<const D: usize, const N: usize>(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         joints: &Joints<D>,
+    ) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if model.until_overloaded.is_empty() {
+            return Self::with(model, topology, joints, rigid_squares(model, topology));
+        }
+        // One step for the whole run: these bodies are rigid at first, and deform later. Bodies that have been
+        // released already count as both, too.
+        let until = || model.until_overloaded.iter().map(|of| of.body);
+        let mut rigid: BTreeSet<u32> = model.rigid.iter().copied().chain(until()).collect();
+        let all = Model { rigid: rigid.iter().copied().collect(), ..model.clone() };
+        until().for_each(|body| {
+            rigid.remove(&body);
+        });
+        let loose = Model { rigid: rigid.into_iter().collect(), ..model.clone() };
+        let joints = Joints::new(&loose, topology, &Share::default());
+        Self::with(&loose, topology, &joints, rigid_squares(&all, topology))
+    }
+
+    /// That of a model whose rigid bodies have these squares of a frequency.
+    fn with<const D: usize, const N: usize>(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        joints: &Joints<D>,
+        of_rigid: Vec<(f64, u32)>,
     ) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -127,7 +156,7 @@ impl CriticalStep {
                 };
             }
         });
-        for (square, own) in rigid_squares(model, topology) {
+        for (square, own) in of_rigid {
             if square > worst {
                 (worst, element, cause) = (square, own, Cause::Contact);
             }

@@ -99,6 +99,13 @@ pub enum ModelError {
         /// Whether they leave such a rotation.
         turns: bool,
     },
+    /// A body cannot be rigid until it is overloaded.
+    UntilOverloaded {
+        /// Number of the body.
+        body: u32,
+        /// The reason.
+        why: &'static str,
+    },
     /// The fracture energy of a joint is less than the energy that it stores before it softens.
     FractureEnergy {
         /// The material.
@@ -156,6 +163,9 @@ impl fmt::Display for ModelError {
             Self::Empty => out.write_str("the mesh has no elements"),
             Self::Length { what, found, expected } => {
                 write!(out, "{found} {what} for {expected}")
+            }
+            Self::UntilOverloaded { body, why } => {
+                write!(out, "body {body} cannot be rigid until it is overloaded: {why}")
             }
             Self::Missing { what, index, place } => write!(out, "{place}: there is no {what} {index}"),
             Self::OutOfRange { place, what, value, range } => {
@@ -337,6 +347,8 @@ pub enum Stop {
         /// The error of the detection.
         fdem_contact::Error,
     ),
+    /// A run cannot continue with a body that was rigid until it was overloaded, for this reason.
+    Released(String),
     /// A rank of a run of many cannot continue.
     OnRank {
         /// The rank.
@@ -355,7 +367,7 @@ impl Stop {
             | Self::Energy { element, .. }
             | Self::Kinetic { element, .. }
             | Self::Returned { element, .. } => element,
-            Self::Detection(_) | Self::OnRank { .. } => u32::MAX,
+            Self::Detection(_) | Self::Released(_) | Self::OnRank { .. } => u32::MAX,
         }
     }
 
@@ -363,6 +375,7 @@ impl Stop {
     pub(crate) fn on_rank(self, rank: usize) -> Self {
         match self {
             Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
+            Self::Released(reason) => Self::OnRank { rank, reason },
             stop => stop,
         }
     }
@@ -385,6 +398,7 @@ impl Wire for Stop {
                 (4_u8, (element, (step, [share, bound]))).put(out);
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
+            Self::Released(reason) => (5_u8, (0_u64, reason.clone())).put(out),
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
         }
     }
@@ -437,6 +451,7 @@ impl fmt::Display for Stop {
                 100.0 * bound
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
+            Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
     }

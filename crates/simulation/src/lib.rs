@@ -217,7 +217,7 @@ pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, InitialOverlap, Insertion, Interface,
     JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target,
-    TimeOptions,
+    TimeOptions, UntilOverloaded,
 };
 pub use probe::{MaterialPoint, Probe};
 pub use ranks::distributed::{Distributed, Traffic};

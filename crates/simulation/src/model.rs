@@ -3,6 +3,8 @@
 
 mod load;
 
+use std::collections::BTreeSet;
+
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +59,9 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     /// no joints, and give them mass and shape alone. A boundary that holds or moves nodes of such a body
     /// holds or moves the body.
     pub rigid: Vec<u32>,
+    /// The rigid bodies that deform and break from the step on in which they are overloaded, in ascending
+    /// order.
+    pub until_overloaded: Vec<UntilOverloaded>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -65,7 +70,30 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub time: TimeOptions,
 }
 
+/// A body that is rigid until it is overloaded.
+///
+/// Every ten steps, its mean stress under the forces on its surface (Love and Weber) is compared with the
+/// strength of its material, and the largest of these forces over the area of its facet with the strength in
+/// compression. Half of the difference of the principal stresses counts as tension, as in the middle of a disc
+/// or a ball between two forces. When one of the ratios reaches `share`, the body gets the static stress of
+/// these forces, and deforms and breaks as others do. It then stays so.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UntilOverloaded {
+    /// Number of the body, one of [`Model::rigid`].
+    pub body: u32,
+    /// Share of the strength, above 0 and at most 1.
+    pub share: f64,
+}
+
 impl<const D: usize, const N: usize> Model<D, N> {
+    /// The model without the rigid bodies of these elements: they deform.
+    pub(crate) fn releasing(mut self, elements: impl Iterator<Item = u32>) -> Self {
+        let bodies: BTreeSet<u32> =
+            elements.filter_map(|element| self.mesh.bodies.get(element as usize).copied()).collect();
+        self.rigid.retain(|body| !bodies.contains(body));
+        self
+    }
+
     /// The interface of two materials, if there is one.
     pub(crate) fn interface(&self, a: u32, b: u32) -> Option<&Interface> {
         self.interfaces
@@ -102,6 +130,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             stresses: Vec::new(),
             mass_factors: Vec::new(),
             rigid: Vec::new(),
+            until_overloaded: Vec::new(),
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),

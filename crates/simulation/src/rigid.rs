@@ -4,7 +4,9 @@
 //! shape, so that contacts and loads act on it as on any other body. Its nodes are placed after each step:
 //! `rigid/nodes.rs`; its motion is `motion/rigid.rs`.
 
+mod balance;
 pub(crate) mod nodes;
+mod overload;
 
 use std::ops::Range;
 

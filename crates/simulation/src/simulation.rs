@@ -9,6 +9,7 @@ mod breaking;
 pub(crate) mod changed;
 pub(crate) mod program;
 mod relaxation;
+mod release;
 pub(crate) mod run;
 pub(crate) mod saved;
 pub(crate) mod snapshots;

@@ -472,6 +472,17 @@ where
         self.law(element).in_tensor::<N>(&self.stress(element), &memory)
     }
 
+    /// Takes the stresses over with which some elements begin to deform, Pa: second Piola-Kirchhoff.
+    pub(crate) fn take_stresses(&mut self, stresses: &[(u32, Matrix<D>)]) {
+        if !stresses.is_empty() && self.prestress.is_empty() {
+            self.prestress = vec![Prestress { stress: [[0.0; D]; D], energy: 0.0 }; self.elements.len()];
+        }
+        for &(element, stress) in stresses {
+            let energy = self.law(element as usize).stored::<N>(&stress);
+            self.prestress[element as usize] = Prestress { stress, energy };
+        }
+    }
+
     /// Sets the stresses of all elements, Pa, the viscous parts of them, the dissipated energies and the
     /// memories to those of a saved run.
     pub(crate) fn restore(

@@ -107,8 +107,18 @@ where
             let left: BTreeSet<u32> = part.bodies.iter().copied().collect();
             rigid.retain(|body| left.contains(body));
         }
-        let mut model =
-            Self { mesh: part, velocities, stresses, joint_facets, mass_factors, rigid, ..self.clone() };
+        let mut until_overloaded = self.until_overloaded.clone();
+        until_overloaded.retain(|of| rigid.binary_search(&of.body).is_ok());
+        let mut model = Self {
+            mesh: part,
+            velocities,
+            stresses,
+            joint_facets,
+            mass_factors,
+            rigid,
+            until_overloaded,
+            ..self.clone()
+        };
         let renumber = |facets: &mut Vec<[u32; D]>| {
             for facet in facets {
                 *facet = facet.map(number);

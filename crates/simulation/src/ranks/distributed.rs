@@ -113,6 +113,9 @@ where
         communicator.broadcast(&mut bytes);
         let [frame, common]: [Vec<u8>; 2] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
+        if let Some(of) = frame.model.until_overloaded.first() {
+            return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
+        }
         let team = Team::new(threads)?;
         let carried = run.as_ref().map_or_else(|| CarriedState::of_bytes(&common), Simulation::carried);
         let mut division = None;

@@ -263,6 +263,7 @@ where
     /// State from which the run can be resumed, on any number of ranks.
     pub fn state(&self) -> State<D, N> {
         State {
+            released: Vec::new(),
             step: self.carried.step,
             totals: self.carried.totals.clone(),
             energies: self.carried.energies,

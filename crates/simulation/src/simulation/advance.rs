@@ -6,7 +6,6 @@ use crate::machine::list::Machines;
 use crate::model::Model;
 use crate::peers::{Alone, Peers};
 use crate::ranks::links::Links;
-use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 
 /// The corners of an element that can be simulated: `[[f64; 2]; 3]`, a triangle, and `[[f64; 3]; 4]`, a
@@ -85,7 +84,7 @@ where
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
-    [[f64; D]; N]: Simplex<D, N>,
+    [[f64; D]; N]: Machines<D, N>,
 {
     fn take(&mut self, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let Some(links) = links else {
@@ -102,7 +101,8 @@ where
                 return Ok(());
             }
             let energies = self.is_audited() || self.step == last;
-            self.step(energies, peers)
+            self.step(energies, peers)?;
+            self.release_overloaded()
         });
         // Energies of the step that failed. Where a step turns velocities round, their product before and
         // after it is negative, and says nothing.

@@ -96,7 +96,13 @@ where
         let mut old = Simulation::resume(before.clone(), self.clone(), threads)?;
         let numbers = Numbers::new(elements, before.mesh.elements.len(), &model)?;
         model.time.step = Some(old.time_step());
-        let fresh = Simulation::new(model.clone(), threads)?;
+        let released: Vec<_> = self
+            .released
+            .iter()
+            .filter_map(|&(element, stress)| Some((numbers.now(element)?, stress)))
+            .collect();
+        let now = model.clone().releasing(released.iter().map(|(element, _)| *element));
+        let fresh = Simulation::new(now, threads)?;
         numbers.check_rigid(&old, &fresh)?;
         if fresh.critical_step().step < old.time_step() {
             return Err(ModelError::OutOfRange {
@@ -106,7 +112,7 @@ where
                 range: "at most the critical one",
             });
         }
-        let state = numbers.carry(self, &old, &fresh);
+        let state = State { released, ..numbers.carry(self, &old, &fresh) };
         let mut new = Simulation::resume(model.clone(), state, threads)?;
         // Places that the new model does not have keep nothing.
         for record in old.records() {
@@ -147,11 +153,11 @@ where
 }
 
 /// Forces on nodes, and energies, at a state.
-struct ForcesAndEnergy<const D: usize> {
+pub(super) struct ForcesAndEnergy<const D: usize> {
     /// Force on each node, without the reaction of its supports, N.
     forces: Vec<Point<D>>,
     /// Energies that are not summed up over the steps, J.
-    energy: Sum,
+    pub(super) energy: Sum,
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -159,7 +165,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// Looks at the forces of the next step. The run must not continue after that.
-    fn look(&mut self) -> ForcesAndEnergy<D> {
+    pub(super) fn look(&mut self) -> ForcesAndEnergy<D> {
         let kinetic = self.kinetic_of_half_step();
         // A reason to stop is found again in the next step.
         let _ = self.press(true);

@@ -28,7 +28,7 @@ use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::timings::Timings;
 use crate::topology::Topology;
-use crate::vector::Point;
+use crate::vector::{Matrix, Point};
 
 /// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
 const RUNAWAY: f64 = 10.0;
@@ -81,6 +81,9 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) joint_elastic: Sum,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
+    /// The elements of bodies that were rigid until they were overloaded, ascending, with the stress with which
+    /// they began to deform, Pa: second Piola-Kirchhoff.
+    pub(crate) released: Vec<(u32, Matrix<D>)>,
     /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<RankPart<D>>,
 }
@@ -145,6 +148,10 @@ where
     }
 
     fn begin(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
+        Self::begin_on(model, Team::new(threads)?)
+    }
+
+    pub(super) fn begin_on(model: Model<D, N>, team: Team) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::of(&model.mesh)?;
         let mut joints = Joints::new(&model, &topology, &Share::default());
@@ -157,7 +164,6 @@ where
         }
         let mut actions = Actions::new(&model, &topology, &mut solid, None)?;
         solid.hold_rigid_bodies(&actions.prescribed.holds, &model)?;
-        let team = Team::new(threads)?;
         let contacts = Contacts::new(&model, &topology, &joints.faces, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
@@ -246,6 +252,7 @@ where
             joint_elastic: Sum::default(),
             touching: Touching::default(),
             timings: Timings::default(),
+            released: Vec::new(),
             model,
             topology,
             actions,

@@ -18,6 +18,7 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::totals::Totals;
 use crate::solid::Node;
+use crate::team::Team;
 use crate::vector::{Matrix, Point};
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
@@ -45,6 +46,8 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     /// Factors of boundaries that the caller has set.
     pub(crate) factors: BTreeMap<u32, f64>,
     pub(crate) records: Vec<Record>,
+    /// See [`Simulation::released`].
+    pub(crate) released: Vec<(u32, Matrix<D>)>,
 }
 
 impl<const D: usize, const N: usize> State<D, N> {
@@ -82,6 +85,7 @@ where
             contacts: self.contacts().save(),
             factors: self.actions.factors.clone(),
             records: self.records(),
+            released: self.released.clone(),
         }
     }
 }
@@ -101,7 +105,16 @@ where
     }
 
     fn continued(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
-        let mut run = Self::new(model, threads)?;
+        Self::continued_on(model, state, Team::new(threads)?)
+    }
+
+    pub(super) fn continued_on(
+        model: Model<D, N>,
+        state: State<D, N>,
+        team: Team,
+    ) -> Result<Self, ModelError> {
+        let released = state.released.iter().map(|(element, _)| *element);
+        let mut run = Self::begin_on(model.releasing(released), team)?;
         let elements = run.solid().element_count();
         let lengths = [
             ("stresses", state.stresses.len(), elements),
@@ -123,7 +136,12 @@ where
         {
             return Err(missing(node));
         }
+        if let Some((index, _)) = state.released.iter().find(|(element, _)| *element as usize >= elements) {
+            let place = "the released bodies of the saved state".to_owned();
+            return Err(ModelError::Missing { what: "element", index: *index, place });
+        }
         let Columns { solid, joints, contacts } = run.machine.columns_mut();
+        solid.take_stresses(&state.released);
         solid.set_nodes(&state.nodes, state.of_corner, &run.model);
         solid.restore(&state.stresses, &state.viscous, &state.dissipated, &state.memories);
         joints.restore(state.joints, &run.model, &run.topology, solid)?;
@@ -139,6 +157,7 @@ where
             }
         }
         run.step = state.step;
+        run.released = state.released;
         run.begin_actions()?;
         run.totals = state.totals;
         run.energies = state.energies;

@@ -47,3 +47,5 @@ mod refusal;
 mod relaxation;
 /// Bodies that are rigid.
 mod rigid;
+/// Bodies that are rigid until they are overloaded.
+mod overload;
