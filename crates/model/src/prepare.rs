@@ -23,7 +23,7 @@ use crate::prepared::{AnyPrepared, Group, Prepared, PreparedBody};
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
-use crate::stages::{boundaries, cavities, resolve, schedules};
+use crate::stages::{boundaries, cavities, resolve, schedules, supports};
 use crate::text::document::{Document, Table, line_of};
 use crate::text::fault::{Fault, ModelErrors};
 use crate::text::file::{self, ModelFile};
@@ -409,6 +409,7 @@ impl Checked<'_> {
         };
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
         scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
