@@ -1,6 +1,7 @@
 //! Warnings and advice about a model, and mass scaling.
 
 pub(crate) mod amounts;
+pub(crate) mod deforming;
 pub(crate) mod parts;
 pub(crate) mod connected;
 pub(crate) mod joined;

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
-use crate::advice::{joined, overlaps, plausible, scaling};
+use crate::advice::{deforming, joined, overlaps, plausible, scaling};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
@@ -381,7 +381,8 @@ impl Checked<'_> {
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
-        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        let deforming = deforming::quality(&model, &quality);
+        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &deforming };
         overlaps::check(&ready, document, &mut warnings, &mut idle);
         none_or(idle)?;
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));

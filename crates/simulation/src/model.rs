@@ -74,7 +74,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
     }
 
     /// Whether an element belongs to a rigid body.
-    pub(crate) fn is_rigid(&self, element: u32) -> bool {
+    pub fn is_rigid(&self, element: u32) -> bool {
         !self.rigid.is_empty() && self.rigid.binary_search(&self.mesh.bodies[element as usize]).is_ok()
     }
 

@@ -4,6 +4,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{LoadEffect, LoadSummary, Material, Model};
 
+use crate::advice::deforming;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
@@ -131,6 +132,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let (section, product) = if D == 2 {
         (width * model.thickness, "width of the model times its thickness")
+    let deforms = deforming::nodes(model);
     } else {
         (width * width, "width of the model squared")
     };
@@ -148,7 +150,9 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             }
             LoadEffect::Displacement | LoadEffect::Support => continue,
         };
-        if stress > stiffest {
+        // A rigid body has no stress.
+        let on_stress = || boundary.target.nodes().iter().any(|&node| deforms[node as usize]);
+        if stress > stiffest && on_stress() {
             let over =
                 if effect == LoadEffect::Force { format!(" over the {product}") } else { String::new() };
             warnings.push(format!(

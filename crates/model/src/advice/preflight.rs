@@ -355,15 +355,15 @@ impl Pace {
 
 /// A cost, added up over the elements.
 fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost) -> f64) -> f64 {
-    let of = |material: &u32| {
-        let breaks = model.materials[*material as usize].strength.is_some();
+    let of = |(element, material): (u32, &u32)| {
+        let breaks = model.materials[*material as usize].strength.is_some() && !model.is_rigid(element);
         cost(match model.fracture.insertion {
             _ if !breaks => &WHOLE,
             Insertion::Adaptive => &BREAKING,
             Insertion::Intrinsic => &JOINED,
         })
     };
-    model.mesh.materials.iter().map(of).sum()
+    (0..).zip(&model.mesh.materials).map(of).sum()
 }
 
 /// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large

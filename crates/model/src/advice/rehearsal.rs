@@ -5,6 +5,7 @@
 //! `k^(D+1)` times shorter.
 
 use crate::advice::clock::processor_time;
+use crate::advice::deforming;
 use crate::advice::preflight::{Preflight, Rehearsed, measured};
 use crate::prepared::{Bound, Prepared, PreparedUntil};
 
@@ -55,8 +56,7 @@ impl Rehearsal {
         prepared: &Prepared<D, N>,
         preflight: &Preflight,
     ) -> Option<f64> {
-        let breaks = prepared.model.materials.iter().any(|material| material.strength.is_some());
-        if !breaks || preflight.seconds_whole < SHORT {
+        if !deforming::breaks(&prepared.model) || preflight.seconds_whole < SHORT {
             return None;
         }
         let time = preflight.seconds_whole;

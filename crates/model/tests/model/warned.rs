@@ -292,3 +292,90 @@ fn a_servo_that_moves_away_from_its_target_is_a_warning() {
         assert!(!warnings.iter().any(|warning| warning.contains("moves away")), "{warnings:?}");
     }
 }
+
+/// A model of a rigid block with everything that is a warning where a body deforms.
+const RIGID: &str = r#"[model]
+end_time = 1e-3
+plane = "strain"
+gravity = [0, -9.81]
+
+[[body]]
+name = "jaw"
+material = "rock"
+polygon = { points = [[0, 0], [3, 0], [3, 0.05], [0.01, 0.05], [0, 0.1]] }
+mesh_size = 0.25
+
+[[body]]
+name = "floor"
+material = "rock"
+rectangle = { min = [-1, -1], max = [4, -0.5] }
+mesh_size = 0.3
+
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.49
+tensile_strength = 30e6
+cohesion = 10e6
+friction_angle = 30
+fracture_energy_i = 1
+fracture_energy_ii = 1
+
+[[boundary]]
+name = "push"
+body = "jaw"
+side = "top"
+velocity = [0, -50]
+
+[[boundary]]
+name = "load"
+body = "jaw"
+side = "right"
+traction = [1e12, 0]
+
+[[boundary]]
+name = "hold"
+body = "floor"
+side = "bottom"
+fixed = "xy"
+
+[contact]
+penalty = 0.1
+
+[fracture]
+joint_penalty = 0.5
+"#;
+
+#[test]
+fn warnings_of_stress_are_not_about_rigid_bodies() {
+    let told = right(RIGID).warnings.join("\n");
+    for part in [
+        "fracture process zone",
+        "is there at once",
+        "one node alone",
+        "its traction is",
+        "elements lock",
+        "elements through its thickness",
+        "cannot carry its tensile strength",
+        "softer where they touch",
+        "joints are softer",
+        "the two sides are not loaded alike",
+        "by inertia",
+        "times its smallest width",
+    ] {
+        assert!(told.contains(part), "{part} is not in\n{told}");
+    }
+    let rigid = RIGID.replace("\nmaterial = ", "\nrigid = true\nmaterial = ");
+    assert_eq!(right(&rigid).warnings, Vec::<String>::new());
+    let whole = rigid.replace("side = \"top\"\n", "");
+    assert_eq!(Preflight::of(&right(&whole)).unwrap().warnings, Vec::<String>::new());
+}
+
+#[test]
+fn the_worst_angle_is_that_of_a_body_that_deforms() {
+    // A tip of a few degrees.
+    let tip = "[[body]]\nname = \"tip\"\nmaterial = \"rock\"\npolygon = { points = [[2, 0], [3, 0], [3, 0.05]] }\nmesh_size = 0.1\n";
+    warned(&with(tip), "degrees: its stress is poor");
+    assert_eq!(right(&with(&format!("{tip}rigid = true\n"))).warnings, Vec::<String>::new());
+}
