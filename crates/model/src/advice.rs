@@ -16,6 +16,7 @@ pub(crate) mod fine;
 pub(crate) mod coarse;
 pub(crate) mod quasi_static;
 pub(crate) mod plausible;
+pub(crate) mod too_fast;
 pub(crate) mod equilibrium;
 pub(crate) mod warnings;
 pub(crate) mod overlaps;

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
-use crate::advice::{deforming, joined, overlaps, plausible, scaling};
+use crate::advice::{deforming, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
@@ -379,6 +379,7 @@ impl Checked<'_> {
         plausible::loads(&model, &mut warnings);
         conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
+        too_fast::check((file, document), &model, &placed, &mut warnings, &mut idle);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
         let deforming = deforming::quality(&model, &quality);

@@ -65,9 +65,6 @@ const RANGES: [Range; 6] = [
 /// Coefficient of friction beyond which it is hardly meant.
 const ROUGH: f64 = 10.0;
 
-/// Speed over that of waves, √(E/ρ), beyond which a run stops.
-const FAST: f64 = 10.0;
-
 /// Gravity beyond which it is hardly meant, even in a centrifuge, m/s².
 const HEAVY: f64 = 5000.0;
 
@@ -124,19 +121,18 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
     }
 }
 
-/// Loads, stresses and speeds beyond all that the materials carry.
+/// Loads and stresses beyond all that the materials carry.
 pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    let largest = |of: fn(&Material) -> f64| model.materials.iter().map(of).fold(0.0, f64::max);
-    let (stiffest, wave) = (largest(Material::stiffest_modulus), largest(Material::bar_speed));
+    let stiffest = model.materials.iter().map(Material::stiffest_modulus).fold(0.0, f64::max);
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let (section, product) = if D == 2 {
         (width * model.thickness, "width of the model times its thickness")
-    let deforms = deforming::nodes(model);
     } else {
         (width * width, "width of the model squared")
     };
     let length = |vector: &[f64]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let deforms = deforming::nodes(model);
     for boundary in &model.boundaries {
         let title = format!("[[boundary]] \"{}\"", boundary.name);
         let LoadSummary { key, effect, components, .. } = boundary.load.summary();
@@ -144,11 +140,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
         let stress = match effect {
             LoadEffect::Force => size / section,
             LoadEffect::Stress => size,
-            LoadEffect::Velocity => {
-                warnings.extend(too_fast(&title, size, wave));
-                continue;
-            }
-            LoadEffect::Displacement | LoadEffect::Support => continue,
+            LoadEffect::Velocity | LoadEffect::Displacement | LoadEffect::Support => continue,
         };
         // A rigid body has no stress.
         let on_stress = || boundary.target.nodes().iter().any(|&node| deforms[node as usize]);
@@ -170,19 +162,6 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             brief(stiffest)
         ));
     }
-    let fastest = model.velocities.iter().map(|velocity| length(velocity)).fold(0.0, f64::max);
-    warnings.extend(too_fast("at the start, a body", fastest, wave));
-}
-
-/// Reports a speed at which a run stops.
-fn too_fast(title: &str, speed: f64, wave: f64) -> Option<String> {
-    (speed > FAST * wave).then(|| {
-        format!(
-            "{title} moves at {} m/s: a run stops where a node is faster than {FAST} times the speed of waves in the bodies, {} m/s",
-            brief(speed),
-            brief(wave)
-        )
-    })
 }
 
 fn question(material: &Material, range: &Range, value: f64) -> Option<String> {

@@ -224,7 +224,6 @@ fn loads_and_speeds_beyond_what_materials_carry_are_warned_of() {
             boundary("velocity = [1e6, 0]\nramp = 1"),
             "\"b\" moves at 1e6 m/s: a run stops where a node is faster",
         ),
-        (with("[initial]\nvelocity = { block = [1e6, 0] }"), "at the start, a body moves at 1e6 m/s"),
         (with("[initial]\nstress = [1e20, 0, 0]"), "[initial] stress is up to 1e20 Pa"),
         (SMALL.replace("0.25", "0.25\nfriction = 1e20"), "friction = 1e20 is much"),
         (
@@ -378,4 +377,33 @@ fn the_worst_angle_is_that_of_a_body_that_deforms() {
     let tip = "[[body]]\nname = \"tip\"\nmaterial = \"rock\"\npolygon = { points = [[2, 0], [3, 0], [3, 0.05]] }\nmesh_size = 0.1\n";
     warned(&with(tip), "degrees: its stress is poor");
     assert_eq!(right(&with(&format!("{tip}rigid = true\n"))).warnings, Vec::<String>::new());
+}
+
+#[test]
+fn speeds_at_which_a_run_stops_are_refused_at_their_line() {
+    let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
+    let turns = |speed: &str| boundary(&format!("rotation = {{ through = [0, 0], speed = {speed} }}"));
+    let limit =
+        "a run stops where a node is faster than 10 times the speed of waves in the bodies, 33333.3 m/s";
+    for (text, parts) in [
+        (turns("1e9"), ["m:19:", "[[boundary]] \"b\" moves at 8.72665e6 m/s"]),
+        (boundary("velocity = [0, 4e4]"), ["m:19:", "[[boundary]] \"b\" moves at 40000 m/s"]),
+        (
+            boundary("velocity = [1, 0]\ntable = [[0, 0], [5e-4, 4e4], [1e-3, 0]]"),
+            ["m:19:", "moves at 40000 m/s"],
+        ),
+        (
+            with("[initial]\nvelocity = { block = [1e6, 0] }"),
+            ["m:17:", "[[body]] \"block\" moves at 1e6 m/s"],
+        ),
+        (SMALL.replace("mesh_size", "velocity = [1e6, 0]\nmesh_size"), ["m:8:", "moves at 1e6 m/s"]),
+        (SMALL.replace("mesh_size", "velocity = [1, 0]\nspin = 1e9\nmesh_size"), ["m:9:", "moves at 9.7"]),
+    ] {
+        for part in parts.into_iter().chain([limit]) {
+            refused(&text, part);
+        }
+    }
+    // It comes to this speed after the end of the run.
+    warned(&boundary("rotation = { through = [0, 0], speed = 1e9 }\nramp = 10"), "moves at 8.72665e6 m/s");
+    right(&turns("1e6"));
 }
