@@ -198,6 +198,7 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
             }
         }
     }
+    warnings.extend(idle_seeds(file, document));
     for (index, boundary) in file.boundary.iter().enumerate() {
         warnings.extend(idle(boundary).map(|what| format!("[[boundary]] \"{}\": {what}", boundary.name)));
         let free = |components: &Option<Vec<Component>>| {
@@ -226,6 +227,26 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
         let message = format!("[[material]] \"{}\" is that of no element", material.name);
         faults.push(Fault::at(span, message).label("not used").help(spare));
     }
+}
+
+/// Seeds of strengths that do not scatter.
+fn idle_seeds(file: &ModelFile, document: &Document<'_>) -> Vec<String> {
+    let has_seed = |table: &'static str, index: usize| document.has(Table::of(table, index), "weibull_seed");
+    let of_materials = file
+        .material
+        .iter()
+        .enumerate()
+        .filter(|(index, material)| material.weibull_modulus.is_none() && has_seed("material", *index));
+    let of_interfaces =
+        file.interface.iter().enumerate().filter(|(index, interface)| {
+            interface.weibull_modulus.is_none() && has_seed("interface", *index)
+        });
+    let titles = of_materials.map(|(_, material)| format!("[[material]] \"{}\"", material.name));
+    let titles = titles.chain(of_interfaces.map(|(_, interface)| {
+        let [one, other] = &interface.materials;
+        format!("[[interface]] of \"{one}\" and \"{other}\"")
+    }));
+    titles.map(|title| format!("{title}: weibull_seed changes nothing without weibull_modulus")).collect()
 }
 
 /// Keys that have no effect on a body of this kind.

@@ -380,6 +380,18 @@ fn the_worst_angle_is_that_of_a_body_that_deforms() {
 }
 
 #[test]
+fn a_seed_of_a_strength_that_does_not_scatter_is_a_warning() {
+    let text = format!("{SMALL}{STRENGTH}weibull_seed = 3\n");
+    warned(&text, "[[material]] \"rock\": weibull_seed changes nothing without weibull_modulus");
+    let scatters = right(&format!("{text}weibull_modulus = 10\n")).warnings;
+    assert!(!scatters.iter().any(|told| told.contains("weibull")), "{scatters:?}");
+    let text = format!(
+        "{SMALL}{STRENGTH}[[interface]]\nmaterials = [\"rock\", \"rock\"]\n{STRENGTH}weibull_seed = 3\n"
+    );
+    warned(&text, "[[interface]] of \"rock\" and \"rock\": weibull_seed changes nothing");
+}
+
+#[test]
 fn speeds_at_which_a_run_stops_are_refused_at_their_line() {
     let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
     let turns = |speed: &str| boundary(&format!("rotation = {{ through = [0, 0], speed = {speed} }}"));
