@@ -26,3 +26,4 @@ pub(crate) mod on_ranks;
 pub(crate) mod clock;
 pub(crate) mod preflight;
 pub(crate) mod rehearsal;
+pub(crate) mod extreme;

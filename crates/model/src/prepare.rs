@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
-use crate::advice::{deforming, joined, overlaps, plausible, scaling, too_fast};
+use crate::advice::{deforming, extreme, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
@@ -411,6 +411,7 @@ impl Checked<'_> {
         };
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        extreme::steps(file, document, &prepared).map_err(|fault| vec![fault])?;
         scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
