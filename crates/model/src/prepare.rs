@@ -216,6 +216,7 @@ fn prepare_or_faults(
     settings::check(&file, &document, &mut found);
     resolve::check(&file, &document, &mut found);
     scaling::check(&file, &document, &mut found);
+    extreme::check(&file, &document, &mut found);
     conditions::check(&file, &document, &mut found);
     initial::check(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);

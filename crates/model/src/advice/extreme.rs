@@ -9,6 +9,10 @@ use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{ModelFile, TimeStep};
 
+/// Error of the energy balance, as a share of the energy exchanged, that the rounding of forces makes in some
+/// thousand steps.
+const ROUNDING: f64 = 1e-12;
+
 /// How many times shorter a number makes the time step than usual ones, from which it is looked at.
 const MUCH: f64 = 1e3;
 
@@ -19,6 +23,19 @@ const JOINT: f64 = 100.0;
 /// The largest Young's modulus, Pa, and the least density, kg/m³, of solids.
 const STIFF: f64 = 2e12;
 const LIGHT: f64 = 50.0;
+
+/// Checks numbers before anything is meshed.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    let bound = file.model.energy_bound;
+    if bound > 0.0 && bound < ROUNDING {
+        let message = format!(
+            "energy_bound = {} is below the rounding of energies, {ROUNDING:e}: any run would stop at the first check of its balance",
+            brief(bound)
+        );
+        let fault = Fault::at(document.value(Table::one("model"), "energy_bound"), message);
+        faults.push(fault.label("too small").help("a share of 0.01 to 0.1 is usual"));
+    }
+}
 
 /// A number, its key, and how many times shorter it makes the time step than usual ones.
 struct Suspect {

@@ -252,3 +252,13 @@ fn numbers_with_which_no_run_ends_are_refused_at_their_line() {
     // A penalty that is much, and with which a run ends.
     right(&format!("{SMALL}[contact]\npenalty = 1e9\n"));
 }
+
+#[test]
+fn a_bound_of_the_energy_balance_below_rounding_is_refused() {
+    let told = read(&SMALL.replace("end_time", "energy_bound = 1e-30\nend_time")).unwrap_err().to_string();
+    for part in
+        ["model.toml:2:", "energy_bound = 1e-30 is below the rounding of energies, 1e-12", "0.01 to 0.1"]
+    {
+        assert!(told.contains(part), "{part} is not in\n{told}");
+    }
+}
