@@ -1,6 +1,7 @@
 //! Warnings and advice about a model, and mass scaling.
 
 pub(crate) mod amounts;
+pub(crate) mod deforming;
 pub(crate) mod parts;
 pub(crate) mod connected;
 pub(crate) mod joined;
@@ -15,6 +16,7 @@ pub(crate) mod fine;
 pub(crate) mod coarse;
 pub(crate) mod quasi_static;
 pub(crate) mod plausible;
+pub(crate) mod too_fast;
 pub(crate) mod equilibrium;
 pub(crate) mod warnings;
 pub(crate) mod overlaps;
@@ -24,3 +26,4 @@ pub(crate) mod on_ranks;
 pub(crate) mod clock;
 pub(crate) mod preflight;
 pub(crate) mod rehearsal;
+pub(crate) mod extreme;

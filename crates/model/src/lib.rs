@@ -62,6 +62,8 @@
 //! | histories of probes, curves | `src/output/probes.rs`, `src/output/curves.rs` |
 //! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs`; the cost of breaking: `src/advice/rehearsal.rs` |
 //! | advice for quasi-static runs | `src/advice/quasi_static.rs` |
+//! | the part of a model that warnings of stress are about | `src/advice/deforming.rs` |
+//! | speeds and numbers with which no run is possible | `src/advice/too_fast.rs`, `src/advice/extreme.rs` |
 //! | mass scaling | `src/advice/scaling.rs`, `src/prepared/added_mass.rs`, `crates/simulation/src/mass.rs` |
 
 #![allow(private_bounds, reason = "bodies are of triangles or of tetrahedra; nobody else can make others")]

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
 use crate::advice::ready::Ready;
-use crate::advice::{joined, overlaps, plausible, scaling};
+use crate::advice::{deforming, extreme, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
 use crate::joints::bonds::Bonds;
@@ -216,6 +216,7 @@ fn prepare_or_faults(
     settings::check(&file, &document, &mut found);
     resolve::check(&file, &document, &mut found);
     scaling::check(&file, &document, &mut found);
+    extreme::check(&file, &document, &mut found);
     conditions::check(&file, &document, &mut found);
     initial::check(&file, &document, dimensions == 3, &mut found);
     let elements = sizes::check(&file, &document, memory, &mut found);
@@ -379,9 +380,11 @@ impl Checked<'_> {
         plausible::loads(&model, &mut warnings);
         conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
+        too_fast::check((file, document), &model, &placed, &mut warnings, &mut idle);
         plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
         joined::check((file, document), &model, &mut warnings, &mut idle);
-        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        let deforming = deforming::quality(&model, &quality);
+        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &deforming };
         overlaps::check(&ready, document, &mut warnings, &mut idle);
         none_or(idle)?;
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));
@@ -410,6 +413,7 @@ impl Checked<'_> {
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
         supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
+        extreme::steps(file, document, &prepared).map_err(|fault| vec![fault])?;
         scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)

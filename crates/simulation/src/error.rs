@@ -441,9 +441,9 @@ impl fmt::Display for Stop {
             ),
             Self::Energy { element, step, error, bound } => write!(
                 out,
-                "step {step}: the energy balance is off by {:.2} %, more than {:.2} %; element {element} holds most for its mass",
-                100.0 * error,
-                100.0 * bound
+                "step {step}: the energy balance is off by {} %, more than {} %; element {element} holds most for its mass",
+                percent(*error),
+                percent(*bound)
             ),
             Self::Kinetic { element, step, kinetic, available } => write!(
                 out,
@@ -452,14 +452,24 @@ impl fmt::Display for Stop {
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,
-                "step {step}: joints have given back energy that they had dissipated, {:.2} % of the energy exchanged, more than {:.2} %; element {element} holds most for its mass",
-                100.0 * share,
-                100.0 * bound
+                "step {step}: joints have given back energy that they had dissipated, {} % of the energy exchanged, more than {} %; element {element} holds most for its mass",
+                percent(*share),
+                percent(*bound)
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
             Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
+    }
+}
+
+/// A share in percent, with digits that are not all 0.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 || (0.01..1e6).contains(&percent.abs()) {
+        format!("{percent:.2}")
+    } else {
+        format!("{percent:.1e}")
     }
 }
 

@@ -16,6 +16,9 @@ use crate::simplex::Simplex;
 pub use crate::strength::Strength;
 use crate::vector::Point;
 
+/// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
+const RUNAWAY: f64 = 10.0;
+
 /// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI
 /// units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -102,8 +105,14 @@ impl<const D: usize, const N: usize> Model<D, N> {
     }
 
     /// Whether an element belongs to a rigid body.
-    pub(crate) fn is_rigid(&self, element: u32) -> bool {
+    pub fn is_rigid(&self, element: u32) -> bool {
         !self.rigid.is_empty() && self.rigid.binary_search(&self.mesh.bodies[element as usize]).is_ok()
+    }
+
+    /// Speed of a node beyond which a run stops, m/s: a multiple of the highest wave speed √(E/ρ) of the
+    /// materials.
+    pub fn speed_limit(&self) -> f64 {
+        RUNAWAY * self.materials.iter().map(Material::bar_speed).fold(0.0, f64::max)
     }
 
     /// Factor of the mass of an element in its motion.

@@ -1,6 +1,7 @@
-//! Threads that begin even where memory ends soon.
+//! Threads that begin even where memory ends soon, and how many a simulation may have.
 
 use std::io;
+use std::num::NonZero;
 use std::sync::mpsc;
 use std::thread::{Builder, JoinHandle};
 
@@ -35,4 +36,31 @@ pub(crate) fn start<R: Send + 'static>(
     let thread = Builder::new().name(name.to_owned()).stack_size(STACK).spawn(begun_work)?;
     begun.recv().map_err(io::Error::other)?;
     Ok(thread)
+}
+
+/// Threads of a simulation for each processor, beyond which they only wait for each other.
+const EACH: usize = 16;
+
+/// Bounds of the largest number of threads: one that is allowed on every machine, and one that starts in
+/// seconds.
+const ALLOWED: usize = 64;
+const STARTED: usize = 1024;
+
+/// Largest number of threads of a simulation on this machine.
+pub(crate) fn most() -> usize {
+    most_on(std::thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+fn most_on(processors: usize) -> usize {
+    processors.saturating_mul(EACH).clamp(ALLOWED, STARTED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_bounded_by_the_processors() {
+        assert_eq!([1, 2, 8, 64, usize::MAX].map(most_on), [64, 64, 128, 1024, 1024]);
+    }
 }

@@ -94,6 +94,10 @@ fn a_run_goes_through_its_stages() {
     ] {
         assert!(run.stderr.contains(line), "{line:?} is not in\n{}", run.stderr);
     }
+    let lost =
+        "warning: [[history]] \"core\" has NaN from this stage on: the part that it measures is not there";
+    assert_eq!(run.stderr.matches(lost).count(), 1, "{}", run.stderr);
+    assert_eq!(run.stderr.matches("has NaN").count(), 1, "{}", run.stderr);
     let history = String::from_utf8(std::fs::read(bench.path("one/history.csv")).unwrap()).unwrap();
     // It ends with its last stage.
     let end = *column(&history, "time").last().unwrap();

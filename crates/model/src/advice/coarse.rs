@@ -9,10 +9,11 @@ use crate::advice::ready::Ready;
 const NONE: f64 = 2.0;
 
 /// Warns of a `mesh_size` above twice the smallest width of a body, as where a length is in another unit. One
-/// warning for each table of the file; bodies with places to refine have other sizes.
+/// warning for each table of the file; bodies with places to refine have other sizes, and the elements of
+/// rigid bodies have no stress.
 pub(crate) fn warn<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &mut Vec<String>) {
     for (table, body) in ready.file.body.iter().enumerate() {
-        let Some(size) = body.mesh_size.filter(|_| body.refine.is_empty()) else { continue };
+        let Some(size) = body.mesh_size.filter(|_| body.refine.is_empty() && !body.rigid) else { continue };
         let widths = ready.placed.iter().filter(|placed| placed.table == table).map(|placed| {
             let [low, high] = bounds(placed.piece.nodes.iter().copied());
             (0..D).map(|axis| high[axis] - low[axis]).fold(f64::INFINITY, f64::min)

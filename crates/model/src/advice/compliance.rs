@@ -18,13 +18,16 @@
 
 use fdem_simulation::{Insertion, Model, Plane};
 
+use crate::advice::deforming;
+
 /// Share by which intrinsic joints lower the modulus of the bodies of a model, at most of all materials;
 /// `None` if there are no joints on all facets.
 pub(crate) fn softer<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<f64> {
     if model.fracture.insertion != Insertion::Intrinsic {
         return None;
     }
-    let breaks = model.materials.iter().filter(|material| material.strength.is_some());
+    let all = model.materials.iter().zip(deforming::materials(model));
+    let breaks = all.filter(|(material, deforms)| *deforms && material.strength.is_some());
     let of = |poissons_ratio: f64| {
         let stiffer = match model.plane {
             Plane::Strain if D == 2 => 1.0 / (1.0 - poissons_ratio * poissons_ratio),
@@ -33,5 +36,5 @@ pub(crate) fn softer<const D: usize, const N: usize>(model: &Model<D, N>) -> Opt
         let added = (D + 1) as f64 * stiffer / (2.0 * model.fracture.joint_penalty);
         added / (1.0 + added)
     };
-    breaks.map(|material| of(material.poissons_ratio)).reduce(f64::max)
+    breaks.map(|(material, _)| of(material.poissons_ratio)).reduce(f64::max)
 }

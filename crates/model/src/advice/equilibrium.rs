@@ -4,6 +4,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::Corners;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
+use crate::advice::deforming;
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::PreparedBody;
 
@@ -74,7 +75,8 @@ fn weight<const D: usize, const N: usize>(
         let nodes = mesh.elements.iter().zip(&mesh.bodies).filter(move |(_, own)| **own == body);
         nodes.flat_map(|(nodes, _)| nodes).any(|&node| outer[node as usize])
     };
-    let Some(body) = (0..bodies.len() as u32).find(|&body| on_ground(body)) else { return };
+    let mut all = 0..bodies.len() as u32;
+    let Some(body) = all.find(|&body| deforming::deforms(model, body) && on_ground(body)) else { return };
     let mut forces = vec![[0.0; D]; mesh.nodes.len()];
     let mut weights = vec![0.0; mesh.nodes.len()];
     for (element, nodes) in mesh.elements.iter().enumerate().filter(|(k, _)| mesh.bodies[*k] == body) {
@@ -140,9 +142,11 @@ where
             let secant = (1.0 + strength.friction * strength.friction).sqrt();
             most > strength.tensile || radius * secant + strength.friction * mean.min(0.0) > strength.cohesion
         };
-        let mut own =
-            model.stresses.iter().zip(&model.mesh.materials).filter(|(_, own)| **own as usize == number);
-        if let Some((stress, _)) = own.find(|(stress, _)| breaks(stress)) {
+        let is_own = |element: &u32| model.mesh.materials[*element as usize] as usize == number;
+        let own = deforming::elements(model).filter(is_own);
+        if let Some(stress) =
+            own.map(|element| &model.stresses[element as usize]).find(|stress| breaks(stress))
+        {
             // In the order of the model file: the diagonal, then xy, yz, xz.
             let diagonal = (0..D).map(|axis| stress[axis][axis]);
             let others = [[0, 1], [1, 2], [0, 2]].into_iter().filter(|[_, column]| *column < D);

@@ -4,6 +4,7 @@ use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
 use fdem_simulation::Element;
 
+use crate::advice::deforming;
 use crate::advice::ready::Ready;
 use crate::advice::slivers::{Slivers, speed};
 use crate::shapes::placed::Placed;
@@ -31,8 +32,10 @@ where
         nodes.map(|node| model.mesh.nodes[node as usize]).least_height()
     };
     let time = |element: u32| height(element) / speeds[model.mesh.materials[element as usize] as usize];
-    let count = model.mesh.elements.len() as u32;
-    let Some(finest) = (0..count).min_by(|&a, &b| time(a).total_cmp(&time(b))) else { return };
+    // Waves through a rigid body set no time step.
+    let Some(finest) = deforming::elements(model).min_by(|&a, &b| time(a).total_cmp(&time(b))) else {
+        return;
+    };
     let Some(number) = bodies.iter().position(|body| body.elements.contains(&finest)) else { return };
     let (body, table) = (&bodies[number], &file.body[placed[number].table]);
     let mut heights: Vec<f64> = body.elements.clone().map(height).collect();

@@ -9,6 +9,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{Boundary, Load, Material, Model, Strength};
 
+use crate::advice::deforming;
 use crate::advice::pressing::presses;
 
 /// Excess of strength from which there is a warning, and that with the velocity that is proposed.
@@ -78,7 +79,8 @@ pub(crate) fn advice<'a, const D: usize, const N: usize>(
         Failure::Split
     };
     let mut worst: Option<(f64, &Material, &'static str)> = None;
-    for material in &model.materials {
+    let deforming = model.materials.iter().zip(deforming::materials(model)).filter(|(_, deforms)| *deforms);
+    for (material, _) in deforming {
         let Some((size, name)) = material.strength.as_ref().map(|strength| failure.strength(strength)) else {
             continue;
         };
@@ -129,8 +131,8 @@ fn is_wide<const D: usize, const N: usize>(model: &Model<D, N>, boundary: &Bound
     let place = |node: u32| mesh.nodes[node as usize];
     let breaks = |material: u32| model.materials[material as usize].strength.is_some();
     let breaking = || {
-        let elements = mesh.elements.iter().zip(&mesh.materials).filter(|(_, material)| breaks(**material));
-        elements.flat_map(|(nodes, _)| nodes.iter().map(|&node| place(node)))
+        let elements = deforming::elements(model).filter(|&element| breaks(mesh.materials[element as usize]));
+        elements.flat_map(|element| mesh.elements[element as usize].map(place))
     };
     let whole = bounds(breaking());
     let length = whole[1][axis] - whole[0][axis];

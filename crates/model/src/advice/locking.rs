@@ -9,6 +9,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::{Corners, bounds, edges};
 use fdem_simulation::{Model, Plane, Target};
 
+use crate::advice::deforming;
 use crate::shapes::outline::{distance, twice_area};
 use crate::shapes::placed::Placed;
 
@@ -103,6 +104,7 @@ pub(crate) fn warnings_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], wa
         excess_in_space(model.materials[member.material].mean_poissons_ratio(), member.elements)
     };
     let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
+        .filter(|&body| deforming::deforms(model, body as u32))
         .filter_map(|body| member_in_space(model, placed, body))
         .filter(|member| error(member) > STIFF)
         .collect();
@@ -114,7 +116,7 @@ pub(crate) fn warnings_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], wa
     }
     for (number, material) in (0..).zip(&model.materials) {
         let nu = material.mean_poissons_ratio();
-        if nu <= NEARLY_INCOMPRESSIBLE || !model.mesh.materials.contains(&number) {
+        if nu <= NEARLY_INCOMPRESSIBLE || !is_in_use(model, number) {
             continue;
         }
         let row = RATIOS_IN_SPACE.iter().position(|ratio| *ratio >= nu).unwrap_or(RATIOS_IN_SPACE.len() - 1);
@@ -151,6 +153,7 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
         excess(model.plane, model.materials[member.material].mean_poissons_ratio(), member.elements)
     };
     let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
+        .filter(|&body| deforming::deforms(model, body as u32))
         .filter_map(|body| member(model, placed, body))
         .filter(|member| member.elements < ENOUGH - 0.5)
         .filter(|member| error(member) > STIFF)
@@ -161,8 +164,8 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
     }
     for (number, material) in model.materials.iter().enumerate() {
         let nu = material.mean_poissons_ratio();
-        let used = model.mesh.materials.contains(&(number as u32));
-        if matches!(model.plane, Plane::Strain) && nu > NEARLY_INCOMPRESSIBLE && used {
+        let in_use = is_in_use(model, number as u32);
+        if matches!(model.plane, Plane::Strain) && nu > NEARLY_INCOMPRESSIBLE && in_use {
             warnings.push(format!(
                 "[[material]] \"{}\": elements lock where Poisson's ratio is {} in plane strain: a member with {ENOUGH} elements through its thickness is about {:.0} % too stiff in bending, \
                  one with 16 about {:.0} %",
@@ -173,6 +176,11 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
             ));
         }
     }
+}
+
+/// Whether a body that deforms has a material.
+fn is_in_use<const D: usize, const N: usize>(model: &Model<D, N>, material: u32) -> bool {
+    deforming::elements(model).any(|element| model.mesh.materials[element as usize] == material)
 }
 
 /// Reports a member that is by `error` too stiff, the worst of `count`; with `needed` elements through it

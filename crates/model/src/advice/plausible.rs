@@ -4,6 +4,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{LoadEffect, LoadSummary, Material, Model};
 
+use crate::advice::deforming;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{Body, Boundary, Component, ModelFile, PieceShape, Stage};
@@ -64,9 +65,6 @@ const RANGES: [Range; 6] = [
 /// Coefficient of friction beyond which it is hardly meant.
 const ROUGH: f64 = 10.0;
 
-/// Speed over that of waves, √(E/ρ), beyond which a run stops.
-const FAST: f64 = 10.0;
-
 /// Gravity beyond which it is hardly meant, even in a centrifuge, m/s².
 const HEAVY: f64 = 5000.0;
 
@@ -123,10 +121,9 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
     }
 }
 
-/// Loads, stresses and speeds beyond all that the materials carry.
+/// Loads and stresses beyond all that the materials carry.
 pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    let largest = |of: fn(&Material) -> f64| model.materials.iter().map(of).fold(0.0, f64::max);
-    let (stiffest, wave) = (largest(Material::stiffest_modulus), largest(Material::bar_speed));
+    let stiffest = model.materials.iter().map(Material::stiffest_modulus).fold(0.0, f64::max);
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let (section, product) = if D == 2 {
@@ -135,6 +132,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
         (width * width, "width of the model squared")
     };
     let length = |vector: &[f64]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let deforms = deforming::nodes(model);
     for boundary in &model.boundaries {
         let title = format!("[[boundary]] \"{}\"", boundary.name);
         let LoadSummary { key, effect, components, .. } = boundary.load.summary();
@@ -142,13 +140,11 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
         let stress = match effect {
             LoadEffect::Force => size / section,
             LoadEffect::Stress => size,
-            LoadEffect::Velocity => {
-                warnings.extend(too_fast(&title, size, wave));
-                continue;
-            }
-            LoadEffect::Displacement | LoadEffect::Support => continue,
+            LoadEffect::Velocity | LoadEffect::Displacement | LoadEffect::Support => continue,
         };
-        if stress > stiffest {
+        // A rigid body has no stress.
+        let on_stress = || boundary.target.nodes().iter().any(|&node| deforms[node as usize]);
+        if stress > stiffest && on_stress() {
             let over =
                 if effect == LoadEffect::Force { format!(" over the {product}") } else { String::new() };
             warnings.push(format!(
@@ -166,19 +162,6 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             brief(stiffest)
         ));
     }
-    let fastest = model.velocities.iter().map(|velocity| length(velocity)).fold(0.0, f64::max);
-    warnings.extend(too_fast("at the start, a body", fastest, wave));
-}
-
-/// Reports a speed at which a run stops.
-fn too_fast(title: &str, speed: f64, wave: f64) -> Option<String> {
-    (speed > FAST * wave).then(|| {
-        format!(
-            "{title} moves at {} m/s: a run stops where a node is faster than {FAST} times the speed of waves in the bodies, {} m/s",
-            brief(speed),
-            brief(wave)
-        )
-    })
 }
 
 fn question(material: &Material, range: &Range, value: f64) -> Option<String> {
@@ -215,6 +198,7 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
             }
         }
     }
+    warnings.extend(idle_seeds(file, document));
     for (index, boundary) in file.boundary.iter().enumerate() {
         warnings.extend(idle(boundary).map(|what| format!("[[boundary]] \"{}\": {what}", boundary.name)));
         let free = |components: &Option<Vec<Component>>| {
@@ -243,6 +227,26 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
         let message = format!("[[material]] \"{}\" is that of no element", material.name);
         faults.push(Fault::at(span, message).label("not used").help(spare));
     }
+}
+
+/// Seeds of strengths that do not scatter.
+fn idle_seeds(file: &ModelFile, document: &Document<'_>) -> Vec<String> {
+    let has_seed = |table: &'static str, index: usize| document.has(Table::of(table, index), "weibull_seed");
+    let of_materials = file
+        .material
+        .iter()
+        .enumerate()
+        .filter(|(index, material)| material.weibull_modulus.is_none() && has_seed("material", *index));
+    let of_interfaces =
+        file.interface.iter().enumerate().filter(|(index, interface)| {
+            interface.weibull_modulus.is_none() && has_seed("interface", *index)
+        });
+    let titles = of_materials.map(|(_, material)| format!("[[material]] \"{}\"", material.name));
+    let titles = titles.chain(of_interfaces.map(|(_, interface)| {
+        let [one, other] = &interface.materials;
+        format!("[[interface]] of \"{one}\" and \"{other}\"")
+    }));
+    titles.map(|title| format!("{title}: weibull_seed changes nothing without weibull_modulus")).collect()
 }
 
 /// Keys that have no effect on a body of this kind.

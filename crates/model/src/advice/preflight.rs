@@ -295,13 +295,19 @@ pub fn steps<const D: usize, const N: usize>(
             brief(critical)
         ));
     }
-    let steps = (prepared.end_time / step).ceil();
-    if !(1.0..=MOST).contains(&steps) {
-        return Err(format!(
-            "it would take {steps:e} steps of {step:e} s: look at densities, moduli, penalties, damping and end time"
-        ));
+    if let Some(why) = uncountable(prepared.end_time, step) {
+        return Err(format!("{why}: look at densities, moduli, penalties, damping and end time"));
     }
-    Ok((step, steps as u64))
+    Ok((step, (prepared.end_time / step).ceil() as u64))
+}
+
+/// Says how many steps there are, if they are more than can be counted.
+pub(crate) fn uncountable(end_time: f64, step: f64) -> Option<String> {
+    let steps = (end_time / step).ceil();
+    (!(1.0..=MOST).contains(&steps)).then(|| {
+        let count = if steps.is_finite() { about(steps) } else { "endlessly many".to_owned() };
+        format!("the run would take {count} steps of {} s", brief(step))
+    })
 }
 
 /// Number of first steps of a run, in which nothing breaks, that are measured.
@@ -360,15 +366,15 @@ impl Pace {
 
 /// A cost, added up over the elements.
 fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost) -> f64) -> f64 {
-    let of = |material: &u32| {
-        let breaks = model.materials[*material as usize].strength.is_some();
+    let of = |(element, material): (u32, &u32)| {
+        let breaks = model.materials[*material as usize].strength.is_some() && !model.is_rigid(element);
         cost(match model.fracture.insertion {
             _ if !breaks => &WHOLE,
             Insertion::Adaptive => &BREAKING,
             Insertion::Intrinsic => &JOINED,
         })
     };
-    model.mesh.materials.iter().map(of).sum()
+    (0..).zip(&model.mesh.materials).map(of).sum()
 }
 
 /// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large

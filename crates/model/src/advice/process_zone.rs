@@ -9,6 +9,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::{bounds, edges};
 use fdem_simulation::{MaterialLaw, Model, Plane, Strength};
 
+use crate::advice::deforming;
 use crate::advice::pressing::presses;
 
 /// Elements in the fracture process zone that are needed for an objective result, and their share of it in
@@ -75,8 +76,10 @@ const SHEAR: Mode = Mode {
 pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     // Mean edge of each element, m.
     let mut of_materials = vec![Vec::new(); model.materials.len()];
-    for (nodes, &material) in model.mesh.elements.iter().zip(&model.mesh.materials) {
+    for element in deforming::elements(model) {
+        let nodes = model.mesh.elements[element as usize];
         let edges = edges(&nodes.map(|node| model.mesh.nodes[node as usize]));
+        let material = model.mesh.materials[element as usize];
         of_materials[material as usize].push(edges.iter().sum::<f64>() / edges.len() as f64);
     }
     let is_loaded = model.boundaries.iter().any(|boundary| presses(boundary, model));

@@ -2,9 +2,9 @@
 //! of the waves that they send.
 
 use fdem_io::numbers::brief;
-use fdem_mesh::bounds;
 use fdem_simulation::{Boundary, Load, LoadEffect, LoadSummary, Material, Model, Schedule};
 
+use crate::advice::deforming;
 use crate::advice::loading_rate;
 use crate::text::file::{ModelFile, Stage};
 
@@ -111,11 +111,12 @@ fn is_damped<const D: usize, const N: usize>(file: &ModelFile, model: &Model<D, 
     model.time.local_damping > 0.0 || model.time.dynamic_relaxation || file.stage.iter().any(damps)
 }
 
-/// Time in which the slowest wave along a bar passes through the model, s.
+/// Time in which the slowest wave along a bar passes through the bodies that deform, s; 0 if none does.
 pub(crate) fn passage<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
-    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let [low, high] = deforming::extent(model);
     let length = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let waves = model.mesh.materials.iter().map(|&material| wave(&model.materials[material as usize]));
+    let material = |element: u32| &model.materials[model.mesh.materials[element as usize] as usize];
+    let waves = deforming::elements(model).map(|element| wave(material(element)));
     length / waves.fold(f64::INFINITY, f64::min)
 }
 
@@ -125,7 +126,7 @@ fn wave(material: &Material) -> f64 {
 }
 
 fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
-    model.materials.iter().any(|material| material.strength.is_some()) || !model.joint_sets.is_empty()
+    deforming::breaks(model) || !model.joint_sets.is_empty()
 }
 
 /// Advice on a load that comes within a few passages of a wave. Motions without a ramp are reported
@@ -207,8 +208,8 @@ fn undamped_stages<const D: usize, const N: usize>(
     model: &Model<D, N>,
     warnings: &mut Vec<String>,
 ) {
-    // The viscosity of all materials calms waves too.
-    if model.materials.iter().all(|material| material.damping >= VISCOUS) {
+    // The viscosity of all materials calms waves too, and rigid bodies have none.
+    if deforming::none(model) || model.materials.iter().all(|material| material.damping >= VISCOUS) {
         return;
     }
     let initial = &file.initial;

@@ -13,5 +13,6 @@ pub(crate) struct Ready<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
     pub(crate) placed: &'a [Placed<D, N>],
     pub(crate) bodies: &'a [PreparedBody],
+    /// Sizes and shapes of the elements of bodies that deform.
     pub(crate) quality: &'a Quality,
 }

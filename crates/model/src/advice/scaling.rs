@@ -21,6 +21,9 @@ const WORTH: f64 = 1.5;
 /// The advice proposes a step that is at most this many times as long.
 const MOST: f64 = 20.0;
 
+/// Factor of the mass of elements whose motion is so slow that it limits no time step.
+const HEAVY: f64 = 1e30;
+
 /// The mass scaling of all stages of a model.
 struct Scaling {
     /// The scaling of each stage, with the numbers of its elements in the whole model; those of a model
@@ -30,6 +33,9 @@ struct Scaling {
     masses: Vec<f64>,
     /// The shortest critical time step of the stages, s.
     critical: f64,
+    /// The shortest critical time step of the contacts of rigid bodies, s, which added mass does not make
+    /// longer; infinite if there is no such body.
+    rigid: f64,
 }
 
 impl Scaling {
@@ -38,7 +44,8 @@ impl Scaling {
         [[f64; D]; N]: Element<D, N> + Corners<D, N>,
     {
         let model = &prepared.model;
-        let mut all = Self { stages: Vec::new(), masses: model.true_masses(), critical: f64::INFINITY };
+        let masses = model.true_masses();
+        let mut all = Self { stages: Vec::new(), masses, critical: f64::INFINITY, rigid: f64::INFINITY };
         if prepared.stages.is_empty() {
             all.add(model, Vec::new())?;
         }
@@ -58,6 +65,11 @@ impl Scaling {
         [[f64; D]; N]: Element<D, N>,
     {
         self.critical = self.critical.min(CriticalStep::of(model)?.step);
+        if !model.rigid.is_empty() {
+            // With elements so heavy, nothing but rigid bodies limits the step.
+            let heavy = Model { mass_factors: vec![HEAVY; model.mesh.elements.len()], ..model.clone() };
+            self.rigid = self.rigid.min(CriticalStep::of(&heavy)?.step);
+        }
         self.stages.push((MassScaling::of(model)?, elements));
         Ok(())
     }
@@ -91,7 +103,7 @@ impl Scaling {
 
     /// The longest critical step up to `most`, s, with an added mass up to this share.
     fn longest(&self, share: f64, most: f64) -> f64 {
-        let (mut low, mut high) = (self.critical, most);
+        let (mut low, mut high) = (self.critical, most.min(self.rigid));
         let bound = share * self.mass();
         while high > 1.001 * low {
             let middle = (low * high).sqrt();
@@ -130,6 +142,20 @@ where
     // The preflight of such a model reports the problem.
     let Ok(scaling) = Scaling::of(prepared) else { return Ok(()) };
     let (step, safety) = (asked.time_step, prepared.model.time.safety);
+    if step > safety * scaling.rigid {
+        return Err(Fault::at(
+            document.value(Table::one("model"), "mass_scaling.time_step"),
+            format!(
+                "a time step of {} s is too long for the contacts of rigid bodies, which take no added mass",
+                brief(step)
+            ),
+        )
+        .label("too long")
+        .help(format!(
+            "take at most {} s, or a lower penalty, or larger elements of rigid bodies",
+            rounded_down(safety * scaling.rigid)
+        )));
+    }
     let factors = scaling.factors(step / safety);
     let (true_mass, added_mass) = (scaling.mass(), scaling.added(&factors));
     if added_mass > asked.added_mass * true_mass {

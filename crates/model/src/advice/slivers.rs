@@ -4,6 +4,8 @@ use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
 use fdem_simulation::{Element, Model};
 
+use crate::advice::deforming;
+
 /// Share of the elements that may be slivers, and how many may be in any case.
 const FEW: (f64, usize) = (0.005, 10);
 
@@ -33,9 +35,10 @@ impl Slivers {
     where
         [[f64; D]; N]: Corners<D, N> + Element<D, N>,
     {
-        let mut times: Vec<(f64, f64, u32)> = (0..)
-            .zip(model.mesh.elements.iter().zip(&model.mesh.materials))
-            .map(|(element, (nodes, &material))| {
+        let mut times: Vec<(f64, f64, u32)> = deforming::elements(model)
+            .map(|element| {
+                let nodes = model.mesh.elements[element as usize];
+                let material = model.mesh.materials[element as usize];
                 let height = nodes.map(|node| model.mesh.nodes[node as usize]).least_height();
                 (height / speed(model, material as usize), height, element)
             })

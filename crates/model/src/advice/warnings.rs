@@ -10,6 +10,7 @@ use fdem_mesh::bounds;
 use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_simulation::{Boundary, Load, MaterialLaw, Model, Strength, Target};
 
+use crate::advice::deforming::{self, breaks};
 use crate::advice::ready::Ready;
 use crate::advice::{coarse, equilibrium, fine, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
@@ -98,10 +99,6 @@ fn sharp_shape(ready: &Ready<'_, 3, 4>) -> Option<String> {
     })
 }
 
-fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
-    model.materials.iter().any(|material| material.strength.is_some())
-}
-
 /// Returns the warnings of models in any dimensions. Angles below `poor` degrees are poor; `cause` says why
 /// there are any.
 fn of_both<const D: usize, const N: usize>(
@@ -113,8 +110,12 @@ fn of_both<const D: usize, const N: usize>(
     let mut warnings = Vec::new();
     process_zone::warnings(model, &mut warnings);
     platens(model, &mut warnings);
+    let deforms = deforming::nodes(model);
     for boundary in &model.boundaries {
-        stepped(boundary, &mut warnings);
+        // Nothing sends a shock into a rigid body.
+        if boundary.target.nodes().iter().any(|&node| deforms[node as usize]) {
+            stepped(boundary, &mut warnings);
+        }
         lone_node(ready, boundary, &mut warnings);
     }
     let breaks = breaks(model);
@@ -127,7 +128,7 @@ fn of_both<const D: usize, const N: usize>(
             cause()
         ));
     }
-    if model.contact.penalty < SOFT && (bodies.len() > 1 || breaks) {
+    if model.contact.penalty < SOFT && (bodies.len() > 1 || breaks) && !deforming::none(model) {
         warnings.push(format!(
             "[contact] penalty = {}: bodies are softer where they touch than inside, and sink into each other; 1 to 10 is usual",
             brief(model.contact.penalty)
@@ -145,8 +146,8 @@ fn of_both<const D: usize, const N: usize>(
 
 /// Warns of a tensile strength above that at which Mohr and Coulomb's strength in shear is 0, c/tan φ.
 fn apex<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    for material in &model.materials {
-        let Some(strength) = material.strength else { continue };
+    for (material, deforms) in model.materials.iter().zip(deforming::materials(model)) {
+        let Some(strength) = material.strength.filter(|_| deforms) else { continue };
         let on_bedding = match &material.law {
             MaterialLaw::TransverselyIsotropic(bedding) => bedding.strength,
             _ => None,
@@ -177,12 +178,20 @@ fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut V
         let [low, high] = bounds(nodes.iter().map(|&node| model.mesh.nodes[node as usize]));
         f64::midpoint(low[axis], high[axis])
     };
+    // Stress waves pass through a body that deforms between the two.
+    let deforms = deforming::nodes(model);
+    let deforms_between = |axis: usize, [one, other]: [f64; 2]| {
+        let between = one.min(other)..=one.max(other);
+        let mut nodes = model.mesh.nodes.iter().zip(&deforms).filter(|(_, deforms)| **deforms);
+        nodes.any(|(node, _)| between.contains(&node[axis]))
+    };
     for moving in &model.boundaries {
         for (axis, name) in AXES.iter().enumerate().take(D) {
             let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
             // A boundary that is driven towards a held one, or away from it.
             let held = model.boundaries.iter().find(|held| {
-                components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
+                let ends = [held, moving].map(|boundary| middle(boundary, axis));
+                components(held)[axis] == Some(0.0) && ends[0] != ends[1] && deforms_between(axis, ends)
             });
             if let Some(held) = held {
                 warnings.push(format!(
@@ -222,8 +231,10 @@ fn lone_node<const D: usize, const N: usize>(
     for &node in nodes {
         *counts.entry(ready.bodies.partition_point(|body| body.nodes.end <= node)).or_default() += 1;
     }
-    let lone =
-        counts.into_iter().filter(|&(body, count)| count == 1 && ready.bodies[body].elements.len() > FEW);
+    let is_lone = |&(body, count): &(usize, usize)| {
+        count == 1 && ready.bodies[body].elements.len() > FEW && deforming::deforms(ready.model, body as u32)
+    };
+    let lone = counts.into_iter().filter(is_lone);
     let lone: Vec<usize> = lone.map(|(body, _)| body).collect();
     let Some(&first) = lone.first() else { return };
     let others = match lone.len() - 1 {

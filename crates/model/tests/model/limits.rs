@@ -219,3 +219,46 @@ fn a_mesh_size_far_below_the_width_of_a_body_has_to_be_meant() {
     assert_eq!((right, loads), (Ok(()), 1), "the file is read once");
     assert_eq!(seen, ["bar: 0.3 x 0.3 x 0.3 m, from [0, 0, 0], mesh_size 0.1 m"]);
 }
+
+#[test]
+fn numbers_with_which_no_run_ends_are_refused_at_their_line() {
+    let refused = |text: &str, parts: &[&str]| {
+        let told = read(text).unwrap_err().to_string();
+        for part in parts {
+            assert!(told.contains(part), "{part} is not in\n{told}");
+        }
+    };
+    let breaks = SMALL.to_owned()
+        + "tensile_strength = 10e6\ncohesion = 30e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+    let endless = "the run would take ";
+    for (text, place, title) in [
+        (format!("{SMALL}[contact]\npenalty = 1e30\n"), "model.toml:16:", "[contact] penalty = 1e30: "),
+        (
+            format!("{breaks}[fracture]\njoint_penalty = 1e30\n"),
+            "model.toml:21:",
+            "[fracture] joint_penalty = 1e30: ",
+        ),
+        (SMALL.replace("2700", "1e-30"), "model.toml:12:", "[[material]] \"rock\": density = 1e-30: "),
+        (SMALL.replace("end_time", "time_step = 1e-30\nend_time"), "model.toml:2:", "time_step = 1e-30 s: "),
+    ] {
+        refused(&text, &[place, title, endless]);
+    }
+    let short = SMALL.replace("end_time", "time_step = 1e-6\nend_time");
+    let part = "[contact] penalty = 1e30: its time step of 1e-6 s is ";
+    refused(
+        &format!("{short}[contact]\npenalty = 1e30\n"),
+        &["model.toml:17:", part, "times the critical one"],
+    );
+    // A penalty that is much, and with which a run ends.
+    right(&format!("{SMALL}[contact]\npenalty = 1e9\n"));
+}
+
+#[test]
+fn a_bound_of_the_energy_balance_below_rounding_is_refused() {
+    let told = read(&SMALL.replace("end_time", "energy_bound = 1e-30\nend_time")).unwrap_err().to_string();
+    for part in
+        ["model.toml:2:", "energy_bound = 1e-30 is below the rounding of energies, 1e-12", "0.01 to 0.1"]
+    {
+        assert!(told.contains(part), "{part} is not in\n{told}");
+    }
+}

@@ -181,3 +181,45 @@ fn stages_that_are_to_reach_an_equilibrium_are_told_to_be_damped() {
     let ground = format!("{SMALL}{BOUNDARIES}[initial]\nstress = [-1e3, 0, 0]\n{stage}");
     assert!(!right(&ground).warnings.join("\n").contains("ends at an equilibrium"));
 }
+
+/// A rigid block below one of a soft material that deforms.
+const ON_RIGID: &str = r#"
+[model]
+end_time = 0.02
+[[body]]
+name = "a"
+material = "rock"
+rectangle = { min = [0, 0], max = [1, 1] }
+mesh_size = 0.2
+rigid = true
+[[body]]
+name = "b"
+material = "soft"
+rectangle = { min = [0, 1], max = [1, 2] }
+mesh_size = 0.2
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.2
+[[material]]
+name = "soft"
+density = 2700
+youngs_modulus = 1e6
+poissons_ratio = 0.2
+"#;
+
+/// Added mass makes no contact of a rigid body slower: such a step was called stable and not stable.
+#[test]
+fn a_step_that_is_too_long_for_rigid_bodies_is_refused() {
+    let scaled = |step: &str| {
+        let keys = format!("mass_scaling = {{ time_step = {step}, added_mass = 1000 }}\nend_time");
+        ON_RIGID.replace("end_time", &keys)
+    };
+    let refused = read(&scaled("1e-4")).unwrap_err().to_string();
+    for part in ["model.toml:3:", "too long for the contacts of rigid bodies", "take at most 9.4e-6 s"] {
+        assert!(refused.contains(part), "{part} is not in\n{refused}");
+    }
+    let warnings = Preflight::of(&right(&scaled("9e-6"))).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("mass_scaling adds no mass"), "{warnings:?}");
+}

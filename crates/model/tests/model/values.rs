@@ -326,3 +326,23 @@ fn a_file_of_a_table_is_told_its_key() {
     let AnyPrepared::Plane(prepared) = prepared else { panic!("of triangles") };
     assert_eq!(prepared.model.boundaries[0].schedule, right(PLAIN).model.boundaries[0].schedule);
 }
+
+#[test]
+fn revolutions_are_angles() {
+    let spin = |speed: &str| {
+        let boundary = format!(
+            "[[boundary]]\nname = \"drum\"\nbody = \"floor\"\nside = \"top\"\nrotation = {{ through = [0, 0], speed = {speed} }}\n"
+        );
+        let fdem_simulation::Load::Rotation { spin, .. } =
+            right(&format!("{PLAIN}{boundary}")).model.boundaries[2].load
+        else {
+            panic!("no rotation");
+        };
+        spin
+    };
+    for same in ["\"15 rpm\"", "\"0.25 rev/s\"", "\"(1/4) rev/s\"", "\"90 deg/s\""] {
+        assert_eq!(spin(same), spin("90"), "{same}");
+    }
+    let wrong = read(&PLAIN.replace("angle = 30", "angle = \"30 rpm\"")).unwrap_err().to_string();
+    assert!(wrong.contains("\"30 rpm\" is an angular velocity, but angle is in deg"), "{wrong}");
+}

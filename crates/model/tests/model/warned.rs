@@ -224,7 +224,6 @@ fn loads_and_speeds_beyond_what_materials_carry_are_warned_of() {
             boundary("velocity = [1e6, 0]\nramp = 1"),
             "\"b\" moves at 1e6 m/s: a run stops where a node is faster",
         ),
-        (with("[initial]\nvelocity = { block = [1e6, 0] }"), "at the start, a body moves at 1e6 m/s"),
         (with("[initial]\nstress = [1e20, 0, 0]"), "[initial] stress is up to 1e20 Pa"),
         (SMALL.replace("0.25", "0.25\nfriction = 1e20"), "friction = 1e20 is much"),
         (
@@ -291,4 +290,132 @@ fn a_servo_that_moves_away_from_its_target_is_a_warning() {
         let warnings = right(&text).warnings;
         assert!(!warnings.iter().any(|warning| warning.contains("moves away")), "{warnings:?}");
     }
+}
+
+/// A model of a rigid block with everything that is a warning where a body deforms.
+const RIGID: &str = r#"[model]
+end_time = 1e-3
+plane = "strain"
+gravity = [0, -9.81]
+
+[[body]]
+name = "jaw"
+material = "rock"
+polygon = { points = [[0, 0], [3, 0], [3, 0.05], [0.01, 0.05], [0, 0.1]] }
+mesh_size = 0.25
+
+[[body]]
+name = "floor"
+material = "rock"
+rectangle = { min = [-1, -1], max = [4, -0.5] }
+mesh_size = 0.3
+
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.49
+tensile_strength = 30e6
+cohesion = 10e6
+friction_angle = 30
+fracture_energy_i = 1
+fracture_energy_ii = 1
+
+[[boundary]]
+name = "push"
+body = "jaw"
+side = "top"
+velocity = [0, -50]
+
+[[boundary]]
+name = "load"
+body = "jaw"
+side = "right"
+traction = [1e12, 0]
+
+[[boundary]]
+name = "hold"
+body = "floor"
+side = "bottom"
+fixed = "xy"
+
+[contact]
+penalty = 0.1
+
+[fracture]
+joint_penalty = 0.5
+"#;
+
+#[test]
+fn warnings_of_stress_are_not_about_rigid_bodies() {
+    let told = right(RIGID).warnings.join("\n");
+    for part in [
+        "fracture process zone",
+        "is there at once",
+        "one node alone",
+        "its traction is",
+        "elements lock",
+        "elements through its thickness",
+        "cannot carry its tensile strength",
+        "softer where they touch",
+        "joints are softer",
+        "the two sides are not loaded alike",
+        "by inertia",
+        "times its smallest width",
+    ] {
+        assert!(told.contains(part), "{part} is not in\n{told}");
+    }
+    let rigid = RIGID.replace("\nmaterial = ", "\nrigid = true\nmaterial = ");
+    assert_eq!(right(&rigid).warnings, Vec::<String>::new());
+    let whole = rigid.replace("side = \"top\"\n", "");
+    assert_eq!(Preflight::of(&right(&whole)).unwrap().warnings, Vec::<String>::new());
+}
+
+#[test]
+fn the_worst_angle_is_that_of_a_body_that_deforms() {
+    // A tip of a few degrees.
+    let tip = "[[body]]\nname = \"tip\"\nmaterial = \"rock\"\npolygon = { points = [[2, 0], [3, 0], [3, 0.05]] }\nmesh_size = 0.1\n";
+    warned(&with(tip), "degrees: its stress is poor");
+    assert_eq!(right(&with(&format!("{tip}rigid = true\n"))).warnings, Vec::<String>::new());
+}
+
+#[test]
+fn a_seed_of_a_strength_that_does_not_scatter_is_a_warning() {
+    let text = format!("{SMALL}{STRENGTH}weibull_seed = 3\n");
+    warned(&text, "[[material]] \"rock\": weibull_seed changes nothing without weibull_modulus");
+    let scatters = right(&format!("{text}weibull_modulus = 10\n")).warnings;
+    assert!(!scatters.iter().any(|told| told.contains("weibull")), "{scatters:?}");
+    let text = format!(
+        "{SMALL}{STRENGTH}[[interface]]\nmaterials = [\"rock\", \"rock\"]\n{STRENGTH}weibull_seed = 3\n"
+    );
+    warned(&text, "[[interface]] of \"rock\" and \"rock\": weibull_seed changes nothing");
+}
+
+#[test]
+fn speeds_at_which_a_run_stops_are_refused_at_their_line() {
+    let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
+    let turns = |speed: &str| boundary(&format!("rotation = {{ through = [0, 0], speed = {speed} }}"));
+    let limit =
+        "a run stops where a node is faster than 10 times the speed of waves in the bodies, 33333.3 m/s";
+    for (text, parts) in [
+        (turns("1e9"), ["m:19:", "[[boundary]] \"b\" moves at 8.72665e6 m/s"]),
+        (boundary("velocity = [0, 4e4]"), ["m:19:", "[[boundary]] \"b\" moves at 40000 m/s"]),
+        (
+            boundary("velocity = [1, 0]\ntable = [[0, 0], [5e-4, 4e4], [1e-3, 0]]"),
+            ["m:19:", "moves at 40000 m/s"],
+        ),
+        (
+            with("[initial]\nvelocity = { block = [1e6, 0] }"),
+            ["m:17:", "[[body]] \"block\" moves at 1e6 m/s"],
+        ),
+        (SMALL.replace("mesh_size", "velocity = [1e6, 0]\nmesh_size"), ["m:8:", "moves at 1e6 m/s"]),
+        (SMALL.replace("mesh_size", "velocity = [1, 0]\nspin = 1e9\nmesh_size"), ["m:9:", "moves at 9.7"]),
+    ] {
+        for part in parts.into_iter().chain([limit]) {
+            refused(&text, part);
+        }
+    }
+    // It comes to this speed after the end of the run.
+    warned(&boundary("rotation = { through = [0, 0], speed = 1e9 }\nramp = 10"), "moves at 8.72665e6 m/s");
+    right(&turns("1e6"));
 }

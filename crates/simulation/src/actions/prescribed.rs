@@ -2,7 +2,7 @@
 //! of the nodes finds the reactions.
 
 use crate::error::ModelError;
-use crate::model::{Load, Model, Schedule};
+use crate::model::{Boundary, Load, Model, Schedule};
 use crate::rotation::{UNTURNED, lifted, matrix_of, turned};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -73,32 +73,48 @@ impl Hold {
 
 /// The greatest speed that a model gives to nodes, m/s: at the beginning, and by prescribed motions.
 pub(crate) fn fastest<const D: usize, const N: usize>(model: &Model<D, N>, step: f64) -> f64 {
-    let length_of = |vector: [f64; D]| dot(vector, vector).sqrt();
     let initial = model.velocities.iter().map(|&velocity| length_of(velocity));
     let prescribed = model.boundaries.iter().map(|boundary| match boundary.load {
-        Load::Velocity(velocity) => {
-            length_of(velocity.map(Option::unwrap_or_default)) * boundary.schedule.most()
-        }
         Load::Displacement(goal) => {
             length_of(goal.map(Option::unwrap_or_default)) * boundary.schedule.steepest(step)
         }
-        Load::Rotation { spin, through } => {
-            let speed =
-                |node: u32| length(cross3(spin, lifted(minus(model.mesh.nodes[node as usize], through))));
-            boundary.target.nodes().into_iter().map(speed).fold(0.0, f64::max) * boundary.schedule.most()
-        }
-        _ => 0.0,
+        _ => boundary.greatest_speed(&model.mesh.nodes, f64::INFINITY),
     });
     initial.chain(prescribed).fold(0.0, f64::max)
 }
 
+fn length_of<const D: usize>(vector: [f64; D]) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+impl<const D: usize> Boundary<D> {
+    /// The greatest speed that its velocity or its rotation gives to a node before a time `end`, s, in m/s; 0
+    /// for other loads. `nodes`: those of the mesh, m.
+    pub fn greatest_speed(&self, nodes: &[[f64; D]], end: f64) -> f64 {
+        let full = match self.load {
+            Load::Velocity(velocity) => length_of(velocity.map(Option::unwrap_or_default)),
+            Load::Rotation { spin, through } => {
+                let speed = |node: u32| length(cross3(spin, lifted(minus(nodes[node as usize], through))));
+                self.target.nodes().into_iter().map(speed).fold(0.0, f64::max)
+            }
+            _ => return 0.0,
+        };
+        full * self.schedule.most(end)
+    }
+}
+
 impl Schedule {
-    /// The largest magnitude of the factor.
-    fn most(&self) -> f64 {
+    /// The largest magnitude of the factor from the beginning to a time `end`, s.
+    fn most(&self, end: f64) -> f64 {
         match self {
-            Self::Constant | Self::Ramp(_) => 1.0,
-            Self::Table(rows) => rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max),
-            Self::From(_, schedule) => schedule.most(),
+            Self::Constant => 1.0,
+            Self::Ramp(_) => self.factor(end),
+            Self::Table(rows) => {
+                let ends = self.factor(0.0).abs().max(self.factor(end).abs());
+                let inside = rows.iter().filter(|row| (0.0..end).contains(&row[0]));
+                inside.map(|row| row[1].abs()).fold(ends, f64::max)
+            }
+            Self::From(start, schedule) => schedule.most((end - start).max(0.0)),
         }
     }
 
@@ -222,5 +238,7 @@ mod tests {
         assert!((ramp.factor(1.0) - 0.5).abs() < 1e-15);
         let table = Schedule::Table(vec![[1.0, 2.0], [3.0, 4.0], [4.0, 0.0]]);
         assert_eq!([0.0, 1.0, 2.0, 3.0, 3.5, 9.0].map(|t| table.factor(t)), [2.0, 2.0, 3.0, 4.0, 2.0, 0.0]);
+        assert_eq!([0.0, 2.0, 3.5, f64::INFINITY].map(|end| table.most(end)), [2.0, 3.0, 4.0, 4.0]);
+        assert_eq!([1.0, f64::INFINITY].map(|end| ramp.most(end)), [ramp.factor(1.0), 1.0]);
     }
 }

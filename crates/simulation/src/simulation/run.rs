@@ -31,9 +31,6 @@ use crate::timings::Timings;
 use crate::topology::Topology;
 use crate::vector::{Matrix, Point};
 
-/// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
-const RUNAWAY: f64 = 10.0;
-
 /// Energy that is negligible: that of a uniform strain of this size, and the work of the initial stress at
 /// [`ROUNDED_STRAIN`].
 const NEGLIGIBLE_STRAIN: f64 = 1e-8;
@@ -197,8 +194,7 @@ where
         if solid.is_prestressed() {
             actions.support(&scene);
         }
-        let wave = model.materials.iter().map(crate::model::Material::bar_speed).fold(0.0, f64::max);
-        let speed_limit = RUNAWAY * wave;
+        let speed_limit = model.speed_limit();
         let modulus = |material: u32| model.materials[material as usize].stiffest_modulus();
         let stiffnesses = || {
             let all = (0..solid.element_count()).map(|element| solid.element(element));

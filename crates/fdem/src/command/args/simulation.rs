@@ -9,6 +9,7 @@ use fdem_results::Field;
 
 use crate::command::args::drawings::drawing;
 use crate::command::templates::TEMPLATES;
+use crate::command::threads;
 use fdem_model::{Setting, library};
 
 /// Largest number of runs of a sweep, unless another is given.
@@ -282,10 +283,11 @@ fn at_once(text: &str) -> Result<usize, String> {
     }
 }
 
-/// More threads than 1024 take minutes to start, and then slow each other down.
+/// Many more threads than processors slow each other down.
 fn threads(text: &str) -> Result<usize, String> {
+    let most = threads::most();
     match text.parse() {
-        Ok(count) if count <= 1024 => Ok(count),
-        _ => Err("a whole number from 0 to 1024 is needed".to_owned()),
+        Ok(count) if count <= most => Ok(count),
+        _ => Err(format!("a whole number from 0 to {most} is needed: more only wait for the processors")),
     }
 }

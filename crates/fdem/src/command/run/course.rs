@@ -16,7 +16,7 @@ use crate::command::run::engine::Engine;
 use crate::command::run::observer::Observer;
 use crate::command::run::results::Results;
 use crate::command::run::stages::{Stages, StepState};
-use fdem_model::{Entered, Prepared, Reached};
+use fdem_model::{Entered, Prepared, Quantity, Reached};
 
 /// A run before its first step, or at the point where it continues.
 pub(crate) struct Start<const D: usize, const N: usize>
@@ -308,6 +308,7 @@ where
             turned.told.push(ended);
             return Ok(());
         }
+        let before = self.observer.values(&*self.run, &self.prepared);
         let next = stages.next(&self.prepared, self.run.state(), self.run.threads());
         let (mut prepared, run) =
             next.map_err(|why| Failure::Wrong(format!("{ended}; the next cannot begin: {why}")))?;
@@ -320,8 +321,28 @@ where
         self.control(true, turned)?;
         turned.told.push(ended);
         turned.told.push(format!("{now} with {} elements", grouped(self.run.elements() as u64)));
+        self.name_lost_histories(&before, turned);
         turned.entered = true;
         Ok(())
+    }
+
+    /// Names the histories that have lost their values with the part or the boundary that they measure.
+    /// `before`: values of each history at the end of the stage before.
+    fn name_lost_histories(&self, before: &[Vec<f64>], turned: &mut Turned) {
+        let has_values = |values: &Vec<f64>| !values.iter().any(|value| value.is_nan());
+        let now = self.observer.values(&*self.run, &self.prepared);
+        for ((history, before), now) in self.prepared.histories.iter().zip(before).zip(&now) {
+            if has_values(before) && !has_values(now) {
+                let why = match history.quantity {
+                    Quantity::Force(_) => "its boundary does not act there",
+                    _ => "the part that it measures is not there",
+                };
+                turned.told.push(format!(
+                    "warning: [[history]] \"{}\" has NaN from this stage on: {why}",
+                    history.name
+                ));
+            }
+        }
     }
 
     /// The first step after this one at which a servo looks at its column.

@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::command::sweep::values::{self, Axis, Scale};
+use crate::command::threads;
 use fdem_model::{Fault, ModelErrors, Setting, constant, nearest, number, toml_tree, whole};
 
 /// The keys of a sweep file.
@@ -19,7 +20,7 @@ const KINDS: [&str; 4] = ["grid", "run", "table", "latin_hypercube"];
 /// The keys of a range.
 const RANGE: [&str; 4] = ["from", "to", "count", "scale"];
 
-/// Most processes and threads.
+/// Most processes.
 const MOST: f64 = 1024.0;
 
 /// A sweep as its file has it.
@@ -191,6 +192,8 @@ impl Reader {
             9e15
         } else if key == "count" {
             1e9
+        } else if key == "threads" {
+            threads::most() as f64
         } else {
             MOST
         };

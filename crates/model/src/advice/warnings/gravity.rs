@@ -5,6 +5,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::bounds;
 use fdem_simulation::{Load, LoadEffect, Model, Schedule};
 
+use crate::advice::deforming;
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::PreparedBody;
 
@@ -19,7 +20,7 @@ const NO_LOAD: f64 = 0.01;
 const PASSAGES: f64 = 20.0;
 
 /// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each
-/// other.
+/// other. Rigid bodies have no stress that could swing.
 pub(super) fn sudden<const D: usize, const N: usize>(
     model: &Model<D, N>,
     bodies: &[PreparedBody],
@@ -40,15 +41,15 @@ pub(super) fn sudden<const D: usize, const N: usize>(
         (0..D).map(|axis| (high[axis] - low[axis]) * model.gravity[axis].abs() / gravity).sum::<f64>();
     let of_body = |body: &PreparedBody| body.nodes.clone().map(|node| held[node as usize]);
     let wholly: Vec<bool> = bodies.iter().map(|body| of_body(body).all(|held| held)).collect();
-    let carried = bodies.iter().zip(&wholly).any(|(body, wholly)| {
-        let partly = of_body(body).any(|held| held) && !wholly;
+    let carried = (0..).zip(bodies).zip(&wholly).any(|((number, body), wholly)| {
+        let partly = of_body(body).any(|held| held) && !wholly && deforming::deforms(model, number);
         partly && breaks_under_weight(model, body, gravity * height)
     });
     if !carried && (bodies.len() < 2 || !rests(model, |body| wholly[body as usize])) {
         return;
     }
-    let slowest =
-        model.materials.iter().map(fdem_simulation::Material::bar_speed).fold(f64::INFINITY, f64::min);
+    let deforming = model.materials.iter().zip(deforming::materials(model)).filter(|(_, deforms)| *deforms);
+    let slowest = deforming.map(|(material, _)| material.bar_speed()).fold(f64::INFINITY, f64::min);
     warnings.push(format!(
         "gravity acts at once: what it carries swings to twice its static stress, and can fail where it would stand; \
          write gravity_ramp = {} in [model], or longer for what rocks",
@@ -89,7 +90,8 @@ fn breaks_under_weight<const D: usize, const N: usize>(
     })
 }
 
-/// Whether two bodies rest on each other at the beginning, of which at least one is not held as a whole.
+/// Whether two bodies rest on each other at the beginning, of which at least one is not held as a whole, and
+/// at least one deforms.
 fn rests<const D: usize, const N: usize>(model: &Model<D, N>, wholly: impl Fn(u32) -> bool) -> bool
 where
     [[f64; D]; N]: Dimensions<D, N>,
@@ -111,7 +113,8 @@ where
         .and_then(|boxes| {
             Detector::new().for_each(&boxes, |Couple { i, j }| {
                 let held = [i, j].into_iter().all(|element| wholly(mesh.bodies[element as usize]));
-                rests = rests || (!held && touches(i, j));
+                let deforms = [i, j].into_iter().any(|element| !model.is_rigid(element));
+                rests = rests || (!held && deforms && touches(i, j));
             })
         });
     // A model that cannot be searched cannot be run either, and is reported there.

@@ -4,6 +4,7 @@ use fdem_io::numbers::brief;
 use fdem_mesh::{Corners, bounds};
 use fdem_simulation::{Load, Model};
 
+use crate::advice::deforming::deforms;
 use crate::advice::ready::Ready;
 use crate::bodies::dimensions::Dimensions;
 use crate::text::file::Ground;
@@ -46,7 +47,8 @@ where
         let stresses = &ready.model.stresses[elements.start as usize..elements.end as usize];
         stresses.iter().flatten().flatten().any(|stress| *stress != 0.0)
     };
-    let bodies: Vec<usize> = (0..ready.bodies.len()).filter(under_stress).collect();
+    let may_have_stress = |body: &usize| deforms(ready.model, *body as u32);
+    let bodies: Vec<usize> = (0..ready.bodies.len()).filter(may_have_stress).filter(under_stress).collect();
     warnings.extend(bodies.iter().find_map(|&body| unlike(ready, ground, body)));
     let range = |body: usize| {
         let [low, high] = bounds(ready.placed[body].piece.nodes.iter().copied());

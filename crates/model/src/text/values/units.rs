@@ -107,7 +107,7 @@ pub(crate) struct Unit {
 /// The International System of Units, 9th edition (2019); pound-force and inch: B.N. Taylor, A. Thompson,
 /// "The International System of Units", NIST SP 330 (2008), and A. Thompson, B.N. Taylor, NIST SP 811 (2008),
 /// appendix B.
-const UNITS: [(&str, f64, i32, [i32; 4]); 40] = [
+const UNITS: [(&str, f64, i32, [i32; 4]); 42] = [
     ("m", 1.0, 0, [0, 1, 0, 0]),
     ("km", 1.0, 3, [0, 1, 0, 0]),
     ("dm", 1.0, -1, [0, 1, 0, 0]),
@@ -147,6 +147,8 @@ const UNITS: [(&str, f64, i32, [i32; 4]); 40] = [
     ("deg", 1.0, 0, [0, 0, 0, 1]),
     ("rad", 180.0 / std::f64::consts::PI, 0, [0, 0, 0, 1]),
     ("mrad", 180.0 / std::f64::consts::PI, -3, [0, 0, 0, 1]),
+    ("rev", 360.0, 0, [0, 0, 0, 1]),
+    ("rpm", 6.0, 0, [0, 0, -1, 1]),
     ("%", 1.0, -2, [0, 0, 0, 0]),
 ];
 
