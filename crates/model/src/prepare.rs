@@ -376,18 +376,11 @@ impl Checked<'_> {
         warnings.extend(notes_of(file, &placed));
         warnings.extend(lines.notes);
         sets::vanished(file, &placed, &mut warnings);
-        plausible::units(&model, &mut warnings);
-        plausible::loads(&model, &mut warnings);
         conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
-        too_fast::check((file, document), &model, &placed, &mut warnings, &mut idle);
-        plausible::without_effect(file, (document, &is_in_model), &model, &mut warnings, &mut idle);
-        joined::check((file, document), &model, &mut warnings, &mut idle);
         let deforming = deforming::quality(&model, &quality);
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &deforming };
-        overlaps::check(&ready, document, &mut warnings, &mut idle);
-        none_or(idle)?;
-        warnings.extend(<[[f64; D]; N]>::warnings(&ready));
+        advise(&ready, document, &is_in_model, &mut warnings, idle)?;
         let mut prepared = Prepared {
             title: file.model.title.clone(),
             end_time: file.model.end_time,
@@ -418,6 +411,29 @@ impl Checked<'_> {
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
     }
+}
+
+/// Adds warnings of a whole model. `faults`: parts of it that have no effect.
+fn advise<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    document: &Document<'_>,
+    is_in_model: &dyn Fn(&std::ops::Range<usize>) -> bool,
+    warnings: &mut Vec<String>,
+    mut faults: Vec<Fault>,
+) -> Result<(), Vec<Fault>>
+where
+    [[f64; D]; N]: Advised<D, N>,
+{
+    let Ready { file, model, placed, .. } = *ready;
+    plausible::units(model, warnings);
+    plausible::loads(model, warnings);
+    too_fast::check((file, document), model, placed, warnings, &mut faults);
+    plausible::without_effect(file, (document, is_in_model), model, warnings, &mut faults);
+    joined::check((file, document), model, warnings, &mut faults);
+    overlaps::check(ready, document, warnings, &mut faults);
+    none_or(faults)?;
+    warnings.extend(<[[f64; D]; N]>::warnings(ready));
+    Ok(())
 }
 
 /// Options of the integration in time.

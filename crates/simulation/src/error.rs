@@ -285,10 +285,16 @@ impl ModeWords {
 }
 
 /// A positive number to four digits, rounded up unless the rest is an error of rounding.
-fn rounded_up(number: f64) -> f64 {
+fn rounded_up(number: f64) -> String {
     let digit = libm::pow(10.0, libm::floor(libm::log10(number)) - 3.0);
     let up = libm::ceil(number / digit - 1e-6) * digit;
-    format!("{up:.3e}").parse().unwrap_or(number)
+    let up: f64 = format!("{up:.3e}").parse().unwrap_or(number);
+    // No number has hundreds of digits, and some are too small for the logarithm.
+    match up {
+        _ if !up.is_finite() => format!("{number:.3e}"),
+        _ if (1e-4..1e7).contains(&up) => up.to_string(),
+        _ => format!("{up:e}"),
+    }
 }
 
 /// Reason why a run stopped before its end.

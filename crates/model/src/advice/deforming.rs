@@ -26,8 +26,12 @@ pub(crate) fn materials<const D: usize, const N: usize>(model: &Model<D, N>) -> 
     let mut deform = vec![true; model.materials.len()];
     if !model.rigid.is_empty() {
         let all = &model.mesh.materials;
-        all.iter().for_each(|&material| deform[material as usize] = false);
-        elements(model).for_each(|element| deform[all[element as usize] as usize] = true);
+        for &material in all {
+            deform[material as usize] = false;
+        }
+        for element in elements(model) {
+            deform[all[element as usize] as usize] = true;
+        }
     }
     deform
 }
@@ -36,7 +40,9 @@ pub(crate) fn materials<const D: usize, const N: usize>(model: &Model<D, N>) -> 
 pub(crate) fn nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> {
     let mut deform = vec![false; model.mesh.nodes.len()];
     for element in elements(model) {
-        model.mesh.elements[element as usize].iter().for_each(|&node| deform[node as usize] = true);
+        for node in model.mesh.elements[element as usize] {
+            deform[node as usize] = true;
+        }
     }
     deform
 }

@@ -5,7 +5,7 @@
 //! times wave speed times velocity, over the strength: it is the straight line that fits the measurements of
 //! three tests. The book has their table ("Runs that are to be quasi-static").
 
-use fdem_io::numbers::brief;
+use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::bounds;
 use fdem_simulation::{Boundary, Load, Material, Model, Strength};
 
@@ -15,6 +15,9 @@ use crate::advice::pressing::presses;
 /// Excess of strength from which there is a warning, and that with the velocity that is proposed.
 const EXCESS: f64 = 0.06;
 const PROPOSED: f64 = 0.05;
+
+/// Stress of a wave over the strength from which a number of the material is wrong, rather than the velocity.
+const FAR: f64 = 1e5;
 
 /// Share of the width of a body from which a load or a side is as wide as the body.
 const WIDE: f64 = 0.8;
@@ -100,14 +103,23 @@ pub(crate) fn advice<'a, const D: usize, const N: usize>(
     } else {
         format!("about {:.0} % above", 100.0 * excess)
     };
+    let of_strength = if share < FAR {
+        format!("{share:.2} of")
+    } else {
+        format!("more than {} times", grouped(FAR as u64))
+    };
+    let slow = speed(fastest) * (least + PROPOSED / slope) / share;
+    let remedy = if share < FAR {
+        format!("take at most {} m/s, with which the excess is 5 %", brief_of_two(slow))
+    } else {
+        "see that the numbers of the material are in the right units".to_owned()
+    };
     Some(format!(
         "[[boundary]] \"{}\" moves at {} m/s: the strength of \"{}\" will be {expected} that under a slow load, by inertia \
-         (the stress of its wave, density times wave speed times velocity, is {} of the {name}); if a slow load is meant, take at most {} m/s, with which the excess is 5 %",
+         (the stress of its wave, density times wave speed times velocity, is {of_strength} the {name}); if a slow load is meant, {remedy}",
         fastest.name,
         brief(speed(fastest)),
         material.name,
-        format_args!("{:.2}", share),
-        brief_of_two(speed(fastest) * (least + PROPOSED / slope) / share),
     ))
 }
 

@@ -35,6 +35,9 @@ const SCATTER: f64 = 1.1;
 /// ones.
 const LONGEST: f64 = 1000.0;
 
+/// Size of the elements over that which the zone needs, from which a number of the material is wrong.
+const FAR: f64 = 1e6;
+
 /// Elements, as a share of all, that may be larger than this share of the zone.
 const FEW: f64 = 0.05;
 
@@ -145,6 +148,8 @@ fn warning<const D: usize, const N: usize>(
     let longer = (usual / most).powi(if D == 2 { 3 } else { 4 });
     let remedy = if longer <= LONGEST {
         format!("take elements of {} m", brief(most))
+    } else if usual > FAR * most {
+        format!("see that the strengths, {} and the modulus are in the right units", mode.key)
     } else {
         let factor = (100.0 * usual / most).ceil() / 100.0;
         format!(

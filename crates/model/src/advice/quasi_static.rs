@@ -12,6 +12,9 @@ use crate::text::file::{ModelFile, Stage};
 const SLOW: f64 = 20.0;
 const SUDDEN: f64 = 3.0;
 
+/// Passage of a wave, s, that is longer than in any solid.
+const ENDLESS: f64 = 1e6;
+
 /// Damping of a material, as a share of critical damping, with which waves die out soon.
 const VISCOUS: f64 = 0.1;
 
@@ -86,6 +89,10 @@ pub(crate) fn advice<const D: usize, const N: usize>(
     }
     warnings.extend(loading_rate::advice(model, model.boundaries.iter().filter(|boundary| lasts(boundary))));
     let passage = passage(model);
+    // Moduli and densities of no solid have a warning of their own.
+    if passage > ENDLESS {
+        return;
+    }
     // Initial stress holds loads that are there from the beginning, a body that is not held has no state of
     // rest, and a body that does not break reaches it by damping.
     let is_damped = is_damped(file, model);

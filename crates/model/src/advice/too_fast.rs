@@ -8,6 +8,8 @@ use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{ModelFile, Vector};
 
+const HELP: &str = "take a lower speed, or see that it, moduli and densities have the right units";
+
 /// Refuses boundaries and bodies that are so fast that a run stops. A boundary that reaches such a speed
 /// after the end of the run, or that a servo drives, or that acts in some of the stages alone, is a warning.
 pub(crate) fn check<const D: usize, const N: usize>(
@@ -36,7 +38,7 @@ pub(crate) fn check<const D: usize, const N: usize>(
         if is_sure {
             let span = document.value(Table::of("boundary", index), key(boundary));
             let fault = Fault::at(span, message(&title, speed(file.model.end_time))).label("too fast");
-            faults.push(fault.help("take a lower speed, or see that it has the right unit"));
+            faults.push(fault.help(HELP));
         } else if speed(f64::INFINITY) > limit {
             warnings.push(message(&title, speed(f64::INFINITY)));
         }
@@ -62,7 +64,7 @@ pub(crate) fn check<const D: usize, const N: usize>(
         };
         let title = format!("[[body]] \"{}\"", of_file.name);
         let fault = Fault::at(span, message(&title, fastest(body))).label("too fast");
-        faults.push(fault.help("take a lower speed, or see that it has the right unit"));
+        faults.push(fault.help(HELP));
     }
 }
 

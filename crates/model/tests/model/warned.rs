@@ -419,3 +419,34 @@ fn speeds_at_which_a_run_stops_are_refused_at_their_line() {
     warned(&boundary("rotation = { through = [0, 0], speed = 1e9 }\nramp = 10"), "moves at 8.72665e6 m/s");
     right(&turns("1e6"));
 }
+
+#[test]
+fn extreme_numbers_give_short_warnings() {
+    let push = "[[boundary]]\nname = \"push\"\nside = \"top\"\nvelocity = [0, -0.5]\nramp = 1e-4\n\
+        [[boundary]]\nname = \"load\"\nside = \"right\"\ntraction = [1e5, 0]\n\
+        [[boundary]]\nname = \"hold\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    let text = format!("{SMALL}{STRENGTH}{push}").replace("end_time", "gravity = [0, -9.81]\nend_time");
+    for (key, value) in [
+        ("fracture_energy_i = 100", "1e-300"),
+        ("fracture_energy_ii = 100", "1e-300"),
+        ("cohesion = 30e6", "1e-300"),
+        ("tensile_strength = 10e6", "1e-300"),
+        ("youngs_modulus = 30e9", "1e-300"),
+        ("density = 2700", "1e12"),
+    ] {
+        let (name, _) = key.split_once(" = ").unwrap();
+        let mut text = text.replace(key, &format!("{name} = {value}"));
+        if name == "youngs_modulus" {
+            // Any speed would be too high.
+            text = text.replace("velocity = [0, -0.5]", "displacement = [0, -1e-6]");
+        }
+        let warnings = right(&text).warnings;
+        assert!(!warnings.is_empty());
+        for warning in warnings {
+            let is_long = warning.split(|c: char| !c.is_ascii_digit()).any(|digits| digits.len() > 9);
+            let is_odd = ["inf ", "NaN", "e153"].iter().any(|part| warning.contains(part));
+            assert!(!is_long && !is_odd, "{key}, {value}: {warning}");
+        }
+    }
+    refused(&text.replace("density = 2700", "density = 1e-300"), "density = 1e-300: the run would take");
+}

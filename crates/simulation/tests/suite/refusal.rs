@@ -57,6 +57,19 @@ fn models_that_cannot_be_say_why() {
     assert!(message.contains("store more than the fracture energy of opening"), "{message}");
     assert!(message.contains("fracture_energy_i must be above "), "{message}");
     assert!(!message.contains("above 0 J"), "{message}");
+    let message = refusal(|m| {
+        m.materials[0].strength = Some(Strength { cohesion: 1e30, ..rock() });
+        m.fracture.insertion = Insertion::Intrinsic;
+    });
+    assert!(message.contains("e47 J/m²"), "no number has dozens of digits: {message}");
+}
+
+#[test]
+fn shares_of_an_energy_are_not_written_as_nothing() {
+    let stop = Stop::Energy { element: 0, step: 100, error: -2e-9, bound: 1e-12 }.to_string();
+    assert!(stop.contains("off by -2.0e-7 %, more than 1.0e-10 %"), "{stop}");
+    let stop = Stop::Energy { element: 0, step: 100, error: 0.0612, bound: 0.05 }.to_string();
+    assert!(stop.contains("off by 6.12 %, more than 5.00 %"), "{stop}");
 }
 
 /// The key, the formula and the least value are those of the mode that has too little energy.

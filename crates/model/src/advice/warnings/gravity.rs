@@ -19,6 +19,9 @@ const NO_LOAD: f64 = 0.01;
 /// Passages of a wave through the height of the model in the ramp that is proposed: five periods of a column.
 const PASSAGES: f64 = 20.0;
 
+/// Ramp, s, that is longer than any solid needs: its modulus or density is that of none.
+const ENDLESS: f64 = 1e6;
+
 /// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each
 /// other. Rigid bodies have no stress that could swing.
 pub(super) fn sudden<const D: usize, const N: usize>(
@@ -50,10 +53,15 @@ pub(super) fn sudden<const D: usize, const N: usize>(
     }
     let deforming = model.materials.iter().zip(deforming::materials(model)).filter(|(_, deforms)| *deforms);
     let slowest = deforming.map(|(material, _)| material.bar_speed()).fold(f64::INFINITY, f64::min);
+    let ramp = PASSAGES * height / slowest;
+    let remedy = if ramp < ENDLESS {
+        format!("write gravity_ramp = {} in [model], or longer for what rocks", brief(ramp))
+    } else {
+        "write a gravity_ramp in [model]".to_owned()
+    };
     warnings.push(format!(
         "gravity acts at once: what it carries swings to twice its static stress, and can fail where it would stand; \
-         write gravity_ramp = {} in [model], or longer for what rocks",
-        brief(PASSAGES * height / slowest)
+         {remedy}"
     ));
 }
 
