@@ -210,6 +210,7 @@ fn prepare_or_faults(
     let interfaces = materials::interfaces(&file, &document, &mut found);
     let joint_sets = sets::check(&file, &document, dimensions, &mut found);
     build::check(&file, &document, dimensions, &mut found);
+    build::check_overload(&file, &document, &mut found);
     boundaries::check(&file, &document, &mut found);
     schedules::check(&file, &document, &mut found);
     cavities::check(&file, &document, &mut found);
@@ -351,6 +352,7 @@ impl Checked<'_> {
         none_or(unknown)?;
         let mut model = Model {
             rigid: build::rigid(file, &placed),
+            until_overloaded: build::until_overloaded(file, &placed),
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
@@ -405,6 +407,9 @@ impl Checked<'_> {
         };
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
+        let overloaded = build::overloaded_fault(file, document, &prepared.model, &tables);
+        overloaded.map_err(|fault| vec![fault])?;
         supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
         extreme::steps(file, document, &prepared).map_err(|fault| vec![fault])?;
         scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;

@@ -86,7 +86,9 @@ fn rigid<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), Mode
 }
 
 /// Bodies that are rigid until they are overloaded are bodies of the mesh, in order, and can break.
-fn until_overloaded<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
+pub(crate) fn until_overloaded<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+) -> Result<(), ModelError> {
     let all = &model.until_overloaded;
     if all.is_empty() {
         return Ok(());

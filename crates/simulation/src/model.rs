@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
+use crate::checks;
+use crate::error::ModelError;
 use crate::laws::{AnyLaw, MaterialLaw};
 pub(crate) use crate::model::load::Stored;
 pub use crate::model::load::{Load, LoadEffect, LoadSummary, STORED};
@@ -102,6 +104,21 @@ impl<const D: usize, const N: usize> Model<D, N> {
         self.interfaces
             .iter()
             .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
+    }
+
+    /// Checks the bodies that are rigid until they are overloaded.
+    ///
+    /// # Errors
+    /// [`ModelError::UntilOverloaded`] if one cannot deform later, [`ModelError::Missing`] and
+    /// [`ModelError::OutOfRange`] if numbers are wrong.
+    pub fn check_until_overloaded(&self) -> Result<(), ModelError> {
+        checks::until_overloaded(self)
+    }
+
+    /// Whether a body, by its number, is rigid for the whole run.
+    pub fn stays_rigid(&self, body: u32) -> bool {
+        self.rigid.binary_search(&body).is_ok()
+            && self.until_overloaded.binary_search_by_key(&body, |of| of.body).is_err()
     }
 
     /// Whether an element belongs to a rigid body.

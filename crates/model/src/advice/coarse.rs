@@ -13,7 +13,9 @@ const NONE: f64 = 2.0;
 /// rigid bodies have no stress.
 pub(crate) fn warn<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, warnings: &mut Vec<String>) {
     for (table, body) in ready.file.body.iter().enumerate() {
-        let Some(size) = body.mesh_size.filter(|_| body.refine.is_empty() && !body.rigid) else { continue };
+        let Some(size) = body.mesh_size.filter(|_| body.refine.is_empty() && !body.rigid.always()) else {
+            continue;
+        };
         let widths = ready.placed.iter().filter(|placed| placed.table == table).map(|placed| {
             let [low, high] = bounds(placed.piece.nodes.iter().copied());
             (0..D).map(|axis| high[axis] - low[axis]).fold(f64::INFINITY, f64::min)

@@ -1,19 +1,20 @@
-//! The part of a model that deforms. Elements of rigid bodies have no stress, so advice on stress, strength
-//! and waves is about the others.
+//! The part of a model that deforms, at the latest when it is overloaded. Elements of rigid bodies have no
+//! stress, so advice on stress, strength and waves is about the others.
 
 use fdem_mesh::{Corners, Mesh, Quality, bounds};
 use fdem_simulation::Model;
 
 /// Whether a body, by its number, deforms.
 pub(crate) fn deforms<const D: usize, const N: usize>(model: &Model<D, N>, body: u32) -> bool {
-    model.rigid.binary_search(&body).is_err()
+    !model.stays_rigid(body)
 }
 
 /// The elements of bodies that deform.
 pub(crate) fn elements<const D: usize, const N: usize>(
     model: &Model<D, N>,
 ) -> impl Iterator<Item = u32> + Clone {
-    (0..model.mesh.elements.len() as u32).filter(|&element| !model.is_rigid(element))
+    (0..model.mesh.elements.len() as u32)
+        .filter(|&element| deforms(model, model.mesh.bodies[element as usize]))
 }
 
 /// Whether no body deforms.

@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::advice::amounts::{YEAR, duration, size};
 use crate::advice::clock::processor_time;
 use crate::advice::compliance;
+use crate::advice::deforming;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::overlaps;
 use crate::advice::scaling;
@@ -246,7 +247,7 @@ impl Preflight {
             steps,
             seconds,
             rehearsal: None,
-            breaks: model.materials.iter().any(|material| material.strength.is_some()),
+            breaks: deforming::breaks(model),
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),

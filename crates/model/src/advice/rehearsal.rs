@@ -5,7 +5,6 @@
 //! `k^(D+1)` times shorter.
 
 use crate::advice::clock::processor_time;
-use crate::advice::deforming;
 use crate::advice::preflight::{Preflight, Rehearsed, measured};
 use crate::prepared::{Bound, Prepared, PreparedUntil};
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use fdem_mesh::{Mesh, bounds};
+use fdem_simulation::{Model, ModelError, UntilOverloaded};
 
 use crate::bodies::crowded::{self, Filled};
 use crate::bodies::dimensions::Dimensions;
@@ -188,8 +189,55 @@ where
 
 /// Numbers of the bodies that are rigid, ascending.
 pub(crate) fn rigid<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D, N>]) -> Vec<u32> {
-    let rigid = (0..).zip(placed).filter(|(_, body)| file.body[body.table].rigid);
+    let rigid = (0..).zip(placed).filter(|(_, body)| file.body[body.table].rigid.at_first());
     rigid.map(|(number, _)| number).collect()
+}
+
+/// Share of its strength at which a body that is rigid at first starts to deform.
+const OVERLOAD: f64 = 0.3;
+
+/// The bodies that are rigid until they are overloaded.
+pub(crate) fn until_overloaded<const D: usize, const N: usize>(
+    file: &ModelFile,
+    placed: &[Placed<D, N>],
+) -> Vec<UntilOverloaded> {
+    let until = |(number, placed): (u32, &Placed<D, N>)| {
+        let body = &file.body[placed.table];
+        let share = body.overload.unwrap_or(OVERLOAD);
+        (body.rigid.at_first() && !body.rigid.always()).then_some(UntilOverloaded { body: number, share })
+    };
+    (0..).zip(placed).filter_map(until).collect()
+}
+
+/// Checks `overload`, which belongs to bodies that are rigid until they are overloaded.
+pub(crate) fn check_overload(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    for (index, body) in file.body.iter().enumerate() {
+        if body.overload.is_some() && (body.rigid.always() || !body.rigid.at_first()) {
+            let at = document.key(Table::of("body", index), "overload");
+            let message = format!("[[body]] \"{}\": overload has no effect", body.name);
+            let help = "write rigid = \"until_overloaded\", or take overload out";
+            faults.push(Fault::at(at, message).label("no effect").help(help));
+        }
+    }
+}
+
+/// The fault of a body that cannot be rigid until it is overloaded. `tables`: the table of each body.
+pub(crate) fn overloaded_fault<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    model: &Model<D, N>,
+    tables: &[usize],
+) -> Result<(), Fault> {
+    let (body, why) = match (model.check_until_overloaded(), model.until_overloaded.first()) {
+        (Err(ModelError::UntilOverloaded { body, why }), _) => (body, why),
+        (_, Some(first)) if file.model.mass_scaling.is_some() => (first.body, "masses are scaled"),
+        _ => return Ok(()),
+    };
+    let table = tables[body as usize];
+    let name = &file.body[table].name;
+    let message = format!("[[body]] \"{name}\" cannot be rigid until it is overloaded: {why}");
+    let at = document.key(Table::of("body", table), "rigid");
+    Err(Fault::at(at, message).label("here").help("write rigid = true, or take it out"))
 }
 
 /// The pieces of a body in their places: bodies of a packing and copies, each with the suffix of its name.

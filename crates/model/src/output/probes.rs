@@ -294,7 +294,7 @@ where
 
     /// The motion of a rigid body.
     fn motion(&self, name: &str) -> Result<Probe<D, N>, ProbeFault> {
-        let rigid = |body: &&Placed<D, N>| self.file.body[body.table].rigid;
+        let rigid = |body: &&Placed<D, N>| self.file.body[body.table].rigid.always();
         match *placed::named(self.placed, self.file, name) {
             [] => {
                 let rigid: Vec<&str> =
@@ -305,7 +305,11 @@ where
             [body] if rigid(&&self.placed[body]) => Ok(Probe::RigidBody(body as u32)),
             [_] => {
                 let help = "measure velocity = \"mean\" of it, or make it rigid with rigid = true";
-                Err(("motion", format!("the body \"{name}\" is not rigid"), Some(help.to_owned())))
+                Err((
+                    "motion",
+                    format!("the body \"{name}\" is not rigid for the whole run"),
+                    Some(help.to_owned()),
+                ))
             }
             [first, ..] => {
                 let help = format!("name one of them, such as \"{}\"", self.placed[first].name);

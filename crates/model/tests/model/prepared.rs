@@ -683,3 +683,28 @@ fn a_rehearsal_has_a_coarse_mesh_and_gives_the_cost_of_breaking() {
     // A mesh that is not coarser is of no use.
     assert_eq!(Rehearsal::of([counts[1]; 2], steps, 1.0, |_| unreachable!()), None);
 }
+
+/// Bodies that are rigid until they are overloaded, and those that cannot be.
+#[test]
+fn bodies_may_be_rigid_until_they_are_overloaded() {
+    let rock = CRUSHED.replace("fixed = \"y\"", "pressure = 1e5");
+    let with = |body: &str, more: &str| rock.replacen("mesh_size", &format!("{body}\nmesh_size"), 1) + more;
+    let until = "rigid = \"until_overloaded\"";
+    let prepared = right(&with(&format!("{until}\noverload = 0.4"), ""));
+    assert_eq!(prepared.model.rigid, [0]);
+    let [of] = prepared.model.until_overloaded[..] else { panic!("{:?}", prepared.model.until_overloaded) };
+    assert_eq!((of.body, of.share), (0, 0.4));
+    assert_eq!(right(&with(until, "")).model.until_overloaded[0].share, 0.3);
+    assert!(right(&with("rigid = true", "")).model.until_overloaded.is_empty());
+    for (body, more, message) in [
+        ("overload = 0.4", "", "overload has no effect"),
+        ("rigid = true\noverload = 0.4", "", "overload has no effect"),
+        (until, "[fracture]\ninsertion = \"intrinsic\"\n", "joints are on all facets"),
+        (until, "[initial]\nstress = [-1e5, -1e5, 0]\n", "the model begins with a stress"),
+    ] {
+        let errors = read(&with(body, more)).expect_err("refused").to_string();
+        assert!(errors.contains(message), "{errors}");
+    }
+    let fixed = read(&CRUSHED.replacen("mesh_size", &format!("{until}\nmesh_size"), 1)).expect_err("refused");
+    assert!(fixed.to_string().contains("a boundary holds or moves it"), "{fixed}");
+}

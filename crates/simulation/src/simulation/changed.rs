@@ -10,6 +10,7 @@
 use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
+use crate::contacts::Touching;
 use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::forces::Reaction;
@@ -186,9 +187,12 @@ where
         let mut of_actions = Ledger::default();
         self.actions.add_energies(&self.scene(), &mut of_actions);
         let contact = self.touching.energy.clone().unwrap_or_default();
-        for part in [kinetic, impulses, viscous, contact, of_actions.used()] {
-            energy.add_sum(&part);
+        // The next step has the first half of the works of the forces now: another mass changes the damping.
+        let Touching { friction, damping, handed_over, relaxed, .. } = &self.touching;
+        for part in [&kinetic, &impulses, &viscous, &contact, &of_actions.used(), friction, damping] {
+            energy.add_sum(part);
         }
+        [handed_over, relaxed].into_iter().for_each(|part| energy.subtract(part));
         ForcesAndEnergy { forces, energy }
     }
 

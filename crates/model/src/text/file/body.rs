@@ -65,9 +65,16 @@ pub struct Body {
     pub spin: Option<Spin>,
     /// Whether the body is rigid: it moves and turns as a whole, has no stress and no joints, does not
     /// break, and its waves do not limit the time step. Its mesh gives it mass, moments of inertia and
-    /// shape. A boundary that holds or moves a part of it holds or moves all of it.
+    /// shape. A boundary that holds or moves a part of it holds or moves all of it. Or "until_overloaded":
+    /// when the forces on it come near its strength, it gets their static stress, and deforms and breaks.
     #[serde(default)]
-    pub rigid: bool,
+    pub rigid: Rigid,
+    /// With `rigid = "until_overloaded"`: share of the strength of its material at which the body starts to
+    /// deform. Its mean stress counts, half of the difference of the principal stresses as tension, and the
+    /// largest contact pressure against the strength in compression. Default: 0.3.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub overload: Option<f64>,
     /// Whether a `mesh_size` below 1/500 of the width of the body is meant. Without, it is refused: it is
     /// more often a wrong unit.
     #[serde(default)]
@@ -333,6 +340,42 @@ pub enum Hole {
     Points(#[schemars(length(min = 3), extend("x-unit" = "m"))] Vec<[f64; 2]>),
     /// A circle.
     Disc(Disc),
+}
+
+/// Whether a body is rigid.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Rigid {
+    /// For the whole run, or not at all.
+    Always(bool),
+    /// Until the forces on it come near its strength.
+    Until(UntilWord),
+}
+
+impl Default for Rigid {
+    fn default() -> Self {
+        Self::Always(false)
+    }
+}
+
+impl Rigid {
+    /// Whether it is rigid at the beginning.
+    pub(crate) fn at_first(self) -> bool {
+        !matches!(self, Self::Always(false))
+    }
+
+    /// Whether it is rigid for the whole run.
+    pub(crate) fn always(self) -> bool {
+        matches!(self, Self::Always(true))
+    }
+}
+
+/// The word "until_overloaded".
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum UntilWord {
+    /// Until it is overloaded.
+    UntilOverloaded,
 }
 
 /// Voronoi cells of random points that were spread evenly.
