@@ -57,6 +57,7 @@
 //! | bonds between bodies | `src/joints/bonds.rs` |
 //! | loads and motions of boundaries, their schedules, cavities | `src/stages/boundaries.rs`, `schedules.rs` and `cavities.rs` beside it |
 //! | stages of a run | `src/stages/resolve.rs`, `crates/fdem/src/command/run/stages.rs` |
+//! | supports of rigid bodies that cannot be | `src/stages/supports.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
 //! | histories of probes, curves | `src/output/probes.rs`, `src/output/curves.rs` |
 //! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs`; the cost of breaking: `src/advice/rehearsal.rs` |

@@ -23,7 +23,7 @@ use crate::prepared::{AnyPrepared, Group, Prepared, PreparedBody};
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
-use crate::stages::{boundaries, cavities, resolve, schedules};
+use crate::stages::{boundaries, cavities, resolve, schedules, supports};
 use crate::text::document::{Document, Table, line_of};
 use crate::text::fault::{Fault, ModelErrors};
 use crate::text::file::{self, ModelFile};
@@ -336,10 +336,9 @@ impl Checked<'_> {
         none_or(faults)?;
 
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
-        let mut lost = Vec::new();
+        let (mut lost, mut unknown) = (Vec::new(), Vec::new());
         let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
         none_or(lost)?;
-        let mut unknown = Vec::new();
         let own = columns::<D, N>(&histories, &probes);
         let curves = curves::curves::<D>(file, document, &own, &mut unknown);
         let Resolved { until, of_stages, servos } =
@@ -409,6 +408,7 @@ impl Checked<'_> {
         };
         let joined = bonds.join(&mut prepared);
         joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
+        supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
         scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)

@@ -6,3 +6,4 @@ pub(crate) mod boundaries;
 pub(crate) mod conditions;
 pub(crate) mod resolve;
 pub(crate) mod present;
+pub(crate) mod supports;

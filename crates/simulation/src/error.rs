@@ -94,6 +94,8 @@ pub enum ModelError {
     /// The supports of a rigid body contradict each other, or leave a rotation about another point than its
     /// centre of mass.
     RigidSupport {
+        /// Number of the body.
+        body: u32,
         /// The boundaries.
         boundaries: [String; 2],
         /// Whether they leave such a rotation.
@@ -208,13 +210,17 @@ impl fmt::Display for ModelError {
                 let axis = ["x", "y", "z"][*axis];
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
             }
-            Self::RigidSupport { boundaries: [a, _], turns: true } => write!(
+            Self::RigidSupport { body, boundaries: [a, _], turns: true } => write!(
                 out,
-                "boundary '{a}' leaves a rigid body a rotation about a point or a line that it holds: it can only hold its \
-                 rotation altogether, or leave one about an axis of coordinates through the centre of mass; hold the whole body"
+                "boundary '{a}' leaves the rigid body {body} a rotation about a point or a line that it holds: it can only \
+                 hold its rotation altogether, or leave one about an axis of coordinates through the centre of mass; hold \
+                 the whole body"
             ),
-            Self::RigidSupport { boundaries: [a, b], turns: false } => {
-                write!(out, "boundaries '{a}' and '{b}' move one rigid body in different ways along one axis")
+            Self::RigidSupport { body, boundaries: [a, b], turns: false } => {
+                write!(
+                    out,
+                    "boundaries '{a}' and '{b}' move the rigid body {body} in different ways along one axis"
+                )
             }
             Self::FractureEnergy { material, element, least, sliding } => {
                 let ModeWords { of, numeral, .. } = ModeWords::new(*sliding);

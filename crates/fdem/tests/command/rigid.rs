@@ -53,9 +53,22 @@ fn rigid_bodies_run_resume_and_are_refused_where_they_cannot_be() {
 
     let hinge = "body = \"floor\"\nbox = [-0.1, -0.1, -0.2, 0.1, 0.1, 0.1]\nfixed";
     bench.write("hinge.toml", RIGID.replace("body = \"floor\"\nfixed", hinge));
-    bench
-        .run(&["check", "hinge.toml"])
-        .refused_with(&["leaves a rigid body a rotation", "hold the whole body"]);
+    bench.run(&["check", "hinge.toml"]).refused_with(&[
+        "hinge.toml:25:1",
+        "leaves the rigid body \"floor\" a rotation",
+        "hold the whole body",
+    ]);
+    // Faces that part, and in the second of two stages alone.
+    let apart = "[[boundary]]\nname = \"side\"\nbody = \"floor\"\nside = \"top\"\nvelocity = [1, 0, 0]\n";
+    let bottom = RIGID.replace("body = \"floor\"\nfixed", "body = \"floor\"\nside = \"bottom\"\nfixed");
+    bench.write("apart.toml", format!("{bottom}{apart}"));
+    bench.run(&["check", "apart.toml"]).refused_with(&[
+        "apart.toml:35:1",
+        "boundaries \"ground\" and \"side\" move the rigid body \"floor\"",
+    ]);
+    let stages = "stages = [\"late\"]\n[[stage]]\nname = \"early\"\nduration = 0.01\n[[stage]]\nname = \"late\"\nduration = 0.01\n";
+    bench.write("late.toml", format!("{bottom}{apart}{stages}"));
+    bench.run(&["check", "late.toml"]).refused_with(&["late.toml:35:1", "stage \"late\": boundaries"]);
     bench.write("flat.toml", RIGID.replace("spin = [0, 1000, 0]", "spin = 20"));
     bench.run(&["check", "flat.toml"]).refused_with(&["spin", "write [x, y, z]"]);
 }

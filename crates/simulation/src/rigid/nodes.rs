@@ -70,7 +70,8 @@ where
         for body in (0..self.rigid.all.len()).filter(|&body| self.moves_rigid(body)).collect::<Vec<_>>() {
             let held =
                 self.holds_of(&self.rigid.all[body], holds, model).map_err(|(boundaries, turns)| {
-                    ModelError::RigidSupport { boundaries: boundaries.map(name), turns }
+                    let (body, boundaries) = (model.rigid[body], boundaries.map(name));
+                    ModelError::RigidSupport { body, boundaries, turns }
                 })?;
             let of_body = &mut self.rigid.all[body];
             (of_body.holds, of_body.turns) = held;

@@ -201,7 +201,7 @@ fn supports_hold_a_body_or_are_refused() {
     assert_eq!((moved, velocity), ([0.0; 2], [0.0; 2]));
     for (nodes, axes) in [(vec![0], [Some(0.0); 2]), (vec![0], [None, Some(0.0)])] {
         let refused = Simulation::new(block_on(nodes, axes), 1).expect_err("a hinge");
-        assert!(matches!(refused, ModelError::RigidSupport { turns: true, .. }), "{refused}");
+        assert!(matches!(refused, ModelError::RigidSupport { body: 0, turns: true, .. }), "{refused}");
     }
     // A body that is driven moves as a whole.
     let mut run = Simulation::new(block_on(bottom, [Some(2.0), Some(-1.0)]), 1).expect("a model");
