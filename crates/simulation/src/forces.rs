@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use fdem_distributed::wire;
+use serde::{Deserialize, Serialize};
 
 use crate::vector::{Point, length, plus};
 
@@ -50,6 +51,24 @@ impl<const D: usize> ContactForce<D> {
         }
     }
 }
+
+/// Action of a boundary on the bodies at the beginning of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub(crate) struct Reaction<const D: usize> {
+    /// N.
+    pub(crate) force: Point<D>,
+    /// Of a boundary that turns nodes or bodies, about the point through which its axis passes, N m.
+    pub(crate) moment: Point<3>,
+}
+
+impl<const D: usize> Default for Reaction<D> {
+    fn default() -> Self {
+        Self { force: [0.0; D], moment: [0.0; 3] }
+    }
+}
+
+wire!([const D: usize] Reaction<D> { force, moment });
 
 /// The forces of a step that a rank counts. Elements have their numbers in the whole mesh.
 #[derive(Clone, Debug, Default)]

@@ -98,6 +98,9 @@ pub(crate) struct MotionSums<S, const D: usize> {
     pub(crate) taken: [S; 2],
     /// Force on each node that a boundary moves, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
+    /// Moments of boundaries that turn nodes or bodies, each with the number of its boundary, about the point
+    /// through which the axis passes, N m.
+    pub(crate) moments: Vec<(u32, Point<3>)>,
     /// Speed of the fastest point, m/s; its square in the sums of a chunk.
     pub(crate) fastest: f64,
     /// Squares of the largest force on a node that is free, and of the largest that an element exerts on one
@@ -184,6 +187,7 @@ impl<const D: usize> MotionSums<Sum, D> {
                 self.damping[half].add_pile(chunk.damping[half]);
             }
             self.held.extend(chunk.held);
+            self.moments.extend(chunk.moments);
             if let Some(runaway) = chunk.runaway {
                 self.note_runaway(runaway);
             }

@@ -1,4 +1,5 @@
-//! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets.
+//! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets,
+//! rigid bodies.
 //!
 //! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
 //! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
@@ -10,6 +11,7 @@ use fdem_distributed::wire::Wire;
 use fdem_mesh::Mesh;
 
 use crate::actions::cavity::CavityState;
+use crate::rigid::RigidMotion;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::solid::corners_of;
@@ -28,6 +30,25 @@ const STRESS: [&[&str]; 2] = [&["sxx", "syy", "szz", "sxy"], &["sxx", "syy", "sz
 const SOFTENING: [[(&str, &str); 2]; 2] = [
     [("softening_length", "m"), ("damaged_length", "m")],
     [("softening_area", "m²"), ("damaged_area", "m²")],
+];
+
+/// Motion of a rigid body in the plane and in space.
+const RIGID: [&[(&str, &str)]; 2] = [
+    &[("ux", "m"), ("uy", "m"), ("vx", "m/s"), ("vy", "m/s"), ("rz", "rad"), ("wz", "rad/s")],
+    &[
+        ("ux", "m"),
+        ("uy", "m"),
+        ("uz", "m"),
+        ("vx", "m/s"),
+        ("vy", "m/s"),
+        ("vz", "m/s"),
+        ("rx", "rad"),
+        ("ry", "rad"),
+        ("rz", "rad"),
+        ("wx", "rad/s"),
+        ("wy", "rad/s"),
+        ("wz", "rad/s"),
+    ],
 ];
 
 /// Components of a strain in the plane and in space.
@@ -98,6 +119,11 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     ContactForce([Vec<u32>; 2]),
     /// Force of all boundaries on these nodes of the mesh, N, at the beginning of the last step.
     Reaction(Vec<u32>),
+    /// Motion of the rigid body with this number: displacement of its centre of mass, m, and its velocity,
+    /// m/s; its rotation, rad, and its angular velocity, rad/s. Displacement and rotation are those since the
+    /// undeformed mesh. In space the rotation is a vector along its axis, as long as its angle; whole turns
+    /// add up. The values are not numbers if there is no such body, or if it is not rigid.
+    RigidBody(u32),
     /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the
     /// pressure and energy of a gas, J, of the cavity of the boundary with this name.
     Cavity(String),
@@ -130,6 +156,7 @@ where
             Self::Velocity(_) | Self::PointVelocity(_) => of(&["vx", "vy", "vz"][..D], "m/s"),
             Self::Gauge { .. } => of(&["strain"], "m/m"),
             Self::ContactForce(_) | Self::Reaction(_) => of(&["fx", "fy", "fz"][..D], "N"),
+            Self::RigidBody(_) => RIGID[D - 2].to_vec(),
             Self::Cavity(_) => {
                 vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
             }
@@ -160,6 +187,7 @@ where
                 Self::Gauge { ends: ends.each_ref().map(point), span: span.clone() }
             }
             Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
+            Self::RigidBody(body) => Self::RigidBody(*body),
             Self::Cavity(name) => Self::Cavity(name.clone()),
             Self::JointSet(name) => Self::JointSet(name.clone()),
             Self::Softening => Self::Softening,
@@ -191,6 +219,7 @@ where
             | Self::Velocity(_)
             | Self::PointVelocity(_)
             | Self::Gauge { .. }
+            | Self::RigidBody(_)
             | Self::Softening => false,
         }
     }
@@ -203,6 +232,8 @@ where
             Self::Velocity(_) => D + 1,
             Self::Gauge { .. } => 2 * D,
             Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => D,
+            // The last counts the bodies of this number: 0 in a stage that has none.
+            Self::RigidBody(_) => RIGID[D - 2].len() + 1,
             // The last counts the cavities of this name: 0 in a stage that has none.
             Self::Cavity(_) => 6,
             // The last is that of the lengths or areas.
@@ -232,6 +263,7 @@ where
                 vec![dot(plus(span, plus(span, moved)), moved) / (before * (before + now))]
             }
             Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Softening => sums,
+            Self::RigidBody(_) => (0..RIGID[D - 2].len()).map(mean).collect(),
             Self::Cavity(_) => (0..5).map(mean).collect(),
             Self::JointSet(_) => (0..4).map(mean).collect(),
         }
@@ -307,6 +339,11 @@ where
                     }
                 });
             }
+            Probe::RigidBody(body) => {
+                if let Some(motion) = self.motion_of(*body) {
+                    add(&motion, 1.0);
+                }
+            }
             Probe::Cavity(name) => {
                 let number = self.model.boundaries.iter().position(|boundary| boundary.name == *name);
                 let state = number.and_then(|number| self.cavity(number));
@@ -331,6 +368,19 @@ where
             }
         }
         sums
+    }
+
+    /// Motion of the rigid body with this number, if this rank moves it: see [`Probe::RigidBody`]. The last
+    /// value is 1.
+    fn motion_of(&self, number: u32) -> Option<Vec<f64>> {
+        let solid = self.solid();
+        let body = self.model.rigid.binary_search(&number).ok().filter(|&body| solid.moves_rigid(body))?;
+        let motion = &solid.rigid.motions[body];
+        let RigidMotion { velocity, rotation, spin, .. } = motion;
+        let moved: Point<D> = std::array::from_fn(|axis| solid.rigid.all[body].displacement(motion, axis));
+        // In the plane a body turns about the third axis.
+        let first = 3 - D * (D - 1) / 2;
+        Some([&moved[..], velocity, &rotation[first..], &spin[first..], &[1.0]].concat())
     }
 
     /// Visits those of these elements that this rank counts, each with its undeformed volume, m³. The weight
@@ -410,6 +460,7 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::Cavity(name) => (7_u8, name.clone()).put(out),
             Self::JointSet(name) => (8_u8, name.clone()).put(out),
             Self::Softening => 9_u8.put(out),
+            Self::RigidBody(body) => (10_u8, *body).put(out),
         }
     }
 
@@ -427,7 +478,8 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             6 => Self::Reaction(Vec::take(bytes)),
             7 => Self::Cavity(String::take(bytes)),
             8 => Self::JointSet(String::take(bytes)),
-            _ => Self::Softening,
+            9 => Self::Softening,
+            _ => Self::RigidBody(u32::take(bytes)),
         }
     }
 }

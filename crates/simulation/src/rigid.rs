@@ -12,7 +12,7 @@ use fdem_distributed::wire;
 use fdem_mesh::Mesh;
 
 use crate::model::Model;
-use crate::rotation::{Quaternion, UNTURNED, inverse, lifted};
+use crate::rotation::{Quaternion, UNTURNED, inverse, lifted, rotation_vector, turned};
 use crate::simplex::Simplex;
 use crate::topology::NONE;
 use crate::vector::{
@@ -69,12 +69,22 @@ pub(crate) struct RigidMotion<const D: usize> {
     pub(crate) velocity: Point<D>,
     /// Rotation since the undeformed mesh.
     pub(crate) orientation: Quaternion,
+    /// The same as a vector, rad, which does not jump after a turn: see [`rotation_vector`].
+    pub(crate) rotation: Point<3>,
     /// Angular momentum, N m s, and angular velocity, rad/s.
     pub(crate) momentum: Point<3>,
     pub(crate) spin: Point<3>,
 }
 
-wire!([const D: usize] RigidMotion<D> { centre, velocity, orientation, momentum, spin });
+wire!([const D: usize] RigidMotion<D> { centre, velocity, orientation, rotation, momentum, spin });
+
+impl<const D: usize> RigidMotion<D> {
+    /// Turns about a vector in space: the angle, in radians, is its length.
+    pub(crate) fn turn_by(&mut self, by: Point<3>) {
+        self.orientation = turned(self.orientation, by);
+        self.rotation = rotation_vector(self.orientation, self.rotation);
+    }
+}
 
 impl<const D: usize> RigidBodies<D> {
     /// The rigid bodies of a model, or of a part of one, at rest in the undeformed mesh. `origin`: see
@@ -215,6 +225,7 @@ impl<const D: usize> RigidBody<D> {
             centre: self.start,
             velocity: [0.0; D],
             orientation: UNTURNED,
+            rotation: [0.0; 3],
             momentum: [0.0; 3],
             spin: [0.0; 3],
         };

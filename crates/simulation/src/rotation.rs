@@ -1,6 +1,8 @@
 //! Rotations in space, as quaternions of unit length with the real part first. A rotation in the plane is one
 //! about the third axis.
 
+use std::f64::consts::PI;
+
 use crate::simplex::Simplex;
 use crate::vector::{Matrix, Point, dot, length, matrix};
 
@@ -34,6 +36,24 @@ pub(crate) fn turned(rotation: Quaternion, by: Point<3>) -> Quaternion {
     ];
     let long = dot(product, product).sqrt();
     product.map(|x| x / long)
+}
+
+/// The vector of a rotation, along its axis and as long as its angle, rad. Of all angles that differ by whole
+/// turns, it is that nearest to the vector a step before, so that turns add up.
+pub(crate) fn rotation_vector([w, x, y, z]: Quaternion, before: Point<3>) -> Point<3> {
+    let (imaginary, size, so_far) = ([x, y, z], length([x, y, z]), length(before));
+    // After whole turns the axis is that before, and rounding must not decide it: the error of the axis is
+    // that of the quaternion over this size.
+    let (axis, angle) = if size < 1e-7 && so_far > PI {
+        let axis = before.map(|x| x / so_far);
+        (axis, 2.0 * dot(axis, imaginary) * w.signum())
+    } else if size > 0.0 {
+        (imaginary.map(|x| x / size), 2.0 * libm::atan2(size, w))
+    } else {
+        return [0.0; 3];
+    };
+    let turns = ((dot(axis, before) - angle) / (2.0 * PI)).round();
+    axis.map(|x| (angle + 2.0 * PI * turns) * x)
 }
 
 /// A vector in space: one of the plane has no third component.
@@ -90,6 +110,29 @@ mod tests {
 
     fn one_of(vector: Point<3>) -> Quaternion {
         turned(UNTURNED, vector)
+    }
+
+    /// Many turns forwards and back, about an axis in general position.
+    #[test]
+    fn the_vector_of_a_rotation_counts_turns() {
+        let axis = [0.36, -0.48, 0.8];
+        let (mut rotation, mut vector, mut angle) = (UNTURNED, [0.0; 3], 0.0);
+        // 500 steps are exactly five turns.
+        for step in (0..500).chain([500; 3]).chain((0..1300).map(|_| 1000)) {
+            let by = match step {
+                500 => 0.0,
+                1000 => -0.02 * PI,
+                _ => 0.02 * PI,
+            };
+            rotation = turned(rotation, axis.map(|x| by * x));
+            vector = rotation_vector(rotation, vector);
+            angle += by;
+            for k in 0..3 {
+                assert!((vector[k] - angle * axis[k]).abs() < 1e-10, "{vector:?} {angle}");
+            }
+        }
+        assert!((angle + 16.0 * PI).abs() < 1e-10, "{angle}");
+        assert_eq!(rotation_vector(UNTURNED, [0.0; 3]), [0.0; 3]);
     }
 
     #[test]

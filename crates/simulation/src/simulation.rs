@@ -175,6 +175,7 @@ where
         totals.external.add_sum(&moved.external[0]);
         totals.damping.add_sum(&moved.damping[0]);
         self.held = std::mem::take(&mut moved.held);
+        self.moments = std::mem::take(&mut moved.moments);
         clock.read(&mut self.timings.integration);
         moved
     }

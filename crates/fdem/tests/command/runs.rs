@@ -164,7 +164,7 @@ impl Bench {
     }
 
     /// The columns of a table, by name.
-    fn columns(&self, name: &str) -> BTreeMap<String, Vec<f64>> {
+    pub(crate) fn columns(&self, name: &str) -> BTreeMap<String, Vec<f64>> {
         let text = self.read(name);
         let mut lines = text.lines().map(|line| line.split(','));
         let mut columns: Vec<(String, Vec<f64>)> =

@@ -30,12 +30,15 @@ where
                 continue;
             }
             Quantity::Node(_) => &[("u", "m"), ("v", "m/s")],
-            Quantity::Force(_) => &[("f", "N"), ("u", "m")],
+            Quantity::Force(_) | Quantity::Torque(..) => &[("f", "N"), ("u", "m")],
             // The history has these columns in any case.
             Quantity::Energy | Quantity::CrackLength => &[],
         };
         for (letter, unit) in parts {
             names.extend(AXES[..D].iter().map(|axis| format!("{} {letter}{axis} [{unit}]", history.name)));
+        }
+        if matches!(history.quantity, Quantity::Torque(..)) {
+            names.push(format!("{} torque [N m]", history.name));
         }
     }
     names

@@ -1,5 +1,5 @@
 //! Histories of probes: stress, strain and velocity at points and in regions, strain gauges, forces between
-//! bodies, reactions of groups, joint sets.
+//! bodies, reactions of groups, joint sets, rigid bodies.
 
 use std::collections::BTreeSet;
 
@@ -25,6 +25,7 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("reaction", history.reaction.is_some()),
         ("cavity", history.cavity.is_some()),
         ("joint_set", history.joint_set.is_some()),
+        ("motion", history.motion.is_some()),
         ("softening", history.softening),
         ("energy", history.energy),
         ("crack_length", history.crack_length),
@@ -199,6 +200,9 @@ where
         if let Some(name) = &history.joint_set {
             return self.joint_set(name);
         }
+        if let Some(name) = &history.motion {
+            return self.motion(name);
+        }
         if history.softening {
             return Ok(Probe::Softening);
         }
@@ -286,6 +290,28 @@ where
         }
         let help = suggestion(name, &all, "[[joint_set]]");
         Err(("joint_set", format!("there is no joint set \"{name}\""), Some(help)))
+    }
+
+    /// The motion of a rigid body.
+    fn motion(&self, name: &str) -> Result<Probe<D, N>, ProbeFault> {
+        let rigid = |body: &&Placed<D, N>| self.file.body[body.table].rigid;
+        match *placed::named(self.placed, self.file, name) {
+            [] => {
+                let rigid: Vec<&str> =
+                    self.placed.iter().filter(rigid).map(|body| body.name.as_str()).collect();
+                let help = suggestion(name, &rigid, "rigid body");
+                Err(("motion", format!("there is no body \"{name}\""), Some(help)))
+            }
+            [body] if rigid(&&self.placed[body]) => Ok(Probe::RigidBody(body as u32)),
+            [_] => {
+                let help = "measure velocity = \"mean\" of it, or make it rigid with rigid = true";
+                Err(("motion", format!("the body \"{name}\" is not rigid"), Some(help.to_owned())))
+            }
+            [first, ..] => {
+                let help = format!("name one of them, such as \"{}\"", self.placed[first].name);
+                Err(("motion", format!("\"{name}\" is several bodies"), Some(help)))
+            }
+        }
     }
 
     /// The reaction of a group of nodes.

@@ -78,7 +78,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("[[history]] \"{}\" is of one quantity", history.name),
                 )
                 .label("this history")
-                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", softening = true, energy = true, crack_length = true"),
+                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", motion = \"rigid body\", softening = true, energy = true, crack_length = true"),
             );
         }
         if let Some(name) = &history.body {
@@ -195,7 +195,10 @@ pub(crate) fn histories<const D: usize, const N: usize>(
             let Some(place) = file.boundary.iter().position(|boundary| boundary.name == *name) else {
                 continue;
             };
-            Quantity::Force(place)
+            match &file.boundary[place].rotation {
+                Some(rotation) => Quantity::Torque(place, rotation.direction()),
+                None => Quantity::Force(place),
+            }
         } else if let Some(probe) = probes::is_probe(history).then(|| probes.next()).flatten() {
             Quantity::Probe(probe)
         } else if history.energy {

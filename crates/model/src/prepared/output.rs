@@ -57,6 +57,9 @@ pub enum Quantity {
     /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on
     /// the bodies, N.
     Force(usize),
+    /// The same of a boundary with a rotation, and its moment on the bodies about its axis in this direction,
+    /// N m.
+    Torque(usize, [f64; 3]),
     /// The energies, which are recorded in any case.
     Energy,
     /// The length of the cracks, which is recorded in any case.

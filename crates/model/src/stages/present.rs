@@ -99,7 +99,7 @@ where
         for history in &mut histories {
             match &mut history.quantity {
                 Quantity::Node(node) => *node = nodes[*node as usize].unwrap_or(u32::MAX),
-                Quantity::Force(boundary) => {
+                Quantity::Force(boundary) | Quantity::Torque(boundary, _) => {
                     let name = &self.model.boundaries[*boundary].name;
                     let same = model.boundaries.iter().position(|boundary| boundary.name == *name);
                     *boundary = same.unwrap_or(usize::MAX);

@@ -189,6 +189,50 @@ fn a_joint_set_is_a_probe() {
     }
 }
 
+/// A model with rigid bodies: one alone, copies of one, and one that turns about an axis.
+fn with_rigid(history: &str) -> String {
+    let body = |name: &str, more: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"rock\"\nrigid = true\nmesh_size = 0.1\nrectangle = {more}\n"
+        )
+    };
+    with(
+        &[
+            body("jaw", "{ min = [2, 0], max = [2.2, 0.5] }"),
+            body("wall", "{ min = [3, 0], max = [3.2, 0.5] }\nrepeat = [2, 1]\nspacing = [0.3, 0]"),
+            "[[boundary]]\nname = \"drive\"\nbody = \"jaw\"\nrotation = { through = [2, 0], speed = 90 }\n"
+                .to_owned(),
+            format!("[[history]]\nname = \"h\"\n{history}\n"),
+        ]
+        .concat(),
+    )
+}
+
+#[test]
+fn the_motion_of_a_rigid_body_is_a_probe_and_the_torque_of_a_boundary_a_column() {
+    let prepared = right(&with_rigid("motion = \"jaw\""));
+    assert_eq!(prepared.probes, [Probe::RigidBody(2)]);
+    let names = fdem_model::columns(&prepared.histories, &prepared.probes);
+    assert_eq!(names, ["h ux [m]", "h uy [m]", "h vx [m/s]", "h vy [m/s]", "h rz [rad]", "h wz [rad/s]"]);
+    let last = right(&with_rigid("motion = \"wall-2-1\""));
+    assert_eq!(last.probes, [Probe::RigidBody(4)]);
+    let turned = right(&with_rigid("force = \"drive\""));
+    let place = turned.model.boundaries.iter().position(|boundary| boundary.name == "drive").unwrap();
+    assert_eq!(turned.histories[0].quantity, Quantity::Torque(place, [0.0, 0.0, 1.0]));
+    let names = fdem_model::columns(&turned.histories, &turned.probes);
+    assert_eq!(names, ["h fx [N]", "h fy [N]", "h ux [m]", "h uy [m]", "h torque [N m]"]);
+    for (history, parts) in [
+        ("motion = \"jw\"", ["there is no body \"jw\"", "did you mean \"jaw\"?"]),
+        ("motion = \"block\"", ["the body \"block\" is not rigid", "rigid = true"]),
+        ("motion = \"wall\"", ["\"wall\" is several bodies", "\"wall-1-1\""]),
+        ("motion = \"jaw\"\nbody = \"jaw\"", ["\"body\" goes with", ""]),
+        ("motion = \"jaw\"\nstress = \"mean\"", ["is of one quantity", "motion = "]),
+    ] {
+        let errors = read(&with_rigid(history)).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| errors.contains(part)), "{history}: {parts:?} in\n{errors}");
+    }
+}
+
 #[test]
 fn curves_with_softening_joints_and_lateral_strains() {
     let histories = "[[history]]\nname = \"a\"\ngauge = [[0.1, 0.25], [0.9, 0.25]]\n[[history]]\nname = \"l\"\ngauge = [[0.5, 0.1], [0.5, 0.4]]\n[[history]]\nname = \"push\"\ncontact_force = [\"upper\", \"block\"]\n[[history]]\nname = \"c\"\nsoftening = true\n";

@@ -318,6 +318,9 @@ fn quantity(unit: &str) -> (&'static str, &'static str) {
         "Pa" => ("stress", "stresses"),
         "m/m" => ("strain", "strains"),
         "J" => ("energy", "energies"),
+        "rad" => ("rotation", "rotations"),
+        "rad/s" => ("spin", "spins"),
+        "N m" => ("moment", "moments"),
         _ => ("value", "values"),
     }
 }

@@ -59,6 +59,13 @@ impl Hold {
         Some(spin.map(|x| factor * x))
     }
 
+    /// The moment of a force, N, at a place, m, about the point through which the axis of a rotation passes,
+    /// N m, with the number of its boundary. `None` if the motion is no rotation.
+    pub(crate) fn moment(&self, place: Point<3>, force: Point<3>) -> Option<(u32, Point<3>)> {
+        let PrescribedMotion::Rotation { through, .. } = self.motion else { return None };
+        Some((self.boundary, cross3(minus(place, through), force)))
+    }
+
     pub(crate) fn is_rotation(&self) -> bool {
         matches!(self.motion, PrescribedMotion::Rotation { .. })
     }

@@ -93,6 +93,11 @@ impl<const D: usize> Load<D> {
         LoadSummary { key, effect, components, on_facets }
     }
 
+    /// Whether it is a rotation about an axis.
+    pub(crate) fn is_rotation(&self) -> bool {
+        matches!(self, Self::Rotation { .. })
+    }
+
     /// Whether it prescribes how nodes move.
     pub fn moves_nodes(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Displacement(_) | Self::Rotation { .. })

@@ -75,12 +75,17 @@ where
             let corners = solid.corners(number).iter();
             sum.note_forces(free, corners.map(|&corner| solid.force(corner)));
         }
-        let node = Node { position: *position, velocity: *velocity };
+        let before = *position;
+        let node = Node { position: before, velocity: *velocity };
         let (node, reaction, squared) =
             move_node(node, constants, [force, weight], solid.origin, motion, sum);
         (*position, *velocity) = (node.position, node.velocity);
         if constants.hold != NONE {
             sum.held.push((number as u32, reaction));
+            // A rotation holds a node along all axes.
+            if let Some(hold) = motion.holds[constants.hold as usize][0] {
+                sum.moments.extend(hold.moment(lifted(plus(before, solid.origin)), lifted(reaction)));
+            }
         }
         squared
     }

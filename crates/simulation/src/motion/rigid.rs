@@ -70,11 +70,13 @@ where
         body.elements.iter().flat_map(corners).map(move |corner| (corner, solid.force(corner)))
     }
 
-    /// The prescribed angular velocity of a body in the middle of this step, rad/s.
-    fn spin_of(&self, body: &RigidBody<D>) -> Option<Point<3>> {
+    /// The rotation that is prescribed for a body: its boundary, and the angular velocity in the middle of
+    /// this step, rad/s.
+    fn turning_of(&self, body: &RigidBody<D>) -> Option<(u32, Point<3>)> {
         let [number, _] = body.holds[0]?;
         let Motion { holds, schedules, time, step, .. } = self.motion;
-        holds[number as usize][0]?.spin(schedules, [*time, *step])
+        let hold = holds[number as usize][0]?;
+        Some((hold.boundary, hold.spin(schedules, [*time, *step])?))
     }
 
     /// Moves the centre of mass under a force without the weight, N. Returns its speed, m/s.
@@ -108,6 +110,9 @@ where
             reaction[axis] = reactions[axis];
             sum.held.push((solid.node_at(corner), reaction));
         }
+        // A rotation holds the centre along all axes.
+        let turning = body.holds[0].and_then(|[number, _]| motion.holds[number as usize][0]);
+        sum.moments.extend(turning.and_then(|hold| hold.moment(place, lifted(reactions))));
         add(&mut moving.centre, after, step);
         moving.velocity = after;
         if motion.energy {
@@ -156,8 +161,11 @@ where
         let body = &self.solid.rigid.all[number];
         let arm = lifted(minus(pivot, moving.centre));
         add(&mut moment, cross3(arm, lifted(force)), 1.0);
-        match self.spin_of(body) {
-            Some(spin) => turn_held_body(body, moving, (moment, spin), self.motion, sum),
+        match self.turning_of(body) {
+            Some((boundary, spin)) => {
+                let reaction = turn_held_body(body, moving, (moment, spin), self.motion, sum);
+                sum.moments.push((boundary, reaction));
+            }
             None => turn_body(body, moving, moment, self.motion, sum),
         }
         let speed = self.move_centre(body, moving, force, sum) + length(moving.spin) * body.radius;
@@ -170,14 +178,14 @@ where
 }
 
 /// Turns a body with a prescribed angular velocity, rad/s, against a moment about its centre of mass, N m.
-/// The moment of its support does work.
+/// The moment of its support, which it returns, N m, does work.
 fn turn_held_body<const D: usize, const N: usize>(
     body: &RigidBody<D>,
     moving: &mut RigidMotion<D>,
     (moment, spin): (Point<3>, Point<3>),
     motion: &Motion<'_, D, N>,
     sum: &mut MotionSums<Pile, D>,
-) {
+) -> Point<3> {
     let (step, before) = (motion.step, moving.momentum);
     let middle = matrix_of(turned(moving.orientation, spin.map(|x| 0.5 * step * x)));
     let after = body.momentum(&middle, spin);
@@ -186,8 +194,9 @@ fn turn_held_body<const D: usize, const N: usize>(
         sum.kinetic.add(0.5 * dot(before, spin), motion.grains);
     }
     add_works(&mut sum.external, reaction, [moving.spin, spin], step, motion.grains);
-    moving.orientation = turned(moving.orientation, spin.map(|x| step * x));
+    moving.turn_by(spin.map(|x| step * x));
     (moving.momentum, moving.spin) = (after, spin);
+    reaction
 }
 
 /// Turns a body under a moment about its centre of mass, N m.
@@ -220,7 +229,7 @@ fn turn_body<const D: usize, const N: usize>(
             break;
         }
     }
-    moving.orientation = turned(moving.orientation, moving.spin.map(|x| step * x));
+    moving.turn_by(moving.spin.map(|x| step * x));
     if motion.energy {
         sum.kinetic.add(0.5 * dot(momentum, after), motion.grains);
     }

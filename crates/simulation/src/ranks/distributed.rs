@@ -215,6 +215,11 @@ where
         self.run.force(boundary)
     }
 
+    /// Moment of a boundary on the bodies, N m: see [`Simulation::moment`].
+    pub fn moment(&self, boundary: usize) -> Option<[f64; 3]> {
+        self.run.moment(boundary)
+    }
+
     /// Computing time of this rank so far, by parts of the steps.
     pub fn timings(&self) -> Timings {
         self.run.timings()

@@ -13,6 +13,7 @@ use crate::action::Record;
 use crate::actions::ground::{is_ground, radii};
 use crate::contacts::{SavedContacts, edges, mean_edge};
 use crate::energy::Energies;
+use crate::forces::Reaction;
 use crate::joints::saved::MovingJoint;
 use crate::model::{Load, Model, Target};
 use crate::outer_side::outer_side;
@@ -242,7 +243,7 @@ pub(super) struct CarriedState<const D: usize> {
     pub(super) totals: Totals,
     pub(super) energies: Energies,
     pub(super) imbalance: f64,
-    pub(super) reactions: Vec<Point<D>>,
+    pub(super) reactions: Vec<Reaction<D>>,
     /// Factors of boundaries that the caller has set.
     pub(super) factors: Vec<(u32, f64)>,
     /// The memory of the actions at no element.

@@ -1,7 +1,10 @@
 //! The energies of a run, and the check of their balance.
 
+use std::collections::BTreeMap;
+
 use crate::energy::{Account, Energies, Ledger};
 use crate::error::Stop;
+use crate::forces::Reaction;
 use crate::peers::{Peers, first_of_largest};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -46,16 +49,23 @@ where
         }
         self.actions.add_energies(&self.scene(), &mut ledger);
         let mut reactions = self.reactions_of_boundaries();
+        let mut moments = self.moments_of_boundaries();
         let mut sums: Vec<&mut Sum> = ledger.sums_mut().collect();
         sums.extend(reactions.iter_mut().flatten());
+        sums.extend(moments.values_mut().flatten());
         peers.add_up(&mut sums);
         let now = ledger.energies();
         let first = *self.totals.first.get_or_insert(now);
         let changed = now.changed(&first).max(ledger.done());
         let exchanged = changed.max(self.totals.exchanged).max(self.scales.negligible);
         self.energies = Energies { initial: first.balance(), exchanged, ..now };
-        self.reactions =
-            reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
+        let reaction = |(number, force): (u32, &[Sum; D])| Reaction {
+            force: std::array::from_fn(|axis| force[axis].value()),
+            moment: moments
+                .get(&number)
+                .map_or([0.0; 3], |sums| std::array::from_fn(|axis| sums[axis].value())),
+        };
+        self.reactions = (0..).zip(&reactions).map(reaction).collect();
     }
 
     /// Checks the energy balance during a run, and keeps the largest energies.
@@ -111,6 +121,19 @@ where
             let Some(sums) = sums.get_mut(boundary as usize) else { continue };
             for axis in 0..D {
                 sums[axis].add(force[axis]);
+            }
+        }
+        sums
+    }
+
+    /// Moments in this step of the boundaries that turn nodes or bodies, N m: see [`Self::moments`].
+    fn moments_of_boundaries(&self) -> BTreeMap<u32, [Sum; 3]> {
+        let turning = (0..).zip(&self.model.boundaries).filter(|(_, boundary)| boundary.load.is_rotation());
+        let mut sums: BTreeMap<u32, [Sum; 3]> =
+            turning.map(|(number, _)| (number, [(); 3].map(|()| Sum::default()))).collect();
+        for (boundary, moment) in &self.moments {
+            for (sum, part) in sums.get_mut(boundary).into_iter().flatten().zip(moment) {
+                sum.add(*part);
             }
         }
         sums

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use crate::compiled::compiled;
 use crate::energy::Ledger;
 use crate::error::ModelError;
+use crate::forces::Reaction;
 use crate::joints::saved::{MovingJoint, SavedJoints};
 use crate::machine::Columns;
 use crate::machine::list::Machines;
@@ -139,7 +140,7 @@ where
                     load: Load::Held,
                     schedule: Schedule::From(new.time(), Box::new(schedule)),
                 });
-                state.reactions.push([0.0; D]);
+                state.reactions.push(Reaction::default());
             }
         }
         Ok((model, state))
@@ -361,7 +362,7 @@ impl Numbers {
         let appear = of(fresh).into_iter().filter_map(|joint| joint.renumbered::<N>(appears));
         let reaction = |boundary: &Boundary<D>| {
             let same = old.model.boundaries.iter().position(|other| other.name == boundary.name);
-            same.map_or([0.0; D], |same| state.reactions[same])
+            same.map_or_else(Reaction::default, |same| state.reactions[same])
         };
         let factor = |(boundary, factor): (u32, f64)| {
             let name = &old.model.boundaries[boundary as usize].name;

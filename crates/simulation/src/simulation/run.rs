@@ -13,6 +13,7 @@ use crate::contacts::{Contacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::ModelError;
+use crate::forces::Reaction;
 use crate::joints::Joints;
 use crate::lanes::Available;
 use crate::machine::list::Machines;
@@ -69,13 +70,16 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     /// Energies at the beginning of the last step that they were asked for, J: of the last step of
     /// [`Simulation::advance`].
     pub(crate) energies: Energies,
-    /// Force of each boundary on the bodies then, N.
-    pub(crate) reactions: Vec<Point<D>>,
+    /// Force and moment of each boundary on the bodies then.
+    pub(crate) reactions: Vec<Reaction<D>>,
     /// Largest force on a free node over the largest force of an element on a node, at the beginning of the
     /// last step that energies were asked for.
     pub(crate) imbalance: f64,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
+    /// Moments of boundaries that turn nodes or bodies then: see
+    /// [`MotionSums`](crate::motion::MotionSums).
+    pub(crate) moments: Vec<(u32, Point<3>)>,
     /// Elastic energy of the joints that this rank counts, at the beginning of the last step for which
     /// energies were asked, J.
     pub(crate) joint_elastic: Sum,
@@ -235,7 +239,7 @@ where
         let Components { topology, machine, actions } = parts;
         Self {
             scales,
-            reactions: vec![[0.0; D]; model.boundaries.len()],
+            reactions: vec![Reaction::default(); model.boundaries.len()],
             machine,
             team,
             step: 0,
@@ -243,6 +247,7 @@ where
             energies: Energies::default(),
             imbalance: f64::INFINITY,
             held: Vec::new(),
+            moments: Vec::new(),
             joint_elastic: Sum::default(),
             touching: Touching::default(),
             timings: Timings::default(),
@@ -348,7 +353,14 @@ where
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such
     /// boundary.
     pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
-        self.reactions.get(boundary).copied()
+        self.reactions.get(boundary).map(|reaction| reaction.force)
+    }
+
+    /// Moment on the bodies of a boundary with a [`Load::Rotation`](crate::Load::Rotation) about the point
+    /// through which its axis passes, at the beginning of the last step, N m. In two dimensions only the
+    /// third component counts. Zero for other boundaries; `None` if there is no such boundary.
+    pub fn moment(&self, boundary: usize) -> Option<[f64; 3]> {
+        self.reactions.get(boundary).map(|reaction| reaction.moment)
     }
 
     /// Numbers of joints, contacts and nodes.

@@ -9,6 +9,7 @@ use crate::compiled::compiled;
 use crate::contacts::SavedContacts;
 use crate::energy::Energies;
 use crate::error::ModelError;
+use crate::forces::Reaction;
 use crate::joints::Joint;
 use crate::joints::saved::SavedJoints;
 use crate::machine::Columns;
@@ -18,7 +19,7 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::totals::Totals;
 use crate::solid::Node;
-use crate::vector::{Matrix, Point};
+use crate::vector::Matrix;
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,7 +31,7 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) step: u64,
     pub(crate) totals: Totals,
     pub(crate) energies: Energies,
-    pub(crate) reactions: Vec<Point<D>>,
+    pub(crate) reactions: Vec<Reaction<D>>,
     /// In the order of results: see [`Snapshot`](crate::Snapshot).
     pub(crate) nodes: Vec<Node<D>>,
     pub(crate) of_corner: Vec<[u32; N]>,

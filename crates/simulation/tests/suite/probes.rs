@@ -232,7 +232,7 @@ macro_rules! same_on_ranks {
         };
         let last = mesh.elements.len() as u32 - 1;
         let bodies: Vec<u32> = (0..=mesh.bodies.iter().copied().max().unwrap_or(0)).collect();
-        let probes = vec![
+        let mut probes = vec![
             Probe::Stress(every_third.clone()),
             Probe::Strain(every_third.clone()),
             Probe::Velocity(every_third),
@@ -243,12 +243,15 @@ macro_rules! same_on_ranks {
             Probe::ContactForce([bodies[1..].to_vec(), vec![0]]),
             Probe::Reaction((0..mesh.nodes.len() as u32).step_by(2).collect()),
         ];
+        probes.extend(model.rigid.iter().map(|&body| Probe::RigidBody(body)));
+        let boundaries = 0..model.boundaries.len();
         let mut whole = Simulation::new(model.clone(), 2).expect("a model");
         let mut expected = Vec::new();
         for &steps in $parts {
             whole.advance(steps).expect("steps");
             expected.push(whole.measure(&probes));
         }
+        let moments: Vec<_> = boundaries.clone().map(|boundary| whole.moment(boundary)).collect();
         for size in [1, 2, 3, 5] {
             threads::run(size, |communicator: &dyn Communicator| {
                 if communicator.rank() > 0 {
@@ -261,6 +264,7 @@ macro_rules! same_on_ranks {
                     assert_eq!(run.measure(&probes), *expected, "{size} ranks, step {}", run.steps());
                     assert_eq!(run.measure(&probes[..1]), expected[..1]);
                 }
+                assert_eq!(boundaries.clone().map(|at| run.moment(at)).collect::<Vec<_>>(), moments);
             });
         }
         // A run that is resumed measures the same after its next step.
@@ -289,6 +293,15 @@ fn a_crash_is_measured_the_same_on_ranks_and_after_a_resume() {
 #[test]
 fn stressed_blocks_are_measured_the_same_on_ranks() {
     let _ = same_on_ranks!(crate::stress::shaken(Insertion::Adaptive), 2, 3, &[1, 99, 150]);
+}
+
+#[test]
+fn rigid_bodies_are_measured_the_same_on_ranks_and_after_a_resume() {
+    let plane = same_on_ranks!(crate::rigid::blocks(), 2, 3, &[1, 299, 700, 600]);
+    assert!(plane[9..].iter().flatten().all(|value| value.is_finite()), "{plane:?}");
+    assert!(plane.len() == 12 && plane[9..].iter().all(|motion| motion[4] != 0.0), "{plane:?}");
+    let space = same_on_ranks!(crate::rigid::blocks_in_space(), 3, 4, &[1, 150, 70]);
+    assert!(space[9].len() == 12 && space[9].iter().all(|value| value.abs() > 0.0), "{space:?}");
 }
 
 /// Advances to a time, s.

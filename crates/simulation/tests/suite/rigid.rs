@@ -394,3 +394,139 @@ fn a_support_that_comes_later_stops_a_rotation() {
     assert!(energies.kinetic == 0.0 && (energies.external / kinetic + 1.0).abs() < 1e-9, "{energies:?}");
     assert!(energies.error().abs() < 1e-9, "{energies:?}");
 }
+
+/// A body that a rotation turns, rigid or with all nodes driven, and the axis: a point and a direction.
+fn turning<const D: usize, const N: usize>(
+    mesh: Mesh<D, N>,
+    is_rigid: bool,
+    (through, spin): ([f64; D], [f64; 3]),
+    schedule: Schedule,
+) -> Simulation<D, N>
+where
+    [[f64; D]; N]: Element<D, N>,
+    Model<D, N>: Default,
+{
+    let nodes = (0..mesh.nodes.len() as u32).collect();
+    let model = Model {
+        mesh,
+        materials: vec![granite()],
+        rigid: if is_rigid { vec![0] } else { Vec::new() },
+        boundaries: vec![Boundary {
+            name: "turning".to_owned(),
+            target: Target::Nodes(nodes),
+            load: Load::Rotation { spin, through },
+            schedule,
+        }],
+        time: TimeOptions { step: Some(2e-6), ..TimeOptions::default() },
+        ..Model::default()
+    };
+    Simulation::new(model, 1).expect("a model")
+}
+
+/// A rotation at a constant speed needs no moment, and one that is ramped up that of the moment of inertia.
+#[test]
+fn the_moment_of_a_rotation_is_that_of_the_inertia() {
+    let (through, rate) = ([-0.2, 0.1], 50.0);
+    let mass = 2700.0 * 0.1 * 0.05;
+    let square = mass * 50.0_f64.powi(2) * 0.3;
+    for is_rigid in [true, false] {
+        let mesh = rectangle([0.0, 0.0], [0.1, 0.05], 4, 2);
+        let mut run = turning(mesh.clone(), is_rigid, (through, [0.0, 0.0, rate]), Schedule::Constant);
+        run.advance(1_000).expect("steps");
+        let [x, y, moment] = run.moment(0).expect("a boundary");
+        assert!([x, y] == [0.0; 2] && moment.abs() < 1e-9 * square, "{is_rigid}: {moment} {square}");
+        // The angular velocity grows linearly, 1000 rad/s in a second.
+        let table = Schedule::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+        let mut run = turning(mesh.clone(), is_rigid, (through, [0.0, 0.0, 1000.0]), table);
+        run.advance(1_000).expect("steps");
+        // Masses at the nodes have more inertia than a body that is homogeneous.
+        let lumped = |node: &[f64; 2]| (node[0] + 0.2).powi(2) + (node[1] - 0.1).powi(2);
+        let inertia = if is_rigid {
+            mass * ((0.1_f64.powi(2) + 0.05_f64.powi(2)) / 12.0 + 0.25_f64.powi(2) + 0.075_f64.powi(2))
+        } else {
+            let of_element = |element: &[u32; 3]| {
+                let each = element.map(|node| lumped(&mesh.nodes[node as usize]));
+                mass / mesh.elements.len() as f64 * each.iter().sum::<f64>() / 3.0
+            };
+            mesh.elements.iter().map(of_element).sum()
+        };
+        let [_, _, moment] = run.moment(0).expect("a boundary");
+        assert!((moment / (1000.0 * inertia) - 1.0).abs() < 1e-5, "{is_rigid}: {moment} {inertia}");
+        assert_eq!(run.moment(1), None);
+    }
+    // About an axis aslant, not through the centre: the moment along the axis.
+    let (sides, axis) = ([0.1, 0.06, 0.02], [0.8, 0.0, 0.6]);
+    let mesh = crate::space::cuboid([0.0; 3], sides, [3, 2, 1]);
+    let through = [0.05, -0.1, 0.0];
+    let table = Schedule::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+    let mut run = turning(mesh, true, (through, axis.map(|x| 1000.0 * x)), table);
+    run.advance(1_000).expect("steps");
+    let mass = 2700.0 * sides.iter().product::<f64>();
+    let about = |k: usize| mass * (sides.iter().map(|x| x * x).sum::<f64>() - sides[k] * sides[k]) / 12.0;
+    let arm = [0.0, 0.13, 0.01];
+    let along = axis[0] * arm[0] + axis[2] * arm[2];
+    let aside = arm.iter().map(|x| x * x).sum::<f64>() - along * along;
+    let inertia = (0..3).map(|k| axis[k] * axis[k] * about(k)).sum::<f64>() + mass * aside;
+    let moment = run.moment(0).expect("a boundary");
+    let found: f64 = (0..3).map(|k| axis[k] * moment[k]).sum();
+    assert!((found / (1000.0 * inertia) - 1.0).abs() < 1e-5, "{found} {inertia}");
+}
+
+/// A horizontal arm that its boundary turns slowly needs the moment of its weight.
+#[test]
+fn the_moment_of_a_rotation_carries_the_weight() {
+    let mesh = rectangle([0.0, 0.0], [0.1, 0.05], 4, 2);
+    let run = turning(mesh, true, ([0.0, 0.025], [0.0, 0.0, 1e-3]), Schedule::Constant);
+    let model = Model { gravity: [0.0, -9.81], ..run.model().clone() };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    // The first step brings it to its speed.
+    run.advance(2).expect("steps");
+    let [_, _, moment] = run.moment(0).expect("a boundary");
+    let weight = 2700.0 * 0.1 * 0.05 * 9.81;
+    assert!((moment / (0.05 * weight) - 1.0).abs() < 1e-8, "{moment}");
+    let force = run.force(0).expect("a boundary");
+    assert!((force[1] / weight - 1.0).abs() < 1e-8, "{force:?}");
+}
+
+/// The probe of a rigid body has the motion of its centre of mass, and turns that add up.
+#[test]
+fn the_motion_of_a_rigid_body_is_measured() {
+    // A block that flies and spins in the plane.
+    let mesh = rectangle([0.0, 0.0], [0.2, 0.1], 2, 1);
+    let velocities = mesh.nodes.iter().map(|[x, y]| [2.0 + 30.0 * (y - 0.05), -1.0 - 30.0 * (x - 0.1)]);
+    let model = Model {
+        velocities: velocities.collect(),
+        mesh,
+        materials: vec![granite()],
+        rigid: vec![0],
+        time: TimeOptions { step: Some(1e-3), ..TimeOptions::default() },
+        ..Model::default()
+    };
+    let probes = [Probe::RigidBody(0), Probe::RigidBody(1)];
+    let names: Vec<_> = probes[0].columns().iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["ux", "uy", "vx", "vy", "rz", "wz"]);
+    let mut run = Simulation::new(model, 1).expect("a model");
+    for steps in [0, 1, 999, 2000] {
+        run.advance(steps).expect("steps");
+        let time = run.time();
+        let [found, none] = &run.measure(&probes)[..] else { panic!("two probes") };
+        let expected = [2.0 * time, -time, 2.0, -1.0, -30.0 * time, -30.0];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+        }
+        assert!(none.len() == 6 && none.iter().all(|value| value.is_nan()));
+    }
+    // In space, a block that a boundary turns about an axis aslant: 4.8 turns.
+    let mesh = crate::space::cuboid([0.0; 3], [0.1, 0.06, 0.02], [3, 2, 1]);
+    let axis = [0.8, 0.0, 0.6];
+    let mut run = turning(mesh, true, ([0.05, 0.03, 0.01], axis.map(|x| 3e3 * x)), Schedule::Constant);
+    run.advance(5_000).expect("steps");
+    let found = run.measure(&[Probe::RigidBody(0)]).concat();
+    let angle = 3e3 * run.time();
+    let turns = [axis.map(|x| angle * x), axis.map(|x| 3e3 * x)].concat();
+    let expected = [[0.0; 6].to_vec(), turns].concat();
+    assert_eq!(found.len(), 12);
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}

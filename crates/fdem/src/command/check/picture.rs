@@ -155,6 +155,7 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         | Probe::Reaction(_)
         | Probe::Cavity(_)
         | Probe::JointSet(_)
+        | Probe::RigidBody(_)
         | Probe::Softening => Vec::new(),
     };
     let points = prepared.histories.iter().map(|history| ModelPoint {
@@ -162,7 +163,9 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         places: match history.quantity {
             Quantity::Node(node) => vec![mesh.nodes[node as usize]],
             Quantity::Probe(probe) => places(&prepared.probes[probe]),
-            Quantity::Force(_) | Quantity::Energy | Quantity::CrackLength => Vec::new(),
+            Quantity::Force(_) | Quantity::Torque(..) | Quantity::Energy | Quantity::CrackLength => {
+                Vec::new()
+            }
         },
     });
     points.filter(|point| !point.places.is_empty()).collect()

@@ -36,6 +36,7 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     fn energies(&self) -> Energies;
     fn imbalance(&self) -> f64;
     fn force(&self, boundary: usize) -> Option<[f64; D]>;
+    fn moment(&self, boundary: usize) -> Option<[f64; 3]>;
     fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>>;
     fn crack_lengths(&self) -> [f64; 3];
     fn fragments(&self) -> Vec<u32>;
@@ -105,6 +106,10 @@ macro_rules! of_the_same_name {
 
         fn force(&self, boundary: usize) -> Option<[f64; D]> {
             self.force(boundary)
+        }
+
+        fn moment(&self, boundary: usize) -> Option<[f64; 3]> {
+            self.moment(boundary)
         }
 
         fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {

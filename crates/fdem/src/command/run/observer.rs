@@ -59,6 +59,11 @@ impl<const D: usize> Observer<D> {
             Quantity::Force(boundary) => {
                 [run.force(boundary).unwrap_or([0.0; D]), self.mean_displacement(run, target)].concat()
             }
+            Quantity::Torque(boundary, axis) => {
+                let force = run.force(boundary).unwrap_or([0.0; D]);
+                let moved = self.mean_displacement(run, target);
+                [&force[..], &moved, &[torque(run, boundary, axis)]].concat()
+            }
             Quantity::Energy | Quantity::CrackLength => Vec::new(),
         };
         prepared.histories.iter().zip(&self.targets).map(values).collect()
@@ -82,8 +87,11 @@ impl<const D: usize> Observer<D> {
             {
                 values[number].clone_from(&measured[probe]);
             }
-            if let Quantity::Force(boundary) = history.quantity {
+            if let Quantity::Force(boundary) | Quantity::Torque(boundary, _) = history.quantity {
                 values[number][..D].copy_from_slice(&run.force(boundary).unwrap_or([0.0; D]));
+            }
+            if let Quantity::Torque(boundary, axis) = history.quantity {
+                values[number][2 * D] = torque(run, boundary, axis);
             }
         }
         Row {
@@ -162,9 +170,24 @@ impl<const D: usize> Observer<D> {
     }
 }
 
+/// The moment of a boundary about an axis through its point, N m; 0 where it does not act.
+fn torque<const D: usize, const N: usize>(
+    run: &(impl Engine<D, N> + ?Sized),
+    boundary: usize,
+    axis: [f64; 3],
+) -> f64
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let moment = run.moment(boundary).unwrap_or([0.0; 3]);
+    (0..3).map(|k| axis[k] * moment[k]).sum()
+}
+
 /// The nodes of the boundary whose force a history records, each once.
 fn target<const D: usize, const N: usize>(history: &PreparedHistory, prepared: &Prepared<D, N>) -> Vec<u32> {
-    let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
+    let (Quantity::Force(boundary) | Quantity::Torque(boundary, _)) = history.quantity else {
+        return Vec::new();
+    };
     // It need not act in this stage.
     prepared.model.boundaries.get(boundary).map_or_else(Vec::new, |boundary| boundary.target.nodes())
 }

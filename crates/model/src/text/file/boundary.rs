@@ -137,11 +137,16 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// The angular velocity as a vector in space, rad/s. Without an axis it is about the third one.
-    pub(crate) fn spin(&self) -> [f64; 3] {
+    /// The direction of the axis, of length 1. Without an axis it is the third one.
+    pub(crate) fn direction(&self) -> [f64; 3] {
         let axis = self.axis.unwrap_or([0.0, 0.0, 1.0]);
         let long = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
-        axis.map(|x| x / long * self.speed.to_radians())
+        axis.map(|x| x / long)
+    }
+
+    /// The angular velocity as a vector in space, rad/s.
+    pub(crate) fn spin(&self) -> [f64; 3] {
+        self.direction().map(|x| x * self.speed.to_radians())
     }
 }
 

@@ -107,8 +107,8 @@ pub enum Mean {
 }
 
 /// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `stress`, `strain`,
-/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `softening`, `energy` and
-/// `crack_length`.
+/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `motion`, `softening`, `energy`
+/// and `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
@@ -164,11 +164,17 @@ pub struct History {
     /// them, Pa, tension positive, weighted by length or area, in every state of the joints.
     #[serde(default)]
     pub joint_set: Option<String>,
+    /// Name of a rigid body: displacement of its centre of mass, m, and its velocity, m/s, its rotation since
+    /// the start, rad, and its angular velocity, rad/s. In three dimensions the rotation is a vector along
+    /// its axis, as long as its angle. Whole turns add up.
+    #[serde(default)]
+    pub motion: Option<String>,
     /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken,
     /// and the same with the damage of each joint as a factor.
     #[serde(default)]
     pub softening: bool,
-    /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
+    /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m; with
+    /// `rotation` also its moment on the bodies about its axis, N m, positive as its `speed`.
     #[serde(default)]
     pub force: Option<String>,
     /// true: all energies, J. They are recorded in any case.
