@@ -338,10 +338,9 @@ impl Checked<'_> {
         none_or(faults)?;
 
         let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
-        let mut lost = Vec::new();
+        let (mut lost, mut unknown) = (Vec::new(), Vec::new());
         let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
         none_or(lost)?;
-        let mut unknown = Vec::new();
         let own = columns::<D, N>(&histories, &probes);
         let curves = curves::curves::<D>(file, document, &own, &mut unknown);
         let Resolved { until, of_stages, servos } =

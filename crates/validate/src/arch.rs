@@ -27,17 +27,24 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     );
     let mut outcomes = Vec::new();
     for &(share, stands) in shares {
-        for (is_rigid, kind) in [(false, ""), (true, ", rigid")] {
-            let found = f64::from(u8::from(is_standing(share * LEAST, is_rigid)?));
+        let mut times = [None; 2];
+        for (time, (is_rigid, kind)) in times.iter_mut().zip([(false, ""), (true, ", rigid")]) {
+            *time = falls_at(share * LEAST, is_rigid)?;
+            let found = f64::from(u8::from(time.is_none()));
             let name = format!("arch of {share} times the least thickness{kind}: 1 if it stands");
             outcomes.push(Outcome::absolute(name, f64::from(u8::from(stands)), found, 0.0, ""));
+        }
+        if let [Some(deforms), Some(rigid)] = times {
+            let name = format!("time of the fall of {share} times, rigid over deforming");
+            outcomes.push(Outcome::relative(name, 1.0, rigid / deforms, 0.02, ""));
         }
     }
     Ok(outcomes)
 }
 
-/// Whether an arch of this thickness, m, stands under its weight. `is_rigid`: whether all of its parts are.
-fn is_standing(thickness: f64, is_rigid: bool) -> Result<bool, String> {
+/// When an arch of this thickness, m, has fallen under its weight, s: its crown has sunk by a tenth of the
+/// radius. `None` if it stands. `is_rigid`: whether all of its parts are.
+fn falls_at(thickness: f64, is_rigid: bool) -> Result<Option<f64>, String> {
     let count = 32;
     let bases = [-1.0, 1.0].map(|side: f64| {
         let middle = side * RADIUS;
@@ -71,15 +78,15 @@ fn is_standing(thickness: f64, is_rigid: bool) -> Result<bool, String> {
     let mut run = start(model)?;
     let sinks = |run: &Simulation| run.node(crown).map_or(f64::NAN, |([_, y], _)| -y / RADIUS);
     while run.time() < 3.0 {
-        let next = run.time() + 0.05;
+        let next = run.time() + 1e-3;
         advance_to(&mut run, next)?;
         if sinks(&run) > 0.1 {
-            return Ok(false);
+            return Ok(Some(run.time()));
         }
     }
     // An arch that neither stands nor has fallen is reported: a falling one has moved by far more.
     if sinks(&run) < 0.01 {
-        Ok(true)
+        Ok(None)
     } else {
         Err(format!("an arch {thickness} m thick neither stands nor falls"))
     }

@@ -3,8 +3,8 @@
 use crate::outcome::Case;
 use crate::{
     arch, bedding, brazilian, cantilever, cavity, compliance, compression, debris, disc, excavation,
-    free_crack, free_shear, ground, heaps, hertz, hole, impact, incline, ring, rocking, rotation, shear,
-    space, tension, wave,
+    free_crack, free_shear, ground, heaps, hertz, hole, impact, incline, rigid_heap, ring, rocking, rotation,
+    shear, space, tension, wave,
 };
 
 const JOHNSON: &str = "K. L. Johnson, Contact Mechanics (1985), 4.2 and 5.6";
@@ -457,6 +457,27 @@ const CASES: &[Case] = &[
         what: "Pairs of rigid cubes meet in random orientations without friction and damping. Energy and momentum are the same before and after.",
         source: "conservation",
         run: space::rigid::collisions,
+    },
+    Case {
+        number: 42,
+        name: "tower of rigid cubes",
+        what: "Ten rigid cubes stand on each other on a rigid plate. Tower and plate exchange the weight, the tower sinks by the sum of the elastic depths, does not lean, and comes to rest.",
+        source: "statics; potentials of flush faces",
+        run: space::tower::run,
+    },
+    Case {
+        number: 42,
+        name: "rigid as the limit of stiff",
+        what: "A heap of 50 blocks that fall is the same, whether the blocks are rigid or a hundred times as stiff as their contacts.",
+        source: "the limit of stiffness",
+        run: rigid_heap::run,
+    },
+    Case {
+        number: 42,
+        name: "rigid wall of many faces",
+        what: "A rigid block lands on a rigid wall and slides. It does the same on a wall whose face is cut into two triangles and on one of many: to rounding at the same depth, to the depth of the contact after a landing.",
+        source: "the plane",
+        run: space::rigid_wall::run,
     },
 ];
 

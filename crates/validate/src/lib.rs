@@ -37,6 +37,7 @@ mod incline;
 mod models;
 mod outcome;
 mod page;
+mod rigid_heap;
 mod ring;
 mod rocking;
 mod rocks;

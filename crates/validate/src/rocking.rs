@@ -28,11 +28,15 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let tilts: &[f64] = size.choose(&[0.5], &[0.2, 0.5, 0.8]);
     for &share in tilts {
         let expected = (1.0 / (1.0 - share)).acosh() / rate;
-        for (is_rigid, kind) in [(false, ""), (true, ", rigid")] {
-            let found = fall(share * alpha, is_rigid, size)?.unwrap_or(f64::NAN);
+        let mut times = [0.0; 2];
+        for (time, (is_rigid, kind)) in times.iter_mut().zip([(false, ""), (true, ", rigid")]) {
+            *time = fall(share * alpha, is_rigid, size)?.unwrap_or(f64::NAN);
             let name = format!("time to fall back from {share} α{kind}");
-            outcomes.push(Outcome::relative(name, expected, found, 0.02, "s"));
+            outcomes.push(Outcome::relative(name, expected, *time, 0.02, "s"));
         }
+        let [deforms, rigid] = times;
+        let name = format!("the rigid one over the one that deforms, from {share} α");
+        outcomes.push(Outcome::relative(name, 1.0, rigid / deforms, 0.02, ""));
     }
     for (share, expected) in [(0.95, 0.0), (1.05, 1.0)] {
         for (is_rigid, kind) in [(false, ""), (true, ", rigid")] {

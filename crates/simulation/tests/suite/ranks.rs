@@ -77,6 +77,34 @@ fn a_crash_of_rigid_bodies_is_the_same() {
     assert!(counts.contacts > 5, "{counts:?}");
 }
 
+/// A bar that a boundary twists at one end, whose nodes are on several ranks: so is its moment.
+#[test]
+fn the_moment_of_a_rotation_is_the_same() {
+    let bar = rectangle([0.0, 0.0], [0.4, 0.1], 16, 4);
+    let boundary = |name: &str, nodes, load| Boundary {
+        name: name.to_owned(),
+        target: Target::Nodes(nodes),
+        load,
+        schedule: Schedule::Ramp(1e-4),
+    };
+    let turns = Load::Rotation { spin: [0.0, 0.0, 20.0], through: [0.1, 0.02] };
+    let model = Model {
+        boundaries: vec![
+            held("end", nodes_where(&bar, |[x, _]| x > 0.399), [Some(0.0); 2], Schedule::Constant),
+            boundary("turns", nodes_where(&bar, |[x, _]| x < 0.201), turns),
+        ],
+        mesh: bar,
+        materials: vec![granite()],
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model.clone(), 1).expect("a model");
+    run.advance(200).expect("steps");
+    assert_eq!(run.moment(0), Some([0.0; 3]));
+    let [x, y, moment] = run.moment(1).expect("a boundary");
+    assert!([x, y] == [0.0; 2] && moment > 0.0, "{moment}");
+    let _ = same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 99, 150]);
+}
+
 /// Everything that can happen in the plane: joints that are inserted, break and hand over; contacts, damping,
 /// weight, a floor.
 #[test]
