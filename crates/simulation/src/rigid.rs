@@ -140,6 +140,12 @@ impl<const D: usize> RigidBodies<D> {
         elements.zip(bodies).filter(|(_, body)| **body != NONE).map(|(element, _)| element)
     }
 
+    /// Whether all of some elements are rigid.
+    #[inline]
+    pub(crate) fn has_all(&self, elements: Range<usize>) -> bool {
+        self.of_element.get(elements).is_some_and(|bodies| bodies.iter().all(|body| *body != NONE))
+    }
+
     /// Whether two elements belong to one rigid body.
     #[inline]
     pub(crate) fn joins(&self, [a, b]: [u32; 2]) -> bool {

@@ -546,6 +546,10 @@ where
                 for (k, deformed) in deformed.iter_mut().enumerate() {
                     let batch = first + k;
                     let range = batch * LANES..((batch + 1) * LANES).min(elements.len());
+                    if rigid.has_all(range.clone()) {
+                        forces[k * LANES..][..range.len()].fill([[0.0; D]; N]);
+                        continue;
+                    }
                     for (lane, of_corner) in corners.of_corner[range.clone()].iter().enumerate() {
                         let ends = of_corner.map(|node| positions[node as usize]);
                         let edges = <[[f64; D]; N]>::edges(&ends);
