@@ -85,10 +85,19 @@ fn rigid<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), Mode
     }
 }
 
+impl<const D: usize, const N: usize> Model<D, N> {
+    /// Checks the bodies that are rigid until they are overloaded.
+    ///
+    /// # Errors
+    /// [`ModelError::UntilOverloaded`] if one cannot deform later, [`ModelError::Missing`] and
+    /// [`ModelError::OutOfRange`] if numbers are wrong.
+    pub fn check_until_overloaded(&self) -> Result<(), ModelError> {
+        until_overloaded(self)
+    }
+}
+
 /// Bodies that are rigid until they are overloaded are bodies of the mesh, in order, and can break.
-pub(crate) fn until_overloaded<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-) -> Result<(), ModelError> {
+fn until_overloaded<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
     let all = &model.until_overloaded;
     if all.is_empty() {
         return Ok(());

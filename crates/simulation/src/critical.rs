@@ -110,8 +110,8 @@ impl CriticalStep {
         if model.until_overloaded.is_empty() {
             return Self::with(model, topology, joints, rigid_squares(model, topology));
         }
-        // One step for the whole run: these bodies are rigid at first, and deform later. Bodies that have been
-        // released already count as both, too.
+        // One step for the whole run: these bodies are rigid at first, and deform later. Bodies that have
+        // been released already count as both, too.
         let until = || model.until_overloaded.iter().map(|of| of.body);
         let mut rigid: BTreeSet<u32> = model.rigid.iter().copied().chain(until()).collect();
         let all = Model { rigid: rigid.iter().copied().collect(), ..model.clone() };

@@ -8,8 +8,6 @@ use std::collections::BTreeSet;
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-use crate::checks;
-use crate::error::ModelError;
 use crate::laws::{AnyLaw, MaterialLaw};
 pub(crate) use crate::model::load::Stored;
 pub use crate::model::load::{Load, LoadEffect, LoadSummary, STORED};
@@ -79,9 +77,9 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
 ///
 /// Every ten steps, its mean stress under the forces on its surface (Love and Weber) is compared with the
 /// strength of its material, and the largest of these forces over the area of its facet with the strength in
-/// compression. Half of the difference of the principal stresses counts as tension, as in the middle of a disc
-/// or a ball between two forces. When one of the ratios reaches `share`, the body gets the static stress of
-/// these forces, and deforms and breaks as others do. It then stays so.
+/// compression. Half of the difference of the principal stresses counts as tension: that in the middle of a
+/// disc or a ball between two forces. When one of the ratios reaches `share`, the body gets the static stress
+/// of these forces, and deforms and breaks as others do. It then stays so.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UntilOverloaded {
     /// Number of the body, one of [`Model::rigid`].
@@ -104,15 +102,6 @@ impl<const D: usize, const N: usize> Model<D, N> {
         self.interfaces
             .iter()
             .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
-    }
-
-    /// Checks the bodies that are rigid until they are overloaded.
-    ///
-    /// # Errors
-    /// [`ModelError::UntilOverloaded`] if one cannot deform later, [`ModelError::Missing`] and
-    /// [`ModelError::OutOfRange`] if numbers are wrong.
-    pub fn check_until_overloaded(&self) -> Result<(), ModelError> {
-        checks::until_overloaded(self)
     }
 
     /// Whether a body, by its number, is rigid for the whole run.

@@ -11,8 +11,8 @@ use crate::prepared::{Bound, Prepared, PreparedUntil};
 /// A run that takes less while nothing breaks, s, has no rehearsal.
 const SHORT: f64 = 0.25;
 
-/// Processor time that a rehearsal should take, as a share of the run and within these limits, and after which
-/// it ends, s.
+/// Processor time that a rehearsal should take, as a share of the run and within these limits, and after
+/// which it ends, s.
 const SHARE: f64 = 0.1;
 const WANTED: [f64; 2] = [0.2, 3.0];
 const MOST: f64 = 8.0;

@@ -1,4 +1,5 @@
-//! How near the strength of a rigid body the forces on it are: see [`UntilOverloaded`](crate::UntilOverloaded).
+//! How near the strength of a rigid body the forces on it are: see
+//! [`UntilOverloaded`](crate::UntilOverloaded).
 
 use crate::exposure::exposure;
 use crate::model::{Model, Strength};
@@ -27,8 +28,8 @@ where
         self.contact_share(body, model, topology).max(of_stress)
     }
 
-    /// Mean stress of a rigid body under the forces on its corners, Pa: their moments about its centre of mass
-    /// over its volume. The moment of its inertia about that centre vanishes unless it turns.
+    /// Mean stress of a rigid body under the forces on its corners, Pa: their moments about its centre of
+    /// mass over its volume. The moment of its inertia about that centre vanishes unless it turns.
     fn mean_stress_of(&self, body: &RigidBody<D>, motion: &RigidMotion<D>) -> Matrix<D> {
         let (mut moments, mut volume) = ([[0.0; D]; D], 0.0);
         for &element in &body.elements {

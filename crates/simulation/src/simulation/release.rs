@@ -81,7 +81,7 @@ where
         state.totals.external.add_sum(&has.energy);
         state.totals.external.subtract(&had.energy);
         let new = again(state)?;
-        // What the last step has found stays; nodes have the numbers of the state.
+        // The results of the last step stay; nodes have the numbers of the state.
         let order = self.solid().order(&self.topology);
         let mut number = vec![0; order.len()];
         for (new, &old) in (0..).zip(&order) {
