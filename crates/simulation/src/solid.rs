@@ -573,6 +573,8 @@ where
                     let own = &elements[range.clone()];
                     let undeformed = &undeformed[batch];
                     let history = histories.get_mut(k).unwrap_or(&mut none);
+                    // Batches of rigid elements alone are left out, so histories of rigid ones do not change.
+                    let before = rigid.among(range.clone()).next().map(|_| history.clone());
                     let batch = ElementBatch {
                         available,
                         undeformed,
@@ -584,6 +586,7 @@ where
                     batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut results);
                     for number in rigid.among(range.clone()) {
                         deformed.set_stress(number % LANES, &[[0.0; D]; D]);
+                        before.iter().for_each(|before| history.take_lane(before, number % LANES));
                     }
                     deformed.find_moved(available, &given.edges);
                     let forces = &mut forces[k * LANES..][..range.len()];

@@ -82,8 +82,8 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) joint_elastic: Sum,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
-    /// The elements of bodies that were rigid until they were overloaded, ascending, with the stress with which
-    /// they began to deform, Pa: second Piola-Kirchhoff.
+    /// The elements of bodies that were rigid until they were overloaded, ascending, with the stress with
+    /// which they began to deform, Pa: second Piola-Kirchhoff.
     pub(crate) released: Vec<(u32, Matrix<D>)>,
     /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<RankPart<D>>,
