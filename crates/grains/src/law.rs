@@ -1,0 +1,265 @@
+//! The force of one contact.
+//!
+//! With the reduced moduli `1/E = Σ (1 - ν²)/E`, `1/G = Σ 2 (2 - ν)(1 + ν)/E`, radius `1/R = Σ 1/r` and mass
+//! `1/m = Σ 1/m`, the overlap `δ` and the damping ratio `b` ([`restitution`](crate::restitution)):
+//!
+//! | | along the normal | across it |
+//! |---|---|---|
+//! | Hertz and Mindlin | `4/3 E √(R δ) δ`, stiffness `2 E √(R δ)` | stiffness `8 G √(R δ)` |
+//! | Hooke | `k δ` | stiffness `κ k` |
+//!
+//! The damping is `2 b √(stiffness m)` times the velocity, with `√(5/6)` for Hertz (Tsuji 1992). The force
+//! across the normal adds up over the steps. It turns with the contact, is shortened where it exceeds friction,
+//! and falls in proportion to the radius of the contact where that falls (Thornton, Cummins and Cleary 2013):
+//! without that a closed cycle would gain energy. Rolling and twisting have a spring that yields, with damping
+//! below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
+
+use crate::adhesion;
+use crate::material::{ForceLaw, GrainMaterial, Surfaces};
+use crate::restitution::damping_ratio;
+use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
+
+/// What a contact keeps from step to step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ContactHistory {
+    /// Elastic force across the normal on the first of the two, N.
+    pub(crate) tangential: Vector,
+    /// Radius of the contact in the last step, m; 0 if it did not touch.
+    pub(crate) contact: f64,
+    /// Moment against rolling on the first of the two, N m.
+    pub(crate) rolling: Vector,
+    /// Moment against twisting about the normal, N m.
+    pub(crate) twisting: f64,
+}
+
+/// Constants of the contacts of two materials.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairLaw {
+    law: ForceLaw,
+    /// Reduced moduli, Pa.
+    young: f64,
+    shear: f64,
+    /// Damping ratio.
+    damping: f64,
+    surfaces: Surfaces,
+}
+
+/// Two bodies that may touch, in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting {
+    /// From the second to the first, of unit length.
+    pub(crate) normal: Vector,
+    /// m; negative if they are apart.
+    pub(crate) overlap: f64,
+    /// Reduced radius, m, and mass, kg.
+    pub(crate) radius: f64,
+    pub(crate) mass: f64,
+    /// Reduced moment of inertia for rolling about the contact, kg m².
+    pub(crate) inertia: f64,
+    /// Velocity of the first at the contact over that of the second, m/s.
+    pub(crate) velocity: Vector,
+    /// Angular velocities, rad/s.
+    pub(crate) spins: [Vector; 2],
+}
+
+/// Forces of a contact on its first body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Push {
+    /// N.
+    pub(crate) force: Vector,
+    /// Moment of rolling and twisting, N m.
+    pub(crate) moment: Vector,
+}
+
+impl PairLaw {
+    pub(crate) fn new(law: ForceLaw, materials: [&GrainMaterial; 2], surfaces: &Surfaces) -> Self {
+        let sum = |of: fn(&GrainMaterial) -> f64| materials.into_iter().map(of).sum::<f64>();
+        Self {
+            law,
+            young: 1.0 / sum(|of| (1.0 - of.poissons_ratio.powi(2)) / of.youngs_modulus),
+            shear: 1.0
+                / sum(|of| 2.0 * (2.0 - of.poissons_ratio) * (1.0 + of.poissons_ratio) / of.youngs_modulus),
+            damping: damping_ratio(surfaces.restitution),
+            surfaces: *surfaces,
+        }
+    }
+
+    /// Distance at which two bodies with this reduced radius still touch once they did, m.
+    pub(crate) fn reach(&self, radius: f64) -> f64 {
+        if self.sticks() { -adhesion::last_overlap(radius, self.young, self.surfaces.adhesion) } else { 0.0 }
+    }
+
+    fn sticks(&self) -> bool {
+        self.surfaces.adhesion > 0.0
+    }
+
+    /// Whether the two touch. Those that stick touch until they part.
+    #[inline]
+    pub(crate) fn touches(&self, overlap: f64, radius: f64, history: &ContactHistory) -> bool {
+        overlap > 0.0 || (self.sticks() && history.contact > 0.0 && overlap > -self.reach(radius))
+    }
+
+    /// Stiffness along the normal, N/m, at a radius of the contact, m.
+    fn stiffness(&self, contact: f64) -> f64 {
+        match self.law {
+            ForceLaw::HertzMindlin => 2.0 * self.young * contact,
+            ForceLaw::Hooke { normal, .. } => normal,
+        }
+    }
+
+    /// Stiffness across the normal, N/m.
+    fn tangential_stiffness(&self, contact: f64) -> f64 {
+        match self.law {
+            ForceLaw::HertzMindlin => 8.0 * self.shear * contact,
+            ForceLaw::Hooke { normal, tangential } => normal * tangential,
+        }
+    }
+
+    /// Radius of the contact, m, and the elastic force along the normal, N.
+    fn normal_force(&self, overlap: f64, radius: f64) -> (f64, f64) {
+        match self.law {
+            ForceLaw::HertzMindlin if self.sticks() => {
+                let work = self.surfaces.adhesion;
+                let contact = adhesion::contact_radius(overlap, radius, self.young, work);
+                (contact, adhesion::force(contact, radius, self.young, work))
+            }
+            ForceLaw::HertzMindlin => {
+                let contact = (radius * overlap).sqrt();
+                (contact, 4.0 / 3.0 * self.young * contact * overlap)
+            }
+            ForceLaw::Hooke { normal, .. } => ((radius * overlap).sqrt(), normal * overlap),
+        }
+    }
+
+    /// The forces of two bodies that touch, after a step, s. Continues their history.
+    #[inline]
+    pub(crate) fn push(&self, of: &Meeting, history: &mut ContactHistory, step: f64) -> Push {
+        let normal = of.normal;
+        let approach = -dot(of.velocity, normal);
+        let (contact, elastic) = self.normal_force(of.overlap, of.radius);
+        let stiffness = self.stiffness(contact);
+        let share = if matches!(self.law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
+        let dashpot = 2.0 * self.damping * (share * stiffness * of.mass).sqrt();
+        let along = elastic + dashpot * approach;
+        let along = if self.sticks() { along } else { along.max(0.0) };
+        let pressed = if self.sticks() {
+            elastic + 2.0 * adhesion::pull_off(of.radius, self.surfaces.adhesion)
+        } else {
+            along
+        };
+        let mut push = Push { force: times(along, normal), moment: [0.0; 3] };
+        let friction = self.surfaces.friction;
+        if friction > 0.0 {
+            let force = self.tangential(of, history, (contact, friction * pressed), step);
+            push.force = plus(push.force, force);
+        }
+        if self.surfaces.rolling_friction > 0.0 {
+            push.moment = self.rolling(of, history, (stiffness, pressed), step);
+        }
+        if self.surfaces.twisting_friction > 0.0 {
+            let moment = self.twisting(of, history, (stiffness, pressed), step);
+            push.moment = plus(push.moment, times(moment, normal));
+        }
+        history.contact = contact;
+        push
+    }
+
+    /// The force across the normal on the first body, at most that of friction, N.
+    #[inline]
+    fn tangential(
+        &self,
+        of: &Meeting,
+        history: &mut ContactHistory,
+        (contact, most): (f64, f64),
+        step: f64,
+    ) -> Vector {
+        let slip = across(of.velocity, of.normal);
+        let stiffness = self.tangential_stiffness(contact);
+        let mut elastic = turned(history.tangential, of, step);
+        if matches!(self.law, ForceLaw::HertzMindlin) && contact < history.contact {
+            elastic = times(contact / history.contact, elastic);
+        }
+        elastic = minus(elastic, times(stiffness * step, slip));
+        let share = if matches!(self.law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
+        let dashpot = 2.0 * self.damping * (share * stiffness * of.mass).sqrt();
+        let force = minus(elastic, times(dashpot, slip));
+        let size = length(force);
+        if size > most {
+            // Sliding: the spring has the force of friction, and the dashpot none.
+            let sliding = times(most / size, force);
+            history.tangential = sliding;
+            return sliding;
+        }
+        history.tangential = elastic;
+        force
+    }
+
+    /// The moment against rolling on the first body, N m.
+    fn rolling(
+        &self,
+        of: &Meeting,
+        history: &mut ContactHistory,
+        (normal_stiffness, pressed): (f64, f64),
+        step: f64,
+    ) -> Vector {
+        let coefficient = self.surfaces.rolling_friction;
+        let stiffness = 2.25 * normal_stiffness * (coefficient * of.radius).powi(2);
+        let rate = across(minus(of.spins[0], of.spins[1]), of.normal);
+        let elastic = minus(turned(history.rolling, of, step), times(stiffness * step, rate));
+        let (size, most) = (length(elastic), coefficient * of.radius * pressed.max(0.0));
+        if size > most {
+            history.rolling = times(most / size, elastic);
+            return history.rolling;
+        }
+        history.rolling = elastic;
+        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia * stiffness).sqrt();
+        minus(elastic, times(dashpot, rate))
+    }
+
+    /// The moment against twisting about the normal on the first body, N m.
+    fn twisting(
+        &self,
+        of: &Meeting,
+        history: &mut ContactHistory,
+        (normal_stiffness, pressed): (f64, f64),
+        step: f64,
+    ) -> f64 {
+        let coefficient = self.surfaces.twisting_friction;
+        let stiffness = 2.25 * normal_stiffness * (coefficient * of.radius).powi(2);
+        let rate = dot(minus(of.spins[0], of.spins[1]), of.normal);
+        let elastic = history.twisting - stiffness * step * rate;
+        let most = coefficient * of.radius * pressed.max(0.0);
+        history.twisting = elastic.clamp(-most, most);
+        if elastic.abs() > most {
+            return history.twisting;
+        }
+        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia * stiffness).sqrt();
+        elastic - dashpot * rate
+    }
+
+    /// Elastic energy of a contact, J: along the normal, and of the springs across it.
+    pub(crate) fn energy(&self, overlap: f64, radius: f64, history: &ContactHistory) -> f64 {
+        let (contact, elastic) = self.normal_force(overlap.max(0.0), radius);
+        let along = match self.law {
+            ForceLaw::HertzMindlin => 0.4 * elastic * overlap,
+            ForceLaw::Hooke { .. } => 0.5 * elastic * overlap,
+        };
+        let stiffness = self.tangential_stiffness(contact);
+        let across = dot(history.tangential, history.tangential);
+        along + if stiffness > 0.0 { 0.5 * across / stiffness } else { 0.0 }
+    }
+}
+
+/// A vector across the normal that turns with the contact: into its plane, with its length, and about the
+/// normal with the mean spin.
+#[inline]
+fn turned(vector: Vector, of: &Meeting, step: f64) -> Vector {
+    let square = dot(vector, vector);
+    if square == 0.0 {
+        return vector;
+    }
+    let flat = across(vector, of.normal);
+    let flat = times((square / dot(flat, flat).max(f64::MIN_POSITIVE)).sqrt(), flat);
+    let spin = 0.5 * step * (dot(of.spins[0], of.normal) + dot(of.spins[1], of.normal));
+    plus(flat, times(spin, cross(of.normal, flat)))
+}

@@ -1,0 +1,132 @@
+use crate::common::*;
+use fdem_grains::*;
+
+/// Spheres that fall into a tube with a floor that turns.
+fn tube(count: usize) -> GrainModel {
+    let side = 0.011;
+    let place = |k: usize| {
+        let [i, j, l] = [k % 5, (k / 5) % 5, k / 25].map(|x| x as f64);
+        let shift = 1e-3 * ((k * 7919) % 13) as f64 / 13.0;
+        [(i - 2.0) * side + shift, (j - 2.0) * side - shift, 0.006 + l * side]
+    };
+    GrainModel {
+        spheres: Spheres {
+            positions: (0..count).map(place).collect(),
+            radii: (0..count).map(|k| 0.004 + 1e-3 * ((k * 31) % 7) as f64 / 7.0).collect(),
+            ..Spheres::default()
+        },
+        walls: vec![
+            Wall {
+                rotation: Some(WallRotation { through: [0.0; 3], spin: [0.0, 0.0, 30.0] }),
+                ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0)
+            },
+            Wall {
+                shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 0.0, 1.0]], radius: 0.04 },
+                ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0)
+            },
+        ],
+        materials: vec![material(1e7, 0.25, 2500.0)],
+        surfaces: vec![Surfaces {
+            friction: 0.5,
+            restitution: 0.5,
+            rolling_friction: 0.05,
+            rolling_damping: 0.2,
+            ..Surfaces::smooth([0, 0])
+        }],
+        gravity: [0.0, 0.0, -9.81],
+        ..GrainModel::default()
+    }
+}
+
+#[test]
+fn threads_and_states_change_no_bit() {
+    let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
+    let mut whole = GrainRun::new(tube(2000), 1).expect("a model");
+    whole.advance(1500).expect("steps");
+    let saved = bytes(&whole);
+    whole.advance(700).expect("steps");
+    assert!(whole.contacts().len() > 300, "{}", whole.contacts().len());
+    for threads in [1, 2, 3] {
+        let mut again = GrainRun::new(tube(2000), threads).expect("a model");
+        again.advance(2200).expect("steps");
+        assert!(bytes(&again) == bytes(&whole), "{threads}");
+        let state = postcard::from_bytes(&saved).expect("a state");
+        let mut resumed = GrainRun::resume(tube(2000), state, threads).expect("the same model");
+        resumed.advance(700).expect("steps");
+        assert!(bytes(&resumed) == bytes(&whole), "{threads}");
+    }
+}
+
+/// The weight of all spheres is on the floor in the end.
+#[test]
+fn a_floor_carries_the_weight() {
+    let mut model = tube(100);
+    model.walls[0].rotation = None;
+    model.walls.truncate(1);
+    model.walls.push(Wall {
+        shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 0.0, 1.0]], radius: 0.04 },
+        ..model.walls[0]
+    });
+    // A smooth tube carries no weight.
+    model.materials.push(model.materials[0]);
+    model.walls[1].material = 1;
+    model.surfaces.push(Surfaces { restitution: 0.5, ..Surfaces::smooth([0, 1]) });
+    let mut run = GrainRun::new(model.clone(), 2).expect("a model");
+    run.advance((1.5 / run.time_step()) as u64).expect("steps");
+    let volume: f64 = model.spheres.radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+    let weight = 2500.0 * volume * 9.81;
+    assert!((run.wall_force(0)[2] / -weight - 1.0).abs() < 1e-3, "{:?} {weight}", run.wall_force(0));
+    assert!(run.energies().kinetic < 1e-8, "{:?}", run.energies());
+}
+
+/// Momentum of many spheres that collide.
+#[test]
+fn collisions_keep_momentum() {
+    let mut model = tube(1000);
+    model.walls.clear();
+    model.gravity = [0.0; 3];
+    let speed = |k: usize| [(k * 17 % 11) as f64 - 5.0, (k * 13 % 7) as f64 - 3.0, (k * 5 % 9) as f64 - 4.0];
+    model.spheres.velocities = (0..1000).map(speed).collect();
+    let mut run = GrainRun::new(model.clone(), 2).expect("a model");
+    let momentum = |run: &GrainRun| {
+        let mut sum = [0.0; 3];
+        for k in 0..1000 {
+            let mass = model.spheres.radii[k].powi(3);
+            (0..3).for_each(|axis| sum[axis] += mass * run.velocity(k)[axis]);
+        }
+        sum
+    };
+    let before = momentum(&run);
+    run.advance(500).expect("steps");
+    let after = momentum(&run);
+    assert!((0..3).all(|axis| (after[axis] - before[axis]).abs() < 1e-18), "{before:?} {after:?}");
+}
+
+#[test]
+fn wrong_models_are_refused() {
+    let refused = |change: fn(&mut GrainModel)| {
+        let mut model = tube(3);
+        change(&mut model);
+        GrainRun::new(model, 1).expect_err("refused").to_string()
+    };
+    assert_eq!(refused(|of| of.spheres.radii[1] = -1.0), "sphere 1: radius is -1e0, and must be above 0");
+    assert_eq!(refused(|of| of.spheres.radii.push(1.0)), "4 radii instead of 3");
+    assert_eq!(
+        refused(|of| of.spheres.positions[2][1] = f64::NAN),
+        "sphere 2: a coordinate is NaN, and must be a number"
+    );
+    assert_eq!(
+        refused(|of| of.materials[0].density = 0.0),
+        "material 0: density is 0e0, and must be above 0"
+    );
+    assert_eq!(refused(|of| of.spheres.materials = vec![0, 0, 4]), "sphere 2: there is no material 4");
+    assert!(refused(|of| of.surfaces[0].restitution = 0.0).contains("restitution is 0e0"));
+    assert!(refused(|of| of.surfaces[0].friction = -0.5).contains("friction is -5e-1"));
+    assert!(refused(|of| of.step = Some(0.0)).contains("time step is 0e0"));
+    assert!(refused(|of| of.walls[0].material = 3).contains("wall 0: there is no material 3"));
+    let mut strangers = tube(60);
+    strangers.surfaces.clear();
+    let mut run = GrainRun::new(strangers, 1).expect("nothing touches yet");
+    let stop = run.advance(3000).expect_err("they touch");
+    assert_eq!(stop.to_string(), "materials 0 and 0 may touch, and have no surfaces in common");
+}
