@@ -11,7 +11,7 @@ pub enum GrainError {
         place: String,
         /// The quantity.
         what: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
         /// The range in words.
         range: &'static str,
@@ -25,7 +25,7 @@ pub enum GrainError {
     Length {
         /// The list.
         what: &'static str,
-        /// Its length.
+        /// The length.
         found: usize,
         /// The length that it must have.
         expected: usize,

@@ -9,17 +9,17 @@
 //! | Hooke | `k δ` | stiffness `κ k` |
 //!
 //! The damping is `2 b √(stiffness m)` times the velocity, with `√(5/6)` for Hertz (Tsuji 1992). The force
-//! across the normal adds up over the steps. It turns with the contact, is shortened where it exceeds friction,
-//! and falls in proportion to the radius of the contact where that falls (Thornton, Cummins and Cleary 2013):
-//! without that a closed cycle would gain energy. Rolling and twisting have a spring that yields, with damping
-//! below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
+//! across the normal adds up over the steps. It turns with the contact, is shortened where it exceeds
+//! friction, and falls in proportion to the radius of the contact where that falls (Thornton, Cummins and
+//! Cleary 2013): without that a closed cycle would gain energy. Rolling and twisting have a spring that
+//! yields, with damping below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
 
 use crate::adhesion;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::restitution::damping_ratio;
 use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
 
-/// What a contact keeps from step to step.
+/// The memory of a contact from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ContactHistory {
     /// Elastic force across the normal on the first of the two, N.

@@ -1,5 +1,5 @@
-//! Spheres and walls: the discrete element method (Cundall and Strack 1979) with the laws of Hertz, Mindlin and
-//! Hooke, rolling friction and adhesion.
+//! Spheres and walls: the discrete element method (Cundall and Strack 1979) with the laws of Hertz, Mindlin
+//! and Hooke, rolling friction and adhesion.
 //!
 //! | to change | open |
 //! |---|---|

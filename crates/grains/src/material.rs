@@ -1,4 +1,4 @@
-//! Materials of spheres and walls, and what two of them have in common.
+//! Materials of spheres and walls, and the surfaces of two of them.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,8 @@ pub struct GrainMaterial {
 pub struct Surfaces {
     /// The materials, by their numbers.
     pub materials: [u32; 2],
-    /// Coefficient of restitution, above 0 and at most 1: speed after an impact along the normal over that before.
+    /// Coefficient of restitution, above 0 and at most 1: speed after an impact along the normal over that
+    /// before.
     pub restitution: f64,
     /// Coefficient of friction.
     pub friction: f64,

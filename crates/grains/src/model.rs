@@ -1,4 +1,4 @@
-//! The model: spheres, walls, and what they are made of.
+//! The model: spheres, walls and their materials.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,8 @@
 //! The damping of a contact from its coefficient of restitution.
 //!
-//! A spring with a dashpot pulls at the end of an impact, where bodies without adhesion part. With a force that
-//! cannot pull, an impact at the damping ratio `b` ends when the force is 0, and (Schwager and Pöschel 2007)
+//! A spring with a dashpot pulls at the end of an impact, where bodies without adhesion part. With a force
+//! that cannot pull, an impact at the damping ratio `b` ends when the force is 0, and (Schwager and Pöschel
+//! 2007)
 //!
 //! ```text
 //! e = exp(-2 b arccos(b) / √(1 - b²)),    b < 1
@@ -21,8 +22,8 @@ fn restitution(ratio: f64) -> f64 {
     libm::exp(-2.0 * ratio * angle)
 }
 
-/// The damping ratio of a contact with a coefficient of restitution above 0 and at most 1, if its force cannot
-/// pull. It may be above 1.
+/// The damping ratio of a contact with a coefficient of restitution above 0 and at most 1, if its force
+/// cannot pull. It may be above 1.
 pub(crate) fn damping_ratio(wanted: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while restitution(high) > wanted {

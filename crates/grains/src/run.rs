@@ -5,9 +5,9 @@
 //! 1. Candidates: couples of spheres that may touch, from [`Buffered`]; when they change, the histories go
 //!    over to the new list.
 //! 2. Forces: each sphere computes its contacts with spheres of higher numbers.
-//! 3. Motion: each sphere adds up the forces of its contacts in the order of the other spheres, those of walls
-//!    after that, and moves. Velocities are half a step behind positions; contacts see them at the positions,
-//!    by the accelerations of the last step.
+//! 3. Motion: each sphere adds up the forces of its contacts in the order of the other spheres, those of
+//!    walls after that, and moves. Velocities are half a step behind positions; contacts see them at the
+//!    positions, by the accelerations of the last step.
 //!
 //! So the sums depend neither on threads nor on the list of candidates.
 
@@ -181,8 +181,8 @@ pub struct GrainRun {
 }
 
 impl GrainRun {
-    /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the number
-    /// of threads.
+    /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the
+    /// number of threads.
     ///
     /// # Errors
     /// The number of the model that is wrong.

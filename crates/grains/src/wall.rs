@@ -7,7 +7,7 @@ use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
 /// A wall. It has no mass: it stays, or moves with a given velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
-    /// Its shape at the beginning.
+    /// The shape at the beginning.
     pub shape: WallShape,
     /// Number of its material.
     pub material: u32,

@@ -28,7 +28,8 @@ pub(crate) fn on_plane(
     }
 }
 
-/// Runs until the sphere has left the plane again. Returns the largest force, the largest overlap and the time.
+/// Runs until the sphere has left the plane again. Returns the largest force, the largest overlap and the
+/// time.
 pub(crate) fn bounce(model: GrainModel) -> (GrainRun, f64, f64, f64) {
     let radius = model.spheres.radii[0];
     let mut run = GrainRun::new(model, 1).expect("a model");

@@ -226,7 +226,8 @@ fn a_heavy_sphere_is_a_wall() {
     }
 }
 
-/// An impact at 76 degrees without restitution loss must not gain energy; one in which it sticks loses little.
+/// An impact at 76 degrees without restitution loss must not gain energy; one in which it sticks loses
+/// little.
 #[test]
 fn no_oblique_impact_gains_energy() {
     let of = material(50e9, 0.3, 2500.0);
