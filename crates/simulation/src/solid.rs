@@ -586,7 +586,9 @@ where
                     batch.deform::<N, INITIAL, VISCOUS>(law_of, deformed, history, &mut results);
                     for number in rigid.among(range.clone()) {
                         deformed.set_stress(number % LANES, &[[0.0; D]; D]);
-                        before.iter().for_each(|before| history.take_lane(before, number % LANES));
+                        if let Some(before) = &before {
+                            history.take_lane(before, number % LANES);
+                        }
                     }
                     deformed.find_moved(available, &given.edges);
                     let forces = &mut forces[k * LANES..][..range.len()];

@@ -87,21 +87,9 @@ where
         };
         let velocities =
             self.velocities.iter().zip(&used).filter(|(_, used)| **used).map(|(v, _)| *v).collect();
-        let stresses = if self.stresses.is_empty() {
-            Vec::new()
-        } else {
-            elements.iter().map(|element| self.stresses[of_elements(element)]).collect()
-        };
-        let joint_facets = if self.joint_facets.is_empty() {
-            Vec::new()
-        } else {
-            elements.iter().map(|element| self.joint_facets[of_elements(element)]).collect()
-        };
-        let mass_factors = if self.mass_factors.is_empty() {
-            Vec::new()
-        } else {
-            elements.iter().map(|element| self.mass_factors[of_elements(element)]).collect()
-        };
+        let stresses = part_of(&self.stresses, &elements);
+        let joint_facets = part_of(&self.joint_facets, &elements);
+        let mass_factors = part_of(&self.mass_factors, &elements);
         let mut rigid = self.rigid.clone();
         if !rigid.is_empty() {
             let left: BTreeSet<u32> = part.bodies.iter().copied().collect();
@@ -148,4 +136,9 @@ where
         model.boundaries.retain(|boundary| !boundary.target.is_empty());
         Ok(Subset { model, elements, nodes })
     }
+}
+
+/// The values of some elements in a column that may be empty.
+fn part_of<T: Copy>(column: &[T], elements: &[u32]) -> Vec<T> {
+    elements.iter().filter_map(|&element| column.get(element as usize).copied()).collect()
 }

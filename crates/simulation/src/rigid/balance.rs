@@ -124,7 +124,9 @@ where
         for (&element, corners) in body.elements.iter().zip(&corners) {
             let of = solid.element(element as usize);
             let density = model.materials[of.material as usize].density;
-            corners.iter().for_each(|&node| masses[node] += density * of.volume / N as f64);
+            for &node in corners {
+                masses[node] += density * of.volume / N as f64;
+            }
             let known = materials.iter().position(|&(material, _)| material == of.material);
             law_of.push(known.unwrap_or(materials.len()));
             if known.is_none() {
@@ -202,7 +204,9 @@ where
             let stiffness = self.laws[law].stiffness[0][0] * self.solid.element(element as usize).volume;
             let gradients = self.solid.inverse_edges(element as usize);
             let square: f64 = gradients.as_flattened().iter().map(|x| x * x).sum();
-            corners.iter().for_each(|&node| weights[node] += stiffness * square);
+            for &node in corners {
+                weights[node] += stiffness * square;
+            }
         }
         weights
     }

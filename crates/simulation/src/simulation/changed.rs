@@ -192,7 +192,8 @@ where
         for part in [&kinetic, &impulses, &viscous, &contact, &of_actions.used(), friction, damping] {
             energy.add_sum(part);
         }
-        [handed_over, relaxed].into_iter().for_each(|part| energy.subtract(part));
+        energy.subtract(handed_over);
+        energy.subtract(relaxed);
         ForcesAndEnergy { forces, energy }
     }
 

@@ -90,7 +90,7 @@ where
         let held = self.held.iter().map(|&(node, force)| (number[node as usize], force)).collect();
         let Self { imbalance, timings, .. } = *self;
         let (joint_elastic, touching) = (self.joint_elastic.clone(), std::mem::take(&mut self.touching));
-        *self = Self { held, imbalance, timings, joint_elastic, touching, ..new };
+        *self = Self { imbalance, held, joint_elastic, touching, timings, ..new };
         Ok(())
     }
 }

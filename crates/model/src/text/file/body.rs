@@ -65,7 +65,7 @@ pub struct Body {
     pub spin: Option<Spin>,
     /// Whether the body is rigid: it moves and turns as a whole, has no stress and no joints, does not
     /// break, and its waves do not limit the time step. Its mesh gives it mass, moments of inertia and
-    /// shape. A boundary that holds or moves a part of it holds or moves all of it. Or "until_overloaded":
+    /// shape. A boundary that holds or moves a part of it holds or moves all of it. Or `"until_overloaded"`:
     /// when the forces on it come near its strength, it gets their static stress, and deforms and breaks.
     #[serde(default)]
     pub rigid: Rigid,
@@ -370,7 +370,7 @@ impl Rigid {
     }
 }
 
-/// The word "until_overloaded".
+/// The word `"until_overloaded"`.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UntilWord {
