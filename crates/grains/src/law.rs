@@ -39,7 +39,7 @@ pub(crate) struct PairLaw {
     /// Reduced moduli, Pa.
     young: f64,
     shear: f64,
-    /// Damping ratio.
+    /// Damping over the root of a stiffness and the mass.
     damping: f64,
     surfaces: Surfaces,
 }
@@ -54,8 +54,8 @@ pub(crate) struct Meeting {
     /// Reduced radius, m, and mass, kg.
     pub(crate) radius: f64,
     pub(crate) mass: f64,
-    /// Reduced moment of inertia for rolling about the contact, kg m².
-    pub(crate) inertia: f64,
+    /// Moments of inertia of the two for rolling about the contact, kg m²; infinite for a wall.
+    pub(crate) inertias: [f64; 2],
     /// Velocity of the first at the contact over that of the second, m/s.
     pub(crate) velocity: Vector,
     /// Angular velocities, rad/s.
@@ -71,15 +71,24 @@ pub(crate) struct Push {
     pub(crate) moment: Vector,
 }
 
+impl Meeting {
+    /// Reduced moment of inertia for rolling about the contact, kg m².
+    fn inertia(&self) -> f64 {
+        1.0 / (1.0 / self.inertias[0] + 1.0 / self.inertias[1])
+    }
+}
+
 impl PairLaw {
     pub(crate) fn new(law: ForceLaw, materials: [&GrainMaterial; 2], surfaces: &Surfaces) -> Self {
+        // Hertz's stiffness changes during an impact (Tsuji 1992).
+        let share = if matches!(law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
         let sum = |of: fn(&GrainMaterial) -> f64| materials.into_iter().map(of).sum::<f64>();
         Self {
             law,
             young: 1.0 / sum(|of| (1.0 - of.poissons_ratio.powi(2)) / of.youngs_modulus),
             shear: 1.0
                 / sum(|of| 2.0 * (2.0 - of.poissons_ratio) * (1.0 + of.poissons_ratio) / of.youngs_modulus),
-            damping: damping_ratio(surfaces.restitution),
+            damping: 2.0 * damping_ratio(surfaces.restitution) * share.sqrt(),
             surfaces: *surfaces,
         }
     }
@@ -138,8 +147,7 @@ impl PairLaw {
         let approach = -dot(of.velocity, normal);
         let (contact, elastic) = self.normal_force(of.overlap, of.radius);
         let stiffness = self.stiffness(contact);
-        let share = if matches!(self.law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
-        let dashpot = 2.0 * self.damping * (share * stiffness * of.mass).sqrt();
+        let dashpot = self.damping * (stiffness * of.mass).sqrt();
         let along = elastic + dashpot * approach;
         let along = if self.sticks() { along } else { along.max(0.0) };
         let pressed = if self.sticks() {
@@ -180,8 +188,7 @@ impl PairLaw {
             elastic = times(contact / history.contact, elastic);
         }
         elastic = minus(elastic, times(stiffness * step, slip));
-        let share = if matches!(self.law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
-        let dashpot = 2.0 * self.damping * (share * stiffness * of.mass).sqrt();
+        let dashpot = self.damping * (stiffness * of.mass).sqrt();
         let force = minus(elastic, times(dashpot, slip));
         let size = length(force);
         if size > most {
@@ -212,7 +219,7 @@ impl PairLaw {
             return history.rolling;
         }
         history.rolling = elastic;
-        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia * stiffness).sqrt();
+        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia() * stiffness).sqrt();
         minus(elastic, times(dashpot, rate))
     }
 
@@ -233,7 +240,7 @@ impl PairLaw {
         if elastic.abs() > most {
             return history.twisting;
         }
-        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia * stiffness).sqrt();
+        let dashpot = 2.0 * self.surfaces.rolling_damping * (of.inertia() * stiffness).sqrt();
         elastic - dashpot * rate
     }
 

@@ -665,13 +665,13 @@ fn touch(
     let arms = [times(-(one.radius - 0.5 * overlap), normal), times(two.radius - 0.5 * overlap, normal)];
     let velocity =
         minus(plus(one.velocity, cross(one.spin, arms[0])), plus(two.velocity, cross(two.spin, arms[1])));
-    let inertia = |of: &Seen| 1.0 / (1.4 * of.mass * of.radius * of.radius);
+    let inertia = |of: &Seen| 1.4 * of.mass * of.radius * of.radius;
     let meeting = Meeting {
         normal,
         overlap,
         radius,
         mass: one.mass * two.mass / (one.mass + two.mass),
-        inertia: 1.0 / (inertia(one) + inertia(two)),
+        inertias: [inertia(one), inertia(two)],
         velocity,
         spins: [one.spin, two.spin],
     };
@@ -700,7 +700,7 @@ fn touch_wall(
         overlap,
         radius: one.radius,
         mass: one.mass,
-        inertia: 1.4 * one.mass * one.radius * one.radius,
+        inertias: [1.4 * one.mass * one.radius * one.radius, f64::INFINITY],
         velocity: minus(plus(one.velocity, cross(one.spin, arm)), wall.velocity_at(place)),
         spins: [one.spin, wall.spin()],
     };
