@@ -73,7 +73,7 @@ fn restitution_is_exact() {
                 let mut model = on_plane(2.5e-3, [0.0, 0.0, -3.9], [0.0; 3], [of, wall]);
                 model.law = law;
                 model.surfaces[0].restitution = restitution;
-                model.step = Some(model.safe_step() / 200.0);
+                model.step = Some(model.safe_step() / 80.0);
                 let (run, ..) = bounce(model);
                 let found = run.velocity(0)[2] / 3.9;
                 assert!((found - restitution).abs() < 1e-4, "{law:?} {restitution} {found}");
@@ -97,7 +97,7 @@ fn an_oblique_impact_that_slides_is_that_of_a_rigid_body() {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         let mut model = on_plane(radius, [3.9 * sin, 0.0, -3.9 * cos], [0.0; 3], [of, of]);
         model.surfaces[0] = Surfaces { friction, restitution, ..Surfaces::smooth([0, 1]) };
-        model.step = Some(model.safe_step() / 20.0);
+        model.step = Some(model.safe_step() / 8.0);
         let (run, ..) = bounce(model);
         let found = run.velocity(0)[0] / (3.9 * sin);
         assert!((found / ratio - 1.0).abs() < 1e-3, "{degrees} {found} {ratio}");
@@ -117,7 +117,7 @@ fn an_oblique_impact_that_sticks_follows_the_published_curve() {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         let mut model = on_plane(radius, [3.9 * sin, 0.0, -3.9 * cos], [0.0; 3], [of, of]);
         model.surfaces[0] = Surfaces { friction, restitution, ..Surfaces::smooth([0, 1]) };
-        model.step = Some(model.safe_step() / 20.0);
+        model.step = Some(model.safe_step() / 8.0);
         let (run, ..) = bounce(model);
         let found = run.velocity(0)[0] / (3.9 * sin);
         assert!((found / ratio - 1.0).abs() < 1e-2, "{degrees} {found} {ratio}");
@@ -142,7 +142,7 @@ fn oblique_impacts_follow_the_formulas_of_sliding() {
                 let velocity = [(1.0 - share) * speed, 0.0, -normal];
                 let mut model = on_plane(radius, velocity, [0.0, spin, 0.0], [of, of]);
                 model.surfaces[0] = Surfaces { friction, restitution, ..Surfaces::smooth([0, 1]) };
-                model.step = Some(model.safe_step() / 20.0);
+                model.step = Some(model.safe_step() / 8.0);
                 let (run, _, depth, _) = bounce(model);
                 // The arm of the force is shorter by the depth.
                 let bound = 2e-3 + depth / radius;
@@ -214,7 +214,7 @@ fn a_heavy_sphere_is_a_wall() {
             ..GrainModel::default()
         };
         let mut run =
-            GrainRun::new(GrainModel { step: Some(model.safe_step() / 10.0), ..model }, 1).expect("a model");
+            GrainRun::new(GrainModel { step: Some(model.safe_step() / 4.0), ..model }, 1).expect("a model");
         run.advance(8000).expect("steps");
         assert!((run.velocity(0)[2] - 0.1).abs() < 1e-4, "{:?}", run.velocity(0));
         // The contact moves along -x at the bottom, so friction pushes along +x.
@@ -234,7 +234,7 @@ fn no_oblique_impact_gains_energy() {
             let (sin, cos) = f64::to_radians(degrees).sin_cos();
             let mut model = on_plane(0.01, [3.0 * sin, 0.0, -3.0 * cos], [0.0; 3], [of, of]);
             model.surfaces[0].friction = friction;
-            model.step = Some(model.safe_step() / 10.0);
+            model.step = Some(model.safe_step() / 4.0);
             let before = GrainRun::new(model.clone(), 1).expect("a model").energies();
             let (run, ..) = bounce(model);
             let after = run.energies();
