@@ -197,7 +197,9 @@ fn prepare_or_faults(
         None if faults.is_empty() => deserialize(&document)?,
         None => return Err(faults),
     };
-    file.body.iter_mut().for_each(|body| body.scale_mesh(factor));
+    // A thin rigid body may not have larger elements, and has few.
+    let all = file.body.iter().all(|body| body.rigid.always());
+    file.body.iter_mut().filter(|body| all || !body.rigid.always()).for_each(|body| body.scale_mesh(factor));
     let mut ahead = Ahead::default();
     let dimensions = dimensions::of(&file, &mut |name| ahead.look(name, load));
     ahead.look_again();

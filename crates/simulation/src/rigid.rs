@@ -273,6 +273,12 @@ impl<const D: usize> RigidBody<D> {
         applied(turn, applied(&self.inertia, applied(&transposed(turn), spin)))
     }
 
+    /// The integral of density times `r rᵀ` with the arm `r` from the centre, in the undeformed body, kg m².
+    fn spread(&self) -> Matrix<3> {
+        let [[xx, ..], [_, yy, _], [.., zz]] = self.inertia;
+        matrix(|i, k| f64::from(u8::from(i == k)) * 0.5 * (xx + yy + zz) - self.inertia[i][k])
+    }
+
     /// The part of an angular momentum that supports leave, N m s.
     pub(crate) fn left(&self, momentum: Point<3>) -> Point<3> {
         match self.turns {

@@ -41,6 +41,9 @@ const BREAKING: Cost = Cost { seconds: 240e-9, bytes: 2000.0 };
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
 
+/// Share of elements that deform below which the time of a step does not show how fast they are.
+const FEW: f64 = 0.2;
+
 /// The run time is measured over one in `MEASURED_SHARE` steps, within these limits of their number, and for
 /// no longer than `PATIENCE`.
 const MEASURED_SHARE: u64 = 100;
@@ -357,7 +360,14 @@ impl Pace {
             let seconds = sum(model, |cost| cost.seconds);
             return Self { whole: seconds - more, breaking: seconds };
         }
-        let slower = elements.as_secs_f64() / times.len() as f64 / (expected * BULK);
+        // Elements of rigid bodies take no time, and do not show how fast the machine is.
+        let rigid = (0..).zip(&model.mesh.bodies).filter(|(element, _)| model.is_rigid(*element)).count();
+        let moving = 1.0 - rigid as f64 / model.mesh.elements.len() as f64;
+        let slower = if moving < FEW {
+            1.0
+        } else {
+            elements.as_secs_f64() / times.len() as f64 / (moving * expected * BULK)
+        };
         // Other work of the machine makes some steps longer, so their mean is not the one to take.
         times.sort_unstable_by(f64::total_cmp);
         let whole = times[times.len() / 2];
@@ -368,7 +378,8 @@ impl Pace {
 /// A cost, added up over the elements.
 fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost) -> f64) -> f64 {
     let of = |(element, material): (u32, &u32)| {
-        let breaks = model.materials[*material as usize].strength.is_some() && !model.is_rigid(element);
+        let breaks = model.materials[*material as usize].strength.is_some()
+            && deforming::deforms(model, model.mesh.bodies[element as usize]);
         cost(match model.fracture.insertion {
             _ if !breaks => &WHOLE,
             Insertion::Adaptive => &BREAKING,

@@ -70,5 +70,9 @@ pub(crate) fn check<const D: usize, const N: usize>(
 
 /// The key of the speed of a boundary.
 fn key<const D: usize>(boundary: &Boundary<D>) -> &'static str {
-    if matches!(boundary.load, Load::Rotation { .. }) { "rotation.speed" } else { "velocity" }
+    match boundary.load {
+        Load::Rotation { .. } => "rotation.speed",
+        Load::Displacement(_) => "displacement",
+        _ => "velocity",
+    }
 }

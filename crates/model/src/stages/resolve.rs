@@ -1,8 +1,9 @@
 //! Stages: parts of a run that differ in the elements that are there, in boundaries and in damping.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
+use fdem_mesh::Mesh;
 use fdem_simulation::Schedule;
 
 use crate::bodies::materials;
@@ -226,7 +227,7 @@ fn change_materials(
 pub(crate) fn resolve<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
-    mesh: &fdem_mesh::Mesh<D, N>,
+    mesh: &Mesh<D, N>,
     placed: &[Placed<D, N>],
     faults: &mut Vec<Fault>,
 ) -> Vec<PreparedStage> {
@@ -263,6 +264,16 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
                 if *there && is_within(limits, mesh.centroid(element)) {
                     (*there, any) = (false, true);
                 }
+            }
+            if let Some(body) = cut_rigid(file, mesh, placed, limits) {
+                faults.push(
+                    Fault::at(
+                        document.entry(table, "excavate_boxes", entry),
+                        format!("[[stage]] \"{}\": this box cuts the rigid body \"{body}\"", stage.name),
+                    )
+                    .label("a part of it")
+                    .help("a rigid body appears and vanishes as a whole: take a larger box, or excavate it by its name"),
+                );
             }
             if !any {
                 faults.push(
@@ -305,4 +316,26 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
         });
     }
     stages
+}
+
+/// The name of a rigid body of which a box has some elements and leaves others.
+fn cut_rigid<'a, const D: usize, const N: usize>(
+    file: &ModelFile,
+    mesh: &Mesh<D, N>,
+    placed: &'a [Placed<D, N>],
+    limits: &[f64],
+) -> Option<&'a str> {
+    let count = mesh.elements.len();
+    let is_cut = |element: usize| {
+        let body = mesh.bodies[element] as usize;
+        let own = || (0..count).filter(move |&other| mesh.bodies[other] as usize == body);
+        file.body[placed[body].table].rigid.at_first()
+            && own().any(|other| !is_within(limits, mesh.centroid(other)))
+    };
+    // One element of each body is enough.
+    let mut known = BTreeSet::new();
+    (0..count)
+        .filter(|&element| is_within(limits, mesh.centroid(element)) && known.insert(mesh.bodies[element]))
+        .find(|&element| is_cut(element))
+        .map(|element| placed[mesh.bodies[element] as usize].name.as_str())
 }

@@ -708,3 +708,19 @@ fn bodies_may_be_rigid_until_they_are_overloaded() {
     let fixed = read(&CRUSHED.replacen("mesh_size", &format!("{until}\nmesh_size"), 1)).expect_err("refused");
     assert!(fixed.to_string().contains("a boundary holds or moves it"), "{fixed}");
 }
+
+/// A box takes a rigid body out as a whole, or not at all.
+#[test]
+fn a_box_that_cuts_a_rigid_body_is_refused() {
+    let stages = |limits: &str| {
+        let stages = format!(
+            "[[stage]]\nname = \"one\"\nduration = 1e-5\n[[stage]]\nname = \"two\"\nexcavate_boxes = [{limits}]\n"
+        );
+        let rest = "[[body]]\nname = \"rest\"\nmaterial = \"rock\"\nmesh_size = 0.05\nrectangle = { min = [1, 1], max = [1.1, 1.1] }\n";
+        let rigid = CRUSHED.replacen("mesh_size", "rigid = true\nmesh_size", 1);
+        format!("{rigid}{rest}{stages}")
+    };
+    let cut = read(&stages("[0, 0, 0.05, 0.1]")).expect_err("refused").to_string();
+    assert!(cut.contains("[[stage]] \"two\": this box cuts the rigid body \"block\""), "{cut}");
+    right(&stages("[-1, -1, 0.5, 0.5]"));
+}

@@ -405,6 +405,11 @@ fn speeds_at_which_a_run_stops_are_refused_at_their_line() {
             ["m:19:", "moves at 40000 m/s"],
         ),
         (
+            boundary("displacement = [100, 0]\nramp = 1e-6"),
+            ["m:19:", "[[boundary]] \"b\" moves at 1.5708e8 m/s"],
+        ),
+        (boundary("displacement = [100, 0]\ntable = [[0, 0], [1e-3, 1]]"), ["m:19:", "moves at 100000 m/s"]),
+        (
             with("[initial]\nvelocity = { block = [1e6, 0] }"),
             ["m:17:", "[[body]] \"block\" moves at 1e6 m/s"],
         ),
@@ -438,7 +443,7 @@ fn extreme_numbers_give_short_warnings() {
         let mut text = text.replace(key, &format!("{name} = {value}"));
         if name == "youngs_modulus" {
             // Any speed would be too high.
-            text = text.replace("velocity = [0, -0.5]", "displacement = [0, -1e-6]");
+            text = text.replace("velocity = [0, -0.5]", "traction = [0, -1e5]");
         }
         let warnings = right(&text).warnings;
         assert!(!warnings.is_empty());

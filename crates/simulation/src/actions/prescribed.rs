@@ -88,14 +88,17 @@ fn length_of<const D: usize>(vector: [f64; D]) -> f64 {
 }
 
 impl<const D: usize> Boundary<D> {
-    /// The greatest speed that its velocity or its rotation gives to a node before a time `end`, s, in m/s; 0
-    /// for other loads. `nodes`: those of the mesh, m.
+    /// The greatest speed that its velocity, its rotation or the ramp or table of its displacement gives to a
+    /// node before a time `end`, s, in m/s; 0 for other loads. `nodes`: those of the mesh, m.
     pub fn greatest_speed(&self, nodes: &[[f64; D]], end: f64) -> f64 {
         let full = match self.load {
             Load::Velocity(velocity) => length_of(velocity.map(Option::unwrap_or_default)),
             Load::Rotation { spin, through } => {
                 let speed = |node: u32| length(cross3(spin, lifted(minus(nodes[node as usize], through))));
                 self.target.nodes().into_iter().map(speed).fold(0.0, f64::max)
+            }
+            Load::Displacement(goal) => {
+                return length_of(goal.map(Option::unwrap_or_default)) * self.schedule.slope(end);
             }
             _ => return 0.0,
         };
@@ -115,6 +118,20 @@ impl Schedule {
                 inside.map(|row| row[1].abs()).fold(ends, f64::max)
             }
             Self::From(start, schedule) => schedule.most((end - start).max(0.0)),
+        }
+    }
+
+    /// The largest magnitude of the change of the factor in time after the beginning and before a time `end`,
+    /// s, in 1/s.
+    fn slope(&self, end: f64) -> f64 {
+        match self {
+            Self::Constant => 0.0,
+            Self::Ramp(duration) => 0.5 * std::f64::consts::PI / duration,
+            Self::Table(rows) => {
+                let slope = |pair: &[[f64; 2]]| ((pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).abs();
+                rows.windows(2).filter(|pair| pair[0][0] < end).map(slope).fold(0.0, f64::max)
+            }
+            Self::From(start, schedule) => schedule.slope((end - start).max(0.0)),
         }
     }
 

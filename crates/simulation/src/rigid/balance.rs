@@ -189,9 +189,11 @@ where
             }
         }
         let turning = applied(&inverse(&inertia), moment);
+        let spin = applied(&back, motion.spin);
         for ((place, of_node), load) in self.places.iter().zip(&self.masses).zip(&mut loads) {
             let arm = lifted(minus(*place, centre));
-            let acceleration = plus(lowered(cross3(turning, arm)), force.map(|x| x / mass));
+            let turning = plus(cross3(turning, arm), cross3(spin, cross3(spin, arm)));
+            let acceleration = plus(lowered(turning), force.map(|x| x / mass));
             add(load, acceleration, -of_node);
         }
         loads

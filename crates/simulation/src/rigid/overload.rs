@@ -4,10 +4,11 @@
 use crate::exposure::exposure;
 use crate::model::{Model, Strength};
 use crate::rigid::{RigidBody, RigidMotion};
+use crate::rotation::matrix_of;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
 use crate::topology::{NONE, Topology};
-use crate::vector::{Matrix, add, length, matrix, minus};
+use crate::vector::{Matrix, add, dot, length, matrix, minus, product, transposed};
 
 impl<const D: usize, const N: usize> Solid<D, N>
 where
@@ -28,10 +29,10 @@ where
         self.contact_share(body, model, topology).max(of_stress)
     }
 
-    /// Mean stress of a rigid body under the forces on its corners, Pa: their moments about its centre of
-    /// mass over its volume. The moment of its inertia about that centre vanishes unless it turns.
+    /// Mean stress of a rigid body under the forces on its corners and its inertia, Pa: their moments about
+    /// its centre of mass over its volume.
     fn mean_stress_of(&self, body: &RigidBody<D>, motion: &RigidMotion<D>) -> Matrix<D> {
-        let (mut moments, mut volume) = ([[0.0; D]; D], 0.0);
+        let (mut moments, mut volume) = (inertia_moments(body, motion), 0.0);
         for &element in &body.elements {
             volume += self.element(element as usize).volume;
             for corner in (0..N as u32).map(|k| element * N as u32 + k) {
@@ -79,4 +80,15 @@ where
         };
         body.elements.iter().filter_map(share).fold(0.0, f64::max)
     }
+}
+
+/// Half of the moments of the inertia of a body about its centre of mass, N m: none unless it turns. With
+/// the angular velocity ω, the mass at the arm x pulls with `-ω × (ω × x)`.
+fn inertia_moments<const D: usize>(body: &RigidBody<D>, motion: &RigidMotion<D>) -> Matrix<D> {
+    let turn = matrix_of(motion.orientation);
+    let spread = product(&product(&turn, &body.spread()), &transposed(&turn));
+    let spin = motion.spin;
+    let pull: Matrix<3> = matrix(|i, k| f64::from(u8::from(i == k)) * dot(spin, spin) - spin[i] * spin[k]);
+    let whole = product(&spread, &pull);
+    matrix(|i, k| 0.5 * whole[i][k])
 }

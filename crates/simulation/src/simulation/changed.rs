@@ -103,6 +103,14 @@ where
             .iter()
             .filter_map(|&(element, stress)| Some((numbers.now(element)?, stress)))
             .collect();
+        let is_until = |body| model.until_overloaded.iter().any(|of| of.body == body);
+        let bodies = released.iter().map(|(element, _)| model.mesh.bodies[*element as usize]);
+        if let Some(body) = bodies.filter(|body| model.rigid.contains(body)).find(|&body| !is_until(body)) {
+            return Err(ModelError::UntilOverloaded {
+                body,
+                why: "it has been overloaded, and cannot be rigid now",
+            });
+        }
         let now = model.clone().releasing(released.iter().map(|(element, _)| *element));
         let fresh = Simulation::new(now, threads)?;
         numbers.check_rigid(&old, &fresh)?;

@@ -10,20 +10,17 @@ use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
 use crate::vector::{Matrix, applied, transposed};
 
-/// Steps from one look at the loads of rigid bodies to the next.
-const LOOKS: u64 = 10;
-
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Machines<D, N>,
 {
-    /// Number of bodies that were rigid until they were overloaded.
-    pub fn released_bodies(&self) -> usize {
+    /// The bodies that were rigid until they were overloaded, in ascending order.
+    pub fn released_bodies(&self) -> Vec<u32> {
         let body = |(element, _): &(u32, _)| self.model.mesh.bodies[*element as usize];
         let mut bodies: Vec<u32> = self.released.iter().map(body).collect();
         bodies.sort_unstable();
         bodies.dedup();
-        bodies.len()
+        bodies
     }
 
     /// After a step: releases the rigid bodies that are overloaded.
@@ -31,7 +28,7 @@ where
     /// # Cost
     /// Three times that of [`Simulation::new`], if there are any.
     pub(super) fn release_overloaded(&mut self) -> Result<(), Stop> {
-        if self.model.until_overloaded.is_empty() || !self.step.is_multiple_of(LOOKS) {
+        if self.model.until_overloaded.is_empty() {
             return Ok(());
         }
         let mut released = Vec::new();
@@ -40,11 +37,16 @@ where
         for (place, body) in self.model.rigid.iter().enumerate() {
             let until = self.model.until_overloaded.iter().find(|of| of.body == *body);
             let Some(until) = until else { continue };
-            if solid.overload(place, &self.model, &self.topology) < until.share {
+            let load = solid.overload(place, &self.model, &self.topology);
+            if load < until.share {
                 continue;
             }
+            // A blow passes the share within a step. The body would have deformed under the share, and gets
+            // the stress of that: with all of it, it would have more energy than the blow.
+            let part = until.share / load;
             let turn: Matrix<3> = matrix_of(solid.rigid.motions[place].orientation);
             for (element, stress) in solid.balanced_stresses(place, &self.model) {
+                let stress = stress.map(|row| row.map(|x| part * x));
                 released.push((element, stress));
                 stresses.push((element, turned_by(&turn, &stress)));
             }

@@ -130,6 +130,8 @@ where
     is_recorded: bool,
     /// Conditions and servos whose column is no number, which the log has named.
     blind: Vec<String>,
+    /// Bodies that were rigid until they were overloaded, which the log has named.
+    released: Vec<u32>,
 }
 
 /// A part of a course.
@@ -169,10 +171,11 @@ where
             stages,
             begun,
             reached,
-            run,
             interval,
             is_recorded,
             blind: Vec::new(),
+            released: run.released_bodies(),
+            run,
         };
         if course.run.steps() == 0 {
             // Columns without a number at the beginning are named after the first steps.
@@ -254,6 +257,7 @@ where
     /// moves servos.
     pub(crate) fn turn(&mut self, passed: &Passed) -> Result<Turned, Failure> {
         let mut turned = Turned::default();
+        self.name_released(&mut turned);
         self.go_through_stages(passed.due.as_deref(), &mut turned)?;
         self.end_if_met(passed.due.as_deref(), &mut turned);
         self.control(false, &mut turned)?;
@@ -261,6 +265,20 @@ where
             self.name_blind_conditions(row, &mut turned);
         }
         Ok(turned)
+    }
+
+    /// Names the bodies that are no longer rigid.
+    fn name_released(&mut self, turned: &mut Turned) {
+        let released = self.run.released_bodies();
+        let new = released.iter().filter(|body| !self.released.contains(body));
+        let names: Vec<&str> = new.map(|&body| self.prepared.bodies[body as usize].name.as_str()).collect();
+        if !names.is_empty() {
+            let time = brief(self.run.time());
+            turned
+                .told
+                .push(format!("overloaded until {time} s, deformable from now on: {}", names.join(", ")));
+            self.released = released;
+        }
     }
 
     /// Names conditions whose column is no number in a row of the history.

@@ -31,6 +31,9 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     fn threads(&self) -> usize;
     fn timings(&self) -> Timings;
     fn elements(&self) -> usize;
+
+    /// Bodies that were rigid until they were overloaded, by their numbers.
+    fn released_bodies(&self) -> Vec<u32>;
     fn counts(&self) -> Counts;
     fn penetrated(&self) -> Option<[u32; 2]>;
     fn energies(&self) -> Energies;
@@ -162,6 +165,10 @@ where
         self.model().mesh.elements.len()
     }
 
+    fn released_bodies(&self) -> Vec<u32> {
+        self.released_bodies()
+    }
+
     fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
         (self.snapshot(), self.forces())
     }
@@ -187,6 +194,11 @@ where
 
     fn elements(&self) -> usize {
         self.elements()
+    }
+
+    fn released_bodies(&self) -> Vec<u32> {
+        // A run on many ranks has none.
+        Vec::new()
     }
 
     fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
