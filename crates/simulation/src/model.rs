@@ -75,12 +75,12 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
 
 /// A body that is rigid until it is overloaded.
 ///
-/// In each step, its mean stress under the forces on its surface and its rotation (Love and Weber) is compared
-/// with the strength of its material, and the largest of these forces over the area of its facet with the
-/// strength in compression. Half of the difference of the principal stresses counts as tension: that in the
-/// middle of a disc or a ball between two forces. When one of the ratios reaches `share`, the body gets the
-/// static stress of these forces, at most that at `share`, and deforms and breaks as others do. It then stays
-/// so.
+/// In each step, its mean stress under the forces on its surface and its rotation (Love and Weber) is
+/// compared with the strength of its material, and the largest of these forces over the area of its facet
+/// with the strength in compression. Half of the difference of the principal stresses counts as tension: that
+/// in the middle of a disc or a ball between two forces. When one of the ratios reaches `share`, the body
+/// gets the static stress of these forces, at most that at `share`, and deforms and breaks as others do. It
+/// then stays so.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UntilOverloaded {
     /// Number of the body, one of [`Model::rigid`].

@@ -194,7 +194,7 @@ pub(crate) fn rigid<const D: usize, const N: usize>(file: &ModelFile, placed: &[
 }
 
 /// Share of its strength at which a body that is rigid at first starts to deform.
-const OVERLOAD: f64 = 0.1;
+const OVERLOAD: f64 = 0.03;
 
 /// The bodies that are rigid until they are overloaded.
 pub(crate) fn until_overloaded<const D: usize, const N: usize>(

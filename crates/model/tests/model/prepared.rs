@@ -694,7 +694,7 @@ fn bodies_may_be_rigid_until_they_are_overloaded() {
     assert_eq!(prepared.model.rigid, [0]);
     let [of] = prepared.model.until_overloaded[..] else { panic!("{:?}", prepared.model.until_overloaded) };
     assert_eq!((of.body, of.share), (0, 0.4));
-    assert_eq!(right(&with(until, "")).model.until_overloaded[0].share, 0.1);
+    assert_eq!(right(&with(until, "")).model.until_overloaded[0].share, 0.03);
     assert!(right(&with("rigid = true", "")).model.until_overloaded.is_empty());
     for (body, more, message) in [
         ("overload = 0.4", "", "overload has no effect"),

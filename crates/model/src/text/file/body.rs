@@ -71,7 +71,7 @@ pub struct Body {
     pub rigid: Rigid,
     /// With `rigid = "until_overloaded"`: share of the strength of its material at which the body starts to
     /// deform. Its mean stress counts, half of the difference of the principal stresses as tension, and the
-    /// largest contact pressure against the strength in compression. Default: 0.1.
+    /// largest contact pressure against the strength in compression. Default: 0.03.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub overload: Option<f64>,
