@@ -61,6 +61,17 @@ impl<const D: usize> Bonds<D> {
                 continue;
             }
             let [ones, others] = [one, other].map(|name| placed::fitting(placed, file, name));
+            let is_rigid = |body: &&usize| file.body[placed[**body].table].rigid.at_first();
+            if let Some(&body) = ones.iter().chain(&others).find(is_rigid) {
+                let span = document.value(Table::of("joint_set", number), "between");
+                let message = format!(
+                    "[[joint_set]] \"{}\": the rigid body \"{}\" cannot be bonded",
+                    set.name, placed[body].name
+                );
+                let help = "a bond needs bodies that deform: take rigid out, or the bond";
+                faults.push(Fault::at(span, message).label("not with a rigid body").help(help));
+                continue;
+            }
             for &body in ones.iter().chain(&others) {
                 outsides.entry(body).or_insert_with(|| Outside::of(&placed[body]));
             }

@@ -724,3 +724,18 @@ fn a_box_that_cuts_a_rigid_body_is_refused() {
     assert!(cut.contains("[[stage]] \"two\": this box cuts the rigid body \"block\""), "{cut}");
     right(&stages("[-1, -1, 0.5, 0.5]"));
 }
+
+#[test]
+fn rigid_bodies_cannot_be_bonded() {
+    let rigid = CRUSHED
+        .replacen("mesh_size", "rigid = true\nmesh_size", 1)
+        .replace("fixed = \"y\"", "pressure = 1e5");
+    let more = "[[body]]\nname = \"lid\"\nmaterial = \"rock\"\nmesh_size = 0.05\nrectangle = { min = [0, 0.1], max = [0.1, 0.2] }\n\
+        [[joint_set]]\nname = \"glue\"\nbetween = [\"block\", \"lid\"]\ntensile_strength = 1e6\ncohesion = 1e6\n\
+        friction_angle = 30\nfracture_energy_i = 5\nfracture_energy_ii = 20\n";
+    let refused = read(&format!("{rigid}{more}")).expect_err("refused").to_string();
+    assert!(
+        refused.contains("[[joint_set]] \"glue\": the rigid body \"block\" cannot be bonded"),
+        "{refused}"
+    );
+}
