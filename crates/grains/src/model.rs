@@ -111,9 +111,9 @@ impl GrainModel {
         for (number, of) in self.materials.iter().enumerate() {
             let place = || format!("material {number}");
             within(place, "density", of.density, of.density > 0.0, "above 0")?;
-            let young = of.youngs_modulus;
-            let is_stiff = young > 0.0 && !young.is_nan();
-            within_or_infinite(place, "Young's modulus", young, is_stiff, "above 0")?;
+            // A rigid wall has an infinite one.
+            let young = if of.youngs_modulus == f64::INFINITY { f64::MAX } else { of.youngs_modulus };
+            within(place, "Young's modulus", young, young > 0.0, "above 0")?;
             let poisson = of.poissons_ratio;
             within(
                 place,
@@ -208,15 +208,9 @@ fn within(
     is_right: bool,
     range: &'static str,
 ) -> Result<(), GrainError> {
-    within_or_infinite(place, what, value, is_right && value.is_finite(), range)
-}
-
-fn within_or_infinite(
-    place: impl Fn() -> String,
-    what: &'static str,
-    value: f64,
-    is_right: bool,
-    range: &'static str,
-) -> Result<(), GrainError> {
-    if is_right { Ok(()) } else { Err(GrainError::OutOfRange { place: place(), what, value, range }) }
+    if is_right && value.is_finite() {
+        Ok(())
+    } else {
+        Err(GrainError::OutOfRange { place: place(), what, value, range })
+    }
 }

@@ -125,13 +125,13 @@ pub enum GrainPartner {
 /// Energies of a run, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GrainEnergies {
-    /// Of the velocities, half a step before the positions.
+    /// Kinetic energy of the velocities, half a step before the positions.
     pub kinetic: f64,
-    /// Of the rotations.
+    /// Kinetic energy of the rotations.
     pub rotational: f64,
     /// Stored in contacts, along and across their normals.
     pub elastic: f64,
-    /// Of the weight; 0 at the origin.
+    /// Potential energy of the weight; 0 at the origin.
     pub weight: f64,
 }
 
@@ -477,7 +477,7 @@ impl GrainRun {
     /// Energies now.
     ///
     /// # Cost
-    /// That of a step.
+    /// A pass over all spheres and contacts on one thread.
     pub fn energies(&self) -> GrainEnergies {
         let mut energies = GrainEnergies::default();
         for (sphere, fixed) in self.spheres.iter().zip(&self.fixed) {

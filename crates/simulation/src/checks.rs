@@ -112,9 +112,9 @@ fn until_overloaded<const D: usize, const N: usize>(model: &Model<D, N>) -> Resu
             return Err(out_of_range(&place, "share of its strength", of.share, "above 0 and at most 1"));
         }
     }
-    let is_one = |body: u32| all.binary_search_by_key(&body, |of| of.body).is_ok();
     let mesh = &model.mesh;
-    let own = || (0..mesh.elements.len()).filter(|&element| is_one(mesh.bodies[element]));
+    let own =
+        || (0..mesh.elements.len()).filter(|&element| model.until_overloaded(mesh.bodies[element]).is_some());
     let refused = |body: u32, why| Err(ModelError::UntilOverloaded { body, why });
     if let Some(element) = own().find(|&of| model.materials[mesh.materials[of] as usize].strength.is_none()) {
         return refused(mesh.bodies[element], "its material has no strength");

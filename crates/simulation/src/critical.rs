@@ -98,7 +98,7 @@ impl CriticalStep {
         Ok(Self::new(model, &topology, &joints))
     }
 
-    /// That of a model with its topology and its joints.
+    /// The critical time step of a model, with its topology and its joints.
     pub(crate) fn new<const D: usize, const N: usize>(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
@@ -123,7 +123,7 @@ impl CriticalStep {
         Self::with(&loose, topology, &joints, rigid_squares(&all, topology))
     }
 
-    /// That of a model whose rigid bodies have these squares of a frequency.
+    /// The critical time step of a model whose rigid bodies have these squares of a frequency, 1/s².
     fn with<const D: usize, const N: usize>(
         model: &Model<D, N>,
         topology: &Topology<D, N>,

@@ -58,7 +58,7 @@ impl<const D: usize> ContactForce<D> {
 pub(crate) struct Reaction<const D: usize> {
     /// N.
     pub(crate) force: Point<D>,
-    /// Of a boundary that turns nodes or bodies, about the point through which its axis passes, N m.
+    /// Moment of a boundary that turns nodes or bodies, about the point through which its axis passes, N m.
     pub(crate) moment: Point<3>,
 }
 

@@ -105,10 +105,15 @@ impl<const D: usize, const N: usize> Model<D, N> {
             .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
     }
 
+    /// The entry of a body that is rigid until it is overloaded.
+    pub(crate) fn until_overloaded(&self, body: u32) -> Option<&UntilOverloaded> {
+        let place = self.until_overloaded.binary_search_by_key(&body, |of| of.body).ok()?;
+        self.until_overloaded.get(place)
+    }
+
     /// Whether a body, by its number, is rigid for the whole run.
     pub fn stays_rigid(&self, body: u32) -> bool {
-        self.rigid.binary_search(&body).is_ok()
-            && self.until_overloaded.binary_search_by_key(&body, |of| of.body).is_err()
+        self.rigid.binary_search(&body).is_ok() && self.until_overloaded(body).is_none()
     }
 
     /// Whether an element belongs to a rigid body.

@@ -8,6 +8,7 @@ mod balance;
 pub(crate) mod nodes;
 mod overload;
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use fdem_distributed::wire;
@@ -40,6 +41,10 @@ pub(crate) struct RigidBodies<const D: usize> {
 pub(crate) struct RigidBody<const D: usize> {
     /// Ascending.
     pub(crate) elements: Vec<u32>,
+    /// Numbers of the materials of the elements, ascending.
+    materials: Vec<u32>,
+    /// Undeformed volume, m³: in two dimensions area times thickness.
+    volume: f64,
     /// Mass, kg.
     pub(crate) mass: f64,
     /// Centre of mass in the undeformed mesh, relative to [`Solid::origin`], m.
@@ -124,7 +129,10 @@ impl<const D: usize> RigidBodies<D> {
             + size_of_val(&**is_rigid)
             + size_of_val(&**nodes)
             + size_of_val(&**motions)
-            + all.iter().map(|body| size_of_val(body) + size_of_val(&*body.elements)).sum::<usize>()
+            + all
+                .iter()
+                .map(|body| size_of_val(body) + size_of_val(&*body.elements) + size_of_val(&*body.materials))
+                .sum::<usize>()
     }
 
     /// The rigid body of an element.
@@ -211,7 +219,15 @@ impl<const D: usize> RigidBody<D> {
         }
         let trace = spread[0][0] + spread[1][1] + spread[2][2];
         let inertia = matrix(|i, k| if i == k { trace - spread[i][i] } else { -spread[i.min(k)][i.max(k)] });
+        let Mesh { nodes, elements: all, .. } = &model.mesh;
+        let volume = |&element: &u32| {
+            all[element as usize].map(|node| nodes[node as usize]).measure() * model.thickness
+        };
+        let materials: BTreeSet<u32> =
+            elements.iter().map(|&element| model.mesh.materials[element as usize]).collect();
         Self {
+            volume: elements.iter().map(volume).sum(),
+            materials: materials.into_iter().collect(),
             elements,
             mass,
             start,
@@ -247,11 +263,7 @@ impl<const D: usize> RigidBody<D> {
                 let (arm, velocity) = (lifted(minus(corner, self.start)), model.velocities[node as usize]);
                 add(&mut motion.velocity, velocity, share / self.mass);
                 add(&mut momentum, cross3(arm, lifted(velocity)), share);
-                let square = dot(arm, arm);
-                for (i, row) in lumped.iter_mut().enumerate() {
-                    row[i] += share * square;
-                    add(row, arm, -share * arm[i]);
-                }
+                add_point_mass(&mut lumped, share, arm);
             }
         }
         motion.spin = applied(&inverse(&lumped), momentum);
@@ -353,6 +365,15 @@ fn largest_at_most(matrix: &[[f64; 6]; 6]) -> f64 {
         power = product_transposed(&scaled, &scaled);
     }
     bound * root(norm(&power), 3)
+}
+
+/// Adds the moments of inertia of a mass, kg, at an arm, m.
+fn add_point_mass(inertia: &mut Matrix<3>, mass: f64, arm: Point<3>) {
+    let square = dot(arm, arm);
+    for (i, row) in inertia.iter_mut().enumerate() {
+        row[i] += mass * square;
+        add(row, arm, -mass * arm[i]);
+    }
 }
 
 /// The vector along an axis.

@@ -13,7 +13,7 @@ use crate::text::file::{ModelFile, TimeStep};
 /// thousand steps.
 const ROUNDING: f64 = 1e-12;
 
-/// How many times shorter a number makes the time step than usual ones, from which it is looked at.
+/// A number is suspect if it makes the time step this many times shorter than usual numbers do.
 const MUCH: f64 = 1e3;
 
 /// The largest usual multiples of Young's modulus in penalties of contacts and of joints.

@@ -7,7 +7,7 @@
 
 use crate::laws::AnyLaw;
 use crate::model::Model;
-use crate::rigid::{RigidBody, RigidMotion};
+use crate::rigid::{RigidBody, RigidMotion, add_point_mass};
 use crate::rotation::{inverse, lifted, lowered, matrix_of};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -183,10 +183,7 @@ where
         for ((place, of_node), load) in self.places.iter().zip(&self.masses).zip(&loads) {
             let arm = lifted(minus(*place, centre));
             add(&mut moment, cross3(arm, lifted(*load)), 1.0);
-            for (i, row) in inertia.iter_mut().enumerate() {
-                row[i] += of_node * dot(arm, arm);
-                add(row, arm, -of_node * arm[i]);
-            }
+            add_point_mass(&mut inertia, *of_node, arm);
         }
         let turning = applied(&inverse(&inertia), moment);
         let spin = applied(&back, motion.spin);

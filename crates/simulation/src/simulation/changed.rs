@@ -103,9 +103,8 @@ where
             .iter()
             .filter_map(|&(element, stress)| Some((numbers.now(element)?, stress)))
             .collect();
-        let is_until = |body| model.until_overloaded.iter().any(|of| of.body == body);
-        let bodies = released.iter().map(|(element, _)| model.mesh.bodies[*element as usize]);
-        if let Some(body) = bodies.filter(|body| model.rigid.contains(body)).find(|&body| !is_until(body)) {
+        let mut bodies = released.iter().map(|(element, _)| model.mesh.bodies[*element as usize]);
+        if let Some(body) = bodies.find(|&body| model.stays_rigid(body)) {
             return Err(ModelError::UntilOverloaded {
                 body,
                 why: "it has been overloaded, and cannot be rigid now",

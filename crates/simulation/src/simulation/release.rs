@@ -35,8 +35,7 @@ where
         let mut stresses = Vec::new();
         let solid = self.solid();
         for (place, body) in self.model.rigid.iter().enumerate() {
-            let until = self.model.until_overloaded.iter().find(|of| of.body == *body);
-            let Some(until) = until else { continue };
+            let Some(until) = self.model.until_overloaded(*body) else { continue };
             let load = solid.overload(place, &self.model, &self.topology);
             if load < until.share {
                 continue;

@@ -352,7 +352,7 @@ where
         for ((history, before), now) in self.prepared.histories.iter().zip(before).zip(&now) {
             if has_values(before) && !has_values(now) {
                 let why = match history.quantity {
-                    Quantity::Force(_) => "its boundary does not act there",
+                    Quantity::Force(_) | Quantity::Torque(..) => "its boundary does not act there",
                     _ => "the part that it measures is not there",
                 };
                 turned.told.push(format!(
