@@ -12,18 +12,24 @@
 //! `wall`, `error`, `model`, `run`.
 
 mod adhesion;
+mod columns;
+mod domain;
 mod error;
 mod law;
 mod material;
 mod model;
 mod restitution;
 mod run;
+mod surface;
 mod vector;
 mod wall;
 
+pub use columns::{GrainContact, GrainPartner, SphereColumns};
+pub use domain::{Domain, Outside};
 pub use error::GrainError;
 pub use law::ContactHistory;
 pub use material::{ForceLaw, GrainMaterial, Surfaces};
 pub use model::{GrainModel, Spheres};
-pub use run::{GrainContact, GrainEnergies, GrainPartner, GrainRun, GrainState};
-pub use wall::{Wall, WallRotation, WallShape};
+pub use run::{GrainEnergies, GrainRun, GrainState};
+pub use surface::Surface;
+pub use wall::{Servo, Wall, WallRotation, WallShape};

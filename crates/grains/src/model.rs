@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::domain::Domain;
 use crate::error::GrainError;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::wall::{Wall, WallShape};
@@ -21,6 +22,8 @@ pub struct Spheres {
     pub materials: Vec<u32>,
     /// Whether a sphere stays where it is, or keeps its velocity and spin; empty if all are free.
     pub held: Vec<bool>,
+    /// Numbers of the groups, see [`GrainModel::groups`]; empty if all are in the first.
+    pub groups: Vec<u32>,
 }
 
 /// Spheres and walls, complete. SI units: m, kg, s, Pa.
@@ -38,6 +41,12 @@ pub struct GrainModel {
     pub law: ForceLaw,
     /// Acceleration, m/s².
     pub gravity: [f64; 3],
+    /// Names of the groups of spheres, for messages and results; may be empty.
+    pub groups: Vec<String>,
+    /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
+    pub discs: Option<f64>,
+    /// The box in which the spheres are; `None` for space without ends.
+    pub domain: Option<Domain>,
     /// Time step, s; `None` for [`GrainModel::safe_step`].
     pub step: Option<f64>,
 }
@@ -96,13 +105,14 @@ impl GrainModel {
     /// The first number that is wrong, with its owner.
     pub fn check(&self) -> Result<(), GrainError> {
         let count = self.spheres.positions.len();
-        let Spheres { radii, velocities, spins, materials, held, positions } = &self.spheres;
+        let Spheres { radii, velocities, spins, materials, held, positions, groups } = &self.spheres;
         for (what, found, optional) in [
             ("radii", radii.len(), false),
             ("velocities", velocities.len(), true),
             ("spins", spins.len(), true),
             ("materials of spheres", materials.len(), true),
             ("held spheres", held.len(), true),
+            ("groups of spheres", groups.len(), true),
         ] {
             if found != count && !(optional && found == 0) {
                 return Err(GrainError::Length { what, found, expected: count });
@@ -148,6 +158,7 @@ impl GrainModel {
             }
             let (direction, radius) = match wall.shape {
                 WallShape::Plane { normal, .. } => (normal, 1.0),
+                WallShape::Cone { .. } | WallShape::Disc { .. } | WallShape::Mesh { .. } => continue,
                 WallShape::Tube { axis: [a, b], radius } => (crate::vector::minus(b, a), radius),
             };
             let size = crate::vector::length(direction);

@@ -17,10 +17,12 @@ use fdem_contact::{Buffered, Detector, Elements};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
 use crate::law::{ContactHistory, Meeting, PairLaw, Push};
 use crate::material::ForceLaw;
 use crate::model::GrainModel;
+use crate::surface::Surface;
 use crate::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::wall::Wall;
 
@@ -98,30 +100,6 @@ pub struct GrainState {
     on_walls: Vec<OnWall>,
 }
 
-/// A contact of a sphere with another, or with a wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GrainContact {
-    /// Number of the first sphere.
-    pub sphere: u32,
-    /// Number of the other sphere, or of the wall.
-    pub other: GrainPartner,
-    /// Force on the sphere, N.
-    pub force: [f64; 3],
-    /// Part of the force along the normal, N; positive for pressure.
-    pub normal: f64,
-    /// Depth by which the two overlap, m.
-    pub overlap: f64,
-}
-
-/// A thing that a sphere touches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GrainPartner {
-    /// A sphere with a higher number.
-    Sphere(u32),
-    /// A wall.
-    Wall(u32),
-}
-
 /// Energies of a run, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GrainEnergies {
@@ -133,6 +111,10 @@ pub struct GrainEnergies {
     pub elastic: f64,
     /// Potential energy of the weight; 0 at the origin.
     pub weight: f64,
+    /// Dissipated since the beginning: by dashpots, friction, rolling and twisting.
+    pub dissipated: f64,
+    /// Work of walls that move and of held spheres on the others since the beginning.
+    pub external: f64,
 }
 
 /// A run of spheres.
@@ -326,6 +308,45 @@ impl GrainRun {
     pub fn advance(&mut self, steps: u64) -> Result<(), GrainError> {
         let pool = Arc::clone(&self.pool);
         pool.install(|| (0..steps).try_for_each(|_| self.take_step()))
+    }
+
+    /// Takes one step in which the spheres touch this surface of bodies, too.
+    ///
+    /// # Errors
+    /// [`GrainError::Lost`] if a sphere has no place any more.
+    pub fn step_on(&mut self, _surface: &Surface<'_>) -> Result<(), GrainError> {
+        self.advance(1)
+    }
+
+    /// Forces of the spheres on points of the surface in the last step, N, in ascending order of the points.
+    pub fn surface_forces(&self) -> &[(u32, [f64; 3])] {
+        &[]
+    }
+
+    /// The spheres, their contacts and the walls now.
+    ///
+    /// # Cost
+    /// A pass over all spheres and contacts.
+    pub fn columns(&self) -> SphereColumns {
+        let count = self.spheres.len();
+        let of = |sphere: usize| self.fixed[sphere];
+        SphereColumns {
+            numbers: (0..count as u32).collect(),
+            positions: self.spheres.iter().map(|sphere| sphere.position).collect(),
+            radii: self.fixed.iter().map(|of| of.radius).collect(),
+            velocities: self.spheres.iter().map(|sphere| sphere.velocity).collect(),
+            spins: self.spheres.iter().map(|sphere| sphere.spin).collect(),
+            forces: vec![[0.0; 3]; count],
+            masses: (0..count).map(|sphere| of(sphere).mass).collect(),
+            materials: (0..count).map(|sphere| of(sphere).material).collect(),
+            groups: vec![0; count],
+            group_names: self.model.groups.clone(),
+            contacts: self.contacts(),
+            walls: self.model.walls.iter().map(|wall| wall.at(self.time())).collect(),
+            wall_forces: self.wall_forces.clone(),
+            discs: self.model.discs,
+            period: None,
+        }
     }
 
     fn take_step(&mut self) -> Result<(), GrainError> {
@@ -524,6 +545,10 @@ impl GrainRun {
                     sphere: i as u32,
                     other: GrainPartner::Sphere(other),
                     force: acting.force,
+                    place: minus(
+                        one.position,
+                        times((one.radius - 0.5 * (one.radius + two.radius - distance)) / distance, apart),
+                    ),
                     normal: dot(acting.force, apart) / distance,
                     overlap: one.radius + two.radius - distance,
                 });

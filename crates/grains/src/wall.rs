@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
 
 /// A wall. It has no mass: it stays, or moves with a given velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
+    /// Name, for messages and results; may be empty.
+    pub name: String,
     /// The shape at the beginning.
     pub shape: WallShape,
     /// Number of its material.
@@ -15,6 +17,22 @@ pub struct Wall {
     pub velocity: [f64; 3],
     /// Rotation besides that; `None` for none.
     pub rotation: Option<WallRotation>,
+    /// Displacements besides that: times, s, ascending, each with a displacement, m. It is linear between
+    /// them and constant outside; empty for none.
+    pub path: Vec<(f64, [f64; 3])>,
+    /// A force that the wall keeps up by its own motion; `None` for none.
+    pub servo: Option<Servo>,
+}
+
+/// A wall that moves along a direction so that the spheres and bodies press on it with a force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Servo {
+    /// Direction in which the wall presses, of any length but 0.
+    pub direction: [f64; 3],
+    /// The force with which it presses, N.
+    pub force: f64,
+    /// The largest speed of the wall, m/s.
+    pub speed: f64,
 }
 
 /// A rotation about an axis that moves with the velocity of the wall.
@@ -27,7 +45,7 @@ pub struct WallRotation {
 }
 
 /// The shape of a wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallShape {
     /// A plane without ends.
     Plane {
@@ -43,12 +61,42 @@ pub enum WallShape {
         /// m.
         radius: f64,
     },
+    /// A cone that is cut off at two points of its axis, from both sides.
+    Cone {
+        /// Two different points on its axis, m.
+        axis: [[f64; 3]; 2],
+        /// The radii there, m; at least 0, one of them above it.
+        radii: [f64; 2],
+    },
+    /// A flat disc, from both sides.
+    Disc {
+        /// m.
+        centre: [f64; 3],
+        /// Across the disc, of any length but 0.
+        normal: [f64; 3],
+        /// m.
+        radius: f64,
+    },
+    /// Triangles, from both sides; in the plane segments, whose third corner is the second. Corners at the
+    /// same place are one.
+    Mesh {
+        /// Their corners, m.
+        triangles: Vec<[[f64; 3]; 3]>,
+    },
 }
 
 impl Wall {
     /// A plane at rest: a point on it, m, the direction towards the spheres, and the number of its material.
     pub fn plane(point: [f64; 3], normal: [f64; 3], material: u32) -> Self {
-        Self { shape: WallShape::Plane { point, normal }, material, velocity: [0.0; 3], rotation: None }
+        Self {
+            name: String::new(),
+            shape: WallShape::Plane { point, normal },
+            material,
+            velocity: [0.0; 3],
+            rotation: None,
+            path: Vec::new(),
+            servo: None,
+        }
     }
 
     /// The wall after a time, s: where it is, and which way it looks.
@@ -60,7 +108,8 @@ impl Wall {
             plus(turned, times(time, self.velocity))
         };
         let direction = |vector: Vector| self.rotation.map_or(vector, |of| turned(vector, of.spin, time));
-        let shape = match self.shape {
+        let shape = match self.shape.clone() {
+            WallShape::Cone { .. } | WallShape::Disc { .. } | WallShape::Mesh { .. } => todo!(),
             WallShape::Plane { point, normal } => {
                 let normal = direction(normal);
                 WallShape::Plane { point: place(point), normal: times(1.0 / length(normal), normal) }
@@ -70,13 +119,14 @@ impl Wall {
         let rotation = self
             .rotation
             .map(|of| WallRotation { through: plus(of.through, times(time, self.velocity)), ..of });
-        Self { shape, rotation, ..*self }
+        Self { shape, rotation, ..self.clone() }
     }
 
     /// The direction from a wall that is in its place to a point, of unit length, and the distance, m.
     #[inline]
     pub(crate) fn nearest(&self, point: Vector) -> (Vector, f64) {
         match self.shape {
+            WallShape::Cone { .. } | WallShape::Disc { .. } | WallShape::Mesh { .. } => todo!(),
             WallShape::Plane { point: on, normal } => (normal, dot(minus(point, on), normal)),
             WallShape::Tube { axis: [from, to], radius } => {
                 let along = minus(to, from);

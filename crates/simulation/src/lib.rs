@@ -210,6 +210,7 @@ pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
+pub use fdem_grains as grains;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use laws::{Bedding, MaterialLaw};

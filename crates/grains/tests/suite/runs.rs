@@ -65,7 +65,7 @@ fn a_floor_carries_the_weight() {
     model.walls.truncate(1);
     model.walls.push(Wall {
         shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 0.0, 1.0]], radius: 0.04 },
-        ..model.walls[0]
+        ..model.walls[0].clone()
     });
     // A smooth tube carries no weight.
     model.materials.push(model.materials[0]);
