@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::Domain;
 use crate::error::GrainError;
+use crate::insertion::{Insertion, Removal};
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::wall::{Wall, WallShape};
 
@@ -45,6 +46,10 @@ pub struct GrainModel {
     pub groups: Vec<String>,
     /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
     pub discs: Option<f64>,
+    /// Spheres that come in during the run.
+    pub insertions: Vec<Insertion>,
+    /// Boxes in which spheres are removed.
+    pub removals: Vec<Removal>,
     /// The box in which the spheres are; `None` for space without ends.
     pub domain: Option<Domain>,
     /// Time step, s; `None` for [`GrainModel::safe_step`].
