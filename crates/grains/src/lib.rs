@@ -5,13 +5,15 @@
 //! |---|---|
 //! | the force of a contact | `src/law.rs`; damping: `src/restitution.rs`, adhesion: `src/adhesion.rs` |
 //! | the shape or the motion of a wall | `src/wall.rs` |
+//! | clumps | `src/clump.rs` (mass and inertia), `src/run/clumps.rs` (motion), `src/rotation.rs` |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs` |
 //!
-//! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `wall`, `error`, `model`, `run`.
+//! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`, `material`,
+//! `law`, `wall`, `clump`, `error`, `model`, `run`.
 
 mod adhesion;
+mod clump;
 mod columns;
 mod domain;
 mod error;
@@ -20,11 +22,13 @@ mod law;
 mod material;
 mod model;
 mod restitution;
+mod rotation;
 mod run;
 mod surface;
 mod vector;
 mod wall;
 
+pub use clump::{Clump, ClumpInertia};
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
 pub use domain::{Domain, Outside};
 pub use error::GrainError;

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::clump::{Clump, ClumpInertia};
 use crate::domain::Domain;
 use crate::error::GrainError;
 use crate::insertion::{Insertion, Removal};
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
+use crate::rotation::inverse;
 use crate::wall::{Wall, WallShape};
 
 /// Spheres, each list in the order of their numbers.
@@ -46,6 +48,8 @@ pub struct GrainModel {
     pub groups: Vec<String>,
     /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
     pub discs: Option<f64>,
+    /// Spheres that move together as rigid bodies.
+    pub clumps: Vec<Clump>,
     /// Spheres that come in during the run.
     pub insertions: Vec<Insertion>,
     /// Boxes in which spheres are removed.
@@ -70,6 +74,22 @@ impl GrainModel {
     pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
         let density = self.materials[self.material_of(sphere) as usize].density;
         mass(self.spheres.radii[sphere], density, self.discs)
+    }
+
+    /// Mass, centre and moments of inertia of a clump.
+    pub(crate) fn inertia_of(&self, clump: usize) -> ClumpInertia {
+        let of = &self.clumps[clump];
+        of.inertia.unwrap_or_else(|| {
+            let members = || of.spheres.iter().map(|&sphere| sphere as usize);
+            let centres: Vec<[f64; 3]> = members().map(|sphere| self.spheres.positions[sphere]).collect();
+            let radii: Vec<f64> = members().map(|sphere| self.spheres.radii[sphere]).collect();
+            let material = members().next().map_or(0, |sphere| self.material_of(sphere));
+            let density = self.materials[material as usize].density;
+            match self.discs {
+                Some(thickness) => ClumpInertia::of_discs(&centres, &radii, density, thickness),
+                None => ClumpInertia::of_spheres(&centres, &radii, density),
+            }
+        })
     }
 
     /// A time step that follows the contacts, s. Hertz: a fifth of the time in which a Rayleigh wave runs
@@ -177,8 +197,59 @@ impl GrainModel {
                 "at least 0",
             )?;
         }
+        self.check_clumps()?;
         if let Some(step) = self.step {
             within(|| "the model".to_owned(), "time step", step, step > 0.0, "above 0")?;
+        }
+        Ok(())
+    }
+
+    fn check_clumps(&self) -> Result<(), GrainError> {
+        let Spheres { positions, velocities, spins, held, .. } = &self.spheres;
+        let mut taken = vec![false; positions.len()];
+        for (clump, of) in self.clumps.iter().enumerate() {
+            let wrong = |why| Err(GrainError::Clump { clump, why });
+            if of.spheres.is_empty() {
+                return wrong("it has no spheres");
+            }
+            if !of.spheres.is_sorted_by(|a, b| a < b) {
+                return wrong("the numbers of its spheres do not ascend");
+            }
+            let is_held = |sphere: u32| held.get(sphere as usize).copied().unwrap_or(false);
+            let density = |sphere: u32| self.materials[self.material_of(sphere as usize) as usize].density;
+            for &sphere in &of.spheres {
+                let Some(taken) = taken.get_mut(sphere as usize) else {
+                    return wrong("one of its spheres does not exist");
+                };
+                if std::mem::replace(taken, true) {
+                    return wrong("one of its spheres belongs to another clump");
+                }
+                let moves = [velocities, spins].map(|list| list.get(sphere as usize).copied());
+                if moves.into_iter().flatten().any(|given| given != [0.0; 3]) {
+                    return wrong("one of its spheres has a velocity or a spin: give it to the clump");
+                }
+                if is_held(sphere) != is_held(of.spheres[0]) {
+                    return wrong("some of its spheres are held, and others are not");
+                }
+                if of.inertia.is_none() && density(sphere) != density(of.spheres[0]) {
+                    return wrong("its spheres have several densities: give its mass and moments of inertia");
+                }
+            }
+            let place = || format!("clump {clump}");
+            for &x in of.velocity.iter().chain(&of.spin) {
+                within(place, "a velocity", x, true, "a number")?;
+            }
+            let ClumpInertia { mass, centre, moments } = self.inertia_of(clump);
+            within(place, "mass", mass, mass > 0.0, "above 0")?;
+            for &x in centre.iter().chain(moments.iter().flatten()) {
+                within(place, "the centre or a moment of inertia", x, true, "a number")?;
+            }
+            if inverse(&moments).is_none() {
+                return wrong("its moments of inertia are not those of a body");
+            }
+            if self.domain.is_some_and(|domain| domain.strain_rates != [0.0; 3]) {
+                return wrong("the box grows, and clumps cannot follow it");
+            }
         }
         Ok(())
     }

@@ -15,6 +15,7 @@
 pub(crate) mod balls;
 pub(crate) mod batch;
 pub(crate) mod cell;
+pub(crate) mod clumps;
 pub(crate) mod energies;
 pub(crate) mod laws;
 pub(crate) mod lists;
@@ -34,8 +35,9 @@ use crate::error::GrainError;
 use crate::insertion::Taken;
 use crate::material::ForceLaw;
 use crate::model::{GrainModel, Spheres};
-use crate::run::balls::Balls;
+use crate::run::balls::{ALONE, Balls};
 use crate::run::cell::Cell;
+use crate::run::clumps::Clumps;
 use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
 use crate::run::laws::Laws;
 use crate::run::lists::{Finder, Lists, Remembered};
@@ -92,6 +94,7 @@ pub struct GrainRun {
     finder: Finder,
     cell: Option<Cell>,
     on_walls: OnWalls,
+    clumps: Clumps,
     /// The walls in the last step.
     walls: Vec<Wall>,
     outer: Vec<Outer>,
@@ -125,6 +128,9 @@ impl GrainRun {
     /// The errors of [`GrainRun::new`].
     pub fn on_pool(mut model: GrainModel, pool: Arc<rayon::ThreadPool>) -> Result<Self, GrainError> {
         model.check()?;
+        for clump in 0..model.clumps.len() {
+            model.clumps[clump].inertia = Some(model.inertia_of(clump));
+        }
         let count = model.spheres.positions.len() as u32;
         let cell = model.domain.map(Cell::new);
         let finder = if cell.is_some_and(|cell| cell.is_periodic()) {
@@ -140,6 +146,7 @@ impl GrainRun {
             finder,
             cell,
             on_walls: OnWalls::new(model.walls.len()),
+            clumps: Clumps::new(&model),
             walls: model.walls.iter().map(|wall| wall.at(0.0)).collect(),
             outer: Vec::new(),
             gone: Gone::default(),
@@ -156,6 +163,7 @@ impl GrainRun {
         };
         model.spheres = Spheres::default();
         run.model = model;
+        run.clumps.begin(&mut run.balls);
         run.search(&Vec::new())?;
         Ok(run)
     }
@@ -183,6 +191,7 @@ impl GrainRun {
                 return Err(GrainError::Length { what, found, expected });
             }
         }
+        self.clumps.take(state.clumps)?;
         self.step = state.step;
         (self.model.gravity, self.gone) = (state.gravity, state.gone);
         (self.next, self.placed) = (state.next, state.placed);
@@ -202,6 +211,7 @@ impl GrainRun {
             contacts: self.lists.remember(&self.balls),
             on_walls: self.on_walls.saved(),
             gone: self.gone,
+            clumps: self.clumps.saved(),
         }
     }
 
@@ -281,7 +291,12 @@ impl GrainRun {
         }
         for &place in &self.balls.places {
             let ball = &self.balls.list[place as usize];
-            self.gone.external -= ball.mass * dot(change, ball.position);
+            if self.balls.kinds[place as usize].clump == ALONE {
+                self.gone.external -= ball.mass * dot(change, ball.position);
+            }
+        }
+        for (mass, centre) in self.clumps.masses() {
+            self.gone.external -= mass * dot(change, centre);
         }
         self.model.gravity = gravity;
     }
@@ -344,6 +359,11 @@ impl GrainRun {
             number: self.step,
         };
         self.moved = move_all(&mut self.balls, moving)?;
+        if !self.clumps.is_empty() {
+            let moved = self.clumps.advance(&mut self.balls, moving)?;
+            self.moved.fastest = self.moved.fastest.max(moved.fastest);
+            self.moved.leaves |= moved.leaves;
+        }
         self.step += 1;
         Ok(())
     }
@@ -361,6 +381,7 @@ impl GrainRun {
         let Self { balls, finder, cell, laws, lists, .. } = self;
         lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
         self.spare = skin;
+        self.clumps.find(&self.balls);
         self.on_walls.renew();
         Ok(())
     }
@@ -397,22 +418,33 @@ impl GrainRun {
     /// Removes the spheres in boxes that remove them and those that have left the box. Returns how many.
     fn remove(&mut self) -> usize {
         let (time, gravity) = (self.time(), self.model.gravity);
-        let Self { balls, model, cell, gone, .. } = self;
+        let Self { balls, model, cell, gone, clumps, .. } = self;
         let goes = |position: Vector| {
             model.removals.iter().any(|of| of.takes(position, time))
                 || cell.is_some_and(|cell| cell.outside(position).is_some())
         };
+        let (energy, going) = clumps.remove(balls, gravity, goes);
+        gone.external -= energy;
+        let goes = |place: usize| {
+            let clump = going.get(balls.kinds[place].clump as usize);
+            clump.copied().unwrap_or_else(|| goes(balls.list[place].position))
+        };
         for &place in &balls.places {
             let (ball, drive) = (&balls.list[place as usize], &balls.drives[place as usize]);
-            if goes(ball.position) {
+            if !goes(place as usize) {
+                continue;
+            }
+            gone.dissipated += drive.dissipated;
+            gone.external += drive.external;
+            if balls.kinds[place as usize].clump == ALONE {
                 let energy = 0.5 * ball.mass * dot(drive.velocity, drive.velocity)
                     + 0.5 * balls.inertia(place as usize) * dot(drive.spin, drive.spin)
                     - ball.mass * dot(gravity, ball.position);
-                gone.dissipated += drive.dissipated;
-                gone.external += drive.external - energy;
+                gone.external -= energy;
             }
         }
-        balls.remove(|_, ball| goes(ball.position))
+        let goes: Vec<bool> = (0..balls.list.len()).map(goes).collect();
+        balls.remove(|place, _| goes[place])
     }
 
     /// Lets the spheres come in that are due and find a place. Returns how many.
@@ -467,6 +499,7 @@ impl GrainRun {
             lists: &self.lists,
             laws: &self.laws,
             on_walls: &self.on_walls,
+            clumps: &self.clumps,
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,

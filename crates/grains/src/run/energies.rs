@@ -1,6 +1,7 @@
 //! The energies of a run.
 
-use crate::run::balls::Balls;
+use crate::run::balls::{ALONE, Balls};
+use crate::run::clumps::Clumps;
 use crate::run::laws::Laws;
 use crate::run::lists::Lists;
 use crate::run::on_walls::OnWalls;
@@ -43,6 +44,7 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) lists: &'a Lists,
     pub(crate) laws: &'a Laws,
     pub(crate) on_walls: &'a OnWalls,
+    pub(crate) clumps: &'a Clumps,
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -60,6 +62,11 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
     };
     for &place in &of.balls.places {
         let (ball, drive) = (&of.balls.list[place as usize], &of.balls.drives[place as usize]);
+        energies.dissipated += drive.dissipated;
+        energies.external += drive.external;
+        if of.balls.kinds[place as usize].clump != ALONE {
+            continue;
+        }
         // Half a step back, and a step back.
         let velocity = minus(times(2.0, drive.velocity), ball.velocity);
         let spin = minus(times(2.0, drive.spin), ball.spin);
@@ -67,9 +74,8 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
         energies.kinetic += 0.5 * ball.mass * dot(velocity, velocity);
         energies.rotational += 0.5 * of.balls.inertia(place as usize) * dot(spin, spin);
         energies.weight -= ball.mass * dot(of.gravity, position);
-        energies.dissipated += drive.dissipated;
-        energies.external += drive.external;
     }
+    of.clumps.add_energies(&mut energies, (of.gravity, of.step));
     energies.elastic = elastic(of);
     energies
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::run::balls::SavedBall;
+use crate::run::clumps::ClumpMotion;
 use crate::run::energies::Gone;
 use crate::run::lists::Remembered;
 use crate::run::on_walls::OnWall;
@@ -21,4 +22,5 @@ pub struct GrainState {
     pub(crate) contacts: Remembered,
     pub(crate) on_walls: Vec<OnWall>,
     pub(crate) gone: Gone,
+    pub(crate) clumps: Vec<ClumpMotion>,
 }
