@@ -14,6 +14,8 @@
 //! Cleary 2013): without that a closed cycle would gain energy. Rolling and twisting have a spring that
 //! yields, with damping below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
 
+mod reduced;
+
 use crate::adhesion;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::restitution::damping_ratio;

@@ -11,6 +11,8 @@
 //!
 //! So the sums depend neither on threads nor on the list of candidates.
 
+mod on_walls;
+
 use std::sync::Arc;
 
 use fdem_contact::{Buffered, Detector, Elements};
@@ -19,12 +21,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
-use crate::law::{ContactHistory, Meeting, PairLaw, Push};
+use crate::law::{ContactHistory, Meeting, PairLaw};
 use crate::material::ForceLaw;
 use crate::model::GrainModel;
+use crate::on_facet::{Ball, FacetHistory, SurfaceMotion};
+use crate::on_surface::{Balls, Laws, OnSurface};
 use crate::surface::Surface;
 use crate::vector::{Vector, cross, dot, length, minus, plus, times};
-use crate::wall::Wall;
+use on_walls::{OnWalls, WallState};
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
 const BUFFER: f64 = 0.2;
@@ -88,8 +92,36 @@ struct Neighbours {
     slots: Vec<u32>,
 }
 
-/// Spheres that touch one wall, ascending, with their histories.
-type OnWall = Vec<(u32, ContactHistory)>;
+/// The spheres for contacts with walls and bodies.
+#[derive(Clone, Copy, Debug)]
+struct AllSeen<'a> {
+    seen: &'a [Seen],
+    fixed: &'a [Fixed],
+}
+
+impl Balls for AllSeen<'_> {
+    fn count(&self) -> usize {
+        self.seen.len()
+    }
+
+    fn number(&self, place: usize) -> u32 {
+        place as u32
+    }
+
+    fn position(&self, place: usize) -> Vector {
+        self.seen[place].position
+    }
+
+    fn radius(&self, place: usize) -> f64 {
+        self.seen[place].radius
+    }
+
+    fn ball(&self, place: usize) -> Ball {
+        let Seen { position, radius, velocity, mass, spin, material } = self.seen[place];
+        let (number, inertia) = (place as u32, self.fixed[place].inertia());
+        Ball { number, material, position, velocity, spin, radius, mass, inertia }
+    }
+}
 
 /// Everything that a run is continued from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -97,7 +129,17 @@ pub struct GrainState {
     step: u64,
     spheres: Vec<Sphere>,
     contacts: Vec<([u32; 2], ContactHistory)>,
-    on_walls: Vec<OnWall>,
+    walls: WallState,
+    on_bodies: Vec<(u32, Vec<FacetHistory>)>,
+    on_surface: OnSurfaceAccounts,
+}
+
+/// Energies of contacts with bodies since the beginning, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct OnSurfaceAccounts {
+    dissipated: f64,
+    /// Work on the bodies.
+    work: f64,
 }
 
 /// Energies of a run, J.
@@ -115,6 +157,9 @@ pub struct GrainEnergies {
     pub dissipated: f64,
     /// Work of walls that move and of held spheres on the others since the beginning.
     pub external: f64,
+    /// Work of the spheres on the surface of bodies since the beginning. The elastic energy of these contacts
+    /// is that of the last step.
+    pub on_surface: f64,
 }
 
 /// A run of spheres.
@@ -155,8 +200,9 @@ pub struct GrainRun {
     reaches: Vec<f64>,
     seen: Vec<Seen>,
     neighbours: Neighbours,
-    on_walls: Vec<OnWall>,
-    wall_forces: Vec<Vector>,
+    on_walls: OnWalls,
+    on_bodies: OnSurface,
+    on_surface: OnSurfaceAccounts,
     step: u64,
     time_step: f64,
     pool: Arc<rayon::ThreadPool>,
@@ -214,8 +260,9 @@ impl GrainRun {
             reaches,
             seen: Vec::new(),
             neighbours: Neighbours { first: vec![0; count + 1], ..Neighbours::default() },
-            on_walls: vec![Vec::new(); model.walls.len()],
-            wall_forces: vec![[0.0; 3]; model.walls.len()],
+            on_walls: OnWalls::new(&model, mean),
+            on_bodies: OnSurface::new(true, mean),
+            on_surface: OnSurfaceAccounts::default(),
             step: 0,
             time_step,
             pool,
@@ -229,15 +276,18 @@ impl GrainRun {
     /// The errors of [`GrainRun::new`]; [`GrainError::Length`] if the state belongs to another model.
     pub fn resume(model: GrainModel, state: GrainState, threads: usize) -> Result<Self, GrainError> {
         let mut run = Self::new(model, threads)?;
-        let [spheres, walls] = [state.spheres.len(), state.on_walls.len()];
-        for (what, found, expected) in
-            [("spheres", spheres, run.spheres.len()), ("walls", walls, run.on_walls.len())]
-        {
-            if found != expected {
-                return Err(GrainError::Length { what, found, expected });
-            }
+        let (what, found, expected) = ("spheres", state.spheres.len(), run.spheres.len());
+        if found != expected {
+            return Err(GrainError::Length { what, found, expected });
         }
-        (run.step, run.spheres, run.on_walls) = (state.step, state.spheres, state.on_walls);
+        (run.step, run.spheres, run.on_surface) = (state.step, state.spheres, state.on_surface);
+        run.look();
+        let balls = AllSeen { seen: &run.seen, fixed: &run.fixed };
+        run.on_bodies.restore(state.on_bodies, &balls);
+        let (what, found, expected) = ("walls", state.walls.count(), run.model.walls.len());
+        if !run.on_walls.restore(state.walls, &balls) {
+            return Err(GrainError::Length { what, found, expected });
+        }
         run.detect()?;
         for ([i, j], history) in state.contacts {
             if let Some(slot) = run.neighbours.slot(i, j) {
@@ -251,6 +301,8 @@ impl GrainRun {
     pub fn state(&self) -> GrainState {
         let of = &self.neighbours;
         let mut contacts = Vec::new();
+        let seen = self.seen_now();
+        let balls = AllSeen { seen: &seen, fixed: &self.fixed };
         for i in 0..self.spheres.len() {
             for slot in of.first[i] as usize..of.first[i + 1] as usize {
                 if of.histories[slot].contact > 0.0 {
@@ -262,7 +314,9 @@ impl GrainRun {
             step: self.step,
             spheres: self.spheres.clone(),
             contacts,
-            on_walls: self.on_walls.clone(),
+            walls: self.on_walls.state(&balls),
+            on_bodies: self.on_bodies.state(&balls),
+            on_surface: self.on_surface,
         }
     }
 
@@ -298,7 +352,12 @@ impl GrainRun {
 
     /// Force of the spheres on a wall in the last step, N.
     pub fn wall_force(&self, wall: usize) -> [f64; 3] {
-        self.wall_forces[wall]
+        self.on_walls.force(wall)
+    }
+
+    /// Moment of the spheres on a wall in the last step about the origin, N m.
+    pub fn wall_moment(&self, wall: usize) -> [f64; 3] {
+        self.on_walls.moment(wall)
     }
 
     /// Takes `steps` steps.
@@ -307,20 +366,23 @@ impl GrainRun {
     /// [`GrainError::Lost`] if a sphere has no place any more.
     pub fn advance(&mut self, steps: u64) -> Result<(), GrainError> {
         let pool = Arc::clone(&self.pool);
-        pool.install(|| (0..steps).try_for_each(|_| self.take_step()))
+        pool.install(|| (0..steps).try_for_each(|_| self.take_step(None)))
     }
 
     /// Takes one step in which the spheres touch this surface of bodies, too.
     ///
     /// # Errors
-    /// [`GrainError::Lost`] if a sphere has no place any more.
-    pub fn step_on(&mut self, _surface: &Surface<'_>) -> Result<(), GrainError> {
-        self.advance(1)
+    /// [`GrainError::Lost`] if a sphere has no place any more. [`GrainError::Length`] if the lists of the surface
+    /// do not fit each other, [`GrainError::Point`] if a facet has a point that does not exist.
+    pub fn step_on(&mut self, surface: &Surface<'_>) -> Result<(), GrainError> {
+        surface.check(self.model.materials.len())?;
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| self.take_step(Some(surface)))
     }
 
     /// Forces of the spheres on points of the surface in the last step, N, in ascending order of the points.
     pub fn surface_forces(&self) -> &[(u32, [f64; 3])] {
-        &[]
+        &self.on_bodies.on_points
     }
 
     /// The spheres, their contacts and the walls now.
@@ -342,19 +404,38 @@ impl GrainRun {
             groups: vec![0; count],
             group_names: self.model.groups.clone(),
             contacts: self.contacts(),
-            walls: self.model.walls.iter().map(|wall| wall.at(self.time())).collect(),
-            wall_forces: self.wall_forces.clone(),
+            walls: self.on_walls.at(&self.model.walls, self.time()).collect(),
+            wall_forces: (0..self.model.walls.len()).map(|wall| self.wall_force(wall)).collect(),
             discs: self.model.discs,
             period: None,
         }
     }
 
-    fn take_step(&mut self) -> Result<(), GrainError> {
+    fn take_step(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
         self.detect()?;
         self.look();
         self.press()?;
+        self.press_on_surfaces(surface).map_err(|materials| GrainError::UnknownSurfaces { materials })?;
         self.move_all()?;
         self.step += 1;
+        Ok(())
+    }
+
+    /// Computes the forces of all contacts with walls and bodies.
+    fn press_on_surfaces(&mut self, surface: Option<&Surface<'_>>) -> Result<(), [u32; 2]> {
+        let time = self.time();
+        let laws = of_all(&self.laws, &self.model, self.time_step);
+        let balls = AllSeen { seen: &self.seen, fixed: &self.fixed };
+        self.on_walls.press(&balls, &self.model, laws, time)?;
+        let Some(surface) = surface else {
+            self.on_bodies.leave();
+            return Ok(());
+        };
+        self.on_bodies.place(surface.points, surface.facets);
+        let motion = SurfaceMotion::Points(surface.velocities);
+        self.on_bodies.press(&balls, surface.materials, motion, None, laws)?;
+        self.on_surface.dissipated += self.on_bodies.totals.dissipated;
+        self.on_surface.work += self.on_bodies.totals.work;
         Ok(())
     }
 
@@ -376,6 +457,18 @@ impl GrainRun {
 
     /// The spheres at the time of their positions.
     fn look(&mut self) {
+        let mut seen = std::mem::take(&mut self.seen);
+        self.look_into(&mut seen);
+        self.seen = seen;
+    }
+
+    fn seen_now(&self) -> Vec<Seen> {
+        let mut seen = Vec::new();
+        self.look_into(&mut seen);
+        seen
+    }
+
+    fn look_into(&self, seen: &mut Vec<Seen>) {
         let half = 0.5 * self.time_step;
         let all = self.spheres.par_iter().zip(&self.fixed).with_min_len(CHUNK);
         all.map(|(sphere, fixed)| Seen {
@@ -386,7 +479,7 @@ impl GrainRun {
             spin: plus(sphere.spin, times(half, sphere.turning)),
             material: fixed.material,
         })
-        .collect_into_vec(&mut self.seen);
+        .collect_into_vec(seen);
     }
 
     /// Computes the forces of all contacts of two spheres.
@@ -434,65 +527,36 @@ impl GrainRun {
 
     /// Adds up the forces on each sphere, and moves it.
     fn move_all(&mut self) -> Result<(), GrainError> {
-        let time = self.time();
-        let walls: Vec<Wall> = self.model.walls.iter().map(|wall| wall.at(time)).collect();
-        let Self { neighbours, seen, laws, model, fixed, time_step, on_walls, spheres, .. } = self;
-        let (step, kinds, gravity) = (*time_step, model.materials.len(), model.gravity);
-        let on_walls_before = std::mem::take(on_walls);
-        let neighbours = &*neighbours;
-        let parts = spheres.par_chunks_mut(CHUNK).enumerate().map(|(chunk, spheres)| {
+        let on_bodies: Vec<(u32, [Vector; 2])> = self.on_bodies.on_spheres().collect();
+        let Self { neighbours, model, fixed, time_step, on_walls, spheres, .. } = self;
+        let (step, gravity) = (*time_step, model.gravity);
+        let (neighbours, fixed) = (&*neighbours, &*fixed);
+        let lists = [on_walls.on_spheres(), &on_bodies];
+        let lost = spheres.par_chunks_mut(CHUNK).enumerate().map(|(chunk, spheres)| {
             let begin = chunk * CHUNK;
-            let mut found: Vec<(OnWall, Vector)> = vec![(Vec::new(), [0.0; 3]); walls.len()];
-            let mut before: Vec<&[(u32, ContactHistory)]> = on_walls_before
-                .iter()
-                .map(|list| &list[list.partition_point(|(sphere, _)| (*sphere as usize) < begin)..])
-                .collect();
+            let mut lists = lists.map(|list| &list[list.partition_point(|of| (of.0 as usize) < begin)..]);
             for (k, sphere) in spheres.iter_mut().enumerate() {
                 let i = begin + k;
-                let one = &seen[i];
                 let [mut force, mut moment] = neighbours.sums(i);
-                for (number, wall) in walls.iter().enumerate() {
-                    while before[number].first().is_some_and(|(sphere, _)| (*sphere as usize) < i) {
-                        before[number] = &before[number][1..];
+                for list in &mut lists {
+                    while let [(of, [push, turn]), rest @ ..] = list
+                        && *of as usize == i
+                    {
+                        (force, moment) = (plus(force, *push), plus(moment, *turn));
+                        *list = rest;
                     }
-                    let (normal, distance) = wall.nearest(one.position);
-                    let known = before[number].first().filter(|(sphere, _)| *sphere as usize == i);
-                    if distance >= one.radius && known.is_none() {
-                        continue;
-                    }
-                    let Some(law) = &laws[one.material as usize * kinds + wall.material as usize] else {
-                        return Err(GrainError::UnknownSurfaces { materials: [one.material, wall.material] });
-                    };
-                    let mut history = known.map(|(_, history)| *history).unwrap_or_default();
-                    let Some((push, arm)) =
-                        touch_wall(law, one, (wall, normal, distance), &mut history, step)
-                    else {
-                        continue;
-                    };
-                    force = plus(force, push.force);
-                    moment = plus(moment, plus(cross(arm, push.force), push.moment));
-                    found[number].1 = minus(found[number].1, push.force);
-                    found[number].0.push((i as u32, history));
                 }
                 sphere.advance(&fixed[i], (force, moment), gravity, step);
                 if !sphere.position.iter().all(|x| x.abs() < 1e30) {
-                    return Err(GrainError::Lost { sphere: i, step: 0 });
+                    return Some(i);
                 }
             }
-            Ok(found)
+            None
         });
-        let parts: Result<Vec<_>, GrainError> = parts.collect::<Vec<_>>().into_iter().collect();
-        let parts = parts.map_err(|error| match error {
-            GrainError::Lost { sphere, .. } => GrainError::Lost { sphere, step: self.step },
-            other => other,
-        })?;
-        self.on_walls = vec![Vec::new(); walls.len()];
-        self.wall_forces = vec![[0.0; 3]; walls.len()];
-        for (number, (list, force)) in parts.into_iter().flat_map(|of| of.into_iter().enumerate()) {
-            self.on_walls[number].extend(list);
-            self.wall_forces[number] = plus(self.wall_forces[number], force);
+        match lost.find_map_first(|sphere| sphere) {
+            Some(sphere) => Err(GrainError::Lost { sphere, step: self.step }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Energies now.
@@ -515,21 +579,18 @@ impl GrainRun {
                 energies.elastic += law.energy(one.radius + two.radius - apart, radius, history);
             }
         }
-        let time = self.time();
-        for (wall, list) in self.model.walls.iter().zip(&self.on_walls) {
-            let wall = wall.at(time);
-            for (sphere, history) in list {
-                let of = &self.fixed[*sphere as usize];
-                let (_, distance) = wall.nearest(self.spheres[*sphere as usize].position);
-                if let Some(law) = &self.laws[of.material as usize * kinds + wall.material as usize] {
-                    energies.elastic += law.energy(of.radius - distance, of.radius, history);
-                }
-            }
-        }
+        let laws = of_all(&self.laws, &self.model, self.time_step);
+        let seen = self.seen_now();
+        let balls = AllSeen { seen: &seen, fixed: &self.fixed };
+        energies.elastic += self.on_walls.elastic(&balls, &self.model, laws, self.time());
+        energies.elastic += self.on_bodies.totals.elastic;
+        energies.dissipated += self.on_walls.dissipated + self.on_surface.dissipated;
+        energies.external += self.on_walls.external;
+        energies.on_surface = self.on_surface.work;
         energies
     }
 
-    /// Pairs of spheres that touched in the last step, in ascending order.
+    /// Contacts in the last step, by their spheres: with others of higher numbers, with walls, with bodies.
     pub fn contacts(&self) -> Vec<GrainContact> {
         let mut contacts = Vec::new();
         for i in 0..self.spheres.len() {
@@ -554,6 +615,9 @@ impl GrainRun {
                 });
             }
         }
+        let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
+        contacts.extend(self.on_walls.contacts().iter().copied().chain(on_bodies));
+        contacts.sort_by_key(|of: &GrainContact| of.sphere);
         contacts
     }
 
@@ -705,29 +769,8 @@ fn touch(
     Acting { force: push.force, moments: [moment(arms[0], 1.0), moment(arms[1], -1.0)], touches: true }
 }
 
-/// The push of a wall on a sphere, and the arm from its centre to the contact, m. `None` if they are apart.
-#[inline]
-fn touch_wall(
-    law: &PairLaw,
-    one: &Seen,
-    (wall, normal, distance): (&Wall, Vector, f64),
-    history: &mut ContactHistory,
-    step: f64,
-) -> Option<(Push, Vector)> {
-    let overlap = one.radius - distance;
-    if !law.touches(overlap, one.radius, history) {
-        return None;
-    }
-    let arm = times(-distance, normal);
-    let place = plus(one.position, arm);
-    let meeting = Meeting {
-        normal,
-        overlap,
-        radius: one.radius,
-        mass: one.mass,
-        inertias: [1.4 * one.mass * one.radius * one.radius, f64::INFINITY],
-        velocity: minus(plus(one.velocity, cross(one.spin, arm)), wall.velocity_at(place)),
-        spins: [one.spin, wall.spin()],
-    };
-    Some((law.push(&meeting, history, step), arm))
+/// The laws as contacts with walls and bodies see them.
+fn of_all<'a>(laws: &'a [Option<PairLaw>], model: &GrainModel, step: f64) -> Laws<'a> {
+    let sticks = laws.iter().flatten().any(|law| law.reach(1.0) > 0.0);
+    Laws { pairs: laws, kinds: model.materials.len(), sticks, step }
 }
