@@ -48,8 +48,7 @@ impl Servo {
     /// spheres, and for strong dashpots.
     pub(crate) fn follow(&self, motion: &mut ServoMotion, force: Vector, of: Answer, step: f64) {
         let missing = self.force + dot(force, self.unit());
-        let gain: f64 = std::env::var("GAIN").ok().and_then(|s| s.parse().ok()).unwrap_or(GAIN);
-        let change = gain * missing + of.damping * motion.velocity;
+        let change = GAIN * missing + of.damping * motion.velocity;
         // Without contacts it is infinite.
         let wanted = if change == 0.0 { 0.0 } else { change / (of.stiffness * step + of.damping) };
         motion.velocity = wanted.clamp(-self.speed, self.speed);
