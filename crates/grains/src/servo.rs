@@ -28,12 +28,20 @@ pub(crate) struct ServoMotion {
 const GAIN: f64 = 0.5;
 
 /// How the force on a wall answers to its motion: contacts along the direction of the servo.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Answer {
     /// N/m.
     pub(crate) stiffness: f64,
     /// Of the dashpots, N s/m.
     pub(crate) damping: f64,
+}
+
+impl Answer {
+    /// Adds a contact whose normal has a cosine with the direction of the servo.
+    pub(crate) fn add(&mut self, other: Self, cosine: f64) {
+        self.stiffness += cosine * cosine * other.stiffness;
+        self.damping += cosine * cosine * other.damping;
+    }
 }
 
 impl Servo {

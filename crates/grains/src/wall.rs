@@ -125,9 +125,8 @@ impl Wall {
         }
     }
 
-    /// The wall after a time, s, where its servo has moved it. `with_mesh`: with the triangles of a mesh, or
-    /// else without.
-    pub(crate) fn at(&self, time: f64, servo: &ServoMotion, with_mesh: bool) -> Self {
+    /// The wall after a time, s, where its servo has moved it; a mesh without its triangles.
+    pub(crate) fn at(&self, time: f64, servo: &ServoMotion) -> Self {
         let place = self.placement(time, servo);
         let unit = |vector: Vector| times(1.0 / length(vector), place.turned(vector));
         let shape = match &self.shape {
@@ -143,11 +142,7 @@ impl Wall {
             WallShape::Disc { centre, normal, radius } => {
                 WallShape::Disc { centre: place.of(*centre), normal: unit(*normal), radius: *radius }
             }
-            WallShape::Mesh { triangles } => {
-                let moved = |corners: &[Vector; 3]| corners.map(|point| place.of(point));
-                let triangles = if with_mesh { triangles.iter().map(moved).collect() } else { Vec::new() };
-                WallShape::Mesh { triangles }
-            }
+            WallShape::Mesh { .. } => WallShape::Mesh { triangles: Vec::new() },
         };
         let through = |of: WallRotation| plus(of.through, place.displacement);
         Self {

@@ -3,6 +3,7 @@
 use super::{ContactHistory, Meeting, PairLaw, Push};
 use crate::adhesion;
 use crate::material::ForceLaw;
+use crate::servo::Answer;
 use crate::vector::{dot, plus, times};
 
 /// A contact that counts only as far as it lies below a pass.
@@ -14,10 +15,8 @@ pub(crate) struct Reduced {
     pub(crate) pass: f64,
     /// The force along the normal above that of the pass, N.
     pub(crate) own: f64,
-    /// Stiffness along the normal, N/m.
-    pub(crate) stiffness: f64,
-    /// The dashpot along the normal, N s/m.
-    pub(crate) damping: f64,
+    /// Stiffness and dashpot along the normal.
+    pub(crate) answer: Answer,
     /// Power that the dashpot along the normal takes, W.
     pub(crate) dashpot: f64,
 }
@@ -52,30 +51,35 @@ impl PairLaw {
             push.force = plus(push.force, force);
         }
         if self.surfaces.rolling_friction > 0.0 {
-            push.moment = self.rolling(of, history, (stiffness, pressed), step);
+            push.moment = self.rolling(of, history, (contact, pressed), step);
         }
         if self.surfaces.twisting_friction > 0.0 {
-            let moment = self.twisting(of, history, (stiffness, pressed), step);
+            let moment = self.twisting(of, history, (contact, pressed), step);
             push.moment = plus(push.moment, times(moment, of.normal));
         }
         history.contact = contact;
-        Reduced { push, pass, own: along, stiffness, damping, dashpot: (along - own) * approach }
+        Reduced {
+            push,
+            pass,
+            own: along,
+            answer: Answer { stiffness, damping },
+            dashpot: (along - own) * approach,
+        }
     }
 
     /// Elastic energy along the normal above that of the pass, J.
     pub(crate) fn energy_reduced(&self, overlap: f64, pass: Option<f64>, radius: f64) -> f64 {
-        let of = |overlap: f64| self.energy(overlap, radius, &ContactHistory::default());
+        let of = |overlap: f64| {
+            let contact = self.normal_force(overlap, radius).0;
+            self.energy(overlap, radius, &ContactHistory { contact, ..ContactHistory::default() })
+        };
         of(overlap) - pass.filter(|&overlap| overlap > 0.0).map_or(0.0, of)
     }
 
-    /// Energy of the springs across the normal, against rolling and against twisting, J, of a contact with a
-    /// reduced radius, m, and a stiffness along its normal, N/m.
-    pub(crate) fn energy_of_springs(&self, history: &ContactHistory, radius: f64, stiffness: f64) -> f64 {
-        let half = |square: f64, stiffness: f64| if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 };
-        let turning = |coefficient: f64| 2.25 * stiffness * (coefficient * radius).powi(2);
-        half(dot(history.tangential, history.tangential), self.tangential_stiffness(history.contact))
-            + half(dot(history.rolling, history.rolling), turning(self.surfaces.rolling_friction))
-            + half(history.twisting.powi(2), turning(self.surfaces.twisting_friction))
+    /// Stiffness, N/m, and dashpot, N s/m, along the normal of a contact of a mass, kg.
+    pub(crate) fn answer(&self, history: &ContactHistory, mass: f64) -> Answer {
+        let stiffness = self.stiffness(history.contact);
+        Answer { stiffness, damping: self.damping * (stiffness * mass).sqrt() }
     }
 
     /// Elastic force at the overlap of a pass, N; 0 without one.

@@ -90,7 +90,8 @@ fn a_wall_follows_its_path() {
     };
     for (time, expected) in [(0.0005, 0.0), (0.002, 0.001), (0.0035, 0.0015), (0.0045, 0.001)] {
         run.advance(((time - run.time()) / 1e-6).round() as u64).expect("steps");
-        assert!((height(&run) - expected).abs() < 1e-12, "{time} {}", height(&run));
+        // The walls are those of the last step.
+        assert!((height(&run) - expected).abs() < 1.001e-6, "{time} {}", height(&run));
     }
     // Struck by a plane of 1 m/s, without damping.
     assert!((run.velocity(0)[2] - 2.0).abs() < 1e-4, "{:?}", run.velocity(0));

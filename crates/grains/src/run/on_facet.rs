@@ -8,8 +8,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{GrainContact, GrainPartner};
+use crate::error::GrainError;
 use crate::facet::{Closest, FacetRotation};
 use crate::law::{ContactHistory, Meeting, PairLaw};
+use crate::run::balls::Ball;
+use crate::run::laws::Laws;
+use crate::servo::Answer;
 use crate::sheets::{Facets, Minimum, Sheets};
 use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
 use crate::wall::Wall;
@@ -24,23 +28,10 @@ pub(crate) struct FacetHistory {
     /// Force of the contact, N, and of the pass that was taken off it.
     own: f64,
     pass: f64,
-    /// Energy of the springs, J.
+    /// Energy of the springs, J, and of a contact that only pulls.
     springs: f64,
+    pull: f64,
     contact: ContactHistory,
-}
-
-/// A sphere as a surface sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball {
-    pub(crate) number: u32,
-    pub(crate) material: u32,
-    pub(crate) position: Vector,
-    pub(crate) velocity: Vector,
-    pub(crate) spin: Vector,
-    pub(crate) radius: f64,
-    pub(crate) mass: f64,
-    /// Moment of inertia about the centre, kg m².
-    pub(crate) inertia: f64,
 }
 
 /// How a surface moves.
@@ -87,9 +78,8 @@ pub(crate) struct SurfaceTotals {
     pub(crate) dissipated: f64,
     /// Work on the surface in the step, J.
     pub(crate) work: f64,
-    /// Stiffness, N/m, and dashpots, N s/m, of the contacts along the direction of the servo.
-    pub(crate) stiffness: f64,
-    pub(crate) damping: f64,
+    /// Stiffness and dashpots of the contacts along the direction of the servo.
+    pub(crate) answer: Answer,
 }
 
 /// Everything but the sphere that its contacts with a surface depend on.
@@ -99,9 +89,9 @@ pub(crate) struct Encounter<'a> {
     pub(crate) motion: SurfaceMotion<'a>,
     /// Number of the material of each facet; one for all if it has one entry.
     pub(crate) materials: &'a [u32],
-    /// Laws of pairs of materials, and the number of materials.
-    pub(crate) laws: &'a [Option<PairLaw>],
-    pub(crate) kinds: usize,
+    pub(crate) laws: &'a Laws,
+    /// Moment of inertia of spheres over mass and square of the radius.
+    pub(crate) share: f64,
     /// Direction of the servo.
     pub(crate) direction: Option<Vector>,
     /// s.
@@ -129,22 +119,16 @@ const THROUGH: f64 = 0.25;
 
 impl Encounter<'_> {
     /// The law of a sphere and a facet.
-    fn law(&self, ball: &Ball, facet: u32) -> Result<&PairLaw, [u32; 2]> {
+    fn law(&self, ball: &Ball, facet: u32) -> Result<&PairLaw, GrainError> {
         let material =
             if self.materials.len() == 1 { self.materials[0] } else { self.materials[facet as usize] };
-        let place = ball.material as usize * self.kinds + material as usize;
-        self.laws[place].as_ref().ok_or([ball.material, material])
-    }
-
-    /// The greatest distance beyond its radius at which a sphere may touch, m.
-    pub(crate) fn stickiness(&self, radius: f64) -> f64 {
-        self.laws.iter().flatten().map(|law| law.reach(radius)).fold(0.0, f64::max)
+        self.laws.of([ball.material, material])
     }
 
     /// The force, N, and the moment about its centre, N m, on a sphere. `near`: all facets that it may touch.
     ///
     /// # Errors
-    /// Two materials that have no law.
+    /// [`GrainError::UnknownSurfaces`] if two materials touch that have no law.
     pub(crate) fn press(
         &self,
         ball: &Ball,
@@ -152,12 +136,14 @@ impl Encounter<'_> {
         histories: &mut Vec<FacetHistory>,
         scratch: &mut FacetScratch,
         touches: &mut Touches,
-    ) -> Result<[Vector; 2], [u32; 2]> {
-        let reach = ball.radius + self.stickiness(ball.radius);
+    ) -> Result<[Vector; 2], GrainError> {
+        let reach = ball.radius + self.laws.reach(ball.radius);
         scratch.sheets.find(ball.position, reach, near, &self.facets);
         let through = Self::pressed_through(ball, &scratch.sheets, histories);
-        let before: f64 = histories.iter().map(|of| of.springs).sum();
-        touches.totals.dissipated += before;
+        // Those that go on take theirs back.
+        for of in histories.iter() {
+            touches.totals.dissipated += of.springs + of.pull;
+        }
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         if let Some(minimum) = through {
             scratch.sheets.minima.clear();
@@ -187,29 +173,6 @@ impl Encounter<'_> {
         }
         histories.clone_from(&scratch.next);
         Ok([force, moment])
-    }
-
-    /// Elastic energy of the contacts of a sphere with these histories, J.
-    pub(crate) fn elastic(
-        &self,
-        ball: &Ball,
-        near: &[u32],
-        histories: &[FacetHistory],
-        scratch: &mut FacetScratch,
-    ) -> f64 {
-        let reach = ball.radius + self.stickiness(ball.radius);
-        scratch.sheets.find(ball.position, reach, near, &self.facets);
-        let springs: f64 = histories.iter().map(|of| of.springs).sum();
-        let energy = |minimum: &Minimum, overlap: f64| {
-            let pass = minimum.pass.as_ref().map(|pass| ball.radius - pass.distance);
-            let law = self.law(ball, minimum.facet);
-            law.map_or(0.0, |law| law.energy_reduced(overlap, pass, ball.radius))
-        };
-        if let Some(minimum) = Self::pressed_through(ball, &scratch.sheets, histories) {
-            return springs + energy(&minimum, minimum.overlap(ball, true));
-        }
-        let minima = scratch.sheets.minima.iter();
-        minima.fold(springs, |sum, minimum| sum + energy(minimum, minimum.overlap(ball, false)))
     }
 
     /// The closest point of the surface, with its direction turned round, if the centre of the sphere has
@@ -247,18 +210,19 @@ impl Encounter<'_> {
             overlap,
             radius: ball.radius,
             mass: ball.mass,
-            inertias: [ball.inertia + ball.mass * ball.radius * ball.radius, f64::INFINITY],
+            inertias: [(self.share + 1.0) * ball.mass * ball.radius * ball.radius, f64::INFINITY],
             velocity: minus(plus(ball.velocity, cross(ball.spin, arm)), velocity),
             spins: [ball.spin, spin],
         };
         let pass = minimum.pass.as_ref().map(|pass| ball.radius - pass.distance);
         let reduced = law.push_reduced(&meeting, pass, &mut history.contact, self.step);
         let push = reduced.push;
-        let springs = law.energy_of_springs(&history.contact, ball.radius, reduced.stiffness);
-        touches.totals.elastic += springs + law.energy_reduced(overlap, pass, ball.radius);
+        let springs = law.spring_energy(ball.radius, &history.contact);
+        let along = law.energy_reduced(overlap, pass, ball.radius);
+        touches.totals.elastic += springs + along;
         let friction =
             dot(across(push.force, at.normal), meeting.velocity) + dot(push.moment, minus(ball.spin, spin));
-        touches.totals.dissipated += self.step * (reduced.dashpot - friction) - springs;
+        touches.totals.dissipated += self.step * (reduced.dashpot - friction) - springs - history.pull;
         let mut force = push.force;
         self.react(ball, at, push.force, touches);
         if let Some(pass) = minimum.pass.as_ref().filter(|_| reduced.pass != 0.0) {
@@ -268,9 +232,7 @@ impl Encounter<'_> {
         }
         self.react_moment(ball, &rotation, push.moment, touches);
         if let Some(direction) = self.direction {
-            let share = dot(at.normal, direction).powi(2);
-            touches.totals.stiffness += reduced.stiffness * share;
-            touches.totals.damping += reduced.damping * share;
+            touches.totals.answer.add(reduced.answer, dot(at.normal, direction));
         }
         touches.contacts.push(FacetContact {
             sphere: ball.number,
@@ -287,6 +249,7 @@ impl Encounter<'_> {
             own: reduced.own,
             pass: reduced.pass,
             springs,
+            pull: if overlap < 0.0 { along } else { 0.0 },
             ..history
         };
         ([force, moment], history)
@@ -347,8 +310,7 @@ impl SurfaceTotals {
         self.elastic += other.elastic;
         self.dissipated += other.dissipated;
         self.work += other.work;
-        self.stiffness += other.stiffness;
-        self.damping += other.damping;
+        self.answer.add(other.answer, 1.0);
     }
 }
 
