@@ -86,7 +86,7 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
         let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
-            if incident & 1 == 1 || lists.memories[slot].contact == 0.0 {
+            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
             let other = lists.partner(place, slot as u32);
