@@ -341,7 +341,7 @@ pub enum Stop {
     },
     /// The error of the energy balance is beyond the bound.
     Energy {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -352,7 +352,7 @@ pub enum Stop {
     },
     /// Kinetic energy exceeds all that could have become kinetic energy.
     Kinetic {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -363,7 +363,7 @@ pub enum Stop {
     },
     /// Joints have given back energy that they had dissipated.
     Returned {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -472,20 +472,22 @@ impl fmt::Display for Stop {
             ),
             Self::Energy { element, step, error, bound } => write!(
                 out,
-                "step {step}: the energy balance is off by {} %, more than {} %; element {element} holds most for its mass",
+                "step {step}: the energy balance is off by {} %, more than {} %{}",
                 percent(*error),
-                percent(*bound)
+                percent(*bound),
+                hottest(*element)
             ),
             Self::Kinetic { element, step, kinetic, available } => write!(
                 out,
-                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in; \
-                 element {element} holds most for its mass"
+                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in{}",
+                hottest(*element)
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,
-                "step {step}: joints have given back energy that they had dissipated, {} % of the energy exchanged, more than {} %; element {element} holds most for its mass",
+                "step {step}: joints have given back energy that they had dissipated, {} % of the energy exchanged, more than {} %{}",
                 percent(*share),
-                percent(*bound)
+                percent(*bound),
+                hottest(*element)
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
             Self::Grains(error) => write!(out, "grains: {error}"),
@@ -493,6 +495,11 @@ impl fmt::Display for Stop {
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
     }
+}
+
+/// The element that holds most energy for its mass, in words; none in a run of spheres alone.
+fn hottest(element: u32) -> String {
+    if element == u32::MAX { String::new() } else { format!("; element {element} holds most for its mass") }
 }
 
 /// A share in percent, with digits that are not all 0.
