@@ -4,24 +4,32 @@
 //! | to change | open |
 //! |---|---|
 //! | the force of a contact | `src/law.rs`; damping: `src/restitution.rs`, adhesion: `src/adhesion.rs` |
-//! | the shape or the motion of a wall | `src/wall.rs` |
+//! | the shape or the motion of a wall | `src/wall.rs`; walls that keep up a force: `src/servo.rs` |
+//! | contacts with triangles and segments | `src/sheets.rs`: how many; `src/run/on_facet.rs`: forces and histories of one sphere; `src/run/on_surface.rs`: lists, threads, sums; `src/run/on_meshes.rs`: walls that are meshes |
+//! | geometry of facets | `src/facet.rs`, `src/ridges.rs`: neighbours, `src/tree.rs`: facets near a place |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
-//! | the course of a step, neighbours, threads, states that are saved | `src/run.rs` |
+//! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `wall`, `error`, `model`, `run`.
+//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `facet`, `ridges`, `sheets`, `tree`, `surface`,
+//! `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod columns;
 mod domain;
 mod error;
+mod facet;
 mod insertion;
 mod law;
 mod material;
 mod model;
 mod restitution;
+mod ridges;
 mod run;
+mod servo;
+mod sheets;
 mod surface;
+mod tree;
 mod vector;
 mod wall;
 
@@ -35,5 +43,6 @@ pub use model::{GrainModel, Spheres};
 pub use run::GrainRun;
 pub use run::energies::GrainEnergies;
 pub use run::state::GrainState;
+pub use servo::Servo;
 pub use surface::Surface;
-pub use wall::{Servo, Wall, WallRotation, WallShape};
+pub use wall::{Wall, WallRotation, WallShape};

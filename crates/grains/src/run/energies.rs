@@ -43,6 +43,8 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) lists: &'a Lists,
     pub(crate) laws: &'a Laws,
     pub(crate) on_walls: &'a OnWalls,
+    /// Elastic energy of the contacts with triangles, J.
+    pub(crate) on_facets: f64,
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -77,7 +79,7 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
 /// Elastic energy of all contacts, J.
 fn elastic(of: EnergyOf<'_>) -> f64 {
     let (list, lists) = (&of.balls.list, of.lists);
-    let mut sum = 0.0;
+    let mut sum = of.on_facets;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];

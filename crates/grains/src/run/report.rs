@@ -63,6 +63,16 @@ pub(crate) fn on_walls(balls: &Balls, walls: &OnWalls) -> Vec<GrainContact> {
     contacts
 }
 
+/// Contacts with triangles in ascending order of their spheres, which have their numbers so far.
+pub(crate) fn on_facets(balls: &Balls, of: impl Iterator<Item = GrainContact>) -> Vec<GrainContact> {
+    let numbers: Vec<u32> = balls.places.iter().map(|&place| balls.list[place as usize].number).collect();
+    let contact = |of: GrainContact| {
+        let rank = numbers.binary_search(&of.sphere).ok()?;
+        Some(GrainContact { sphere: rank as u32, ..of })
+    };
+    of.filter_map(contact).collect()
+}
+
 /// The spheres with these contacts.
 pub(crate) fn columns(balls: &Balls, contacts: Vec<GrainContact>) -> SphereColumns {
     let mut forces = vec![[0.0; 3]; balls.list.len()];
