@@ -1,9 +1,7 @@
 //! Spheres and walls, alone and with bodies.
 
 use crate::common::*;
-use fdem_simulation::grains::{
-    GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallRotation,
-};
+use fdem_simulation::grains::{GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallRotation};
 use fdem_simulation::*;
 
 /// Granite as spheres have it.
@@ -298,7 +296,9 @@ fn discs() -> Model {
     let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
     let grains = GrainModel {
         spheres: Spheres {
-            positions: (0..4).map(|k| [0.13 + 0.0405 * f64::from(k), 0.0201 + 0.001 * f64::from(k), 0.0]).collect(),
+            positions: (0..4)
+                .map(|k| [0.13 + 0.0405 * f64::from(k), 0.0201 + 0.001 * f64::from(k), 0.0])
+                .collect(),
             radii: vec![0.02; 4],
             velocities: vec![[1.0, -15.0, 0.0]; 4],
             ..Spheres::default()
@@ -370,7 +370,10 @@ fn spheres_go_on_in_the_next_stage() {
         let (next, state) = run.state().changed(&model, change, 1).expect("a state");
         let mut later = Simulation::resume(next, state, 1).expect("a model");
         let now = later.snapshot().spheres;
-        assert_eq!([&now.positions, &now.velocities, &now.spins], [&before.positions, &before.velocities, &before.spins]);
+        assert_eq!(
+            [&now.positions, &now.velocities, &now.spins],
+            [&before.positions, &before.velocities, &before.spins]
+        );
         later.advance(400).expect("steps");
         let speed = later.snapshot().spheres.velocities[0][2];
         assert!(if gone == 0 { speed < -3.0 } else { speed > 0.5 }, "{gone}: {speed}");
