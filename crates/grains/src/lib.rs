@@ -8,11 +8,12 @@
 //! | contacts with triangles and segments | `src/sheets.rs`: how many; `src/run/on_facet.rs`: forces and histories of one sphere; `src/run/on_surface.rs`: lists, threads, sums; `src/run/on_meshes.rs`: walls that are meshes |
 //! | geometry of facets | `src/facet.rs`, `src/ridges.rs`: neighbours, `src/tree.rs`: facets near a place |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
+//! | the time step | `src/time_step.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `facet`, `ridges`, `sheets`, `tree`, `surface`,
-//! `run`; the front page of `run` lists the files below it.
+//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `time_step`, `facet`, `ridges`, `sheets`, `tree`,
+//! `surface`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod columns;
@@ -29,6 +30,7 @@ mod run;
 mod servo;
 mod sheets;
 mod surface;
+mod time_step;
 mod tree;
 mod vector;
 mod wall;
