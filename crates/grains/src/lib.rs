@@ -6,10 +6,11 @@
 //! | the force of a contact | `src/law.rs`; damping: `src/restitution.rs`, adhesion: `src/adhesion.rs` |
 //! | the shape or the motion of a wall | `src/wall.rs` |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
+//! | packings: random places, sizes of spheres, regions | `src/pack.rs` and the files below `src/pack` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `wall`, `error`, `model`, `run`.
+//! `wall`, `error`, `model`, `pack`, `run`.
 
 mod adhesion;
 mod columns;
@@ -18,6 +19,7 @@ mod error;
 mod law;
 mod material;
 mod model;
+mod pack;
 mod restitution;
 mod run;
 mod surface;
@@ -30,6 +32,10 @@ pub use error::GrainError;
 pub use law::ContactHistory;
 pub use material::{ForceLaw, GrainMaterial, Surfaces};
 pub use model::{GrainModel, Spheres};
+pub use pack::closed::ClosedSurface;
+pub use pack::region::PackRegion;
+pub use pack::sizes::SphereSizes;
+pub use pack::{PackAmount, PackError, PackRequest, Packed, deepest_overlap, pack};
 pub use run::{GrainEnergies, GrainRun, GrainState};
 pub use surface::Surface;
 pub use wall::{Servo, Wall, WallRotation, WallShape};

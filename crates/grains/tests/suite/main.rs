@@ -7,6 +7,7 @@ mod common;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.
 mod impacts;
 /// Rolling friction, adhesion.
+mod packings;
 mod rolling;
 /// States, threads, models that are refused.
 mod runs;
