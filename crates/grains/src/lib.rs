@@ -7,15 +7,17 @@
 //! | the shape or the motion of a wall | `src/wall.rs` |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
 //! | packings: random places, sizes of spheres, regions | `src/pack.rs` and the files below `src/pack` |
+//! | overlaps at the beginning | `src/gaps.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `wall`, `error`, `model`, `pack`, `run`.
+//! `wall`, `error`, `model`, `pack`, `gaps`, `run`.
 
 mod adhesion;
 mod columns;
 mod domain;
 mod error;
+mod gaps;
 mod law;
 mod material;
 mod model;
@@ -29,13 +31,14 @@ mod wall;
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
 pub use domain::{Domain, Outside};
 pub use error::GrainError;
+pub use gaps::{worst_in_body, worst_on_wall, worst_overlap};
 pub use law::ContactHistory;
 pub use material::{ForceLaw, GrainMaterial, Surfaces};
 pub use model::{GrainModel, Spheres};
 pub use pack::closed::ClosedSurface;
 pub use pack::region::PackRegion;
 pub use pack::sizes::SphereSizes;
-pub use pack::{PackAmount, PackError, PackRequest, Packed, deepest_overlap, pack};
+pub use pack::{PackAmount, PackError, PackRequest, Packed, pack};
 pub use run::{GrainEnergies, GrainRun, GrainState};
 pub use surface::Surface;
 pub use wall::{Servo, Wall, WallRotation, WallShape};

@@ -17,7 +17,7 @@ use crate::pack::insert::{Wanted, insert};
 use crate::pack::region::PackRegion;
 use crate::pack::relax::{MARGIN, Relaxing};
 use crate::pack::sizes::{SphereSizes, measure};
-use crate::vector::{Vector, dot, minus};
+use crate::vector::Vector;
 
 /// Spheres of a packing at most.
 const MOST: f64 = 2e7;
@@ -285,30 +285,4 @@ fn is_inside(request: &PackRequest<'_>, relaxing: &Relaxing<'_>) -> bool {
     spheres.all(|(&point, radius)| {
         request.region.contains(point, rounding * (radius + request.gap), request.discs)
     })
-}
-
-/// The deepest overlap of two spheres: their numbers and its depth, m; `None` without one. `pairs`: couples
-/// that may touch.
-pub fn deepest_overlap(
-    positions: &[[f64; 3]],
-    radii: &[f64],
-    threads: usize,
-) -> Result<Option<([u32; 2], f64)>, String> {
-    use fdem_contact::{Detector, Elements, Search};
-    let elements = Elements::spheres_with_radii(positions, radii).map_err(|error| error.to_string())?;
-    let mut detector = Detector::new().with_threads(threads).map_err(|error| error.to_string())?;
-    let mut couples = Vec::new();
-    detector.couples(&elements, &mut couples).map_err(|error| error.to_string())?;
-    let mut deepest: Option<([u32; 2], f64)> = None;
-    for couple in couples {
-        let pair = [couple.i.min(couple.j), couple.i.max(couple.j)];
-        let [a, b] = pair.map(|of| of as usize);
-        let arm = minus(positions[b], positions[a]);
-        let depth = radii[a] + radii[b] - dot(arm, arm).sqrt();
-        let is_deeper = deepest.is_none_or(|(known, most)| depth > most || depth == most && pair < known);
-        if depth > 0.0 && is_deeper {
-            deepest = Some((pair, depth));
-        }
-    }
-    Ok(deepest)
 }

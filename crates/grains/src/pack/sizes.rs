@@ -79,9 +79,9 @@ impl SphereSizes {
         sum / PARTS as f64
     }
 
-    /// Radii of `count` spheres in random order. Each part of the distribution of the probability 1/`count`
+    /// Radii of `count` spheres, m, in random order. Each part of the distribution of the probability 1/`count`
     /// has one of them, so that even few spheres follow it.
-    pub(crate) fn draw(&self, count: usize, discs: bool, seed: u64) -> Vec<f64> {
+    pub fn draw(&self, count: usize, discs: bool, seed: u64) -> Vec<f64> {
         let mut random = Random::with_stream(seed, RADII);
         let parts = self.parts(discs);
         let mut radii: Vec<f64> = (0..count)
