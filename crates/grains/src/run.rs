@@ -557,6 +557,39 @@ impl GrainRun {
         contacts
     }
 
+    /// Sets the acceleration of all spheres from the next step on, m/s².
+    pub fn set_gravity(&mut self, gravity: [f64; 3]) {
+        self.model.gravity = gravity;
+    }
+
+    /// Acceleration of all spheres, m/s².
+    pub fn gravity(&self) -> [f64; 3] {
+        self.model.gravity
+    }
+
+    /// Sum of the masses of all spheres times their positions, kg m.
+    ///
+    /// # Cost
+    /// A pass over all spheres on one thread.
+    pub fn mass_moment(&self) -> [f64; 3] {
+        let all = self.spheres.iter().zip(&self.fixed);
+        all.fold([0.0; 3], |sum, (sphere, fixed)| plus(sum, times(fixed.mass, sphere.position)))
+    }
+
+    /// Number of spheres.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Number of contacts in the last step, of spheres with each other and with walls.
+    ///
+    /// # Cost
+    /// A pass over all candidates on one thread.
+    pub fn contact_count(&self) -> usize {
+        let of_spheres = self.neighbours.acting.iter().filter(|acting| acting.touches).count();
+        of_spheres + self.on_walls.iter().map(Vec::len).sum::<usize>()
+    }
+
     /// Number of searches for contacts so far.
     pub fn detections(&self) -> u64 {
         self.search.redetections()

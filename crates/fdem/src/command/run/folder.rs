@@ -79,7 +79,7 @@ const FILES: [&str; 15] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 15\n";
+const MAGIC: &[u8] = b"fdem checkpoint 16\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]
