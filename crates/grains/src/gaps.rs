@@ -74,11 +74,7 @@ fn from_triangles(surface: &ClosedSurface, point: Vector) -> f64 {
 }
 
 /// The sphere that is deepest in something, by the distance of a point from it and a radius.
-fn worst(
-    positions: &[Vector],
-    radii: &[f64],
-    distance: impl Fn(Vector, f64) -> f64,
-) -> Option<(u32, f64)> {
+fn worst(positions: &[Vector], radii: &[f64], distance: impl Fn(Vector, f64) -> f64) -> Option<(u32, f64)> {
     let mut worst: Option<(u32, f64)> = None;
     for ((number, &point), &radius) in (0..).zip(positions).zip(radii) {
         let share = (radius - distance(point, radius)) / radius;
@@ -141,7 +137,11 @@ mod tests {
             (WallShape::Tube { axis, radius: 1.0 }, [0.0, 1.5, 9.0], -0.5),
             (WallShape::Cone { axis, radii: [1.0, 1.0] }, [0.75, 0.0, 1.0], 0.25),
             (WallShape::Cone { axis, radii: [1.0, 1.0] }, [1.0, 0.0, 3.0], 1.0),
-            (WallShape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 3.0], radius: 1.0 }, [4.0, 0.0, 4.0], 5.0),
+            (
+                WallShape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 3.0], radius: 1.0 },
+                [4.0, 0.0, 4.0],
+                5.0,
+            ),
             (WallShape::Mesh { triangles: vec![triangle] }, [0.25, 0.25, -0.5], 0.5),
             (WallShape::Mesh { triangles: vec![segment] }, [4.0, 4.0, 0.0], 5.0),
         ] {

@@ -178,10 +178,9 @@ fn summary(
 
 fn law(file: &ModelFile) -> ForceLaw {
     match (file.spheres.law, file.spheres.stiffness) {
-        (SphereLaw::Hooke, Some(normal)) => ForceLaw::Hooke {
-            normal,
-            tangential: file.spheres.tangential_ratio.unwrap_or(TANGENTIAL),
-        },
+        (SphereLaw::Hooke, Some(normal)) => {
+            ForceLaw::Hooke { normal, tangential: file.spheres.tangential_ratio.unwrap_or(TANGENTIAL) }
+        }
         _ => ForceLaw::HertzMindlin,
     }
 }

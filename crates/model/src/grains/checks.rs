@@ -118,8 +118,7 @@ impl Place<'_> {
             [(_, 0)] => {}
             [(_, of)] if of == self.dimensions => {}
             [(key, _)] => {
-                let message =
-                    format!("{title}: a {key} is no region in {} dimensions", self.dimensions);
+                let message = format!("{title}: a {key} is no region in {} dimensions", self.dimensions);
                 let fault = self.at_key(&format!("within.{key}"), message);
                 faults.push(fault.label("not in this model").help(format!("write within = {wanted}")));
                 return;
@@ -128,7 +127,9 @@ impl Place<'_> {
                 let which = given.get(1).map_or("within".to_owned(), |(key, _)| format!("within.{key}"));
                 let message = format!("{title}: \"within\" is one region");
                 faults.push(
-                    self.at_key(&which, message).label("one of them").help(format!("write within = {wanted}")),
+                    self.at_key(&which, message)
+                        .label("one of them")
+                        .help(format!("write within = {wanted}")),
                 );
                 return;
             }
@@ -228,8 +229,9 @@ fn check_domain(file: &ModelFile, domain: &Domain, document: &Document<'_>, faul
     let (low, high) = domain.limits.split_at(domain.limits.len() / 2);
     if low.iter().zip(high).any(|(low, high)| high <= low) {
         faults.push(
-            Fault::at(document.value(table, "box"), "the box of the domain is turned inside out")
-                .help("a box is [xmin, ymin, xmax, ymax], in three dimensions [xmin, ymin, zmin, xmax, ymax, zmax]"),
+            Fault::at(document.value(table, "box"), "the box of the domain is turned inside out").help(
+                "a box is [xmin, ymin, xmax, ymax], in three dimensions [xmin, ymin, zmin, xmax, ymax, zmax]",
+            ),
         );
     }
     let axes = domain.limits.len() / 2;

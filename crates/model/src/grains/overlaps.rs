@@ -45,8 +45,10 @@ impl Beginning<'_> {
     pub(crate) fn among_spheres(&self, faults: &mut Vec<Fault>) {
         match worst_overlap(&self.spheres.positions, &self.spheres.radii, 0) {
             Ok(Some(([first, second], share))) if share > ACCEPTED => {
-                let smaller =
-                    [first, second].map(|of| self.spheres.radii[of as usize]).into_iter().fold(f64::MAX, f64::min);
+                let smaller = [first, second]
+                    .map(|of| self.spheres.radii[of as usize])
+                    .into_iter()
+                    .fold(f64::MAX, f64::min);
                 let message = format!(
                     "{} overlaps {} by {} m, {} of the smaller radius",
                     self.words(first),

@@ -90,8 +90,7 @@ pub(crate) fn packed(
         .map_err(|problem| Problem { message: format!("{title}: {}", problem.message), ..problem })?;
     let sizes = sizes(radius);
     let [least, _] = sizes.range();
-    let request =
-        PackRequest { region, discs, sizes, amount, gap: grains.gap, seed: grains.seed, others };
+    let request = PackRequest { region, discs, sizes, amount, gap: grains.gap, seed: grains.seed, others };
     match pack(request, 0) {
         Ok(packed) => Ok(SphereGroup {
             balls: packed.positions.into_iter().zip(packed.radii).collect(),
@@ -101,7 +100,9 @@ pub(crate) fn packed(
         Err(error) => {
             let noun = if discs { "disc" } else { "sphere" };
             let (key, help) = match &error {
-                PackError::TooDense { .. } => (key, "take fewer or smaller ones, or a larger region".to_owned()),
+                PackError::TooDense { .. } => {
+                    (key, "take fewer or smaller ones, or a larger region".to_owned())
+                }
                 PackError::TooMany { .. } => (key, format!("the smallest radius is {} m", brief(least))),
                 PackError::TooLarge { .. } | PackError::Sizes(_) => {
                     ("radius", "take smaller ones, or a larger region".to_owned())
@@ -134,8 +135,7 @@ fn region(within: &GrainRegion, grains: &Grains, load: &mut Load<'_>) -> Result<
         }
         return Ok(PackRegion::Inside(ClosedSurface::new(triangles)));
     }
-    let [low, high] =
-        [&within.min, &within.max].map(|corner| corner.as_ref().map_or([0.0; 3], in_space));
+    let [low, high] = [&within.min, &within.max].map(|corner| corner.as_ref().map_or([0.0; 3], in_space));
     Ok(PackRegion::Box { low, high })
 }
 

@@ -55,9 +55,12 @@ fn shape(
         }
         [(first, _), (second, _), ..] => {
             faults.push(
-                Fault::at(document.key(table, second), format!("{title} has two shapes, {first} and {second}"))
-                    .label("a second shape")
-                    .help("a wall has one shape; write a second [[wall]]"),
+                Fault::at(
+                    document.key(table, second),
+                    format!("{title} has two shapes, {first} and {second}"),
+                )
+                .label("a second shape")
+                .help("a wall has one shape; write a second [[wall]]"),
             );
             return;
         }
@@ -135,8 +138,11 @@ fn keys(wall: &Wall, title: &str, (document, table): (&Document<'_>, Table), fau
     }
     if wall.table.as_ref().is_some_and(|table| !table.is_sorted_by(|a, b| a[0] < b[0])) {
         faults.push(
-            Fault::at(document.value(table, "table"), format!("{title}: the times of its table do not ascend"))
-                .label("out of order"),
+            Fault::at(
+                document.value(table, "table"),
+                format!("{title}: the times of its table do not ascend"),
+            )
+            .label("out of order"),
         );
     }
 }
@@ -146,8 +152,11 @@ fn servo(wall: &Wall, title: &str, (document, table): (&Document<'_>, Table), fa
     let Some(servo) = &wall.servo else { return };
     if servo.direction.0.iter().all(|x| *x == 0.0) {
         faults.push(
-            Fault::at(document.value(table, "servo.direction"), format!("{title}: its servo has no direction"))
-                .label("all zeros"),
+            Fault::at(
+                document.value(table, "servo.direction"),
+                format!("{title}: its servo has no direction"),
+            )
+            .label("all zeros"),
         );
     }
     match (servo.force, servo.pressure) {

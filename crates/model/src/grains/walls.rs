@@ -27,10 +27,8 @@ pub(crate) fn wall(
         message: format!("[[wall]] \"{}\": {}", table.name, problem.message),
         ..problem
     })?;
-    let rotation = table
-        .rotation
-        .as_ref()
-        .map(|of| WallRotation { through: in_space(&of.through), spin: of.spin() });
+    let rotation =
+        table.rotation.as_ref().map(|of| WallRotation { through: in_space(&of.through), spin: of.spin() });
     let by = table.displacement.as_ref().map_or([0.0; 3], in_space);
     let path = table.table.iter().flatten().map(|&[time, factor]| (time, by.map(|x| factor * x))).collect();
     let servo = table.servo.as_ref().map(|of| {
@@ -149,7 +147,10 @@ fn polygon(corners: &[Point]) -> Result<Vec<[Point; 3]>, Problem> {
     let off = corners.iter().map(|&corner| dot(normal, minus(corner, first)).abs()).fold(0.0, f64::max);
     if off > FLAT * size * length(normal) {
         let help = "write two walls of three corners, or a mesh".to_owned();
-        return Err(Problem { help: Some(help), ..Problem::new("corners", "its corners are not in one plane") });
+        return Err(Problem {
+            help: Some(help),
+            ..Problem::new("corners", "its corners are not in one plane")
+        });
     }
     let count = corners.len();
     let turns = (0..count).map(|k| {

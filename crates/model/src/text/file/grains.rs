@@ -408,6 +408,20 @@ impl Grains {
     }
 }
 
+impl Grains {
+    /// The dimensions that a table determines, if it does.
+    pub(crate) fn dimensions(&self) -> Option<u8> {
+        let of_point = |point: &Vector| if point.0.len() == 3 { 3 } else { 2 };
+        let of_region = |within: &GrainRegion| {
+            let (_, of) = within.given().into_iter().find(|(_, of)| *of != 0).unwrap_or_default();
+            let of_corner = || within.min.as_ref().or(within.max.as_ref()).map(of_point);
+            if of == 0 { of_corner() } else { Some(of) }
+        };
+        let of_places = || self.at.as_ref()?.first().map(of_point);
+        self.within.as_ref().and_then(of_region).or_else(of_places)
+    }
+}
+
 impl GrainRegion {
     /// The keys that are given, with the dimensions in which they may be, 0 for both.
     pub(crate) fn given(&self) -> Vec<(&'static str, u8)> {
@@ -423,6 +437,15 @@ impl GrainRegion {
 }
 
 impl Wall {
+    /// The dimensions that its shape determines, if it does.
+    pub(crate) fn dimensions(&self) -> Option<u8> {
+        let (_, of) = self.shapes().first().copied()?;
+        let points = [self.plane.as_ref().map(|of| &of.point), self.block.as_ref().map(|of| &of.min)];
+        let point = points.into_iter().flatten().chain(self.corners.iter().flatten()).next();
+        let of_point = || point.map(|point| if point.0.len() == 3 { 3 } else { 2 });
+        if of == 0 { of_point() } else { Some(of) }
+    }
+
     /// The shapes that are given, with the dimensions in which they may be, 0 for both.
     pub(crate) fn shapes(&self) -> Vec<(&'static str, u8)> {
         let all = [
