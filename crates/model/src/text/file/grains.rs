@@ -81,6 +81,7 @@ pub struct Grains {
 /// A region that spheres fill: `min` and `max`, or one of the other keys.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "grains_within")]
 pub struct GrainRegion {
     /// Least corner [x, y] or [x, y, z] of a rectangle or a box, m.
     #[serde(default)]
@@ -107,6 +108,7 @@ pub struct GrainRegion {
 /// A disc or a ball that spheres fill.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "round_region")]
 pub struct RoundRegion {
     /// Centre [x, y] or [x, y, z], m.
     #[schemars(extend("x-unit" = "m"))]
@@ -133,6 +135,7 @@ pub enum GrainRadius {
 /// A normal distribution of radii, cut off at 3 deviations from the mean.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "normal_radius")]
 pub struct NormalRadius {
     /// Mean, m.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
@@ -215,6 +218,7 @@ pub struct Wall {
 /// A plane without ends.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_plane")]
 pub struct WallPlane {
     /// A point [x, y] or [x, y, z] on it, m.
     #[schemars(extend("x-unit" = "m"))]
@@ -227,6 +231,7 @@ pub struct WallPlane {
 /// A tube without ends.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_tube")]
 pub struct WallTube {
     /// A point [x, y, z] on its axis, m.
     #[schemars(extend("x-unit" = "m"))]
@@ -242,6 +247,7 @@ pub struct WallTube {
 /// A circle.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_circle")]
 pub struct WallCircle {
     /// Centre [x, y], m. Default: [0, 0].
     #[serde(default)]
@@ -255,6 +261,7 @@ pub struct WallCircle {
 /// A cone between two points of its axis.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_cone")]
 pub struct WallCone {
     /// Centre [x, y, z] of one end, m.
     #[schemars(extend("x-unit" = "m"))]
@@ -270,6 +277,7 @@ pub struct WallCone {
 /// A flat disc.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_disc")]
 pub struct WallDisc {
     /// Centre [x, y, z], m.
     #[schemars(extend("x-unit" = "m"))]
@@ -285,6 +293,7 @@ pub struct WallDisc {
 /// The sides of a box along the axes.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_box")]
 pub struct WallBox {
     /// Least corner [x, y] or [x, y, z], m.
     #[schemars(extend("x-unit" = "m"))]
@@ -300,6 +309,7 @@ pub struct WallBox {
 /// A force that a wall keeps up: it moves along a direction so that the spheres press on it with this force.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "wall_servo")]
 pub struct WallServo {
     /// Direction [x, y] or [x, y, z] in which the wall presses, of any length.
     #[schemars(extend("x-unit" = "1"))]
