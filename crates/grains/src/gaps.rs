@@ -59,6 +59,15 @@ pub fn worst_in_body(
     })
 }
 
+/// Numbers of the spheres that reach into a box, ascending.
+pub fn spheres_in_box([low, high]: [[f64; 3]; 2], positions: &[[f64; 3]], radii: &[f64]) -> Vec<u32> {
+    let reaches = |at: &[f64; 3], radius: f64| {
+        (0..3).all(|axis| at[axis] + radius > low[axis] && at[axis] - radius < high[axis])
+    };
+    let spheres = (0..).zip(positions).zip(radii);
+    spheres.filter(|((_, at), radius)| reaches(at, **radius)).map(|((number, _), _)| number).collect()
+}
+
 /// A surface that knows its triangles near spheres.
 fn prepared(triangles: Vec<[Vector; 3]>, radii: &[f64]) -> ClosedSurface {
     let mut surface = ClosedSurface::new(triangles);

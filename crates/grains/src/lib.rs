@@ -31,7 +31,7 @@ mod wall;
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
 pub use domain::{Domain, Outside};
 pub use error::GrainError;
-pub use gaps::{worst_in_body, worst_on_wall, worst_overlap};
+pub use gaps::{spheres_in_box, worst_in_body, worst_on_wall, worst_overlap};
 pub use law::ContactHistory;
 pub use material::{ForceLaw, GrainMaterial, Surfaces};
 pub use model::{GrainModel, Spheres};

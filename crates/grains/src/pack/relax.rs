@@ -15,7 +15,7 @@ use crate::pack::region::PackRegion;
 use crate::vector::{Vector, dot, length, minus, plus, times};
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
-const BUFFER: f64 = 0.4;
+const BUFFER: f64 = 0.25;
 
 /// Spheres that a thread computes at a time; sums are added up in the order of these chunks.
 const CHUNK: usize = 1024;

@@ -2,7 +2,7 @@
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
-use fdem_simulation::grains::{Spheres, Wall, worst_in_body, worst_on_wall, worst_overlap};
+use fdem_simulation::grains::{Spheres, Wall, spheres_in_box, worst_in_body, worst_on_wall, worst_overlap};
 
 use crate::grains::spheres::place;
 use crate::prepared::SphereGroup;
@@ -100,12 +100,10 @@ impl Beginning<'_> {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         for body in placed {
             let [low, high] = fdem_mesh::bounds(body.piece.nodes.iter().copied());
-            let near: Vec<u32> = (0..positions.len() as u32)
-                .filter(|&sphere| {
-                    let (at, reach) = (positions[sphere as usize], radii[sphere as usize]);
-                    (0..D).all(|axis| at[axis] + reach > low[axis] && at[axis] - reach < high[axis])
-                })
-                .collect();
+            let corner =
+                |of: [f64; D], without: f64| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(without));
+            let limits = [corner(low, f64::NEG_INFINITY), corner(high, f64::INFINITY)];
+            let near = spheres_in_box(limits, positions, radii);
             if near.is_empty() {
                 continue;
             }

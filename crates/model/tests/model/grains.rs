@@ -211,6 +211,19 @@ fn spheres_fill_closed_surfaces() {
 }
 
 #[test]
+fn radii_of_all_distributions_have_units() {
+    let with = |radius: &str| grains(&heap("[0.01, 0.02]", radius)).spheres.radii;
+    let range = |radii: &[f64]| radii.iter().fold([1.0_f64, 0.0], |[a, b], &r| [a.min(r), b.max(r)]);
+    assert_eq!(range(&with("\"10 mm\"")), [0.01; 2]);
+    let [least, most] = range(&with("[\"10 mm\", \"20 mm\"]"));
+    assert!(least >= 0.01 && most <= 0.02 && most > 0.019, "{least} {most}");
+    let [least, most] = range(&with("{ mean = \"15 mm\", deviation = \"1 mm\" }"));
+    assert!(least >= 0.012 && most <= 0.018 && most > 0.0165, "{least} {most}");
+    let [least, most] = range(&with("[[\"10 mm\", 0], [\"20 mm\", \"100 %\"]]"));
+    assert!(least >= 0.01 && least < 0.011 && most <= 0.02, "{least} {most}");
+}
+
+#[test]
 fn walls_of_all_shapes() {
     let with = |shape: &str| {
         let text = heap("plane = { point = [0, 0, 0], normal = [0, 0, 1] }", shape);
