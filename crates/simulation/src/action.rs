@@ -59,8 +59,6 @@ pub(crate) struct Acting<'a, const D: usize, const N: usize> {
     pub(crate) scene: Scene<'a, D, N>,
     /// The factor of each boundary in time.
     pub(crate) schedules: &'a [Schedule],
-    /// Whether energies are asked for in this step.
-    pub(crate) energies: bool,
     /// The reason why the run cannot continue after this step.
     pub(crate) stop: &'a mut Option<Stop>,
     pub(crate) applied: &'a mut Vec<Applied<D>>,

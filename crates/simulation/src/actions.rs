@@ -113,19 +113,14 @@ where
     }
 
     /// The forces of all actions on corners of elements, N, in the order in which they are added, and the
-    /// reason why the run cannot continue after this step. `energies`: whether they are asked for.
-    pub(crate) fn act(
-        &mut self,
-        scene: Scene<'_, D, N>,
-        energies: bool,
-    ) -> (&[(u32, Point<D>)], Option<Stop>) {
+    /// reason why the run cannot continue after this step.
+    pub(crate) fn act(&mut self, scene: Scene<'_, D, N>) -> (&[(u32, Point<D>)], Option<Stop>) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
         let mut stop = None;
-        let mut acting =
-            Acting { scene, schedules, energies, stop: &mut stop, applied, forces: &mut forces };
+        let mut acting = Acting { scene, schedules, stop: &mut stop, applied, forces: &mut forces };
         for action in all {
             action.act(&mut acting);
         }

@@ -217,7 +217,7 @@ where
 {
     let mesh = &model.mesh;
     let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
-    if elements == 0 && model.grains.as_ref().is_none_or(|grains| grains.spheres.positions.is_empty()) {
+    if elements == 0 && model.grains.as_ref().is_none_or(|of| of.spheres.positions.is_empty() && of.insertions.is_empty()) {
         return Err(ModelError::Empty);
     }
     if elements > u32::MAX as usize / N - 1 || nodes > u32::MAX as usize / N - 1 {

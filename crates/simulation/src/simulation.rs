@@ -74,7 +74,7 @@ where
             return Failures { joints, stop: inverted.or(undetected) };
         }
         self.touch(energies); // couples that overlap: contacts.rs
-        let stopped = self.act(energies); // loads, surfaces under initial stress, spheres: actions.rs
+        let stopped = self.act(); // loads, surfaces under initial stress, spheres: actions.rs
         Failures { joints, stop: inverted.or(stopped) }
     }
 
@@ -128,12 +128,12 @@ where
 
     /// Adds the forces of actions, and their works up to the positions. Returns the reason to stop if one of
     /// them cannot act.
-    fn act(&mut self, energies: bool) -> Option<Stop> {
+    fn act(&mut self) -> Option<Stop> {
         let mut clock = Clock::new();
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, machine, actions, team, totals, .. } = self;
         let scene = Scene { model, topology, machine: &**machine, team, time, step };
-        let (forces, stopped) = actions.act(scene, energies);
+        let (forces, stopped) = actions.act(scene);
         if !forces.is_empty() {
             machine.add_forces(forces);
         }

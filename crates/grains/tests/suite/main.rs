@@ -4,6 +4,8 @@
 
 mod common;
 
+/// Contacts with triangles and segments.
+mod facets;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.
 mod impacts;
 /// Rolling friction, adhesion.
@@ -11,3 +13,5 @@ mod packings;
 mod rolling;
 /// States, threads, models that are refused.
 mod runs;
+/// Shapes and motions of walls, servos.
+mod walls;

@@ -7,47 +7,29 @@
 
 mod surface;
 
-use fdem_grains::{GrainEnergies, GrainModel, GrainRun, GrainState, Surface};
+use fdem_grains::{GrainModel, GrainRun, GrainState, Surface};
 use serde::{Deserialize, Serialize};
 
 use crate::action::{Acting, Action, Scene};
 use crate::actions::spheres::surface::BodySurface;
 use crate::energy::{Account, Ledger};
 use crate::error::{ModelError, Stop};
-use crate::model::{Model, Schedule};
+use crate::model::Model;
 use crate::rotation::lowered;
 use crate::simplex::Simplex;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::Topology;
-use crate::vector::{Point, dot};
+use crate::vector::Point;
 
 /// The spheres and walls of a model; none of them if it has none.
 #[derive(Debug, Default)]
 pub(crate) struct Spheres<const D: usize> {
     run: Option<GrainRun>,
     surface: BodySurface<D>,
-    weight: VaryingWeight,
-    /// Energies at the beginning of the last step, if they were asked for.
-    energies: Option<GrainEnergies>,
-}
-
-/// The weight of spheres whose factor varies in time.
-///
-/// In a step the work of a weight is that of the mean of its values at both ends, because velocities are half
-/// a step behind positions. The potential energy with the present factor changes by that work, and by
-/// `-(g₁ - g₀)·(s₀ + s₁)/2` where the acceleration changes from `g₀` to `g₁`. Here `s` is the sum of masses
-/// times positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct VaryingWeight {
-    /// Sum of masses times positions at the last change, kg m.
-    moment: [f64; 3],
-    /// Acceleration then, m/s².
-    acceleration: [f64; 3],
-    /// Sum of these changes of the potential energy, J.
-    raised: f64,
-    /// Potential energy at the beginning of the run, J.
-    initial: Option<f64>,
+    /// Potential energy of the weight at the beginning of the run, without the factor of gravity, J; `None`
+    /// before the first step.
+    weight: Option<f64>,
 }
 
 /// The state of spheres, from which their run is continued.
@@ -55,7 +37,7 @@ struct VaryingWeight {
 #[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
 pub(crate) struct SavedSpheres<const D: usize> {
     run: GrainState,
-    weight: VaryingWeight,
+    weight: Option<f64>,
     /// Codes of the corners on the surface, with the velocities of their nodes one step earlier, m/s.
     surface: Vec<(u32, Point<D>)>,
 }
@@ -78,7 +60,7 @@ impl<const D: usize> Spheres<D> {
         team: &Team,
     ) -> Result<Self, ModelError> {
         let Some(grains) = &model.grains else { return Ok(Self::default()) };
-        let run = begin(GrainModel { step: Some(step), ..grains.clone() }, team)?;
+        let run = on_team(GrainModel { step: Some(step), ..grains.clone() }, team)?;
         Ok(Self { run: Some(run), ..Self::default() })
     }
 
@@ -101,65 +83,26 @@ impl<const D: usize> Spheres<D> {
     pub(crate) fn restore<const N: usize>(
         &mut self,
         saved: SavedSpheres<D>,
-        model: &Model<D, N>,
         topology: &Topology<D, N>,
-        team: &Team,
     ) -> Result<(), ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let (Some(run), Some(grains)) = (&self.run, &model.grains) else { return Ok(()) };
-        let step = Some(run.time_step());
-        self.run = Some(resume(GrainModel { step, ..grains.clone() }, saved.run, team)?);
+        let Some(run) = &mut self.run else { return Ok(()) };
+        run.take(saved.run)?;
         self.weight = saved.weight;
         let known = |(code, before)| Some((topology.corner(code)?, before));
         self.surface.set_motion(saved.surface.into_iter().filter_map(known));
         Ok(())
     }
-
-    /// Energies now, J, and the work of the weight so far.
-    fn accounts(&self) -> Option<(GrainEnergies, f64)> {
-        let energies = match (self.energies, &self.run) {
-            (Some(energies), _) => energies,
-            (None, run) => run.as_ref()?.energies(),
-        };
-        let initial = self.weight.initial.unwrap_or(energies.weight);
-        Some((energies, initial + self.weight.raised - energies.weight))
-    }
 }
 
-/// Begins a run of spheres on the threads of a team.
-fn begin(model: GrainModel, team: &Team) -> Result<GrainRun, ModelError> {
-    Ok(GrainRun::new(model, team.threads())?)
-}
-
-/// Continues a run of spheres on the threads of a team.
-fn resume(model: GrainModel, state: GrainState, team: &Team) -> Result<GrainRun, ModelError> {
-    Ok(GrainRun::resume(model, state, team.threads())?)
-}
-
-impl VaryingWeight {
-    /// Sets the acceleration of the spheres of a run at a time, s.
-    fn set(&mut self, run: &mut GrainRun, gravity: [f64; 3], schedule: &Schedule, time: f64) {
-        if gravity == [0.0; 3] {
-            return;
-        }
-        if *schedule != Schedule::Constant {
-            let factor = schedule.factor(time);
-            let (now, moment) = (gravity.map(|g| factor * g), run.mass_moment());
-            if self.initial.is_some() && now != self.acceleration {
-                for axis in 0..3 {
-                    let both = self.moment[axis] + moment[axis];
-                    self.raised -= 0.5 * (now[axis] - self.acceleration[axis]) * both;
-                }
-            }
-            (self.moment, self.acceleration) = (moment, now);
-            run.set_gravity(now);
-        }
-        if self.initial.is_none() {
-            self.initial = Some(-dot(run.gravity(), run.mass_moment()));
-        }
-    }
+/// A run of spheres on the threads of a team.
+fn on_team(model: GrainModel, team: &Team) -> Result<GrainRun, ModelError> {
+    Ok(match team.pool() {
+        Some(pool) => GrainRun::on_pool(model, pool)?,
+        None => GrainRun::new(model, 1)?,
+    })
 }
 
 impl<const D: usize, const N: usize> Action<D, N> for Spheres<D>
@@ -167,11 +110,14 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
-        let Self { run: Some(run), surface, weight, energies } = self else { return };
-        let model = acting.scene.model;
+        let Self { run: Some(run), surface, weight } = self else { return };
+        let Scene { model, time, .. } = acting.scene;
         let gravity = model.grains.as_ref().map_or([0.0; 3], |grains| grains.gravity);
-        weight.set(run, gravity, &model.gravity_schedule, acting.scene.time);
-        *energies = acting.energies.then(|| run.energies());
+        let factor = model.gravity_schedule.factor(time);
+        if weight.is_none() {
+            *weight = Some(run.energies().weight);
+        }
+        run.set_gravity(gravity.map(|g| factor * g));
         // Spheres alone have no bodies to look at.
         if model.mesh.elements.is_empty() {
             if let Err(error) = run.advance(1) {
@@ -196,13 +142,14 @@ where
     }
 
     fn add_energies(&self, _scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let Some((energies, work)) = self.accounts() else { return };
+        let Some(run) = &self.run else { return };
+        let energies = run.energies();
+        let fallen = self.weight.map_or(0.0, |initial| initial - energies.weight);
         for (account, energy) in [
             (Account::Kinetic, energies.kinetic + energies.rotational),
             (Account::Contact, energies.elastic),
             (Account::Damping, energies.dissipated),
-            (Account::External, energies.external + work),
-            (Account::Gravity, work),
+            (Account::External, energies.external + fallen),
         ] {
             ledger.add(account, &Sum::from(energy));
         }

@@ -384,7 +384,7 @@ where
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: self.solid().node_count(),
-            spheres: self.actions.spheres.run().map_or(0, GrainRun::sphere_count),
+            spheres: self.actions.spheres.run().map_or(0, GrainRun::count),
             sphere_contacts: self.actions.spheres.run().map_or(0, GrainRun::contact_count),
         }
     }

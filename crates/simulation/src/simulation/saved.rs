@@ -161,8 +161,7 @@ where
             }
         }
         if let Some(saved) = state.spheres {
-            let Self { model, topology, actions, team, .. } = &mut run;
-            actions.spheres.restore(saved, model, topology, team)?;
+            run.actions.spheres.restore(saved, &run.topology)?;
         }
         run.step = state.step;
         run.released = state.released;
