@@ -89,6 +89,7 @@ where
             TimeStep::Seconds(step) => Some(step),
             TimeStep::Auto(_) => None,
         },
+        ..GrainModel::default()
     };
     if faults.len() == known
         && let Err(error) = model.check()
