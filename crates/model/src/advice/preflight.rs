@@ -17,7 +17,7 @@ use crate::advice::overlaps;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::{Joints, Prepared, Scaled, counted};
+use crate::prepared::{Joints, Prepared, Scaled, SphereGroup, counted};
 use crate::text::library::FromLibrary;
 
 /// Costs of an element.
@@ -120,6 +120,9 @@ pub struct Preflight {
     /// Number of walls.
     #[serde(skip_serializing_if = "is_zero")]
     pub walls: usize,
+    /// The spheres of each `[[grains]]` table.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sphere_groups: Vec<SphereGroup>,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
     /// Lines about the mesh files of bodies, as [`Prepared::about_files`].
@@ -250,6 +253,7 @@ impl Preflight {
             quality: prepared.quality.clone(),
             spheres: model.grains.as_ref().map_or(0, |grains| grains.spheres.positions.len()),
             walls: model.grains.as_ref().map_or(0, |grains| grains.walls.len()),
+            sphere_groups: prepared.spheres.as_ref().map_or_else(Vec::new, |of| of.groups.clone()),
             joint_sets: prepared.joint_sets.clone(),
             softer_by_joints: compliance::softer(model),
             about_files: prepared.about_files.clone(),
@@ -443,6 +447,7 @@ impl fmt::Display for Preflight {
         if self.spheres + self.walls > 0 {
             let [spheres, walls] = [(self.spheres, "sphere"), (self.walls, "wall")].map(in_plural);
             writeln!(out, "grains           {spheres}, {walls}")?;
+            self.sphere_groups.iter().try_for_each(|group| writeln!(out, "                 {group}"))?;
         }
         if quality.elements > 0 {
             self.write_mesh(out)?;
@@ -452,7 +457,7 @@ impl fmt::Display for Preflight {
             "critical step    {} s, set by {}",
             brief(self.critical.step),
             if self.critical.cause == "sphere" {
-                format!("sphere {}", self.critical.element)
+                self.sphere_in_words(self.critical.element)
             } else {
                 format!("the {} of element {}", self.critical.cause, self.critical.element)
             }
@@ -485,6 +490,17 @@ fn in_plural((number, noun): (usize, &str)) -> String {
 }
 
 impl Preflight {
+    /// A sphere by its number, with its group.
+    fn sphere_in_words(&self, sphere: u32) -> String {
+        let mut before = 0;
+        let group = self.sphere_groups.iter().find(|group| {
+            before += group.count;
+            (sphere as usize) < before
+        });
+        let group = group.map_or_else(String::new, |group| format!(" of {}", group.name));
+        format!("sphere {sphere}{group}")
+    }
+
     /// Writes the lines about bodies and their mesh.
     fn write_mesh(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let quality = &self.quality;
