@@ -55,7 +55,7 @@ struct RunPage<'a> {
     /// Field by which elements are initially coloured.
     field: Field,
     /// Fields and their ranges.
-    ranges: [(Field, Range); Field::ALL.len()],
+    ranges: Vec<(Field, Range)>,
     /// Further fields with separate numbers.
     numbered: &'a [&'a Quantity],
     /// A picture of the last frame as PNG, for browsers that cannot show the view.
@@ -162,6 +162,11 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
     })
 }
 
+/// Returns the fields of elements, in the order of menus.
+fn of_elements() -> impl Iterator<Item = Field> {
+    Field::ALL.into_iter().filter(|field| field.is_of_elements())
+}
+
 /// Returns the picture for browsers that cannot show the view; empty if the page has none.
 fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     preview.map_or_else(String::new, |png| {
@@ -173,7 +178,7 @@ fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
 fn options(selected: Field, numbered: &[&Quantity]) -> String {
     let mut options = String::new();
     for Quantity { key, name, .. } in
-        Field::ALL.iter().map(|field| field.quantity()).chain(numbered.iter().copied())
+        of_elements().map(|field| field.quantity()).chain(numbered.iter().copied())
     {
         let selected = if *key == selected.key() { " selected" } else { "" };
         // Writing to a string does not fail.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::fields::field::Field;
 use crate::fields::range::Range;
-use crate::page::run::{RunPage, columns, finite, largest, row, text, thinned, thinning};
+use crate::page::run::{RunPage, columns, finite, largest, of_elements, row, text, thinned, thinning};
 use crate::picture::PictureError;
 use crate::run::fragments::Fragments;
 use crate::run::frame::Frame;
@@ -84,7 +84,7 @@ impl Report<'_> {
         let whole = self.frames.iter().map(|frame| frame.whole).max().unwrap_or(0);
         let places = thinned(self.frames.len(), |place| self.frames[place].deflated.len());
         let view = FrameView::of(self.frames);
-        let ranges = Field::ALL.map(|field| (field, Range::of(self.frames, field)));
+        let ranges = of_elements().map(|field| (field, Range::of(self.frames, field))).collect();
         let preview = self.frames.last().map(|last| {
             let (field, range) = (self.field, Range::of(self.frames, self.field));
             Pictures { title: self.title, field, range, view }.png(last, None)

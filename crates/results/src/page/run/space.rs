@@ -8,7 +8,9 @@ use crate::fields::place::Place;
 use crate::fields::quantity::Quantity;
 use crate::fields::range::Range;
 use crate::fields::table::QUANTITIES;
-use crate::page::run::{MOST_BYTES, RunPage, columns, even, finite, largest, row, text, thinned, thinning};
+use crate::page::run::{
+    MOST_BYTES, RunPage, columns, even, finite, largest, of_elements, row, text, thinned, thinning,
+};
 use crate::picture::PictureError;
 use crate::run::fragments::Fragments;
 use crate::run::names::Names;
@@ -122,7 +124,7 @@ impl SpaceReport<'_> {
             plots: self.plots,
             names: self.names,
             field: self.field,
-            ranges: Field::ALL.map(|field| (field, Range::of_space(self.frames, field))),
+            ranges: of_elements().map(|field| (field, Range::of_space(self.frames, field))).collect(),
             numbered: &fragment,
             preview: preview.map(<[u8]>::to_vec),
             notes: thinning(self.frames.len(), &kept.places) + &self.opening(&kept),
@@ -228,7 +230,7 @@ impl SpaceReport<'_> {
                 "broken": frame.areas.into_iter().chain(frame.others).map(finite).collect::<Vec<_>>(),
             })
         };
-        let extent = extent(self.frames.iter().map(|frame| frame.bounds));
+        let extent = extent(self.frames.iter().map(SpaceFrame::extent));
         let half = extent.map(|[low, high]| (high - low) / 2.0);
         let middle = [0, 1, 2].map(|axis| extent[axis][0] + half[axis]);
         let unit = half.iter().map(|half| half * half).sum::<f64>().sqrt();
