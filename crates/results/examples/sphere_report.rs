@@ -21,7 +21,7 @@ use fdem_simulation::{Mesh, Snapshot};
 use serde_json::json;
 
 /// Largest radius of a sphere, m. Neighbours of this radius overlap a little.
-const RADIUS: f64 = 0.0101;
+const RADIUS: f64 = 0.0107;
 /// Distance of the middles of neighbours, m.
 const APART: f64 = 0.02;
 
@@ -50,24 +50,21 @@ fn noise(seed: usize) -> f64 {
 }
 
 /// Spheres in layers, the share of a fall done.
-fn spheres(side: usize, layers: [usize; 3], share: f64) -> SphereColumns {
+fn spheres(layers: [usize; 3], share: f64) -> SphereColumns {
     let [columns, rows, heights] = layers;
     let mut found = SphereColumns::default();
     for k in 0..columns * rows * heights {
         let [i, j, l] = [k % columns, k / columns % rows, k / columns / rows];
         let away = |seed: usize, x: usize| (x as f64 + 0.5 + 0.06 * (noise(seed) - 0.5)) * APART;
-        let fall = 0.3 * APART * side as f64 * (1.0 - share) * noise(7 * k + 3);
-        let up = if rows > 1 { [0.0, 1.0] } else { [1.0, 0.0] };
-        let height = if rows > 1 { away(7 * k + 2, l) } else { away(7 * k + 2, l) };
+        let height = away(7 * k + 2, l) + 0.4 * APART * (1.0 - share) * l as f64;
+        let is_flat = rows == 1;
         found.numbers.push(k as u32);
-        found.positions.push([
-            away(7 * k, i),
-            if rows > 1 { away(7 * k + 1, j) } else { height + fall },
-            up[1] * (height + fall),
-        ]);
+        let [y, z] = if is_flat { [height, 0.0] } else { [away(7 * k + 1, j), height] };
+        found.positions.push([away(7 * k, i), y, z]);
         found.radii.push(RADIUS * (1.0 - 0.15 * noise(7 * k + 4)));
-        let speed = -2.0 * (1.0 - share) * noise(7 * k + 3) - 0.1 * noise(7 * k + 5);
-        found.velocities.push([0.1 * noise(7 * k + 6), up[0] * speed, up[1] * speed]);
+        let speed = -2.0 * (1.0 - share) * noise(7 * k + 3) - 0.3 * noise(7 * k + 5);
+        let [y, z] = if is_flat { [speed, 0.0] } else { [0.0, speed] };
+        found.velocities.push([0.1 * noise(7 * k + 6), y, z]);
         found.spins.push([0.0, 0.0, 40.0 * noise(7 * k + 5)]);
         found.masses.push(1e-3 * noise(7 * k + 4));
         found.materials.push(u32::from(k % 5 == 0));
@@ -151,7 +148,7 @@ fn space(folder: &Path, side: usize, count: usize) -> Result<(), Box<dyn Error>>
     let mut snapshots = Vec::new();
     for k in 0..count {
         let share = (k + 1) as f64 / count as f64;
-        let mut spheres = spheres(side, [side; 3], share);
+        let mut spheres = spheres([side; 3], share);
         spheres.walls = vec![
             plane("floor", [0.0; 3], [0.0, 0.0, 1.0]),
             plane("left", [0.0; 3], [1.0, 0.0, 0.0]),
@@ -221,7 +218,7 @@ fn flat(folder: &Path, side: usize, count: usize) -> Result<(), Box<dyn Error>> 
     let mut snapshots = Vec::new();
     for k in 0..count {
         let share = (k + 1) as f64 / count as f64;
-        let mut spheres = spheres(side, [side, 1, side], share);
+        let mut spheres = spheres([side, 1, side], share);
         let slope = [[wide, 0.0, 0.0], [1.3 * wide, 0.4 * wide, 0.0], [1.3 * wide, 0.4 * wide, 0.0]];
         spheres.walls = vec![
             plane("floor", [0.0; 3], [0.0, 1.0, 0.0]),

@@ -114,6 +114,14 @@ impl Field {
         QUANTITIES.iter().find(is_same)
     }
 
+    /// Returns the field by which so many elements and spheres are coloured where this one is asked for: the
+    /// velocity, if only the spheres are there and have no values of this one.
+    #[must_use]
+    pub fn among(self, [elements, spheres]: [usize; 2]) -> Self {
+        let is_of_spheres = self.of_spheres().is_some() || self == Self::FORCE_CHAINS;
+        if elements == 0 && spheres > 0 && !is_of_spheres { Self::VELOCITY } else { self }
+    }
+
     /// Returns the index of the field in [`SPHERE_SCALES`].
     pub(crate) fn sphere_scale(self) -> Option<usize> {
         SPHERE_SCALES.iter().position(|&other| other == self)

@@ -5,6 +5,7 @@
 //! content security policy allows only their own script and style. Texts from outside are escaped.
 
 pub(crate) mod flat;
+mod grains;
 pub(crate) mod space;
 
 use std::cell::Cell;
@@ -19,6 +20,7 @@ use crate::fields::colours::{NO_VALUE, NUMBERED};
 use crate::fields::field::{Field, SCALES};
 use crate::fields::quantity::{Ends, Quantity};
 use crate::fields::range::{Range, Scale};
+use crate::page::run::grains::{GrainPart, SCRIPTS as GRAIN_SCRIPTS};
 use crate::page::{PageParts, STYLE, rows};
 use crate::picture::PictureError;
 use crate::picture::svg::escape;
@@ -71,6 +73,8 @@ struct RunPage<'a> {
     fragments: String,
     /// Data for the scripts, beside those that all pages have.
     meta: Value,
+    /// The part with the spheres and walls; `None` for a run without any.
+    grains: Option<GrainPart>,
     /// The script elements with the frames.
     frames: String,
     /// Differences between two and three dimensions: checkboxes and fieldsets of the controls, effects of
@@ -84,7 +88,9 @@ struct RunPage<'a> {
 
 impl RunPage<'_> {
     fn html(self) -> Result<String, PictureError> {
-        let main = [("{{show}}", self.show), ("{{more}}", self.more), ("{{help}}", self.help)]
+        let controls = self.grains.as_ref().map_or("", |grains| grains.controls.as_str());
+        let more = controls.to_owned() + self.more;
+        let main = [("{{show}}", self.show), ("{{more}}", more.as_str()), ("{{help}}", self.help)]
             .into_iter()
             .fold(PAGE.to_owned(), |main, (name, part)| main.replace(name, part));
         let parts = PageParts {
@@ -94,7 +100,8 @@ impl RunPage<'_> {
             main: &main,
             data: "{{frames}}",
             style: format!("{STYLE}{STYLE_OF_RUNS}{}", self.style),
-            scripts: &[&SCRIPTS, self.scripts].concat(),
+            scripts: &[&SCRIPTS[..], if self.grains.is_some() { &GRAIN_SCRIPTS[..] } else { &[] }, self.scripts]
+                .concat(),
         };
         let meta = self.meta();
         let frames = Cell::new(self.frames);
@@ -140,6 +147,7 @@ impl RunPage<'_> {
             "outlines": outlines,
             "bodies": self.names.bodies,
             "materials": self.names.materials,
+            "spheres": self.grains.as_ref().map(|grains| &grains.meta),
         });
         if let (Some(meta), Value::Object(more)) = (meta.as_object_mut(), &self.meta) {
             meta.extend(more.clone());

@@ -18,7 +18,7 @@ use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
 use crate::run::frame::{CrackKind, Frame, FrameError, Opened};
-use crate::run::grains::drawing::{GrainScene, WALL, counted};
+use crate::run::grains::drawing::{GrainScene, WALL, elements_and_spheres};
 use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::run::unit::prefixed;
 
@@ -232,12 +232,12 @@ impl Pictures<'_> {
 
     /// Returns a sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &Frame) -> String {
-        let mut text = format!("t = {}, step {}", self.view.time(frame.time), grouped(frame.step));
-        if frame.whole > 0 || frame.grains.is_empty() {
-            // Writing to a string does not fail.
-            let _ = write!(text, ", {} elements", grouped(frame.whole as u64));
-        }
-        text += &counted(&frame.grains, ", ");
+        let mut text = format!(
+            "t = {}, step {}, {}",
+            self.view.time(frame.time),
+            grouped(frame.step),
+            elements_and_spheres(frame.whole, &frame.grains)
+        );
         let total: f64 = frame.lengths.iter().sum();
         if total > 0.0 {
             let (factor, unit) = prefixed("m", total);

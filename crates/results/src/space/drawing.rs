@@ -5,7 +5,7 @@ use crate::picture::PictureError;
 use crate::picture::colour::{Rgb, mix};
 use crate::picture::raster::{Bead, Beads, Paint, Rod, Stroke, Triangle};
 use crate::run::grains::drawing::{GrainScene, WALL};
-use crate::run::grains::walls::WallTriangle;
+use crate::run::grains::walls::{EMPTY, WallTriangle, bounds_of, union};
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
 
@@ -229,26 +229,43 @@ pub(crate) fn walls(walls: &[WallTriangle], camera: &SpaceCamera, cut: Option<Pl
     (far.rims, near.rims) = (true, true);
     let [middle, low] = [&camera.view.high, &camera.view.low];
     let middle: [f64; 3] = each(|axis| 0.5 * (middle[axis] + low[axis]));
+    let middles = middles(walls);
     for wall in walls {
         let Some(normal) = facing(camera, wall.corners) else { continue };
         let edges = each(|k| if wall.lines >> k & 1 == 1 { Edge::Feature } else { Edge::None });
         let facet = Facet { corners: wall.corners, colour: [0; 3], edges, broken: false };
-        // The side away from the middle is outside: a wall is far if its outside is turned away from the eye.
-        let from_middle: [f64; 3] = each(|axis| wall.corners[0][axis] - middle[axis]);
-        let outward = camera.view.turned(from_middle);
-        let outside = (0..3).fold(0.0, |sum, axis| sum + normal[axis] * outward[axis]);
-        let is_far = outside * normal[2] < 0.0;
+        // The side away from the middle of the wall is outside, or, of a flat wall, that away from the middle of
+        // all. A wall is far if its outside is turned away from the eye.
+        let along = |middle: [f64; 3]| {
+            let away = camera.view.turned(each(|axis| wall.corners[0][axis] - middle[axis]));
+            (0..3).fold(0.0, |sum, axis| sum + normal[axis] * away[axis])
+        };
         let size = size(wall.corners);
+        let own = along(middles[wall.wall as usize]);
+        let outside = if own.abs() > 1e-6 * size { own } else { along(middle) };
+        let is_far = outside * normal[2] < 0.0;
         for (corners, edges) in clipped(&facet, cut) {
             if is_far {
                 let normal = if normal[2] < 0.0 { normal.map(|x| -x) } else { normal };
-                far.add(corners, Paint::solid(lit(FAR_WALL[0], normal)), Side::Front, edges, size);
+                let shade = 0.93 + 0.07 * bright(normal);
+                far.add(corners, Paint::solid(shaded(FAR_WALL[0], shade)), Side::Front, edges, size);
             } else {
                 near.add(corners, NEAR_WALL[0], Side::Front, edges, size);
             }
         }
     }
     [far.finish(), near.finish()]
+}
+
+/// Returns the middle of the box around each wall, by its number.
+fn middles(walls: &[WallTriangle]) -> Vec<[f64; 3]> {
+    let count = walls.iter().map(|wall| wall.wall as usize + 1).max().unwrap_or(0);
+    let mut bounds = vec![EMPTY; count];
+    for wall in walls {
+        let own = &mut bounds[wall.wall as usize];
+        *own = union(*own, bounds_of(wall.corners));
+    }
+    bounds.into_iter().map(|bounds| bounds.map(|[low, high]| 0.5 * (low + high))).collect()
 }
 
 /// Returns the spheres and the lines of contacts in pixels, but those whose middle is cut away.

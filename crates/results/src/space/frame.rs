@@ -235,6 +235,11 @@ impl SpaceFrame {
         extent_with(self.whole, self.bounds, &self.grains)
     }
 
+    /// Returns the numbers of all elements and of all spheres.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.whole, self.grains.whole]
+    }
+
     /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = [MAGIC, line_of_keys().as_bytes()].concat();

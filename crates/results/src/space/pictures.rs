@@ -16,7 +16,7 @@ use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
 use crate::run::frame::FrameError;
-use crate::run::grains::drawing::{GrainScene, counted};
+use crate::run::grains::drawing::{GrainScene, elements_and_spheres};
 use crate::run::pictures::{CRACKS, HOLDING, colour_bar, crack_colour, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, CrackFacet, Edge, Facet, SpaceCamera, SpaceScene, Tetrahedron};
@@ -194,12 +194,12 @@ impl SpacePictures<'_> {
 
     /// Returns a sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &SpaceFrame) -> String {
-        let mut text = format!("t = {}, step {}", time_text(frame.time, self.view.last), grouped(frame.step));
-        if frame.whole > 0 || frame.grains.is_empty() {
-            // Writing to a string does not fail.
-            let _ = write!(text, ", {} elements", grouped(frame.whole as u64));
-        }
-        text += &counted(&frame.grains, ", ");
+        let mut text = format!(
+            "t = {}, step {}, {}",
+            time_text(frame.time, self.view.last),
+            grouped(frame.step),
+            elements_and_spheres(frame.whole, &frame.grains)
+        );
         if frame.cracks > 0 {
             // All bodies, also those that no one counts among the fragments. Writing to a string does not
             // fail.

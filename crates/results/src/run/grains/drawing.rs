@@ -13,7 +13,7 @@ pub(crate) const WALL: Rgb = [70, 84, 98];
 pub(crate) const PULLING: Rgb = [36, 93, 176];
 
 /// Half the width of the line of a contact at the upper end of the colours, over the radius of the spheres.
-const WIDEST: f64 = 0.45;
+pub(crate) const WIDEST: f64 = 0.45;
 /// Least and greatest share of that.
 const SHARES: [f64; 2] = [0.04, 1.6];
 
@@ -87,7 +87,7 @@ fn chains(opened: &OpenedGrains, range: Range) -> Vec<DrawnChain> {
 }
 
 /// Returns the number of spheres or discs as text, after a separator; empty without any.
-pub(crate) fn counted(frame: &GrainFrame, separator: &str) -> String {
+fn counted(frame: &GrainFrame, separator: &str) -> String {
     if frame.whole == 0 {
         return String::new();
     }
@@ -98,4 +98,13 @@ pub(crate) fn counted(frame: &GrainFrame, separator: &str) -> String {
         (false, _) => "spheres",
     };
     format!("{separator}{} {noun}", fdem_io::numbers::grouped(frame.whole as u64))
+}
+
+/// Returns the numbers of elements and of spheres as text. Without spheres the elements are named even if there
+/// are none.
+pub(crate) fn elements_and_spheres(elements: usize, frame: &GrainFrame) -> String {
+    if elements == 0 && frame.whole > 0 {
+        return counted(frame, "");
+    }
+    format!("{} elements{}", fdem_io::numbers::grouped(elements as u64), counted(frame, ", "))
 }
