@@ -100,8 +100,12 @@ impl RunPage<'_> {
             main: &main,
             data: "{{frames}}",
             style: format!("{STYLE}{STYLE_OF_RUNS}{}", self.style),
-            scripts: &[&SCRIPTS[..], if self.grains.is_some() { &GRAIN_SCRIPTS[..] } else { &[] }, self.scripts]
-                .concat(),
+            scripts: &[
+                &SCRIPTS[..],
+                if self.grains.is_some() { &GRAIN_SCRIPTS[..] } else { &[] },
+                self.scripts,
+            ]
+            .concat(),
         };
         let meta = self.meta();
         let frames = Cell::new(self.frames);

@@ -67,13 +67,15 @@ const BALLS = {
       float square = dot(at, at);
       if (square > 1.0) discard;
       float up = sqrt(1.0 - square);
+      // The rim covers a part of its pixels.
+      float cover = clamp((1.0 - square) / max(fwidth(square), 1e-6), 0.0, 1.0);
       if (round) {
         // The light is that of the bodies. The rim is darker, so that neighbours differ.
         float light = (0.80 + 0.22 * dot(vec3(at, up), vec3(-0.35, 0.75, 0.5612))) * (0.84 + 0.16 * up);
-        colour = vec4(paint * light, 1.0);
+        colour = vec4(paint * light, cover);
       } else {
         float wide = fwidth(square) * 0.7;
-        colour = vec4(paint * (1.0 - 0.42 * smoothstep(0.78 - wide, 0.78 + wide, square)), 1.0);
+        colour = vec4(paint * (1.0 - 0.42 * smoothstep(0.78 - wide, 0.78 + wide, square)), cover);
       }
       gl_FragDepth = depth.x - up * depth.y;
     }`,
@@ -214,7 +216,7 @@ class Grains {
   }
 
   get share() {
-    return this.visible.chains ? SHRUNK : 1;
+    return this.visible.chains && !this.flat ? SHRUNK : 1;
   }
 
   // Draws all. `turn`: directions to the right, up and towards the eye, as rows.
@@ -240,7 +242,9 @@ class Grains {
       gl.uniform1f(this.balls.least, (0.6 * pixel[0]) / zoom[0]);
       gl.uniform1i(this.balls.round, flat ? 0 : 1);
       gl.bindVertexArray(this.ofBalls);
+      gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, grains.n);
+      gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     }
     const bars = ({ array, count }, least, shade) => {
       if (!count) return;
@@ -359,7 +363,10 @@ class SphereControls {
     const grains = this.shown, field = this.field(), { visible } = this.page.view.grains, found = [];
     if (!grains) return found;
     const { about } = grains;
-    if (visible.spheres && field.scale !== null) found.push(this.page.bar(field, this.range(field, about.usual[field.scale]), meta.elements ? `${meta.spheres.many}: ` : ""));
+    const range = field.scale === null ? [0, 1] : this.range(field, about.usual[field.scale]), bodies = this.page.field();
+    // One legend serves both where it is the same.
+    const isSame = meta.elements && bodies.key === field.key && this.page.range(bodies)[1] === range[1];
+    if (visible.spheres && field.scale !== null && !isSame) found.push(this.page.bar(field, range, meta.elements ? `${meta.spheres.many}: ` : ""));
     if (visible.chains && about.chains) found.push(this.page.bar(meta.spheres.chains, this.range(meta.spheres.chains, about.chainsUsual)));
     return found;
   }

@@ -368,6 +368,13 @@ async function start(Kind, more = () => ({})) {
       return performance.now() - start;
     },
     // The spheres of the frame: their number, the place of one on the page, its number, the selected number, and the counts of lines and triangles.
+    // Time of a drawing alone, without new colours.
+    drawTime: () => {
+      const start = performance.now();
+      view.draw();
+      view.gl.readPixels(0, 0, 1, 1, view.gl.RGBA, view.gl.UNSIGNED_BYTE, new Uint8Array(4));
+      return performance.now() - start;
+    },
     ...(page.spheres && {
       spheres: () => ({ count: page.spheres.shown?.n ?? 0, chains: view.grains.chains.count, walls: page.spheres.shown?.owners.length ?? 0 }),
       sphereAt: (i) => {
