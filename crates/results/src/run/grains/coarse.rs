@@ -50,7 +50,7 @@ pub struct CoarseGrid {
 ///
 /// # Shapes
 /// One entry for each point: x first, then y, then z. Of discs the grid is in the plane, with one layer, and the
-/// values are those of their thickness.
+/// values are those of their thickness. Near the faces of a periodic box the images of spheres are missing.
 ///
 /// # Cost
 /// Time proportional to the spheres and contacts, and to the points in the reach of each.
@@ -132,7 +132,8 @@ impl CoarseFields {
         }
         checked(spheres).map_err(CoarseError::Snapshot)?;
         let kernel = Kernel::new(2.0 * grid.width, spheres.discs);
-        let bounds = bounds_of(spheres.positions.iter().copied());
+        let ends = spheres.contacts.iter().map(|contact| end_of(spheres, contact));
+        let bounds = bounds_of(spheres.positions.iter().copied().chain(ends));
         if spheres.positions.is_empty() || !is_somewhere(&bounds) {
             return Ok(Self::default());
         }

@@ -112,6 +112,9 @@ impl GrainFrame {
         most: [usize; 2],
     ) -> Result<Self, SnapshotError> {
         checked(spheres)?;
+        if spheres.positions.is_empty() && spheres.walls.is_empty() {
+            return Ok(Self::default());
+        }
         let whole = spheres.positions.len();
         let centres = [0, 1, 2].map(|axis| bounds(spheres.positions.iter().map(|position| position[axis])));
         let drawn = |&sphere: &u32| {
@@ -490,4 +493,71 @@ fn points(arrays: &mut Unpacked<'_>, count: usize, bounds: &Bounds) -> Option<Ve
         }
     }
     points.as_flattened().iter().all(|x| x.is_finite()).then_some(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Spheres in a row, each of which presses the next, the last the hardest.
+    fn row(count: u32) -> SphereColumns {
+        let size = count as usize;
+        let contact = |k: u32| GrainContact {
+            sphere: k,
+            other: GrainPartner::Sphere(k + 1),
+            place: [0.0; 3],
+            force: [0.0; 3],
+            normal: f64::from(k),
+            overlap: 0.0,
+        };
+        SphereColumns {
+            numbers: (0..count).map(|k| 3 * k).collect(),
+            positions: (0..count).map(|k| [f64::from(k), 0.0, 1.0]).collect(),
+            radii: vec![0.5; size],
+            velocities: (0..count).map(|k| [0.0, f64::from(k), 0.0]).collect(),
+            spins: vec![[0.0; 3]; size],
+            forces: vec![[0.0; 3]; size],
+            masses: vec![1.0; size],
+            materials: vec![70_000; size],
+            groups: (0..count).collect(),
+            contacts: (0..count - 1).map(contact).collect(),
+            ..SphereColumns::default()
+        }
+    }
+
+    #[test]
+    fn values_come_back() {
+        let frame = GrainFrame::new(&row(5), EMPTY).unwrap();
+        let opened = frame.open().unwrap();
+        assert_eq!(opened.numbers, [0, 3, 6, 9, 12]);
+        assert_eq!(opened.centres[4], [4.0, 0.0, 1.0]);
+        assert_eq!(opened.radii, [0.5; 5]);
+        assert_eq!((opened.values[0][4], opened.values[4][1]), (4.0, 2.0), "speed, and number of contacts");
+        let ChainLine { ends, normal } = opened.chains[2];
+        assert_eq!(ends, [opened.centres[2], opened.centres[3]]);
+        assert!((normal - 2.0).abs() < 1e-4 && (ends[1][0] - 3.0).abs() < 1e-4);
+        assert_eq!(frame.reach, [[-0.5, 4.5], [-0.5, 0.5], [0.5, 1.5]]);
+    }
+
+    #[test]
+    fn of_more_spheres_some_are_shown_and_the_strongest_contacts() {
+        let frame = GrainFrame::sampled(&row(10), EMPTY, [5, 3]).unwrap();
+        assert_eq!((frame.spheres, frame.whole, frame.contacts), (5, 10, 9));
+        let opened = frame.open().unwrap();
+        assert_eq!(opened.numbers, [0, 6, 12, 18, 24]);
+        // The neighbours are not in the frame, so no contact is.
+        assert!(opened.chains.is_empty());
+        let opened = GrainFrame::sampled(&row(10), EMPTY, [10, 3]).unwrap().open().unwrap();
+        let normals: Vec<f64> = opened.chains.iter().map(|chain| chain.normal).collect();
+        assert_eq!(normals, [6.0, 7.0, 8.0]);
+    }
+
+    #[test]
+    fn without_spheres_a_frame_takes_eight_bytes() {
+        let frame = GrainFrame::new(&SphereColumns::default(), EMPTY).unwrap();
+        let mut bytes = Vec::new();
+        frame.write(&mut bytes);
+        assert_eq!(bytes, [0; 8]);
+        assert_eq!(GrainFrame::read(&mut Words { bytes: &bytes }), Some(frame));
+    }
 }
