@@ -15,7 +15,7 @@ use crate::outcome::{Outcome, Size};
 const FRICTION: f64 = 0.5;
 
 /// Coefficient of rolling friction, fitted once to the law of the run-out at full size.
-const ROLLING: f64 = 0.05;
+const ROLLING: f64 = 0.08;
 
 /// A larger one, for steeper deposits.
 const MORE_ROLLING: f64 = 0.2;
@@ -43,12 +43,12 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
             BOUND,
             "",
         ));
-        if aspect < 1.0 {
+        if aspect < 0.8 {
             outcomes.push(Outcome::absolute(
                 format!("angle of repose, {of}, rolling friction {MORE_ROLLING}"),
-                30.0,
+                27.5,
                 resisting.angle,
-                6.0,
+                5.0,
                 "degrees",
             ));
         }
