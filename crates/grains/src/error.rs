@@ -44,6 +44,22 @@ pub enum GrainError {
         /// The step.
         step: u64,
     },
+    /// A sphere has left the box along an axis that does not repeat.
+    Outside {
+        /// The sphere.
+        sphere: u32,
+        /// The step.
+        step: u64,
+    },
+    /// A periodic box is so short that a sphere might touch two images of another one.
+    Box {
+        /// The axis: 0 for x.
+        axis: usize,
+        /// Its length, m.
+        length: f64,
+        /// The length that it must exceed, m.
+        least: f64,
+    },
     /// The search for contacts failed.
     Search(String),
 }
@@ -62,6 +78,13 @@ impl fmt::Display for GrainError {
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")
             }
+            Self::Outside { sphere, step } => write!(out, "sphere {sphere} has left the box in step {step}"),
+            Self::Box { axis, length, least } => write!(
+                out,
+                "the periodic box is {length:e} m long along {}, and must be longer than {least:e} m: twice the \
+                 largest diameter and gap",
+                ["x", "y", "z"][*axis]
+            ),
             Self::Search(why) => write!(out, "search for contacts: {why}"),
         }
     }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::Domain;
 use crate::error::GrainError;
+use crate::insertion::{Insertion, Removal};
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::wall::{Wall, WallShape};
 
@@ -45,6 +46,10 @@ pub struct GrainModel {
     pub groups: Vec<String>,
     /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
     pub discs: Option<f64>,
+    /// Spheres that come in during the run.
+    pub insertions: Vec<Insertion>,
+    /// Boxes in which spheres are removed.
+    pub removals: Vec<Removal>,
     /// The box in which the spheres are; `None` for space without ends.
     pub domain: Option<Domain>,
     /// Time step, s; `None` for [`GrainModel::safe_step`].
@@ -63,13 +68,8 @@ impl GrainModel {
 
     /// Mass of a sphere, kg.
     pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
-        let radius = self.spheres.radii[sphere];
-        4.0 / 3.0
-            * std::f64::consts::PI
-            * radius
-            * radius
-            * radius
-            * self.materials[self.material_of(sphere) as usize].density
+        let density = self.materials[self.material_of(sphere) as usize].density;
+        mass(self.spheres.radii[sphere], density, self.discs)
     }
 
     /// A time step that follows the contacts, s. Hertz: a fifth of the time in which a Rayleigh wave runs
@@ -224,4 +224,10 @@ fn within(
     } else {
         Err(GrainError::OutOfRange { place: place(), what, value, range })
     }
+}
+
+/// Mass of a sphere, or of a disc of a thickness, kg.
+pub(crate) fn mass(radius: f64, density: f64, thickness: Option<f64>) -> f64 {
+    let square = std::f64::consts::PI * radius * radius;
+    density * thickness.map_or(4.0 / 3.0 * square * radius, |thickness| square * thickness)
 }
