@@ -19,7 +19,7 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&Cell>, step: f
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
             let acting = &lists.acting[slot];
-            if incident & 1 == 1 || lists.memories[slot].contact == 0.0 {
+            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
             let other = lists.partner(place, slot as u32) as usize;

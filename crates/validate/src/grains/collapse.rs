@@ -29,7 +29,7 @@ const SOLID: f64 = 0.6;
 pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     // Radius and height of the columns, over the radius of the spheres.
-    for (across, high) in size.choose(vec![(14.0, 12.0)], vec![(24.0, 12.0), (24.0, 24.0), (16.0, 32.0)]) {
+    for (across, high) in size.choose(vec![(14.0, 10.0)], vec![(24.0, 12.0), (24.0, 24.0), (16.0, 32.0)]) {
         let column = column(across, high)?;
         let fitted = collapse(&column, across, ROLLING)?;
         let resisting = collapse(&column, across, MORE_ROLLING)?;

@@ -86,15 +86,15 @@ pub(super) fn tube(radius: f64, material: u32) -> Wall {
 pub(super) fn tube_of_spheres(across: f64, high: f64, friction: [f64; 2]) -> GrainModel {
     let pitch = 2.45 * RADIUS;
     let cells = (across * RADIUS / pitch).ceil() as i32;
-    // The grid has a share of solid of 0.285, and the packing one of 0.6.
-    let layers = (high * RADIUS / pitch * 0.6 / 0.285).round() as i32;
+    let places: Vec<[f64; 2]> = (-cells..=cells)
+        .flat_map(|i| (-cells..=cells).map(move |j| [pitch * f64::from(i), pitch * f64::from(j)]))
+        .filter(|[x, y]| x.hypot(*y) <= (across - 1.3) * RADIUS)
+        .collect();
+    let volume = 0.6 * across * across * high;
+    let layers = (volume / (4.0 / 3.0 * places.len() as f64)).round() as i32;
     let mut spheres = Spheres::default();
     for layer in 0..layers {
-        for (i, j) in (-cells..=cells).flat_map(|i| (-cells..=cells).map(move |j| (i, j))) {
-            let [x, y] = [i, j].map(|k| pitch * f64::from(k));
-            if x.hypot(y) > (across - 1.3) * RADIUS {
-                continue;
-            }
+        for [x, y] in &places {
             let k = spheres.radii.len();
             let jitter = |axis: usize| 0.05 * RADIUS * scatter(4 * k + axis);
             let z = pitch * (f64::from(layer) + 0.5);

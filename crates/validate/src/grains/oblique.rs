@@ -46,7 +46,7 @@ fn kharaz(degrees: f64, of: GrainMaterial) -> Result<[f64; 3], String> {
     let mut model = on_plane(2.5e-3, [3.9 * sin, 0.0, -3.9 * cos], [0.0; 3], [of, of]);
     model.surfaces[0] = Surfaces { friction: 0.092, restitution: 0.98, ..model.surfaces[0] };
     model.step = Some(model.safe_step() / 8.0);
-    let run = impact(model)?.run;
+    let run = impact(model, 20)?.run;
     Ok([3.9 * sin, run.velocity(0)[0], -run.spin(0)[1]])
 }
 
@@ -117,7 +117,7 @@ fn test_5(size: Size) -> Result<Vec<Outcome>, String> {
             let mut model = on_plane(RADIUS, [along, 0.0, -NORMAL], [0.0; 3], [of, of]);
             model.surfaces[0].friction = FRICTION;
             model.step = Some(model.safe_step() / 8.0);
-            let found = impact(model)?;
+            let found = impact(model, 1)?;
             let arm = 1.0 - MEAN_OVERLAP * found.overlap / RADIUS;
             let scale = FRICTION * NORMAL;
             let [velocity, spin] = [found.run.velocity(0)[0] / scale, RADIUS * found.run.spin(0)[1] / scale];
@@ -149,7 +149,7 @@ fn test_6(size: Size) -> Result<Vec<Outcome>, String> {
             let mut model = on_plane(0.1, [0.0, 0.0, -0.2], [0.0, spin, 0.0], [of, of]);
             model.surfaces[0] = Surfaces { friction: 0.4, restitution: 0.5, ..model.surfaces[0] };
             model.step = Some(model.safe_step() / 8.0);
-            let run = impact(model)?.run;
+            let run = impact(model, 20)?.run;
             let before = -0.1 * spin;
             let after = run.velocity(0)[0] - 0.1 * run.spin(0)[1];
             let kick = 0.4 * 1.5 * 0.2;
@@ -256,7 +256,7 @@ pub(crate) fn energies(size: Size) -> Result<Vec<Outcome>, String> {
             model.surfaces[0].friction = friction;
             let energy = |of: fdem_grains::GrainEnergies| of.kinetic + of.rotational;
             let before = energy(start(model.clone())?.energies());
-            Ok(energy(impact(model)?.run.energies()) / before - 1.0)
+            Ok(energy(impact(model, 20)?.run.energies()) / before - 1.0)
         };
         // Sliding takes the work of friction along the mean of the speeds of the contact.
         let (degrees, friction) = (76.0_f64, 0.5);

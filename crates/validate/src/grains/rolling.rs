@@ -8,6 +8,9 @@ use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, on_plane, 
 /// m.
 const RADIUS: f64 = 0.05;
 
+/// Steps from one look at a sphere to the next.
+const STRIDE: u64 = 10;
+
 /// A sphere that rests on a plane, which is inclined towards +x by an angle, degrees, at the overlap of its
 /// weight. `velocity`: along x, m/s. It rolls if `rolls`, or else slides without turning.
 fn model(degrees: f64, velocity: f64, rolls: bool, surfaces: Surfaces) -> GrainModel {
@@ -59,7 +62,7 @@ pub(crate) fn to_rest(_: Size) -> Result<Vec<Outcome>, String> {
 /// Runs until the sphere has slowed down to a speed, m/s. Returns its place, m, and the time, s.
 fn slowed_to(run: &mut GrainRun, speed: f64) -> Result<[f64; 2], String> {
     while run.velocity(0)[0] > speed {
-        run.advance(1).map_err(text)?;
+        run.advance(STRIDE).map_err(text)?;
         if run.time() > 3.0 {
             return Err(format!("the sphere does not slow down to {speed} m/s"));
         }
@@ -141,7 +144,7 @@ pub(crate) fn slide_to_roll(_: Size) -> Result<Vec<Outcome>, String> {
     let arm = arm(&model);
     let mut run = start(model)?;
     while run.velocity(0)[0] - arm * run.spin(0)[1] > 1e-6 {
-        run.advance(1).map_err(text)?;
+        run.advance(STRIDE).map_err(text)?;
         if run.time() > 1.0 {
             return Err("the sphere does not roll".to_owned());
         }
@@ -170,32 +173,34 @@ pub(crate) fn twisting(_: Size) -> Result<Vec<Outcome>, String> {
     // It begins faster, so that its spring has yielded when it has the speed.
     model.spheres.spins[0] = [0.0, 0.0, 1.05 * SPIN];
     let mut run = start(model)?;
-    let (mut angle, mut begin, mut end) = (0.0, f64::NAN, f64::NAN);
-    while run.time() < 1.0 {
-        run.advance(1).map_err(text)?;
-        let spin = run.spin(0)[2];
-        if begin.is_nan() && spin <= SPIN {
-            begin = run.time();
-        }
-        if !begin.is_nan() {
-            angle += run.time_step() * spin;
-        }
-        if end.is_nan() && spin <= 0.0 {
-            end = run.time();
-        }
+    let mut spins = Vec::new();
+    while run.time() < 1.5 {
+        spins.push([run.time(), run.spin(0)[2]]);
+        run.advance(STRIDE).map_err(text)?;
     }
-    let mut turned = 0.0;
-    while run.time() < 2.0 {
-        run.advance(1).map_err(text)?;
-        turned += run.time_step() * run.spin(0)[2];
-    }
+    let [begin, end] = [SPIN, 0.0].map(|spin| crossing(&spins, spin));
+    let [angle, turned] = [[begin, end], [end + 0.5, 1.5]].map(|times| angle(&spins, times));
     let slowing = 2.5 * FRICTION * GRAVITY / RADIUS;
     let [x, y, _] = run.position(0);
-    // The spring turns it back by 2e-3 when it has stopped.
     Ok(vec![
         Outcome::relative("time", SPIN / slowing, end - begin, 1e-3, "s"),
         Outcome::relative("angle", 0.5 * SPIN * SPIN / slowing, angle, 2e-3, ""),
-        Outcome::absolute("angle in the second after", 0.0, turned, 1e-9, ""),
+        Outcome::absolute("angle in the second half of a second after", 0.0, turned, 1e-9, ""),
         Outcome::absolute("way aside", 0.0, x.hypot(y), 1e-12, "m"),
     ])
+}
+
+/// The time, s, at which a falling rate falls below a value. `rates`: times and rates.
+fn crossing(rates: &[[f64; 2]], value: f64) -> f64 {
+    let pair = rates.windows(2).find(|pair| pair[1][1] <= value);
+    pair.map_or(f64::NAN, |pair| {
+        let [[from, before], [to, after]] = [pair[0], pair[1]];
+        from + (to - from) * (before - value) / (before - after)
+    })
+}
+
+/// The integral of a rate over the samples in an interval of time, s. `rates`: times and rates.
+fn angle(rates: &[[f64; 2]], [from, to]: [f64; 2]) -> f64 {
+    let inside = rates.windows(2).filter(|pair| pair[0][0] >= from && pair[1][0] <= to);
+    inside.map(|pair| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1])).sum()
 }
