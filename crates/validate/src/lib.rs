@@ -7,7 +7,9 @@
 //!
 //! | to change | open |
 //! |---|---|
-//! | a case, its bound | `src/cases.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space`, of spheres and walls in `src/grains` |
+//! | a case, its bound | `src/cases.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space` |
+//! | a case of spheres and walls | `src/grains/list.rs`, which lists them, and the files beside it |
+//! | published data that cases read | `src/grains/data.rs` |
 //! | models that several cases share | `src/models.rs`, `src/rocks.rs` |
 //! | the definition of a case, and its verdict | `src/outcome.rs` |
 //! | the table and the page of reports | `src/page.rs` |

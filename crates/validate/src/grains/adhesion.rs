@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 
 use fdem_grains::{GrainModel, GrainRun, Spheres, Surfaces};
 
-use crate::outcome::{Outcome, Size};
 use super::models::{material, start, text};
+use crate::outcome::{Outcome, Size};
 
 /// Reduced radius, m, and modulus, Pa, and the work of adhesion, J/m².
 const RADIUS: f64 = 1e-3;
@@ -53,14 +53,20 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
         Outcome::relative("pull after that", 8.0 / 9.0 * pull_off, -jump[1], 1e-3, "N"),
         Outcome::relative("largest pull", pull_off, most, 1e-5, "N"),
         Outcome::relative("overlap without force", free * free / (3.0 * RADIUS), zero, 1e-3, "m"),
-        Outcome::relative("radius of the contact without force", free, (3.0 * RADIUS * zero).sqrt(), 1e-3, "m"),
+        Outcome::relative(
+            "radius of the contact without force",
+            free,
+            (3.0 * RADIUS * zero).sqrt(),
+            1e-3,
+            "m",
+        ),
         Outcome::relative("overlap at which they part", -3.0 * last * last / RADIUS, parting[0], 1e-3, "m"),
         Outcome::relative("pull at which they part", 5.0 / 9.0 * pull_off, -parting[1], 2e-2, "N"),
     ])
 }
 
-/// Two spheres at a gap, m, negative for an overlap, of which one is led away from the other, or with the sign
-/// -1 towards it, by a share of [`STEP`] each step.
+/// Two spheres at a gap, m, negative for an overlap, of which one is led away from the other, or with the
+/// sign -1 towards it, by a share of [`STEP`] each step.
 fn led(sign: f64, gap: f64, share: f64) -> Result<GrainRun, String> {
     let step = 1e-6;
     start(GrainModel {

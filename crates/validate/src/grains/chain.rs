@@ -2,8 +2,8 @@
 
 use fdem_grains::{GrainModel, Spheres, Surfaces, Wall};
 
-use crate::outcome::{Outcome, Size};
 use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, reduced_modulus, start, text};
+use crate::outcome::{Outcome, Size};
 
 /// m.
 const RADIUS: f64 = 0.01;
@@ -35,7 +35,9 @@ fn waves(size: Size) -> Result<Vec<Outcome>, String> {
             spheres: Spheres {
                 positions: (0..count + 2).map(|k| [pitch * f64::from(k), 0.0, 0.0]).collect(),
                 radii: vec![RADIUS; count as usize + 2],
-                velocities: (0..count + 2).map(|k| [speed * (angle * f64::from(k)).sin(), 0.0, 0.0]).collect(),
+                velocities: (0..count + 2)
+                    .map(|k| [speed * (angle * f64::from(k)).sin(), 0.0, 0.0])
+                    .collect(),
                 held: (0..count + 2).map(|k| k == 0 || k == count + 1).collect(),
                 ..Spheres::default()
             },

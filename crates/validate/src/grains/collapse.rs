@@ -1,8 +1,8 @@
 //! Columns of spheres that collapse on a plane: how far they run, and the slope of their deposits.
 //!
-//! A column of radius r and height a r runs to the radius r (1 + 1.24 a) for a below 1.7, and to r (1 + 1.6 √a) above
-//! (Lube, Huppert, Sparks and Hallworth 2004). The deposit of spheres that resist rolling is steeper (Zhou, Xu, Yu and
-//! Zulli 2001).
+//! A column of radius r and height a r runs to the radius r (1 + 1.24 a) for a below 1.7, and to r (1 + 1.6
+//! √a) above (Lube, Huppert, Sparks and Hallworth 2004). The deposit of spheres that resist rolling is
+//! steeper (Zhou, Xu, Yu and Zulli 2001).
 
 use std::f64::consts::PI;
 
@@ -82,7 +82,8 @@ struct Deposit {
     angle: f64,
 }
 
-/// Takes away the tube of a column, and waits until it has collapsed. `across`: its radius over that of the spheres.
+/// Takes away the tube of a column, and waits until it has collapsed. `across`: its radius over that of the
+/// spheres.
 fn collapse(column: &GrainModel, across: f64, rolling_friction: f64) -> Result<Deposit, String> {
     let count = column.spheres.radii.len();
     let height = 2.0 * column.spheres.positions.iter().map(|of| of[2]).sum::<f64>() / count as f64;
@@ -125,7 +126,8 @@ fn reach(heights: &[f64]) -> f64 {
     RING * (outside as f64 - 0.5 + (inner - least) / (inner - outer))
 }
 
-/// Angle of the flank, degrees: of the line of least squares through the heights between 0.3 and 0.9 of its radius.
+/// Angle of the flank, degrees: of the line of least squares through the heights between 0.3 and 0.9 of its
+/// radius.
 fn flank(heights: &[f64], reach: f64) -> f64 {
     let places = heights.iter().enumerate().map(|(ring, &height)| ((ring as f64 + 0.5) * RING, height));
     let flank: Vec<(f64, f64)> = places.filter(|(x, _)| *x > 0.3 * reach && *x < 0.9 * reach).collect();

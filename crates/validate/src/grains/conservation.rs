@@ -1,10 +1,10 @@
-//! Many spheres: momentum and energy of collisions, the energy balance of a collapse, and equal results for all
-//! numbers of threads and after a saved state.
+//! Many spheres: momentum and energy of collisions, the energy balance of a collapse, and equal results for
+//! all numbers of threads and after a saved state.
 
 use fdem_grains::{ForceLaw, GrainModel, GrainRun, GrainState, Spheres, Surfaces, Wall, WallShape};
 
-use crate::outcome::{Outcome, Size};
 use super::models::{GRAVITY, advance_to, mass, material, scatter, start, text};
+use crate::outcome::{Outcome, Size};
 
 /// m.
 const RADIUS: f64 = 2.5e-3;
@@ -71,7 +71,13 @@ fn gas(law: ForceLaw, side: usize) -> Result<Vec<Outcome>, String> {
     let name = if matches!(law, ForceLaw::HertzMindlin) { "Hertz" } else { "Hooke" };
     Ok(vec![
         Outcome::absolute(format!("momentum of {count} spheres, as a share, {name}"), 0.0, worst, 1e-13, ""),
-        Outcome::relative(format!("energy of {count} spheres, {name}"), energy, run.energies().kinetic, 1e-3, "J"),
+        Outcome::relative(
+            format!("energy of {count} spheres, {name}"),
+            energy,
+            run.energies().kinetic,
+            1e-3,
+            "J",
+        ),
     ])
 }
 
@@ -103,7 +109,10 @@ fn column(size: Size) -> GrainModel {
             wall([0.0, pitch * deep as f64, 0.0], [0.0, -1.0, 0.0]),
             // A tube that turns, beside the column: spheres that reach it are lifted.
             Wall {
-                shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 1.0, 0.0]], radius: 2.0 * pitch * high as f64 },
+                shape: WallShape::Tube {
+                    axis: [[0.0; 3], [0.0, 1.0, 0.0]],
+                    radius: 2.0 * pitch * high as f64,
+                },
                 ..wall([0.0; 3], [0.0, 0.0, 1.0])
             },
         ],
@@ -132,7 +141,13 @@ fn balance(size: Size) -> Result<Vec<Outcome>, String> {
     let released = before.weight - after.weight;
     let kept = after.kinetic + after.rotational + after.elastic;
     let error = (released + after.external - kept - after.dissipated) / released;
-    Ok(vec![Outcome::absolute("energy balance of a collapse, over the energy released", 0.0, error, 5e-3, "")])
+    Ok(vec![Outcome::absolute(
+        "energy balance of a collapse, over the energy released",
+        0.0,
+        error,
+        5e-3,
+        "",
+    )])
 }
 
 /// Equal states for 1, 2 and 3 threads, and after a state that was saved.

@@ -70,7 +70,10 @@ pub(super) fn triangles(file: &str) -> Result<Option<Vec<[[f64; 3]; 3]>>, String
     rows.map(triangle).collect::<Result<_, String>>().map(Some)
 }
 
-fn numbers_of<'a, const N: usize>(words: impl Iterator<Item = &'a str>, file: &str) -> Result<[f64; N], String> {
+fn numbers_of<'a, const N: usize>(
+    words: impl Iterator<Item = &'a str>,
+    file: &str,
+) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, _> = words.map(|word| word.trim().parse::<f64>()).collect();
     let wrong = || format!("{file}: a line without {N} numbers");
     numbers.map_err(|_| wrong())?.try_into().map_err(|_| wrong())

@@ -2,8 +2,10 @@
 
 use fdem_grains::{ForceLaw, GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces};
 
+use super::models::{
+    GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, rigid, start, text,
+};
 use crate::outcome::{Outcome, Size};
-use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, rigid, start, text};
 
 /// Most steps of one impact.
 const MOST_STEPS: u64 = 1_000_000;
@@ -19,7 +21,8 @@ pub(super) struct Impact {
     pub(super) time: f64,
 }
 
-/// Runs a model of one sphere on the plane z = 0 until the sphere has left the plane. Looks at it every `stride` steps.
+/// Runs a model of one sphere on the plane z = 0 until the sphere has left the plane. Looks at it every
+/// `stride` steps.
 pub(super) fn impact(model: GrainModel, stride: u64) -> Result<Impact, String> {
     let radius = model.spheres.radii[0];
     let mut run = start(model)?;
@@ -59,16 +62,13 @@ pub(crate) fn elastic(_: Size) -> Result<Vec<Outcome>, String> {
         }
         outcomes.push(Outcome::relative(format!("duration, {name}"), expected[2], found[2], 1e-3, "s"));
     };
-    for (name, of) in
-        [("glass", material(48e9, 0.2, 2800.0)), ("limestone", material(20e9, 0.25, 2500.0))]
-    {
+    for (name, of) in [("glass", material(48e9, 0.2, 2800.0)), ("limestone", material(20e9, 0.25, 2500.0))] {
         let expected = hertz(0.5 * mass(0.01, of), 20.0, reduced_modulus([of, of]), 0.005);
         compare(&format!("two spheres of {name}"), expected, two_spheres(of, expected[2])?);
     }
-    for (name, of) in [
-        ("aluminium alloy", material(70e9, 0.3, 2699.0)),
-        ("magnesium alloy", material(40e9, 0.35, 1800.0)),
-    ] {
+    for (name, of) in
+        [("aluminium alloy", material(70e9, 0.3, 2699.0)), ("magnesium alloy", material(40e9, 0.35, 1800.0))]
+    {
         let expected = hertz(mass(0.1, of), 0.2, reduced_modulus([of, rigid()]), 0.1);
         let mut model = on_plane(0.1, [0.0, 0.0, -0.2], [0.0; 3], [of, rigid()]);
         model.step = Some(expected[2] / 2000.0);

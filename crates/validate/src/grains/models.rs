@@ -30,7 +30,12 @@ pub(super) fn advance_to(run: &mut GrainRun, time: f64) -> Result<(), String> {
 }
 
 /// One sphere that just touches the plane z = 0. Materials: of the sphere, and of the plane.
-pub(super) fn on_plane(radius: f64, velocity: [f64; 3], spin: [f64; 3], of: [GrainMaterial; 2]) -> GrainModel {
+pub(super) fn on_plane(
+    radius: f64,
+    velocity: [f64; 3],
+    spin: [f64; 3],
+    of: [GrainMaterial; 2],
+) -> GrainModel {
     GrainModel {
         spheres: Spheres {
             positions: vec![[0.0, 0.0, radius]],
@@ -80,9 +85,9 @@ pub(super) fn tube(radius: f64, material: u32) -> Wall {
     }
 }
 
-/// Spheres that fall in a tube on the plane z = 0. `across`: radius of the tube, and `high`: height of the packing
-/// at rest, about, both over the mean radius of the spheres. `friction`: of spheres with each other and with the plane,
-/// and with the tube.
+/// Spheres that fall in a tube on the plane z = 0. `across`: radius of the tube, and `high`: height of the
+/// packing at rest, about, both over the mean radius of the spheres. `friction`: of spheres with each other
+/// and with the plane, and with the tube.
 pub(super) fn tube_of_spheres(across: f64, high: f64, friction: [f64; 2]) -> GrainModel {
     let pitch = 2.45 * RADIUS;
     let cells = (across * RADIUS / pitch).ceil() as i32;
@@ -125,6 +130,6 @@ pub(super) fn settled(model: &GrainModel) -> Result<GrainRun, String> {
     Ok(run)
 }
 
-/// Modulus of spheres in packings, Pa: soft, so that the steps are long. Under their weight they overlap by a hundredth of
-/// their radius.
+/// Modulus of spheres in packings, Pa: soft, so that the steps are long. Under their weight they overlap by a
+/// hundredth of their radius.
 const SOFT: f64 = 5e5;

@@ -9,8 +9,8 @@ use fdem_grains::{ForceLaw, GrainMaterial, GrainModel, Spheres, Surfaces};
 
 use super::data::{self, Curve};
 use super::impacts::impact;
-use crate::outcome::{Outcome, Size};
 use super::models::{advance_to, material, on_plane, reduced_modulus, start};
+use crate::outcome::{Outcome, Size};
 
 /// Largest error of a formula, as a share. That of the overlap, of damped impacts, is part of it.
 const BOUND: f64 = 5e-3;
@@ -75,13 +75,14 @@ fn test_4(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Test 4 at angles from 15 degrees on, against published curves. They were read off figures; the error is the largest of
-/// all angles, over the largest value of the curve.
+/// Test 4 at angles from 15 degrees on, against published curves. They were read off figures; the error is
+/// the largest of all angles, over the largest value of the curve.
 fn published_curves() -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for (name, of) in [("al_oxide", OXIDE), ("al_alloy", ALLOY)] {
         for curve in [Curve::TangentialRestitution, Curve::AngularVelocity] {
-            let quantity = format!("4: {} over the published curve, {}", curve.words(), name.replace('_', " "));
+            let quantity =
+                format!("4: {} over the published curve, {}", curve.words(), name.replace('_', " "));
             let Some(points) = data::curve(curve, name)? else {
                 outcomes.push(Outcome::skipped(quantity, data::ABSENT));
                 continue;
@@ -94,8 +95,7 @@ fn published_curves() -> Result<Vec<Outcome>, String> {
                 let error = (found - value) / most;
                 worst = if error.abs() > worst.abs() { error } else { worst };
             }
-            let reading =
-                if curve == Curve::AngularVelocity { READING_SPIN } else { READING_RESTITUTION };
+            let reading = if curve == Curve::AngularVelocity { READING_SPIN } else { READING_RESTITUTION };
             outcomes.push(Outcome::absolute(quantity, 0.0, worst, reading, ""));
         }
     }
@@ -108,8 +108,7 @@ fn test_5(size: Size) -> Result<Vec<Outcome>, String> {
     const NORMAL: f64 = 5.0;
     const FRICTION: f64 = 0.3;
     let mut outcomes = Vec::new();
-    for (name, of) in
-        [("steel", material(208e9, 0.3, 7850.0)), ("polyethylene", material(1e9, 0.4, 1400.0))]
+    for (name, of) in [("steel", material(208e9, 0.3, 7850.0)), ("polyethylene", material(1e9, 0.4, 1400.0))]
     {
         for angle in size.choose(vec![8.0], vec![7.5, 8.0, 10.0, 14.0]) {
             // The normalised angle of the impact, v/(µ V): from 7 on it slides.
@@ -122,13 +121,7 @@ fn test_5(size: Size) -> Result<Vec<Outcome>, String> {
             let scale = FRICTION * NORMAL;
             let [velocity, spin] = [found.run.velocity(0)[0] / scale, RADIUS * found.run.spin(0)[1] / scale];
             let of = format!("{name}, angle {angle}");
-            outcomes.push(Outcome::relative(
-                format!("5: velocity, {of}"),
-                angle - 2.0,
-                velocity,
-                BOUND,
-                "",
-            ));
+            outcomes.push(Outcome::relative(format!("5: velocity, {of}"), angle - 2.0, velocity, BOUND, ""));
             outcomes.push(Outcome::relative(
                 format!("5: angular velocity, {of}"),
                 5.0 * arm,
@@ -239,8 +232,8 @@ fn test_8() -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Elastic impacts at all angles gain no energy. At 76 degrees a code for granular media once gained a third of it,
-/// with a friction of 0.5 (lammps#5007).
+/// Elastic impacts at all angles gain no energy. At 76 degrees a code for granular media once gained a third
+/// of it, with a friction of 0.5 (lammps#5007).
 pub(crate) fn energies(size: Size) -> Result<Vec<Outcome>, String> {
     let of = material(50e9, 0.3, 2500.0);
     let stiffness = reduced_modulus([of, of]) * 1e-3;

@@ -2,8 +2,10 @@
 
 use fdem_grains::{GrainModel, GrainRun, Surfaces};
 
+use super::models::{
+    GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, start, text,
+};
 use crate::outcome::{Outcome, Size};
-use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, start, text};
 
 /// m.
 const RADIUS: f64 = 0.05;
@@ -111,7 +113,8 @@ pub(crate) fn on_a_slope(size: Size) -> Result<Vec<Outcome>, String> {
             let rolling = GRAVITY * sin / (1.0 + 0.4 / (arm * arm));
             [rolling, rolling / arm]
         };
-        let of = format!("{degrees} degrees, friction {friction}, {}", if slips { "slipping" } else { "rolling" });
+        let of =
+            format!("{degrees} degrees, friction {friction}, {}", if slips { "slipping" } else { "rolling" });
         outcomes.push(Outcome::relative(format!("acceleration: {of}"), expected, acceleration, 1e-3, "m/s²"));
         outcomes.push(Outcome::relative(
             format!("acceleration of the rim about the centre: {of}"),

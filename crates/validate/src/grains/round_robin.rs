@@ -1,6 +1,6 @@
-//! The round robin of Dosta et al. (2024), with its data beside the project: a bed that a ball penetrates, a drum and a
-//! silo. Its published curves cannot be had. So the state at the beginning is compared with what its data say, and
-//! results at one time step with those at half of it.
+//! The round robin of Dosta et al. (2024), with its data beside the project: a bed that a ball penetrates,
+//! and a drum; its silo has a case of its own, `hopper`. Its published curves cannot be had. So the state at
+//! the beginning is compared with what its data say, and results at one time step with those at half of it.
 
 use fdem_grains::{GrainMaterial, GrainModel, GrainPartner, Spheres, Surfaces, Wall, WallRotation};
 
@@ -24,11 +24,8 @@ fn materials(softer: f64) -> Vec<GrainMaterial> {
 }
 
 fn surfaces() -> Vec<Surfaces> {
-    let pair = |materials, restitution, friction| Surfaces {
-        restitution,
-        friction,
-        ..Surfaces::smooth(materials)
-    };
+    let pair =
+        |materials, restitution, friction| Surfaces { restitution, friction, ..Surfaces::smooth(materials) };
     vec![
         pair([0, 0], 0.5, 0.3),
         pair([0, 1], 0.45, 0.2),
@@ -84,20 +81,27 @@ fn touching(bed: &[[f64; 4]]) -> Result<Vec<Outcome>, String> {
     let overlap = contacts.iter().map(|of| of.overlap).fold(0.0, f64::max);
     Ok(vec![
         Outcome::absolute("bed: pairs that touch", 53_876.0, pairs as f64, 0.0, ""),
-        Outcome::relative("bed: contacts of a sphere", 4.3101, 2.0 * pairs as f64 / bed.len() as f64, 1e-4, ""),
+        Outcome::relative(
+            "bed: contacts of a sphere",
+            4.3101,
+            2.0 * pairs as f64 / bed.len() as f64,
+            1e-4,
+            "",
+        ),
         Outcome::relative("bed: largest overlap", 9.0117e-7, overlap, 1e-4, "m"),
     ])
 }
 
-/// The ball of 2 cm falls from 6 cm with 5 m/s, and meets the bed where it touches the first of its spheres. The bed is
-/// held, and far spheres are left out.
+/// The ball of 2 cm falls from 6 cm with 5 m/s, and meets the bed where it touches the first of its spheres.
+/// The bed is held, and far spheres are left out.
 fn first_impact(bed: &[[f64; 4]]) -> Result<Vec<Outcome>, String> {
     let top = bed.iter().map(|of| of[3]).fold(f64::NEG_INFINITY, f64::max);
     let near = |of: &&[f64; 4]| of[1].hypot(of[2]) < 0.012 && of[3] > top - 0.012;
     let mut rows: Vec<[f64; 4]> = bed.iter().filter(near).copied().collect();
     rows.push([0.01, 0.0, 0.0, 0.06]);
     // Height of the ball that touches a sphere of the bed.
-    let height = |of: &[f64; 4]| of[3] + ((0.01 + of[0]).powi(2) - of[1] * of[1] - of[2] * of[2]).max(0.0).sqrt();
+    let height =
+        |of: &[f64; 4]| of[3] + ((0.01 + of[0]).powi(2) - of[1] * of[1] - of[2] * of[2]).max(0.0).sqrt();
     let fall = 0.06 - bed.iter().filter(near).map(height).fold(f64::NEG_INFINITY, f64::max);
     let expected = (25.0 - 2.0 * GRAVITY[2] * fall).sqrt();
     let (mut spheres, ball) = (spheres(&rows), rows.len() - 1);
@@ -127,13 +131,11 @@ fn first_impact(bed: &[[f64; 4]]) -> Result<Vec<Outcome>, String> {
     Err("the ball does not meet the bed".to_owned())
 }
 
-/// A ball penetrates a bed: how deep, at a time step and at half of it. Reduced: a part of the bed, a small ball and soft
-/// spheres.
+/// A ball penetrates a bed: how deep, at a time step and at half of it. Reduced: a part of the bed, a small
+/// ball and soft spheres.
 fn penetration(bed: &[[f64; 4]], size: Size) -> Result<Vec<Outcome>, String> {
-    let [half, deep, radius, softer, step, time] = size.choose(
-        [0.009, 0.009, 0.004, 10.0, 1.5e-6, 4e-3],
-        [0.049, 0.03, 0.01, 1.0, 1e-6, 10e-3],
-    );
+    let [half, deep, radius, softer, step, time] =
+        size.choose([0.009, 0.009, 0.004, 10.0, 1.5e-6, 4e-3], [0.049, 0.03, 0.01, 1.0, 1e-6, 10e-3]);
     let floor = -0.090_243_1;
     let inside = |of: &&[f64; 4]| of[1].abs() <= half - 1e-3 && of[2].abs() <= deep - 1e-3;
     let mut rows: Vec<[f64; 4]> = bed.iter().filter(inside).copied().collect();
@@ -193,8 +195,8 @@ fn filling(spheres: &[[f64; 4]]) -> Vec<Outcome> {
     ]
 }
 
-/// The drum turns: its filling at a time step and at half of it. A slice of it, with soft spheres; at the reduced size for
-/// a short time.
+/// The drum turns: its filling at a time step and at half of it. A slice of it, with soft spheres; at the
+/// reduced size for a short time.
 fn drum(all: &[[f64; 4]], size: Size) -> Result<Vec<Outcome>, String> {
     const SOFTER: f64 = 1000.0;
     let [half, time] = size.choose([1.5e-3, 0.02], [5e-3, 0.5]);
@@ -227,7 +229,13 @@ fn drum(all: &[[f64; 4]], size: Size) -> Result<Vec<Outcome>, String> {
     let before = rows.iter().map(|of| of[3]).sum::<f64>() / rows.len() as f64;
     let of = format!("after {time} s, {} spheres", rows.len());
     Ok(vec![
-        Outcome::relative(format!("drum: descent {of}, two steps"), before - fine[1], before - coarse[1], 0.02, "m"),
+        Outcome::relative(
+            format!("drum: descent {of}, two steps"),
+            before - fine[1],
+            before - coarse[1],
+            0.02,
+            "m",
+        ),
         Outcome::absolute(
             format!("drum: way aside {of}, two steps, over the radius of the drum"),
             fine[0] / 0.1,

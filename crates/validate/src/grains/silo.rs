@@ -1,8 +1,8 @@
 //! Pressure on the bottom of a silo, which walls with friction relieve (Janssen 1895).
 //!
-//! The bottom bears the share (1 - exp(-x))/x of the weight, with x = 4 K µ h/D for a height h, a diameter D, a
-//! friction µ of the walls and a ratio K of the pressures across and along the axis. The bottom sinks slowly, so that
-//! the friction of the walls acts upwards everywhere.
+//! The bottom bears the share (1 - exp(-x))/x of the weight, with x = 4 K µ h/D for a height h, a diameter D,
+//! a friction µ of the walls and a ratio K of the pressures across and along the axis. The bottom sinks
+//! slowly, so that the friction of the walls acts upwards everywhere.
 
 use super::models::{GRAVITY, RADIUS, mass, settled, start, text, tube_of_spheres};
 use crate::outcome::{Outcome, Size};
@@ -17,8 +17,8 @@ const FRICTION: f64 = 0.4;
 const SINKING: f64 = 0.02;
 const TIME: f64 = 0.45;
 
-/// Ratio of the pressures that is expected, and how far it may be from it. The ratio of a bed is a third at its active
-/// limit; walls with friction raise it up to 1 and somewhat more.
+/// Ratio of the pressures that is expected, and how far it may be from it. The ratio of a bed is a third at
+/// its active limit; walls with friction raise it up to 1 and somewhat more.
 const RATIO: f64 = 0.9;
 const RATIO_BOUND: f64 = 0.3;
 
@@ -53,15 +53,16 @@ pub(crate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Fills a silo up to about `high` diameters, and lowers its bottom. Returns the mean load on the bottom over the weight
-/// after a third of the time, and the height over the diameter.
+/// Fills a silo up to about `high` diameters, and lowers its bottom. Returns the mean load on the bottom over
+/// the weight after a third of the time, and the height over the diameter.
 fn bottom(high: f64, friction: f64) -> Result<[f64; 2], String> {
     let mut model = tube_of_spheres(ACROSS, 2.0 * ACROSS * high, [0.5, friction]);
     let filled = settled(&model)?;
     let count = model.spheres.radii.len();
     model.spheres.positions = (0..count).map(|k| filled.position(k)).collect();
     model.walls[0].velocity = [0.0, 0.0, -SINKING];
-    let weight: f64 = model.spheres.radii.iter().map(|&radius| mass(radius, model.materials[0]) * GRAVITY).sum();
+    let weight: f64 =
+        model.spheres.radii.iter().map(|&radius| mass(radius, model.materials[0]) * GRAVITY).sum();
     let centre = model.spheres.positions.iter().map(|of| of[2]).sum::<f64>() / count as f64;
     let mut run = start(model)?;
     let (mut load, mut steps) = (0.0, 0.0);
