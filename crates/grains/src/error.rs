@@ -44,6 +44,13 @@ pub enum GrainError {
         /// The reason.
         why: &'static str,
     },
+    /// A number refers to a point that does not exist.
+    Point {
+        /// Owner of the number.
+        place: String,
+        /// The number.
+        point: u32,
+    },
     /// A sphere is so fast, or so far away, that its place is not known any more.
     Lost {
         /// The sphere.
@@ -83,6 +90,7 @@ impl fmt::Display for GrainError {
             Self::Length { what, found, expected } => write!(out, "{found} {what} instead of {expected}"),
             Self::Material { place, material } => write!(out, "{place}: there is no material {material}"),
             Self::Clump { clump, why } => write!(out, "clump {clump}: {why}"),
+            Self::Point { place, point } => write!(out, "{place}: there is no point {point}"),
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")
             }

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::clump::{Clump, ClumpInertia};
+use crate::clump::Clump;
 use crate::domain::Domain;
 use crate::error::GrainError;
 use crate::insertion::{Insertion, Removal};
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
-use crate::rotation::inverse;
+use crate::vector::{length, minus};
 use crate::wall::{Wall, WallShape};
 
 /// Spheres, each list in the order of their numbers.
@@ -60,10 +60,6 @@ pub struct GrainModel {
     pub step: Option<f64>,
 }
 
-/// Time step over the time in which a Rayleigh wave runs round a sphere, and over the duration of an impact.
-const RAYLEIGH: f64 = 0.2;
-const IMPACT: f64 = 0.02;
-
 impl GrainModel {
     /// Number of the material of a sphere.
     pub(crate) fn material_of(&self, sphere: usize) -> u32 {
@@ -74,49 +70,6 @@ impl GrainModel {
     pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
         let density = self.materials[self.material_of(sphere) as usize].density;
         mass(self.spheres.radii[sphere], density, self.discs)
-    }
-
-    /// Mass, centre and moments of inertia of a clump.
-    pub(crate) fn inertia_of(&self, clump: usize) -> ClumpInertia {
-        let of = &self.clumps[clump];
-        of.inertia.unwrap_or_else(|| {
-            let members = || of.spheres.iter().map(|&sphere| sphere as usize);
-            let centres: Vec<[f64; 3]> = members().map(|sphere| self.spheres.positions[sphere]).collect();
-            let radii: Vec<f64> = members().map(|sphere| self.spheres.radii[sphere]).collect();
-            let material = members().next().map_or(0, |sphere| self.material_of(sphere));
-            let density = self.materials[material as usize].density;
-            match self.discs {
-                Some(thickness) => ClumpInertia::of_discs(&centres, &radii, density, thickness),
-                None => ClumpInertia::of_spheres(&centres, &radii, density),
-            }
-        })
-    }
-
-    /// A time step that follows the contacts, s. Hertz: a fifth of the time in which a Rayleigh wave runs
-    /// round a sphere, and a fiftieth of the impact of two such spheres at twice the greatest speed of the
-    /// model. Hooke: a fiftieth of the impact.
-    pub fn safe_step(&self) -> f64 {
-        let speeds = self.spheres.velocities.iter().chain(self.walls.iter().map(|wall| &wall.velocity));
-        let speed = 2.0 * speeds.map(|&velocity| crate::vector::length(velocity)).fold(0.0, f64::max);
-        let of = |sphere: usize| {
-            let (radius, half) = (self.spheres.radii[sphere], 0.5 * self.mass_of(sphere));
-            let material = &self.materials[self.material_of(sphere) as usize];
-            let (young, poisson) = (material.youngs_modulus, material.poissons_ratio);
-            if let ForceLaw::Hooke { normal, .. } = self.law {
-                return IMPACT * std::f64::consts::PI * (half / normal).sqrt();
-            }
-            let shear = young / (2.0 * (1.0 + poisson));
-            let wave = std::f64::consts::PI * radius * (material.density / shear).sqrt()
-                / (0.1631 * poisson + 0.8766);
-            if speed == 0.0 {
-                return RAYLEIGH * wave;
-            }
-            let reduced = 0.5 * young / (1.0 - poisson * poisson);
-            let depth =
-                libm::pow(15.0 / 16.0 * half * speed * speed / (reduced * (0.5 * radius).sqrt()), 0.4);
-            (RAYLEIGH * wave).min(IMPACT * 2.9432 * depth / speed)
-        };
-        (0..self.spheres.positions.len()).map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// Checks all numbers.
@@ -172,18 +125,7 @@ impl GrainModel {
             }
         }
         for (number, wall) in self.walls.iter().enumerate() {
-            let place = || format!("wall {number}");
-            if wall.material as usize >= known {
-                return Err(GrainError::Material { place: place(), material: wall.material });
-            }
-            let (direction, radius) = match wall.shape {
-                WallShape::Plane { normal, .. } => (normal, 1.0),
-                WallShape::Cone { .. } | WallShape::Disc { .. } | WallShape::Mesh { .. } => continue,
-                WallShape::Tube { axis: [a, b], radius } => (crate::vector::minus(b, a), radius),
-            };
-            let size = crate::vector::length(direction);
-            within(place, "length of its direction", size, size > 0.0, "above 0")?;
-            within(place, "radius", radius, radius > 0.0, "above 0")?;
+            self.check_wall(number, wall)?;
         }
         self.surfaces.iter().try_for_each(|surfaces| self.check_surfaces(surfaces))?;
         if let ForceLaw::Hooke { normal, tangential } = self.law {
@@ -204,52 +146,63 @@ impl GrainModel {
         Ok(())
     }
 
-    fn check_clumps(&self) -> Result<(), GrainError> {
-        let Spheres { positions, velocities, spins, held, .. } = &self.spheres;
-        let mut taken = vec![false; positions.len()];
-        for (clump, of) in self.clumps.iter().enumerate() {
-            let wrong = |why| Err(GrainError::Clump { clump, why });
-            if of.spheres.is_empty() {
-                return wrong("it has no spheres");
+    fn check_wall(&self, number: usize, wall: &Wall) -> Result<(), GrainError> {
+        let name =
+            || if wall.name.is_empty() { format!("wall {number}") } else { format!("wall {}", wall.name) };
+        if wall.material as usize >= self.materials.len() {
+            return Err(GrainError::Material { place: name(), material: wall.material });
+        }
+        let is_direction = |what: &'static str, of: [f64; 3]| {
+            let size = length(of);
+            within(name, what, size, size > 0.0, "above 0")
+        };
+        let is_point =
+            |of: &[f64; 3]| of.iter().try_for_each(|&x| within(name, "a coordinate", x, true, "a number"));
+        match &wall.shape {
+            WallShape::Plane { point, normal } => {
+                is_point(point)?;
+                is_direction("length of its direction", *normal)?;
             }
-            if !of.spheres.is_sorted_by(|a, b| a < b) {
-                return wrong("the numbers of its spheres do not ascend");
+            WallShape::Tube { axis: [a, b], radius } => {
+                is_point(a)?;
+                is_direction("length of its direction", minus(*b, *a))?;
+                within(name, "radius", *radius, *radius > 0.0, "above 0")?;
             }
-            let is_held = |sphere: u32| held.get(sphere as usize).copied().unwrap_or(false);
-            let density = |sphere: u32| self.materials[self.material_of(sphere as usize) as usize].density;
-            for &sphere in &of.spheres {
-                let Some(taken) = taken.get_mut(sphere as usize) else {
-                    return wrong("one of its spheres does not exist");
-                };
-                if std::mem::replace(taken, true) {
-                    return wrong("one of its spheres belongs to another clump");
+            WallShape::Cone { axis: [a, b], radii } => {
+                is_point(a)?;
+                is_direction("length of its direction", minus(*b, *a))?;
+                for &radius in radii {
+                    within(name, "radius", radius, radius >= 0.0, "at least 0")?;
                 }
-                let moves = [velocities, spins].map(|list| list.get(sphere as usize).copied());
-                if moves.into_iter().flatten().any(|given| given != [0.0; 3]) {
-                    return wrong("one of its spheres has a velocity or a spin: give it to the clump");
-                }
-                if is_held(sphere) != is_held(of.spheres[0]) {
-                    return wrong("some of its spheres are held, and others are not");
-                }
-                if of.inertia.is_none() && density(sphere) != density(of.spheres[0]) {
-                    return wrong("its spheres have several densities: give its mass and moments of inertia");
-                }
+                let largest = radii[0].max(radii[1]);
+                within(name, "larger radius", largest, largest > 0.0, "above 0")?;
             }
-            let place = || format!("clump {clump}");
-            for &x in of.velocity.iter().chain(&of.spin) {
-                within(place, "a velocity", x, true, "a number")?;
+            WallShape::Disc { centre, normal, radius } => {
+                is_point(centre)?;
+                is_direction("length of its direction", *normal)?;
+                within(name, "radius", *radius, *radius > 0.0, "above 0")?;
             }
-            let ClumpInertia { mass, centre, moments } = self.inertia_of(clump);
-            within(place, "mass", mass, mass > 0.0, "above 0")?;
-            for &x in centre.iter().chain(moments.iter().flatten()) {
-                within(place, "the centre or a moment of inertia", x, true, "a number")?;
+            WallShape::Mesh { triangles } => {
+                let count = triangles.len() as f64;
+                within(name, "number of triangles", count, count > 0.0, "above 0")?;
+                triangles.iter().flatten().try_for_each(is_point)?;
             }
-            if inverse(&moments).is_none() {
-                return wrong("its moments of inertia are not those of a body");
-            }
-            if self.domain.is_some_and(|domain| domain.strain_rates != [0.0; 3]) {
-                return wrong("the box grows, and clumps cannot follow it");
-            }
+        }
+        is_point(&wall.velocity)?;
+        if let Some(rotation) = &wall.rotation {
+            is_point(&rotation.through)?;
+            is_point(&rotation.spin)?;
+        }
+        let mut before = f64::NEG_INFINITY;
+        for (time, displacement) in &wall.path {
+            within(name, "time of its path", *time, *time > before, "above the time before it")?;
+            is_point(displacement)?;
+            before = *time;
+        }
+        if let Some(servo) = &wall.servo {
+            is_direction("length of the direction of its servo", servo.direction)?;
+            within(name, "force of its servo", servo.force, servo.force >= 0.0, "at least 0")?;
+            within(name, "speed of its servo", servo.speed, servo.speed > 0.0, "above 0")?;
         }
         Ok(())
     }
@@ -283,7 +236,7 @@ impl GrainModel {
 }
 
 /// Whether a number is finite and in its range.
-fn within(
+pub(crate) fn within(
     place: impl Fn() -> String,
     what: &'static str,
     value: f64,
