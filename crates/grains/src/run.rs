@@ -292,6 +292,11 @@ impl GrainRun {
         self.on_walls.forces[wall][1]
     }
 
+    /// Displacement of a wall now, m, without that of its rotation.
+    pub fn wall_displacement(&self, wall: usize) -> [f64; 3] {
+        self.model.walls[wall].placement(self.time(), &self.servos[wall]).displacement
+    }
+
     /// The walls in the last step; meshes are without their triangles, which [`GrainRun::columns`] has.
     pub fn walls(&self) -> &[Wall] {
         &self.walls
@@ -390,7 +395,8 @@ impl GrainRun {
         // In a box spheres are moved by its lengths, too.
         let is_far = self.cell.is_some() || std::mem::take(&mut self.is_arranged);
         let moved = if is_far { f64::INFINITY } else { self.time_step * self.moved.fastest };
-        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, .. } = self;
+        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, gone, .. } =
+            self;
         let of = OnSurfacesOf { balls, laws, moved, step: self.time_step };
         on_meshes.press(of, (&model.walls, walls), (servos, time), outer)?;
         for (wall, totals) in on_meshes.totals() {
@@ -401,7 +407,9 @@ impl GrainRun {
             return Ok(());
         };
         on_bodies.place(surface.points, surface.facets);
-        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)
+        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)?;
+        gone.on_bodies += on_bodies.totals.work;
+        Ok(())
     }
 
     /// Moves the servos by the forces on their walls.
@@ -564,6 +572,15 @@ impl GrainRun {
         let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
         contacts.extend(report::on_facets(&self.balls, self.on_meshes.contacts().chain(on_bodies)));
         contacts
+    }
+
+    /// Number of the contacts in the last step.
+    ///
+    /// # Cost
+    /// A pass over all candidates on one thread.
+    pub fn contact_count(&self) -> usize {
+        let of_spheres = self.lists.memories.iter().filter(|memory| memory.contact > 0.0).count();
+        of_spheres + self.on_walls.touches.len() + self.on_bodies.contacts.len()
     }
 
     /// The spheres, their contacts and the walls now.

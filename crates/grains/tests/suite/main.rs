@@ -9,6 +9,7 @@ mod facets;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.
 mod impacts;
 /// Rolling friction, adhesion.
+mod packings;
 mod rolling;
 /// States, threads, models that are refused.
 mod runs;
