@@ -215,6 +215,7 @@ impl GrainRun {
             return Err(GrainError::Length { what: "walls that are meshes", found, expected });
         }
         self.on_bodies.take(state.on_bodies);
+        self.on_bodies.was_there = state.has_bodies;
         self.servos = state.servos;
         self.search(&state.contacts)
     }
@@ -231,6 +232,7 @@ impl GrainRun {
             on_walls: self.on_walls.saved(),
             on_meshes: self.on_meshes.saved(),
             on_bodies: self.on_bodies.saved(),
+            has_bodies: self.on_bodies.was_there,
             servos: self.servos.clone(),
             gone: self.gone,
         }
