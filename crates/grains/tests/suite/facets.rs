@@ -360,7 +360,6 @@ fn the_work_on_a_body_is_in_the_balance() {
         last = of.kinetic + of.rotational + of.elastic + of.dissipated - of.external;
         largest = largest.max((last - first).abs());
     }
-    eprintln!("{largest:e} {first:e} {:?}", run.energies());
     assert!(touched && run.energies().external < 0.0 && last > 0.0);
     assert!(largest < 1e-3 * first, "{largest:e} {first:e}");
 }
@@ -497,7 +496,6 @@ fn a_trough_of_strips_is_a_tube() {
         let (smooth, strips) =
             (run(tube.clone()), run(WallShape::Mesh { triangles: triangles.clone().collect() }));
         let apart = plus(smooth.0, -1.0, strips.0);
-        eprintln!("{smooth:?} {strips:?}");
         assert!(dot(apart, apart).sqrt() < 1e-3, "{smooth:?} {strips:?}");
         assert!((smooth.1[1] - strips.1[1]).abs() < 0.02 * smooth.1[1].abs(), "{smooth:?} {strips:?}");
     }

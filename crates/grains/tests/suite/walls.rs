@@ -101,7 +101,6 @@ fn the_work_of_meshes_and_servos_is_in_the_balance() {
     }
     let last = run.energies();
     let exchanged = (last.weight - first.weight).abs() + last.external.abs() + last.dissipated;
-    eprintln!("{worst:e} {exchanged:e} {last:?}");
     assert!(last.external.abs() > 0.01 && worst < 1e-3 * exchanged, "{worst:e} {exchanged:e} {last:?}");
 }
 
