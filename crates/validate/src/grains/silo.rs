@@ -4,7 +4,7 @@
 //! a friction µ of the walls and a ratio K of the pressures across and along the axis. The bottom sinks
 //! slowly, so that the friction of the walls acts upwards everywhere.
 
-use super::models::{GRAVITY, RADIUS, mass, settled, start, text, tube_of_spheres};
+use super::models::{GRAVITY, RADIUS, mass, settled, start, tube_of_spheres};
 use crate::outcome::{Outcome, Size};
 
 /// Radius of the tube over that of the spheres.
@@ -67,7 +67,7 @@ fn bottom(high: f64, friction: f64) -> Result<[f64; 2], String> {
     let mut run = start(model)?;
     let (mut load, mut steps) = (0.0, 0.0);
     while run.time() < TIME {
-        run.advance(1).map_err(text)?;
+        run.advance(1).map_err(|error| error.to_string())?;
         if run.time() > TIME / 3.0 {
             load -= run.wall_force(0)[2];
             steps += 1.0;
