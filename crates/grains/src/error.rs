@@ -37,6 +37,13 @@ pub enum GrainError {
         /// The number.
         material: u32,
     },
+    /// A number refers to a point that does not exist.
+    Point {
+        /// Owner of the number.
+        place: String,
+        /// The number.
+        point: u32,
+    },
     /// A sphere is so fast, or so far away, that its place is not known any more.
     Lost {
         /// The sphere.
@@ -75,6 +82,7 @@ impl fmt::Display for GrainError {
             }
             Self::Length { what, found, expected } => write!(out, "{found} {what} instead of {expected}"),
             Self::Material { place, material } => write!(out, "{place}: there is no material {material}"),
+            Self::Point { place, point } => write!(out, "{place}: there is no point {point}"),
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")
             }

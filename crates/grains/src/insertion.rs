@@ -89,9 +89,10 @@ impl Removal {
 }
 
 /// What is in a box already.
-#[derive(Debug)]
 pub(crate) struct Taken<'a> {
     walls: &'a [Wall],
+    /// Whether a sphere, by its centre, m, and radius, m, touches no triangle.
+    is_clear: &'a dyn Fn(Vector, f64) -> bool,
     low: Vector,
     /// Width of cells, m: no sphere is wider.
     width: f64,
@@ -105,18 +106,19 @@ const CELLS: usize = 64;
 
 impl<'a> Taken<'a> {
     /// Spheres, by centres, m, and radii, m, that are in a box or reach into it, and walls in their places.
-    /// `largest`: the largest radius of all spheres, m.
+    /// `is_clear`: whether a sphere touches no triangle; `largest`: the largest radius of all spheres, m.
     pub(crate) fn new(
         [low, high]: [Vector; 2],
         largest: f64,
         spheres: impl Iterator<Item = (Vector, f64)>,
-        walls: &'a [Wall],
+        (walls, is_clear): (&'a [Wall], &'a dyn Fn(Vector, f64) -> bool),
     ) -> Self {
         let extent = minus(high, low);
         let longest = extent.into_iter().fold(0.0, f64::max);
         let width = (2.0 * largest).max(longest / CELLS as f64).max(f64::MIN_POSITIVE);
         let cells = extent.map(|length| (length / width) as usize + 1);
-        let mut taken = Self { walls, low, width, cells, spheres: vec![Vec::new(); cells.iter().product()] };
+        let mut taken =
+            Self { walls, is_clear, low, width, cells, spheres: vec![Vec::new(); cells.iter().product()] };
         for (centre, radius) in spheres {
             let is_near =
                 (0..3).all(|axis| centre[axis] + radius >= low[axis] && centre[axis] - radius <= high[axis]);
@@ -150,7 +152,8 @@ impl<'a> Taken<'a> {
         let around = |axis: usize| cell[axis].saturating_sub(1)..(cell[axis] + 2).min(self.cells[axis]);
         let mut cells =
             around(2).flat_map(|z| around(1).flat_map(move |y| around(0).map(move |x| [x, y, z])));
-        self.walls.iter().all(|wall| wall.nearest(centre).1 >= radius)
+        (self.is_clear)(centre, radius)
+            && self.walls.iter().all(|wall| wall.nearest(centre).1 >= radius)
             && cells.all(|cell| {
                 self.spheres[self.place(cell)].iter().all(|&(other, size)| {
                     let apart = minus(centre, other);
@@ -213,7 +216,7 @@ mod tests {
         let rain = rain((0..300).map(|k| 0.02 + 0.0001 * f64::from(k)).collect(), 1.0);
         let floor = [Wall::plane([0.0, 0.0, 0.03], [0.0, 0.0, 1.0], 0)];
         let stone = ([0.5, 0.5, -0.1], 0.25);
-        let mut taken = Taken::new(rain.region, 0.25, [stone].into_iter(), &floor);
+        let mut taken = Taken::new(rain.region, 0.25, [stone].into_iter(), (&floor, &|_, _| true));
         let mut placed = vec![stone];
         for (sphere, &radius) in rain.radii.iter().enumerate() {
             let Some(place) = rain.place(sphere, 3, &taken) else { continue };

@@ -14,6 +14,8 @@
 //! Cleary 2013): without that a closed cycle would gain energy. Rolling and twisting have a spring that
 //! yields, with damping below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
 
+mod reduced;
+
 use crate::adhesion;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::restitution::damping_ratio;
@@ -207,7 +209,7 @@ impl PairLaw {
     }
 
     /// Energy of the springs across the normal, against rolling and against twisting, J.
-    fn spring_energy(&self, radius: f64, history: &ContactHistory) -> f64 {
+    pub(crate) fn spring_energy(&self, radius: f64, history: &ContactHistory) -> f64 {
         let stored = |square: f64, stiffness: f64| if square > 0.0 { 0.5 * square / stiffness } else { 0.0 };
         let stiffness = |share: f64| self.rolling_stiffness(history.contact, radius, share);
         let across = dot(history.tangential, history.tangential);

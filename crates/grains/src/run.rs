@@ -5,7 +5,7 @@
 //! 1. Spheres that come in, and couples of spheres that may touch, when any has moved far enough
 //!    ([`lists`]). The spheres are then arranged in memory along a curve through space.
 //! 2. Forces of all couples that touch, each once, in batches ([`press`], [`batch`]), and those with walls
-//!    ([`on_walls`]).
+//!    ([`on_walls`]; of triangles: [`on_meshes`]) and bodies ([`on_surface`], [`on_facet`]).
 //! 3. Motion: each sphere adds up the forces of its contacts in the order of the numbers of the other
 //!    spheres, those of walls after that, and moves ([`motion`]). Velocities are half a step behind
 //!    positions; contacts see them at the positions, by the accelerations of the last step.
@@ -19,6 +19,9 @@ pub(crate) mod energies;
 pub(crate) mod laws;
 pub(crate) mod lists;
 pub(crate) mod motion;
+pub(crate) mod on_facet;
+pub(crate) mod on_meshes;
+pub(crate) mod on_surface;
 pub(crate) mod on_walls;
 pub(crate) mod order;
 pub(crate) mod press;
@@ -29,7 +32,7 @@ use std::sync::Arc;
 
 use fdem_contact::{Detector, PeriodicSearch, Simd};
 
-use crate::columns::{GrainContact, SphereColumns};
+use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
 use crate::insertion::Taken;
 use crate::material::ForceLaw;
@@ -40,9 +43,13 @@ use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
 use crate::run::laws::Laws;
 use crate::run::lists::{Finder, Lists, Remembered};
 use crate::run::motion::{Moved, Moving, move_all};
+use crate::run::on_facet::SurfaceMotion;
+use crate::run::on_meshes::{OnMeshes, force_and_moment};
+use crate::run::on_surface::{OnSurface, OnSurfacesOf};
 use crate::run::on_walls::{OnWalls, OnWallsOf, Outer};
 use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
+use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
 use crate::vector::{Vector, dot, minus};
 use crate::wall::Wall;
@@ -92,8 +99,11 @@ pub struct GrainRun {
     finder: Finder,
     cell: Option<Cell>,
     on_walls: OnWalls,
-    /// The walls in the last step.
+    on_meshes: OnMeshes,
+    on_bodies: OnSurface,
+    /// The walls in the last step, meshes without their triangles, and how servos move them in the next one.
     walls: Vec<Wall>,
+    servos: Vec<ServoMotion>,
     outer: Vec<Outer>,
     gone: Gone,
     next: u32,
@@ -102,6 +112,8 @@ pub struct GrainRun {
     /// How far spheres can still move until others might touch, m, and how many searches there were.
     spare: f64,
     searches: u64,
+    /// Whether spheres have had other places in memory since the last step.
+    is_arranged: bool,
     step: u64,
     time_step: f64,
     simd: Simd,
@@ -133,6 +145,11 @@ impl GrainRun {
             Finder::Space(Box::new(Detector::new().on_pool(Arc::clone(&pool))))
         };
         let time_step = model.step.unwrap_or_else(|| model.safe_step());
+        let servos = vec![ServoMotion::default(); model.walls.len()];
+        let radii = &model.spheres.radii;
+        let insertions = model.insertions.iter().flat_map(|of| &of.radii);
+        let mean = radii.iter().chain(insertions.clone()).sum::<f64>()
+            / (radii.len() + insertions.count()).max(1) as f64;
         let mut run = Self {
             laws: Laws::new(&model),
             balls: Balls::new(&model),
@@ -140,7 +157,10 @@ impl GrainRun {
             finder,
             cell,
             on_walls: OnWalls::new(model.walls.len()),
-            walls: model.walls.iter().map(|wall| wall.at(0.0)).collect(),
+            on_meshes: OnMeshes::new(&model.walls, mean),
+            on_bodies: OnSurface::new(true, mean),
+            walls: placed(&model.walls, &servos, 0.0).collect(),
+            servos,
             outer: Vec::new(),
             gone: Gone::default(),
             next: count,
@@ -148,6 +168,7 @@ impl GrainRun {
             moved: Moved::default(),
             spare: 0.0,
             searches: 0,
+            is_arranged: true,
             step: 0,
             time_step,
             simd: Simd::best(),
@@ -177,6 +198,7 @@ impl GrainRun {
     pub fn take(&mut self, state: GrainState) -> Result<(), GrainError> {
         for (what, found, expected) in [
             ("walls", state.on_walls.len(), self.model.walls.len()),
+            ("servos", state.servos.len(), self.model.walls.len()),
             ("insertions", state.placed.len(), self.model.insertions.len()),
         ] {
             if found != expected {
@@ -188,6 +210,12 @@ impl GrainRun {
         (self.next, self.placed) = (state.next, state.placed);
         self.balls.take(state.spheres);
         self.on_walls.take(state.on_walls);
+        let (found, expected) = (state.on_meshes.len(), self.on_meshes.saved().len());
+        if !self.on_meshes.take(state.on_meshes) {
+            return Err(GrainError::Length { what: "walls that are meshes", found, expected });
+        }
+        self.on_bodies.take(state.on_bodies);
+        self.servos = state.servos;
         self.search(&state.contacts)
     }
 
@@ -201,6 +229,9 @@ impl GrainRun {
             placed: self.placed.clone(),
             contacts: self.lists.remember(&self.balls),
             on_walls: self.on_walls.saved(),
+            on_meshes: self.on_meshes.saved(),
+            on_bodies: self.on_bodies.saved(),
+            servos: self.servos.clone(),
             gone: self.gone,
         }
     }
@@ -261,7 +292,12 @@ impl GrainRun {
         self.on_walls.forces[wall][1]
     }
 
-    /// The walls in the last step.
+    /// Displacement of a wall now, m, without that of its rotation.
+    pub fn wall_displacement(&self, wall: usize) -> [f64; 3] {
+        self.model.walls[wall].placement(self.time(), &self.servos[wall]).displacement
+    }
+
+    /// The walls in the last step; meshes are without their triangles, which [`GrainRun::columns`] has.
     pub fn walls(&self) -> &[Wall] {
         &self.walls
     }
@@ -299,24 +335,26 @@ impl GrainRun {
     /// Takes one step in which the spheres touch this surface of bodies, too.
     ///
     /// # Errors
-    /// The errors of [`GrainRun::advance`].
+    /// The errors of [`GrainRun::advance`]; [`GrainError::Length`] if the lists of the surface do not fit each
+    /// other, [`GrainError::Point`] and [`GrainError::Material`] if a facet has one that does not exist.
     pub fn step_on(&mut self, surface: &Surface<'_>) -> Result<(), GrainError> {
+        surface.check(self.model.materials.len())?;
         let pool = Arc::clone(&self.pool);
         pool.install(|| self.take_step(Some(surface)))
     }
 
     /// Forces of the spheres on points of the surface in the last step, N, in ascending order of the points.
     pub fn surface_forces(&self) -> &[(u32, [f64; 3])] {
-        &[]
+        &self.on_bodies.on_points
     }
 
-    fn take_step(&mut self, _surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
+    fn take_step(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
         let time = self.time();
         if let Some(cell) = &mut self.cell {
             cell.grow(time);
         }
         self.walls.clear();
-        self.walls.extend(self.model.walls.iter().map(|wall| wall.at(time)));
+        self.walls.extend(placed(&self.model.walls, &self.servos, time));
         self.change()?;
         // Both of two spheres may have moved, and a box that grows brings them together.
         let rate = self.cell.map_or(0.0, |cell| cell.rates().into_iter().map(f64::abs).fold(0.0, f64::max));
@@ -333,6 +371,9 @@ impl GrainRun {
         let of =
             OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };
         self.on_walls.press(of, &mut self.outer)?;
+        self.press_on_surfaces(surface)?;
+        self.follow_servos();
+        let cell = self.cell.as_ref();
         // Those of one sphere stay in their order: by walls.
         self.outer.sort_by_key(|outer| outer.place);
         let moving = Moving {
@@ -346,6 +387,49 @@ impl GrainRun {
         self.moved = move_all(&mut self.balls, moving)?;
         self.step += 1;
         Ok(())
+    }
+
+    /// Computes the contacts with meshes and bodies.
+    fn press_on_surfaces(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
+        let time = self.time();
+        // In a box spheres are moved by its lengths, too.
+        let is_far = self.cell.is_some() || std::mem::take(&mut self.is_arranged);
+        let moved = if is_far { f64::INFINITY } else { self.time_step * self.moved.fastest };
+        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, gone, .. } =
+            self;
+        let of = OnSurfacesOf { balls, laws, moved, step: self.time_step };
+        on_meshes.press(of, (&model.walls, walls), (servos, time), outer)?;
+        for (wall, totals) in on_meshes.totals() {
+            on_walls.forces[wall] = force_and_moment(totals, &walls[wall]);
+        }
+        let Some(surface) = surface else {
+            on_bodies.leave();
+            return Ok(());
+        };
+        on_bodies.place(surface.points, surface.facets);
+        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)?;
+        gone.on_bodies += on_bodies.totals.work;
+        Ok(())
+    }
+
+    /// Moves the servos by the forces on their walls.
+    fn follow_servos(&mut self) {
+        for number in 0..self.servos.len() {
+            let Some(servo) = self.model.walls[number].servo else { continue };
+            let mut answer = Answer::default();
+            for touch in self.on_walls.touches.iter().filter(|touch| touch.wall as usize == number) {
+                let ball = &self.balls.list[touch.outer.place as usize];
+                let material = self.walls[number].material;
+                if let Ok(law) = self.laws.of([ball.material, material]) {
+                    answer.add(law.answer(&touch.history, ball.mass), dot(touch.normal, servo.unit()));
+                }
+            }
+            for (_, totals) in self.on_meshes.totals().filter(|(wall, _)| *wall == number) {
+                answer.add(totals.answer, 1.0);
+            }
+            let force = self.on_walls.forces[number][0];
+            servo.follow(&mut self.servos[number], force, answer, self.time_step);
+        }
     }
 
     /// Finds the couples that may touch. `remembered`: contacts that touch.
@@ -362,6 +446,7 @@ impl GrainRun {
         lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
         self.spare = skin;
         self.on_walls.renew();
+        self.is_arranged = true;
         Ok(())
     }
 
@@ -430,7 +515,10 @@ impl GrainRun {
                 .copied()
                 .fold(self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max), f64::max);
             let spheres = self.balls.list.iter().map(|ball| (ball.position, ball.radius));
-            let mut taken = Taken::new(of.region, largest, spheres, &self.walls);
+            let is_clear = |centre, radius| {
+                self.on_meshes.is_clear(centre, radius) && self.on_bodies.is_clear(centre, radius)
+            };
+            let mut taken = Taken::new(of.region, largest, spheres, (&self.walls, &is_clear));
             let mut spheres = Spheres::default();
             for sphere in first..due {
                 let Some(place) = of.place(sphere, self.step, &taken) else { break };
@@ -467,6 +555,7 @@ impl GrainRun {
             lists: &self.lists,
             laws: &self.laws,
             on_walls: &self.on_walls,
+            on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,
@@ -474,12 +563,24 @@ impl GrainRun {
         })
     }
 
-    /// Contacts in the last step: those of two spheres in ascending order, then those with walls. Spheres
+    /// Contacts in the last step: those of two spheres in ascending order, then those with walls, those with
+    /// walls of triangles, those with bodies. Spheres
     /// count in the order of their numbers.
     pub fn contacts(&self) -> Vec<GrainContact> {
         let mut contacts = report::between(&self.balls, &self.lists, self.cell.as_ref(), self.time_step);
         contacts.extend(report::on_walls(&self.balls, &self.on_walls));
+        let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
+        contacts.extend(report::on_facets(&self.balls, self.on_meshes.contacts().chain(on_bodies)));
         contacts
+    }
+
+    /// Number of the contacts in the last step.
+    ///
+    /// # Cost
+    /// A pass over all candidates on one thread.
+    pub fn contact_count(&self) -> usize {
+        let of_spheres = self.lists.memories.iter().filter(|memory| memory.contact > 0.0).count();
+        of_spheres + self.on_walls.touches.len() + self.on_bodies.contacts.len()
     }
 
     /// The spheres, their contacts and the walls now.
@@ -491,9 +592,11 @@ impl GrainRun {
             let along = |axis: usize| if cell.periodic()[axis] { cell.lengths[axis] } else { f64::INFINITY };
             [cell.low, [along(0), along(1), along(2)]]
         });
+        let mut walls = self.walls.clone();
+        self.on_meshes.fill(&mut walls);
         SphereColumns {
             group_names: self.model.groups.clone(),
-            walls: self.walls.clone(),
+            walls,
             wall_forces: self.on_walls.forces.iter().map(|sums| sums[0]).collect(),
             discs: self.model.discs,
             period,
@@ -510,4 +613,9 @@ impl GrainRun {
     pub fn law(&self) -> ForceLaw {
         self.model.law
     }
+}
+
+/// The walls at a time, s, meshes without their triangles.
+fn placed<'a>(walls: &'a [Wall], servos: &'a [ServoMotion], time: f64) -> impl Iterator<Item = Wall> + 'a {
+    walls.iter().zip(servos).map(move |(wall, servo)| wall.at(time, servo))
 }

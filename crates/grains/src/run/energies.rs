@@ -7,8 +7,8 @@ use crate::run::on_walls::OnWalls;
 use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
-/// Energies of a run, J. `kinetic + rotational + elastic + weight + dissipated - external` is constant up to
-/// the error of the time step.
+/// Energies of a run, J. `kinetic + rotational + elastic + weight + dissipated + on_bodies - external` is
+/// constant up to the error of the time step.
 ///
 /// They are those at the positions of the last step, of which its contacts are computed; before the first
 /// step, those at the beginning.
@@ -25,8 +25,10 @@ pub struct GrainEnergies {
     /// Dissipated since the beginning: by dashpots, friction, rolling and twisting.
     pub dissipated: f64,
     /// Work from outside since the beginning: of walls that move, held spheres, boxes that grow, gravity that
-    /// changes, and bodies; and the energy of spheres that came in less that of those that were removed.
+    /// changes; and the energy of spheres that came in less that of those that were removed.
     pub external: f64,
+    /// Work of the spheres on bodies since the beginning, which is left out of `external`.
+    pub on_bodies: f64,
 }
 
 /// Sums of spheres that the run has no more, and works of the whole run, J.
@@ -34,6 +36,7 @@ pub struct GrainEnergies {
 pub(crate) struct Gone {
     pub(crate) dissipated: f64,
     pub(crate) external: f64,
+    pub(crate) on_bodies: f64,
 }
 
 /// All parts of a run that have energy.
@@ -43,6 +46,8 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) lists: &'a Lists,
     pub(crate) laws: &'a Laws,
     pub(crate) on_walls: &'a OnWalls,
+    /// Elastic energy of the contacts with triangles, J.
+    pub(crate) on_facets: f64,
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -55,7 +60,8 @@ pub(crate) struct EnergyOf<'a> {
 pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
     let mut energies = GrainEnergies {
         dissipated: of.gone.dissipated,
-        external: of.gone.external,
+        external: of.gone.external + of.gone.on_bodies,
+        on_bodies: of.gone.on_bodies,
         ..GrainEnergies::default()
     };
     for &place in &of.balls.places {
@@ -77,14 +83,14 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
 /// Elastic energy of all contacts, J.
 fn elastic(of: EnergyOf<'_>) -> f64 {
     let (list, lists) = (&of.balls.list, of.lists);
-    let mut sum = 0.0;
+    let mut sum = of.on_facets;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];
         let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
-            if incident & 1 == 1 || lists.memories[slot].contact == 0.0 {
+            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
             let other = lists.partner(place, slot as u32);
@@ -92,7 +98,11 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);
             if let Ok(law) = of.laws.of([ball.material, other.material]) {
-                sum += law.energy(lists.acting[slot].overlap, radius, &lists.history(slot));
+                sum += law.energy(
+                    lists.acting[lists.acted[slot] as usize].overlap,
+                    radius,
+                    &lists.history(slot),
+                );
             }
         }
     }

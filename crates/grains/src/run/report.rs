@@ -18,10 +18,10 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&Cell>, step: f
         let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
-            let acting = &lists.acting[slot];
             if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
+            let acting = &lists.acting[lists.acted[slot] as usize];
             let other = lists.partner(place, slot as u32) as usize;
             // Where the spheres were in that step.
             let position =
@@ -61,6 +61,16 @@ pub(crate) fn on_walls(balls: &Balls, walls: &OnWalls) -> Vec<GrainContact> {
     let mut contacts: Vec<GrainContact> = walls.touches.iter().filter_map(contact).collect();
     contacts.sort_by_key(|contact| contact.sphere);
     contacts
+}
+
+/// Contacts with triangles in ascending order of their spheres, which have their numbers so far.
+pub(crate) fn on_facets(balls: &Balls, of: impl Iterator<Item = GrainContact>) -> Vec<GrainContact> {
+    let numbers: Vec<u32> = balls.places.iter().map(|&place| balls.list[place as usize].number).collect();
+    let contact = |of: GrainContact| {
+        let rank = numbers.binary_search(&of.sphere).ok()?;
+        Some(GrainContact { sphere: rank as u32, ..of })
+    };
+    of.filter_map(contact).collect()
 }
 
 /// The spheres with these contacts.
