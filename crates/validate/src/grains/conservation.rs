@@ -3,7 +3,7 @@
 
 use fdem_grains::{ForceLaw, GrainModel, GrainRun, GrainState, Spheres, Surfaces, Wall, WallShape};
 
-use super::models::{GRAVITY, advance_to, mass, material, scatter, start, text};
+use super::models::{GRAVITY, advance_to, mass, material, scatter, start};
 use crate::outcome::{Outcome, Size};
 
 /// m.
@@ -154,8 +154,8 @@ fn balance(size: Size) -> Result<Vec<Outcome>, String> {
 fn repeats(size: Size) -> Result<Vec<Outcome>, String> {
     let model = column(size);
     let run_on = |threads: usize| -> Result<GrainRun, String> {
-        let mut run = GrainRun::new(model.clone(), threads).map_err(text)?;
-        run.advance(1500).map_err(text)?;
+        let mut run = GrainRun::new(model.clone(), threads).map_err(|error| error.to_string())?;
+        run.advance(1500).map_err(|error| error.to_string())?;
         Ok(run)
     };
     let whole = run_on(1)?.state();
@@ -163,11 +163,11 @@ fn repeats(size: Size) -> Result<Vec<Outcome>, String> {
     for threads in [2, 3] {
         differing += usize::from(run_on(threads)?.state() != whole);
     }
-    let mut half = GrainRun::new(model.clone(), 1).map_err(text)?;
-    half.advance(700).map_err(text)?;
+    let mut half = GrainRun::new(model.clone(), 1).map_err(|error| error.to_string())?;
+    half.advance(700).map_err(|error| error.to_string())?;
     let saved: GrainState = half.state();
-    let mut resumed = GrainRun::resume(model, saved, 2).map_err(text)?;
-    resumed.advance(800).map_err(text)?;
+    let mut resumed = GrainRun::resume(model, saved, 2).map_err(|error| error.to_string())?;
+    resumed.advance(800).map_err(|error| error.to_string())?;
     differing += usize::from(resumed.state() != whole);
     Ok(vec![Outcome::absolute(
         "states that differ: 1, 2 and 3 threads, and resumed",
