@@ -51,7 +51,7 @@ use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
-use crate::vector::{Vector, dot, minus};
+use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
@@ -315,9 +315,12 @@ impl GrainRun {
         if change == [0.0; 3] {
             return;
         }
+        // The weight does its work with the mean of its values at both ends of a step.
+        let half = if self.step == 0 { 0.0 } else { 0.5 * self.time_step };
         for &place in &self.balls.places {
-            let ball = &self.balls.list[place as usize];
-            self.gone.external -= ball.mass * dot(change, ball.position);
+            let (ball, drive) = (&self.balls.list[place as usize], &self.balls.drives[place as usize]);
+            let middle = minus(ball.position, times(half, drive.velocity));
+            self.gone.external -= ball.mass * dot(change, middle);
         }
         self.model.gravity = gravity;
     }
@@ -556,6 +559,9 @@ impl GrainRun {
             laws: &self.laws,
             on_walls: &self.on_walls,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
+            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.dissipated, 0.0], |sum, (_, of)| {
+                [sum[0] + of.dissipated, sum[1] - of.work]
+            }),
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,

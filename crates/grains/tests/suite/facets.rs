@@ -254,7 +254,8 @@ fn impacts_in_hollows_keep_the_energy() {
             _ => {
                 let mut other = Random(k as u64);
                 let heights: Vec<f64> = (0..400).map(|_| other.number()).collect();
-                let at = |x: f64, y: f64| ((x + 0.02) * 1000.0) as usize * 19 + ((y + 0.02) * 1000.0) as usize;
+                let at =
+                    |x: f64, y: f64| ((x + 0.02) * 1000.0) as usize * 19 + ((y + 0.02) * 1000.0) as usize;
                 sheet(40, 0.04, |x, y| 0.0005 * slope * heights[at(x, y) % 400], &mut random)
             }
         };
@@ -359,7 +360,6 @@ fn the_work_on_a_body_is_in_the_balance() {
         last = of.kinetic + of.rotational + of.elastic + of.dissipated - of.external;
         largest = largest.max((last - first).abs());
     }
-    eprintln!("{largest:e} {first:e} {:?}", run.energies());
     assert!(touched && run.energies().external < 0.0 && last > 0.0);
     assert!(largest < 1e-3 * first, "{largest:e} {first:e}");
 }
@@ -493,9 +493,9 @@ fn a_trough_of_strips_is_a_tube() {
             run.advance(25_000).expect("steps");
             (run.position(0), run.spin(0))
         };
-        let (smooth, strips) = (run(tube.clone()), run(WallShape::Mesh { triangles: triangles.clone().collect() }));
+        let (smooth, strips) =
+            (run(tube.clone()), run(WallShape::Mesh { triangles: triangles.clone().collect() }));
         let apart = plus(smooth.0, -1.0, strips.0);
-        eprintln!("{smooth:?} {strips:?}");
         assert!(dot(apart, apart).sqrt() < 1e-3, "{smooth:?} {strips:?}");
         assert!((smooth.1[1] - strips.1[1]).abs() < 0.02 * smooth.1[1].abs(), "{smooth:?} {strips:?}");
     }
