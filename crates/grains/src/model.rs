@@ -66,12 +66,6 @@ impl GrainModel {
         self.spheres.materials.get(sphere).copied().unwrap_or(0)
     }
 
-    /// Mass of a sphere, kg.
-    pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
-        let density = self.materials[self.material_of(sphere) as usize].density;
-        mass(self.spheres.radii[sphere], density, self.discs)
-    }
-
     /// Checks all numbers.
     ///
     /// # Errors

@@ -53,7 +53,7 @@ use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
-use crate::vector::{Vector, dot, minus};
+use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
@@ -224,6 +224,7 @@ impl GrainRun {
             return Err(GrainError::Length { what: "walls that are meshes", found, expected });
         }
         self.on_bodies.take(state.on_bodies);
+        self.on_bodies.was_there = state.has_bodies;
         self.servos = state.servos;
         self.search(&state.contacts)
     }
@@ -240,6 +241,7 @@ impl GrainRun {
             on_walls: self.on_walls.saved(),
             on_meshes: self.on_meshes.saved(),
             on_bodies: self.on_bodies.saved(),
+            has_bodies: self.on_bodies.was_there,
             servos: self.servos.clone(),
             gone: self.gone,
             clumps: self.clumps.saved(),
@@ -325,14 +327,18 @@ impl GrainRun {
         if change == [0.0; 3] {
             return;
         }
+        // The weight does its work with the mean of its values at both ends of a step.
+        let half = if self.step == 0 { 0.0 } else { 0.5 * self.time_step };
         for &place in &self.balls.places {
-            let ball = &self.balls.list[place as usize];
-            if self.balls.kinds[place as usize].clump == ALONE {
-                self.gone.external -= ball.mass * dot(change, ball.position);
+            if self.balls.kinds[place as usize].clump != ALONE {
+                continue;
             }
+            let (ball, drive) = (&self.balls.list[place as usize], &self.balls.drives[place as usize]);
+            let middle = minus(ball.position, times(half, drive.velocity));
+            self.gone.external -= ball.mass * dot(change, middle);
         }
-        for (mass, centre) in self.clumps.masses() {
-            self.gone.external -= mass * dot(change, centre);
+        for (mass, centre, velocity) in self.clumps.centres() {
+            self.gone.external -= mass * dot(change, minus(centre, times(half, velocity)));
         }
         self.model.gravity = gravity;
     }
@@ -589,6 +595,9 @@ impl GrainRun {
             on_walls: &self.on_walls,
             clumps: &self.clumps,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
+            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.dissipated, 0.0], |sum, (_, of)| {
+                [sum[0] + of.dissipated, sum[1] - of.work]
+            }),
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,

@@ -222,10 +222,10 @@ impl Clumps {
         }
     }
 
-    /// Masses, kg, and centres, m, of the clumps that have not been removed.
-    pub(crate) fn masses(&self) -> impl Iterator<Item = (f64, Vector)> {
-        let all = self.bodies.iter().zip(&self.motions);
-        all.filter(|(_, motion)| !motion.removed).map(|(body, motion)| (body.mass, motion.centre))
+    /// Masses, kg, centres, m, and velocities, m/s, of the clumps that have not been removed.
+    pub(crate) fn centres(&self) -> impl Iterator<Item = (f64, Vector, Vector)> {
+        let all = self.bodies.iter().zip(&self.motions).filter(|(_, motion)| !motion.removed);
+        all.map(|(body, motion)| (body.mass, motion.centre, motion.velocity))
     }
 }
 

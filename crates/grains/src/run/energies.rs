@@ -50,6 +50,8 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) clumps: &'a Clumps,
     /// Elastic energy of the contacts with triangles, J.
     pub(crate) on_facets: f64,
+    /// Energy that these contacts have dissipated in the last step, and the work of walls on them in it, J.
+    pub(crate) in_step: [f64; 2],
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -82,14 +84,20 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
         energies.weight -= ball.mass * dot(of.gravity, position);
     }
     of.clumps.add_energies(&mut energies, (of.gravity, of.step));
-    energies.elastic = elastic(of);
+    let (elastic, [dissipated, external]) = of_contacts(of);
+    energies.elastic = elastic;
+    // Of the last step, only the first half is before the positions.
+    energies.dissipated -= 0.5 * dissipated;
+    energies.external -= 0.5 * external;
     energies
 }
 
-/// Elastic energy of all contacts, J.
-fn elastic(of: EnergyOf<'_>) -> f64 {
+/// Elastic energy of all contacts, the energy that they have dissipated in the last step, and the work of
+/// walls on them in it, J.
+fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
     let (list, lists) = (&of.balls.list, of.lists);
     let mut sum = of.on_facets;
+    let [mut dissipated, mut external] = of.in_step;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];
@@ -104,11 +112,9 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);
             if let Ok(law) = of.laws.of([ball.material, other.material]) {
-                sum += law.energy(
-                    lists.acting[lists.acted[slot] as usize].overlap,
-                    radius,
-                    &lists.history(slot),
-                );
+                let acting = &lists.acting[lists.acted[slot] as usize];
+                sum += law.energy(acting.overlap, radius, &lists.history(slot));
+                dissipated += acting.dissipated;
             }
         }
     }
@@ -116,7 +122,9 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
         let ball = &list[touch.outer.place as usize];
         if let Ok(law) = of.laws.of([ball.material, of.walls[touch.wall as usize].material]) {
             sum += law.energy(touch.overlap, ball.radius, &touch.history);
+            dissipated += touch.outer.dissipated;
+            external += touch.outer.external;
         }
     }
-    sum
+    (sum, [dissipated, external])
 }

@@ -91,9 +91,8 @@ fn the_work_of_meshes_and_servos_is_in_the_balance() {
     model.walls[0].rotation = Some(WallRotation { through: [0.05, 0.05, 0.0], spin: [0.0, 0.0, 5.0] });
     model.step = Some(1e-5);
     let mut run = GrainRun::new(model, 1).expect("a model");
-    let total = |of: GrainEnergies| {
-        of.kinetic + of.rotational + of.elastic + of.weight + of.dissipated - of.external
-    };
+    let total =
+        |of: GrainEnergies| of.kinetic + of.rotational + of.elastic + of.weight + of.dissipated - of.external;
     let first = run.energies();
     let mut worst = 0.0_f64;
     for _ in 0..100 {
@@ -102,7 +101,6 @@ fn the_work_of_meshes_and_servos_is_in_the_balance() {
     }
     let last = run.energies();
     let exchanged = (last.weight - first.weight).abs() + last.external.abs() + last.dissipated;
-    eprintln!("{worst:e} {exchanged:e} {last:?}");
     assert!(last.external.abs() > 0.01 && worst < 1e-3 * exchanged, "{worst:e} {exchanged:e} {last:?}");
 }
 

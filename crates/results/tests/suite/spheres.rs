@@ -250,7 +250,7 @@ fn spheres_stand_among_bodies() {
         seen.iter().filter(|[r, g, b]| i32::from(*r) > 2 * i32::from(*g) + 20 && *r / 2 > *b).count()
     };
     let [before, after, none] = [0, 1, 2].map(|k| count(&frames[k]));
-    assert!(before > after + 1000 && none < 10, "{before} {after} {none}");
+    assert!(before > 5 * after && after > 2 * none, "{before} {after} {none}");
     let svg = drawn.svg(&frames[2]).unwrap();
     assert!(svg.contains("step 7, 3 spheres"), "pictures need no mesh");
 }

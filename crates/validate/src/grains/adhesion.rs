@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use fdem_grains::{GrainModel, GrainRun, Spheres, Surfaces};
 
-use super::models::{material, start, text};
+use super::models::{material, start};
 use crate::outcome::{Outcome, Size};
 
 /// Reduced radius, m, and modulus, Pa, and the work of adhesion, J/m².
@@ -87,6 +87,6 @@ fn led(sign: f64, gap: f64, share: f64) -> Result<GrainRun, String> {
 
 /// Overlap, m, and force, N, of the two after a step; `None` if they do not touch.
 fn next(run: &mut GrainRun) -> Result<Option<[f64; 2]>, String> {
-    run.advance(1).map_err(text)?;
+    run.advance(1).map_err(|error| error.to_string())?;
     Ok(run.contacts().first().map(|contact| [contact.overlap, contact.normal]))
 }

@@ -2,7 +2,7 @@
 
 use fdem_grains::{GrainModel, Spheres, Surfaces, Wall};
 
-use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, reduced_modulus, start, text};
+use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, reduced_modulus, start};
 use crate::outcome::{Outcome, Size};
 
 /// m.
@@ -51,7 +51,7 @@ fn waves(size: Size) -> Result<Vec<Outcome>, String> {
         let mut crossings = Vec::new();
         let mut before = run.velocity(sphere)[0];
         while crossings.len() < 5 {
-            run.advance(1).map_err(text)?;
+            run.advance(1).map_err(|error| error.to_string())?;
             let now = run.velocity(sphere)[0];
             if now * before < 0.0 {
                 crossings.push(run.time() - run.time_step() * now / (now - before));

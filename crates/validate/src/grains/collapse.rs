@@ -14,10 +14,12 @@ use crate::outcome::{Outcome, Size};
 /// Coefficient of friction of all spheres and the plane.
 const FRICTION: f64 = 0.5;
 
-/// Coefficient of rolling friction, fitted once to the law of the run-out at full size.
+/// Coefficient of rolling friction, chosen once for all columns: with 0.05 columns of full size reached 3 to
+/// 12 % farther than the law, with 0.08 the reduced one reaches 3 % less.
 const ROLLING: f64 = 0.08;
 
-/// A larger one, for steeper deposits.
+/// A larger one, for a steeper deposit. Its angle is compared with that of free-flowing grains, 25 to 30
+/// degrees, with a bound that covers columns of different sizes.
 const MORE_ROLLING: f64 = 0.2;
 
 /// Largest error of the run-out, as a share.

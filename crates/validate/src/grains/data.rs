@@ -59,17 +59,6 @@ pub(super) fn spheres(file: &str) -> Result<Option<Vec<[f64; 4]>>, String> {
     rows.map(|line| numbers_of(line.split_whitespace(), file)).collect::<Result<_, _>>().map(Some)
 }
 
-/// Triangles of a wall of the round robin, m; `None` without the data.
-pub(super) fn triangles(file: &str) -> Result<Option<Vec<[[f64; 3]; 3]>>, String> {
-    let Some(text) = read(file)? else { return Ok(None) };
-    let rows = text.lines().skip(1).filter(|line| !line.trim().is_empty());
-    let triangle = |line: &str| {
-        let all: [f64; 9] = numbers_of(line.split_whitespace(), file)?;
-        Ok([[all[0], all[1], all[2]], [all[3], all[4], all[5]], [all[6], all[7], all[8]]])
-    };
-    rows.map(triangle).collect::<Result<_, String>>().map(Some)
-}
-
 fn numbers_of<'a, const N: usize>(
     words: impl Iterator<Item = &'a str>,
     file: &str,

@@ -3,7 +3,7 @@
 use fdem_grains::{ForceLaw, GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces};
 
 use super::models::{
-    GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, rigid, start, text,
+    GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, rigid, start,
 };
 use crate::outcome::{Outcome, Size};
 
@@ -29,7 +29,7 @@ pub(super) fn impact(model: GrainModel, stride: u64) -> Result<Impact, String> {
     let (mut force, mut overlap) = (0.0_f64, 0.0_f64);
     while run.steps() < MOST_STEPS {
         overlap = overlap.max(radius - run.position(0)[2]);
-        run.advance(stride).map_err(text)?;
+        run.advance(stride).map_err(|error| error.to_string())?;
         force = force.max(-run.wall_force(0)[2]);
         if run.position(0)[2] > radius && run.velocity(0)[2] > 0.0 && run.wall_force(0) == [0.0; 3] {
             // The plane exerted a force up to the step before this one.
@@ -94,7 +94,7 @@ fn two_spheres(of: GrainMaterial, time: f64) -> Result<[f64; 3], String> {
     })?;
     let (mut force, mut overlap) = (0.0_f64, 0.0_f64);
     while run.steps() < 4000 {
-        run.advance(1).map_err(text)?;
+        run.advance(1).map_err(|error| error.to_string())?;
         match run.contacts().first() {
             Some(contact) => {
                 force = force.max(contact.normal);

@@ -1,6 +1,6 @@
 //! Models that several cases of spheres share.
 
-use fdem_grains::{GrainError, GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallShape};
+use fdem_grains::{GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallShape};
 
 /// m/s².
 pub(super) const GRAVITY: f64 = 9.81;
@@ -16,17 +16,13 @@ pub(super) fn rigid() -> GrainMaterial {
 
 /// Begins a run on one thread.
 pub(super) fn start(model: GrainModel) -> Result<GrainRun, String> {
-    GrainRun::new(model, 1).map_err(text)
-}
-
-pub(super) fn text(error: GrainError) -> String {
-    error.to_string()
+    GrainRun::new(model, 1).map_err(|error| error.to_string())
 }
 
 /// Advances a run up to a time, s.
 pub(super) fn advance_to(run: &mut GrainRun, time: f64) -> Result<(), String> {
     let steps = (time / run.time_step()).round() as u64;
-    run.advance(steps.saturating_sub(run.steps())).map_err(text)
+    run.advance(steps.saturating_sub(run.steps())).map_err(|error| error.to_string())
 }
 
 /// One sphere that just touches the plane z = 0. Materials: of the sphere, and of the plane.

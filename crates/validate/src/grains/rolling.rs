@@ -2,9 +2,7 @@
 
 use fdem_grains::{GrainModel, GrainRun, Surfaces};
 
-use super::models::{
-    GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, start, text,
-};
+use super::models::{GRAVITY, advance_to, hertz_depth, mass, material, on_plane, reduced_modulus, start};
 use crate::outcome::{Outcome, Size};
 
 /// m.
@@ -64,7 +62,7 @@ pub(crate) fn to_rest(_: Size) -> Result<Vec<Outcome>, String> {
 /// Runs until the sphere has slowed down to a speed, m/s. Returns its place, m, and the time, s.
 fn slowed_to(run: &mut GrainRun, speed: f64) -> Result<[f64; 2], String> {
     while run.velocity(0)[0] > speed {
-        run.advance(STRIDE).map_err(text)?;
+        run.advance(STRIDE).map_err(|error| error.to_string())?;
         if run.time() > 3.0 {
             return Err(format!("the sphere does not slow down to {speed} m/s"));
         }
@@ -147,7 +145,7 @@ pub(crate) fn slide_to_roll(_: Size) -> Result<Vec<Outcome>, String> {
     let arm = arm(&model);
     let mut run = start(model)?;
     while run.velocity(0)[0] - arm * run.spin(0)[1] > 1e-6 {
-        run.advance(STRIDE).map_err(text)?;
+        run.advance(STRIDE).map_err(|error| error.to_string())?;
         if run.time() > 1.0 {
             return Err("the sphere does not roll".to_owned());
         }
@@ -179,7 +177,7 @@ pub(crate) fn twisting(_: Size) -> Result<Vec<Outcome>, String> {
     let mut spins = Vec::new();
     while run.time() < 1.5 {
         spins.push([run.time(), run.spin(0)[2]]);
-        run.advance(STRIDE).map_err(text)?;
+        run.advance(STRIDE).map_err(|error| error.to_string())?;
     }
     let [begin, end] = [SPIN, 0.0].map(|spin| crossing(&spins, spin));
     let [angle, turned] = [[begin, end], [end + 0.5, 1.5]].map(|times| angle(&spins, times));

@@ -5,7 +5,7 @@
 use fdem_grains::{GrainMaterial, GrainModel, GrainPartner, Spheres, Surfaces, Wall, WallRotation};
 
 use super::data;
-use super::models::{advance_to, material, start, text, tube};
+use super::models::{advance_to, material, start, tube};
 use crate::outcome::{Outcome, Size};
 
 /// m/s².
@@ -75,7 +75,7 @@ fn touching(bed: &[[f64; 4]]) -> Result<Vec<Outcome>, String> {
         step: Some(5e-7),
         ..GrainModel::default()
     })?;
-    run.advance(1).map_err(text)?;
+    run.advance(1).map_err(|error| error.to_string())?;
     let contacts = run.contacts();
     let pairs = contacts.iter().filter(|of| matches!(of.other, GrainPartner::Sphere(_))).count();
     let overlap = contacts.iter().map(|of| of.overlap).fold(0.0, f64::max);
@@ -119,7 +119,7 @@ fn first_impact(bed: &[[f64; 4]]) -> Result<Vec<Outcome>, String> {
     })?;
     while run.time() < 0.03 {
         let speed = -run.velocity(ball)[2];
-        run.advance(1).map_err(text)?;
+        run.advance(1).map_err(|error| error.to_string())?;
         if run.contacts().iter().any(|of| of.other == GrainPartner::Sphere(ball as u32)) {
             let time = (5.0 - expected) / GRAVITY[2];
             return Ok(vec![
@@ -209,7 +209,9 @@ fn drum(all: &[[f64; 4]], size: Size) -> Result<Vec<Outcome>, String> {
     if let fdem_grains::WallShape::Tube { axis, .. } = &mut walls[0].shape {
         *axis = [[0.0; 3], [0.0, 1.0, 0.0]];
     }
-    walls.iter_mut().for_each(|wall| wall.rotation = Some(turning));
+    for wall in &mut walls {
+        wall.rotation = Some(turning);
+    }
     let model = GrainModel {
         spheres,
         walls,

@@ -33,23 +33,27 @@ const SHRUNK = 0.35;
 // Converts a coordinate to units of the view.
 const inView = (x, axis) => (x - (meta.view.middle[axis] ?? 0)) / meta.view.unit;
 
-const BALLS = {
+// Spheres with at most this diameter in pixels are drawn as points: one vertex each. Larger points would vanish with their middle at the edge of the view.
+const MOST_OF_POINTS = 48;
+
+// The program of spheres, as points or as squares.
+const balls = (points) => ({
   vertex: `#version 300 es
     precision highp float;
     layout(location = 0) in vec4 place;
     layout(location = 1) in vec4 colour;
     uniform mat3 turn;
     uniform vec2 pan, zoom;
-    uniform float deep, least, share;
+    uniform float deep, least, share, pixels;
     uniform vec4 plane, low, span;
-    out vec2 at;
+    ${points ? "" : "out vec2 at;"}
     flat out vec3 paint;
     flat out vec2 depth;
     void main() {
       vec4 ball = low + span * place;
       vec3 centre = turn * ball.xyz;
       float radius = max(share * ball.w, least);
-      at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+      ${points ? "vec2 at = vec2(0.0); gl_PointSize = 2.0 * radius * pixels;" : "at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;"}
       paint = colour.rgb;
       depth = vec2(0.5 - 0.5 * centre.z * deep, 0.5 * radius * deep);
       gl_Position = vec4((centre.xy + at * radius - pan) * zoom, -centre.z * deep, 1.0);
@@ -58,12 +62,13 @@ const BALLS = {
     }`,
   fragment: `#version 300 es
     precision highp float;
-    in vec2 at;
+    ${points ? "" : "in vec2 at;"}
     flat in vec3 paint;
     flat in vec2 depth;
     uniform bool round;
     out vec4 colour;
     void main() {
+      ${points ? "vec2 at = vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0);" : ""}
       float square = dot(at, at);
       if (square > 1.0) discard;
       float up = sqrt(1.0 - square);
@@ -79,7 +84,7 @@ const BALLS = {
       }
       gl_FragDepth = depth.x - up * depth.y;
     }`,
-};
+});
 
 const BARS = {
   vertex: `#version 300 es
@@ -145,17 +150,22 @@ class Grains {
   constructor(view, flat) {
     const { gl } = view, uniforms = ["turn", "pan", "zoom", "deep", "plane"];
     Object.assign(this, { view, flat, grains: null, visible: { spheres: true, chains: false, walls: true } });
-    this.balls = view.program(BALLS, [...uniforms, "least", "share", "low", "span", "round"]);
+    this.programs = [false, true].map((points) => view.program(balls(points), [...uniforms, "least", "share", "pixels", "low", "span", "round"]));
     this.bars = view.program(BARS, [...uniforms, "pixel", "least", "shade"]);
     this.glass = view.program(GLASS, [...uniforms, "tint"]);
     this.buffers = Object.fromEntries(["places", "colours", "corners"].map((name) => [name, gl.createBuffer()]));
-    this.ofBalls = gl.createVertexArray();
-    gl.bindVertexArray(this.ofBalls);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.places);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 4, gl.UNSIGNED_SHORT, true, 8, 0);
-    gl.vertexAttribDivisor(0, 1);
-    view.attribute(1, this.buffers.colours, 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+    // As squares each sphere is an instance.
+    this.ofBalls = [1, 0].map((divisor) => {
+      const array = gl.createVertexArray();
+      gl.bindVertexArray(array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.places);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 4, gl.UNSIGNED_SHORT, true, 8, 0);
+      gl.vertexAttribDivisor(0, divisor);
+      view.attribute(1, this.buffers.colours, 4, gl.UNSIGNED_BYTE, 4, 0, divisor);
+      return array;
+    });
+    this.mostOfPoints = Math.min(MOST_OF_POINTS, gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1]);
     this.ofGlass = gl.createVertexArray();
     gl.bindVertexArray(this.ofGlass);
     view.attribute(0, this.buffers.corners, 3, gl.FLOAT, 12, 0, 0);
@@ -234,16 +244,19 @@ class Grains {
     if (flat) gl.disable(gl.DEPTH_TEST);
     else gl.enable(gl.DEPTH_TEST);
     if (this.visible.spheres && grains.n) {
-      begin(this.balls);
-      gl.uniform4fv(this.balls.low, this.low);
-      gl.uniform4fv(this.balls.span, this.span);
-      gl.uniform1f(this.balls.share, this.share);
+      const pixels = zoom[0] / pixel[0], largest = 2 * this.share * (this.low[3] + this.span[3]) * pixels, points = largest <= this.mostOfPoints ? 1 : 0, program = this.programs[points];
+      begin(program);
+      gl.uniform4fv(program.low, this.low);
+      gl.uniform4fv(program.span, this.span);
+      gl.uniform1f(program.share, this.share);
+      gl.uniform1f(program.pixels, pixels);
       // None is smaller than a pixel.
-      gl.uniform1f(this.balls.least, (0.6 * pixel[0]) / zoom[0]);
-      gl.uniform1i(this.balls.round, flat ? 0 : 1);
-      gl.bindVertexArray(this.ofBalls);
+      gl.uniform1f(program.least, 0.6 / pixels);
+      gl.uniform1i(program.round, flat ? 0 : 1);
+      gl.bindVertexArray(this.ofBalls[points]);
       gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, grains.n);
+      if (points) gl.drawArrays(gl.POINTS, 0, grains.n);
+      else gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, grains.n);
       gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     }
     const bars = ({ array, count }, least, shade) => {
