@@ -169,12 +169,7 @@ fn filled(place: Place, count: usize) -> GrainModel {
         }
     }
     let height = if place == Place::Chute { CHUTE[2] } else { TUBE[1] };
-    let mut model = model(
-        place,
-        Law::Hooke,
-        Spheres { positions, radii, ..Spheres::default() },
-        count,
-    );
+    let mut model = model(place, Law::Hooke, Spheres { positions, radii, ..Spheres::default() }, count);
     if place == Place::Chute {
         model.walls.push(Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0));
     }

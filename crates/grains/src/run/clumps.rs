@@ -213,7 +213,11 @@ impl Clumps {
         for (body, motion) in self.bodies.iter().zip(&self.motions).filter(|(_, motion)| !motion.removed) {
             let velocity = minus(times(2.0, motion.velocity), motion.now[0]);
             let momentum = minus(times(2.0, motion.momentum), motion.now[1]);
-            let spin = body.spin(&matrix(motion.before), momentum);
+            let (spin, momentum) = if body.held {
+                (motion.spin, motion.momentum)
+            } else {
+                (body.spin(&matrix(motion.before), momentum), momentum)
+            };
             let centre = minus(motion.centre, times(step, motion.velocity));
             energies.kinetic += 0.5 * body.mass * dot(velocity, velocity);
             energies.rotational += 0.5 * dot(spin, momentum);

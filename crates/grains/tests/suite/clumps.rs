@@ -26,8 +26,8 @@ fn a_clump_of_one_sphere_is_a_sphere() {
     clumped.step = model.step;
     let mut runs = [model, clumped].map(|model| GrainRun::new(model, 1).expect("a model"));
     let mut touched = 0;
-    for _ in 0..40 {
-        runs.iter_mut().for_each(|run| run.advance(200).expect("steps"));
+    for _ in 0..1000 {
+        runs.iter_mut().for_each(|run| run.advance(8).expect("steps"));
         let [sphere, clump] = &runs;
         touched += usize::from(sphere.wall_force(0) != [0.0; 3]);
         let near = |a: [f64; 3], b: [f64; 3], bound: f64| (0..3).all(|k| (a[k] - b[k]).abs() < bound);
@@ -38,7 +38,7 @@ fn a_clump_of_one_sphere_is_a_sphere() {
         assert!((one.rotational / two.rotational - 1.0).abs() < 1e-6, "{one:?} {two:?}");
         assert!((one.kinetic - two.kinetic).abs() < 1e-8 * one.kinetic.max(1e-6), "{one:?} {two:?}");
     }
-    assert!(touched > 3, "{touched}");
+    assert!(touched > 10, "{touched}");
 }
 
 /// A dumbbell meets a smooth plane with one end: the velocities after it are those of a rigid body.
@@ -95,7 +95,7 @@ fn rods(count: usize) -> GrainModel {
         let angle = (rod * 7919 % 31) as f64;
         let (sin, cos) = angle.sin_cos();
         let along = [0.8 * cos, 0.8 * sin, 0.6];
-        let centre = [(i - 1.0) * side, (j - 1.0) * side, 0.012 + l * side];
+        let centre = [(i - 1.0) * side, (j - 1.0) * side, 0.012 + 0.0135 * l];
         let members = 2 + rod % 2;
         let first = spheres.positions.len() as u32;
         for member in 0..members {
@@ -115,7 +115,7 @@ fn rods(count: usize) -> GrainModel {
         walls: vec![
             Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0),
             Wall {
-                shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 0.0, 1.0]], radius: 0.03 },
+                shape: WallShape::Tube { axis: [[0.0; 3], [0.0, 0.0, 1.0]], radius: 0.035 },
                 ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0)
             },
         ],
@@ -129,7 +129,9 @@ fn rods(count: usize) -> GrainModel {
 /// The balance of energy, and the members that stay where they are in their rods.
 #[test]
 fn rods_that_fall_into_a_tube_keep_the_balance_of_energy() {
-    let model = rods(54);
+    let mut model = rods(54);
+    // The error falls with the square of the step: it is 2e-3 with the whole one.
+    model.step = Some(0.5 * model.safe_step());
     let mut run = GrainRun::new(model.clone(), 2).expect("a model");
     let all =
         |of: GrainEnergies| of.kinetic + of.rotational + of.elastic + of.weight + of.dissipated - of.external;
@@ -164,20 +166,20 @@ fn rods_that_fall_into_a_tube_keep_the_balance_of_energy() {
 #[test]
 fn threads_and_states_change_no_bit_of_clumps() {
     let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
-    let mut whole = GrainRun::new(rods(300), 1).expect("a model");
-    whole.advance(600).expect("steps");
+    let mut whole = GrainRun::new(rods(120), 1).expect("a model");
+    whole.advance(2000).expect("steps");
     let saved = bytes(&whole);
-    whole.advance(500).expect("steps");
-    assert!(whole.contacts().len() > 100, "{}", whole.contacts().len());
+    whole.advance(1000).expect("steps");
+    assert!(whole.contacts().len() > 50, "{}", whole.contacts().len());
     for threads in [1, 3] {
         let state = postcard::from_bytes(&saved).expect("a state");
-        let mut resumed = GrainRun::resume(rods(300), state, threads).expect("the same model");
-        resumed.advance(500).expect("steps");
+        let mut resumed = GrainRun::resume(rods(120), state, threads).expect("the same model");
+        resumed.advance(1000).expect("steps");
         assert!(bytes(&resumed) == bytes(&whole), "{threads}");
     }
     let state = postcard::from_bytes(&saved).expect("a state");
-    let other = GrainRun::resume(rods(299), state, 1).expect_err("another model");
-    assert_eq!(other.to_string(), "300 clumps instead of 299");
+    let other = GrainRun::resume(rods(119), state, 1).expect_err("another model");
+    assert_eq!(other.to_string(), "120 clumps instead of 119");
 }
 
 /// A held clump turns about its centre and pushes others; a box removes a clump as a whole.
@@ -198,7 +200,7 @@ fn clumps_are_held_and_removed_as_a_whole() {
     let mut run = GrainRun::new(model, 1).expect("a model");
     let total = |of: GrainEnergies| of.kinetic + of.rotational - of.external;
     let energy = total(run.energies());
-    let steps = (2e-3 / run.time_step()) as u64;
+    let steps = (0.02 / run.time_step()) as u64;
     run.advance(steps).expect("steps");
     assert_eq!(run.columns().numbers, [0, 1, 5, 6]);
     let angle = 100.0 * run.time();
