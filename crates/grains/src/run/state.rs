@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::run::balls::SavedBall;
+use crate::run::clumps::ClumpMotion;
 use crate::run::energies::Gone;
 use crate::run::lists::Remembered;
 use crate::run::on_surface::OnFacets;
@@ -27,4 +28,5 @@ pub struct GrainState {
     pub(crate) has_bodies: bool,
     pub(crate) servos: Vec<ServoMotion>,
     pub(crate) gone: Gone,
+    pub(crate) clumps: Vec<ClumpMotion>,
 }
