@@ -14,6 +14,7 @@ use crate::advice::ready::Ready;
 use crate::advice::{deforming, extreme, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
+use crate::grains::{assemble, checks};
 use crate::joints::bonds::Bonds;
 use crate::joints::lines::JointLines;
 use crate::joints::sets;
@@ -213,6 +214,7 @@ fn prepare_or_faults(
     let joint_sets = sets::check(&file, &document, dimensions, &mut found);
     build::check(&file, &document, dimensions, &mut found);
     build::check_overload(&file, &document, &mut found);
+    checks::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
     schedules::check(&file, &document, &mut found);
     cavities::check(&file, &document, &mut found);
@@ -335,6 +337,11 @@ impl Checked<'_> {
             sets::check_groups(file, document, &placed, &mut found);
             bonds = Bonds::find(file, document, &placed, &mut found);
         }
+        let sphere_model = if faults.is_empty() && missing.is_empty() {
+            assemble::assemble(file, document, (&materials, &placed), load, &mut found)
+        } else {
+            None
+        };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(build::crowded(document, &placed));
         none_or(faults)?;
@@ -354,6 +361,7 @@ impl Checked<'_> {
         let mut model = Model {
             rigid: build::rigid(file, &placed),
             until_overloaded: build::until_overloaded(file, &placed),
+            grains: sphere_model.as_ref().map(|of| of.model.clone()),
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
@@ -378,6 +386,7 @@ impl Checked<'_> {
         let (quality, bodies) = (Quality::of(&model.mesh), bodies_of(&placed));
         warnings.extend(notes_of(file, &placed));
         warnings.extend(lines.notes);
+        warnings.extend(sphere_model.iter().flat_map(|of| of.notes.iter().cloned()));
         sets::vanished(file, &placed, &mut warnings);
         conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
@@ -390,6 +399,7 @@ impl Checked<'_> {
             groups: groups_of(&placed),
             about_files: about_files(&placed),
             grains: grains_of(&placed),
+            spheres: sphere_model.map(|of| of.prepared),
             joint_sets,
             from_library,
             output: settings::settings(file, &placed),
@@ -517,6 +527,8 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     }
     for (table, names) in [
         ("body", names(&file.body, |body| &body.name)),
+        ("grains", names(&file.grains, |grains| &grains.name)),
+        ("wall", names(&file.wall, |wall| &wall.name)),
         ("material", names(&file.material, |material| &material.name)),
         ("joint_set", names(&file.joint_set, |set| &set.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),

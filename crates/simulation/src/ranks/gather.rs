@@ -266,6 +266,7 @@ where
     pub fn state(&self) -> State<D, N> {
         State {
             released: Vec::new(),
+            spheres: None,
             step: self.carried.step,
             totals: self.carried.totals.clone(),
             energies: self.carried.energies,
