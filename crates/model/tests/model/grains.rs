@@ -410,6 +410,17 @@ fn laws_and_domains() {
 }
 
 #[test]
+fn keys_without_effect_are_warned_of() {
+    let rolling = heap("rolling_friction = 0.02\n", "");
+    let rolling = rolling.replace("restitution = 0.6", "restitution = 0.6\nrolling_friction = 0.1");
+    let idle = "[[interface]]\nmaterials = [\"steel\", \"steel\"]\nrestitution = 0.1\n";
+    let warnings = space(&format!("{rolling}{idle}")).warnings.join("\n");
+    assert!(warnings.contains("[[material]] \"steel\": rolling_friction changes nothing"), "{warnings}");
+    assert!(warnings.contains("\"steel\" and \"steel\": restitution changes nothing"), "{warnings}");
+    assert_eq!(space(HEAP).warnings, [String::new(); 0]);
+}
+
+#[test]
 fn histories_of_walls_and_spheres() {
     let text = format!(
         "{HEAP}[[history]]\nname = \"w\"\nwall = \"floor\"\n\n[[history]]\nname = \"g\"\ngrains = true\nbox = [0, 0, 0, 1, 1, 1]\n"
