@@ -10,11 +10,12 @@
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
 //! | packings: random places, sizes of spheres, regions | `src/pack.rs` and the files below `src/pack` |
 //! | overlaps at the beginning | `src/gaps.rs` |
+//! | the time step | `src/time_step.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `facet`, `ridges`, `sheets`, `tree`, `surface`,
-//! `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
+//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `time_step`, `facet`, `ridges`, `sheets`, `tree`,
+//! `surface`, `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod columns;
@@ -33,6 +34,7 @@ mod run;
 mod servo;
 mod sheets;
 mod surface;
+mod time_step;
 mod tree;
 mod vector;
 mod wall;

@@ -57,47 +57,10 @@ pub struct GrainModel {
     pub step: Option<f64>,
 }
 
-/// Time step over the time in which a Rayleigh wave runs round a sphere, and over the duration of an impact.
-const RAYLEIGH: f64 = 0.2;
-const IMPACT: f64 = 0.02;
-
 impl GrainModel {
     /// Number of the material of a sphere.
     pub(crate) fn material_of(&self, sphere: usize) -> u32 {
         self.spheres.materials.get(sphere).copied().unwrap_or(0)
-    }
-
-    /// Mass of a sphere, kg.
-    pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
-        let density = self.materials[self.material_of(sphere) as usize].density;
-        mass(self.spheres.radii[sphere], density, self.discs)
-    }
-
-    /// A time step that follows the contacts, s. Hertz: a fifth of the time in which a Rayleigh wave runs
-    /// round a sphere, and a fiftieth of the impact of two such spheres at twice the greatest speed of the
-    /// model. Hooke: a fiftieth of the impact.
-    pub fn safe_step(&self) -> f64 {
-        let speeds = self.spheres.velocities.iter().chain(self.walls.iter().map(|wall| &wall.velocity));
-        let speed = 2.0 * speeds.map(|&velocity| length(velocity)).fold(0.0, f64::max);
-        let of = |sphere: usize| {
-            let (radius, half) = (self.spheres.radii[sphere], 0.5 * self.mass_of(sphere));
-            let material = &self.materials[self.material_of(sphere) as usize];
-            let (young, poisson) = (material.youngs_modulus, material.poissons_ratio);
-            if let ForceLaw::Hooke { normal, .. } = self.law {
-                return IMPACT * std::f64::consts::PI * (half / normal).sqrt();
-            }
-            let shear = young / (2.0 * (1.0 + poisson));
-            let wave = std::f64::consts::PI * radius * (material.density / shear).sqrt()
-                / (0.1631 * poisson + 0.8766);
-            if speed == 0.0 {
-                return RAYLEIGH * wave;
-            }
-            let reduced = 0.5 * young / (1.0 - poisson * poisson);
-            let depth =
-                libm::pow(15.0 / 16.0 * half * speed * speed / (reduced * (0.5 * radius).sqrt()), 0.4);
-            (RAYLEIGH * wave).min(IMPACT * 2.9432 * depth / speed)
-        };
-        (0..self.spheres.positions.len()).map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// Checks all numbers.

@@ -51,7 +51,7 @@ use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
-use crate::vector::{Vector, dot, minus};
+use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
@@ -215,6 +215,7 @@ impl GrainRun {
             return Err(GrainError::Length { what: "walls that are meshes", found, expected });
         }
         self.on_bodies.take(state.on_bodies);
+        self.on_bodies.was_there = state.has_bodies;
         self.servos = state.servos;
         self.search(&state.contacts)
     }
@@ -231,6 +232,7 @@ impl GrainRun {
             on_walls: self.on_walls.saved(),
             on_meshes: self.on_meshes.saved(),
             on_bodies: self.on_bodies.saved(),
+            has_bodies: self.on_bodies.was_there,
             servos: self.servos.clone(),
             gone: self.gone,
         }
@@ -292,6 +294,11 @@ impl GrainRun {
         self.on_walls.forces[wall][1]
     }
 
+    /// Displacement of a wall now, m, without that of its rotation.
+    pub fn wall_displacement(&self, wall: usize) -> [f64; 3] {
+        self.model.walls[wall].placement(self.time(), &self.servos[wall]).displacement
+    }
+
     /// The walls in the last step; meshes are without their triangles, which [`GrainRun::columns`] has.
     pub fn walls(&self) -> &[Wall] {
         &self.walls
@@ -310,9 +317,12 @@ impl GrainRun {
         if change == [0.0; 3] {
             return;
         }
+        // The weight does its work with the mean of its values at both ends of a step.
+        let half = if self.step == 0 { 0.0 } else { 0.5 * self.time_step };
         for &place in &self.balls.places {
-            let ball = &self.balls.list[place as usize];
-            self.gone.external -= ball.mass * dot(change, ball.position);
+            let (ball, drive) = (&self.balls.list[place as usize], &self.balls.drives[place as usize]);
+            let middle = minus(ball.position, times(half, drive.velocity));
+            self.gone.external -= ball.mass * dot(change, middle);
         }
         self.model.gravity = gravity;
     }
@@ -390,7 +400,8 @@ impl GrainRun {
         // In a box spheres are moved by its lengths, too.
         let is_far = self.cell.is_some() || std::mem::take(&mut self.is_arranged);
         let moved = if is_far { f64::INFINITY } else { self.time_step * self.moved.fastest };
-        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, .. } = self;
+        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, gone, .. } =
+            self;
         let of = OnSurfacesOf { balls, laws, moved, step: self.time_step };
         on_meshes.press(of, (&model.walls, walls), (servos, time), outer)?;
         for (wall, totals) in on_meshes.totals() {
@@ -401,7 +412,9 @@ impl GrainRun {
             return Ok(());
         };
         on_bodies.place(surface.points, surface.facets);
-        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)
+        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)?;
+        gone.on_bodies += on_bodies.totals.work;
+        Ok(())
     }
 
     /// Moves the servos by the forces on their walls.
@@ -548,6 +561,9 @@ impl GrainRun {
             laws: &self.laws,
             on_walls: &self.on_walls,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
+            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.dissipated, 0.0], |sum, (_, of)| {
+                [sum[0] + of.dissipated, sum[1] - of.work]
+            }),
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,
@@ -572,7 +588,7 @@ impl GrainRun {
     /// A pass over all candidates on one thread.
     pub fn contact_count(&self) -> usize {
         let of_spheres = self.lists.memories.iter().filter(|memory| memory.contact > 0.0).count();
-        of_spheres + self.on_walls.touches.len()
+        of_spheres + self.on_walls.touches.len() + self.on_bodies.contacts.len()
     }
 
     /// The spheres, their contacts and the walls now.

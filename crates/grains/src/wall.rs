@@ -29,7 +29,7 @@ pub struct Wall {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
     /// m.
-    displacement: Vector,
+    pub(crate) displacement: Vector,
     /// Velocity besides the rotation, m/s.
     velocity: Vector,
     /// A point on the axis of rotation at the beginning, m, and the direction of the axis.

@@ -90,7 +90,12 @@ where
         return Ok(());
     }
     if <[[f64; D]; N]>::IS_TRIANGLE && grains.discs.is_none() {
-        return Err(out_of_range(place, "thickness as discs", f64::NAN, "that of the model among bodies in the plane"));
+        return Err(out_of_range(
+            place,
+            "thickness as discs",
+            f64::NAN,
+            "that of the model among bodies in the plane",
+        ));
     }
     if grains.materials.len() != model.materials.len() {
         let (what, found) = ("materials of spheres", grains.materials.len());
@@ -217,7 +222,9 @@ where
 {
     let mesh = &model.mesh;
     let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
-    if elements == 0 && model.grains.as_ref().is_none_or(|of| of.spheres.positions.is_empty() && of.insertions.is_empty()) {
+    if elements == 0
+        && model.grains.as_ref().is_none_or(|of| of.spheres.positions.is_empty() && of.insertions.is_empty())
+    {
         return Err(ModelError::Empty);
     }
     if elements > u32::MAX as usize / N - 1 || nodes > u32::MAX as usize / N - 1 {

@@ -113,8 +113,9 @@ impl CriticalStep {
         let of_bodies = Self::of_bodies(model, topology, joints);
         let Some(grains) = &model.grains else { return of_bodies };
         // The step of the spheres needs no further safety.
-        let step = grains.safe_step() / model.time.safety;
-        if step < of_bodies.step { Self { step, element: 0, cause: Cause::Sphere } } else { of_bodies }
+        let (step, element) = grains.shortest_step();
+        let step = step / model.time.safety;
+        if step < of_bodies.step { Self { step, element, cause: Cause::Sphere } } else { of_bodies }
     }
 
     /// The critical time step of a model without its spheres.

@@ -143,8 +143,8 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// from the beginning are left out.
     Softening,
     /// Force of the spheres on a wall, N, and its moment, N m, at the beginning of the last step, and the
-    /// displacement of the wall, m. The moment is about the point through which the axis of its rotation
-    /// passes, or about the origin, and has no part of rolling and twisting resistance. The values are not
+    /// displacement of the wall now, m, without that of its rotation. The moment is about the point through
+    /// which the axis of its rotation passes, or about the origin if it does not turn. The values are not
     /// numbers if there is no such wall.
     Wall {
         /// Number of the wall.

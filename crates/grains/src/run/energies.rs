@@ -7,8 +7,8 @@ use crate::run::on_walls::OnWalls;
 use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
-/// Energies of a run, J. `kinetic + rotational + elastic + weight + dissipated - external` is constant up to
-/// the error of the time step.
+/// Energies of a run, J. `kinetic + rotational + elastic + weight + dissipated + on_bodies - external` is
+/// constant up to the error of the time step.
 ///
 /// They are those at the positions of the last step, of which its contacts are computed; before the first
 /// step, those at the beginning.
@@ -25,8 +25,10 @@ pub struct GrainEnergies {
     /// Dissipated since the beginning: by dashpots, friction, rolling and twisting.
     pub dissipated: f64,
     /// Work from outside since the beginning: of walls that move, held spheres, boxes that grow, gravity that
-    /// changes, and bodies; and the energy of spheres that came in less that of those that were removed.
+    /// changes; and the energy of spheres that came in less that of those that were removed.
     pub external: f64,
+    /// Work of the spheres on bodies since the beginning, which is left out of `external`.
+    pub on_bodies: f64,
 }
 
 /// Sums of spheres that the run has no more, and works of the whole run, J.
@@ -34,6 +36,7 @@ pub struct GrainEnergies {
 pub(crate) struct Gone {
     pub(crate) dissipated: f64,
     pub(crate) external: f64,
+    pub(crate) on_bodies: f64,
 }
 
 /// All parts of a run that have energy.
@@ -45,6 +48,8 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) on_walls: &'a OnWalls,
     /// Elastic energy of the contacts with triangles, J.
     pub(crate) on_facets: f64,
+    /// Energy that these contacts have dissipated in the last step, and the work of walls on them in it, J.
+    pub(crate) in_step: [f64; 2],
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -57,7 +62,8 @@ pub(crate) struct EnergyOf<'a> {
 pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
     let mut energies = GrainEnergies {
         dissipated: of.gone.dissipated,
-        external: of.gone.external,
+        external: of.gone.external + of.gone.on_bodies,
+        on_bodies: of.gone.on_bodies,
         ..GrainEnergies::default()
     };
     for &place in &of.balls.places {
@@ -72,21 +78,27 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
         energies.dissipated += drive.dissipated;
         energies.external += drive.external;
     }
-    energies.elastic = elastic(of);
+    let (elastic, [dissipated, external]) = of_contacts(of);
+    energies.elastic = elastic;
+    // Of the last step, only the first half is before the positions.
+    energies.dissipated -= 0.5 * dissipated;
+    energies.external -= 0.5 * external;
     energies
 }
 
-/// Elastic energy of all contacts, J.
-fn elastic(of: EnergyOf<'_>) -> f64 {
+/// Elastic energy of all contacts, the energy that they have dissipated in the last step, and the work of
+/// walls on them in it, J.
+fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
     let (list, lists) = (&of.balls.list, of.lists);
     let mut sum = of.on_facets;
+    let [mut dissipated, mut external] = of.in_step;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];
         let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
-            if incident & 1 == 1 || lists.memories[slot].contact == 0.0 {
+            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
             let other = lists.partner(place, slot as u32);
@@ -94,7 +106,9 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);
             if let Ok(law) = of.laws.of([ball.material, other.material]) {
-                sum += law.energy(lists.acting[slot].overlap, radius, &lists.history(slot));
+                let acting = &lists.acting[lists.acted[slot] as usize];
+                sum += law.energy(acting.overlap, radius, &lists.history(slot));
+                dissipated += acting.dissipated;
             }
         }
     }
@@ -102,7 +116,9 @@ fn elastic(of: EnergyOf<'_>) -> f64 {
         let ball = &list[touch.outer.place as usize];
         if let Ok(law) = of.laws.of([ball.material, of.walls[touch.wall as usize].material]) {
             sum += law.energy(touch.overlap, ball.radius, &touch.history);
+            dissipated += touch.outer.dissipated;
+            external += touch.outer.external;
         }
     }
-    sum
+    (sum, [dissipated, external])
 }

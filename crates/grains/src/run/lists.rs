@@ -12,6 +12,9 @@ use crate::vector::Vector;
 /// Spheres that one thread computes at a time.
 pub(crate) const CHUNK: usize = 512;
 
+/// The place of the action of a couple that does not touch.
+pub(crate) const APART: u32 = u32::MAX;
+
 /// Memory that all contacts have, as in [`ContactHistory`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Memory {
@@ -27,7 +30,7 @@ pub(crate) struct Rolling {
     pub(crate) moment: Vector,
 }
 
-/// The action of a couple on its spheres, all zero where they are apart. The first sphere is the one with the
+/// The action of a couple on its spheres. The first sphere is the one with the
 /// lower number.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
@@ -51,6 +54,10 @@ pub(crate) struct Lists {
     pub(crate) memories: Vec<Memory>,
     /// Empty without rolling friction.
     pub(crate) rolling: Vec<Rolling>,
+    /// Where the action of each couple is in `acting`, or [`APART`].
+    pub(crate) acted: Vec<u32>,
+    /// Actions, packed at the beginning of the part of each chunk: those of couples that do not touch are not
+    /// read.
     pub(crate) acting: Vec<Acting>,
     /// Work of the box on each couple in the step, J; empty if the box does not grow.
     pub(crate) stretched: Vec<f64>,
@@ -171,6 +178,9 @@ impl Lists {
         self.remind(balls, remembered, rolls);
         self.acting.clear();
         self.acting.resize(self.other.len(), Acting::default());
+        self.acted.clear();
+        let places = (0..).zip(&self.memories);
+        self.acted.extend(places.map(|(slot, memory)| if memory.contact == 0.0 { APART } else { slot }));
         self.stretched.clear();
         if cell.is_some_and(|cell| cell.rates() != [0.0; 3]) {
             self.stretched.resize(self.other.len(), 0.0);

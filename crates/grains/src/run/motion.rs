@@ -6,7 +6,7 @@ use crate::domain::Outside;
 use crate::error::GrainError;
 use crate::run::balls::{Ball, Balls, Drive, Kind};
 use crate::run::cell::Cell;
-use crate::run::lists::{CHUNK, Lists};
+use crate::run::lists::{APART, CHUNK, Lists};
 use crate::run::on_walls::Outer;
 use crate::vector::{Vector, dot, minus, plus, times};
 
@@ -118,7 +118,11 @@ fn sums(lists: &Lists, place: usize, radius: f64, drive: &mut Drive) -> [Vector;
     let incidents = lists.first_incident[place] as usize..lists.first_incident[place + 1] as usize;
     for &incident in &lists.incidents[incidents] {
         let slot = incident as usize / 2;
-        let acting = &lists.acting[slot];
+        let acted = lists.acted[slot];
+        if acted == APART {
+            continue;
+        }
+        let acting = &lists.acting[acted as usize];
         let arm = radius - 0.5 * acting.overlap;
         moment = plus(moment, times(arm, acting.torque));
         if incident & 1 == 0 {

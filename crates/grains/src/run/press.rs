@@ -9,7 +9,7 @@ use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, LANES, at, compute, put};
 use crate::run::cell::Cell;
 use crate::run::laws::Laws;
-use crate::run::lists::{Acting, CHUNK, Lists, Memory, Rolling};
+use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling};
 use crate::vector::{cross, dot, minus, plus, times};
 
 /// Radius of a contact that has ended in the last step.
@@ -34,7 +34,10 @@ struct Part<'a> {
     others: &'a [u32],
     memories: &'a mut [Memory],
     rolling: &'a mut [Rolling],
+    acted: &'a mut [u32],
     acting: &'a mut [Acting],
+    /// Number of actions so far.
+    used: usize,
     stretched: &'a mut [f64],
 }
 
@@ -59,10 +62,11 @@ pub(crate) fn press(of: Pressing<'_>, lists: &mut Lists) -> Result<(), GrainErro
 
 /// Divides the couples into chunks of places.
 fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
-    let Lists { first, other, memories, rolling, acting, stretched, .. } = lists;
+    let Lists { first, other, memories, rolling, acted, acting, stretched, .. } = lists;
     let count = first.len() - 1;
     let (mut others, mut memories, mut acting) = (&other[..], &mut memories[..], &mut acting[..]);
     let (mut rolling, mut stretched) = (&mut rolling[..], &mut stretched[..]);
+    let mut acted = &mut acted[..];
     let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
     for begin in (0..count).step_by(CHUNK) {
         let starts = &first[begin..=(begin + CHUNK).min(count)];
@@ -75,7 +79,9 @@ fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
             others: own,
             memories: front(&mut memories, slots),
             rolling: front(&mut rolling, slots),
+            acted: front(&mut acted, slots),
             acting: front(&mut acting, slots),
+            used: 0,
             stretched: front(&mut stretched, slots),
         });
     }
@@ -107,7 +113,7 @@ impl Part<'_> {
                     apart = cell.shortest(apart);
                 }
                 let (square, sum) = (dot(apart, apart), ball.radius + other.radius);
-                if square >= sum * sum && self.memories[slot].contact == 0.0 {
+                if square >= sum * sum && self.acted[slot] == APART {
                     continue;
                 }
                 // The contact is the same whichever of the two has the lower place.
@@ -144,7 +150,7 @@ impl Part<'_> {
     /// Puts a contact into the next lane of a batch.
     #[inline]
     fn gather<const PERIODIC: bool>(
-        &self,
+        &mut self,
         batch: &mut Batch,
         slot: usize,
         (apart, square): ([f64; 3], f64),
@@ -154,6 +160,7 @@ impl Part<'_> {
         let lane = batch.count;
         batch.count += 1;
         batch.slots[lane] = slot as u32;
+        self.act(slot);
         // Spheres at one point have no normal: any will do.
         let (apart, square) = if square > 0.0 { (apart, square) } else { ([1e-150, 0.0, 0.0], 1e-300) };
         put(&mut batch.apart, lane, apart);
@@ -186,7 +193,7 @@ impl Part<'_> {
             let slot = batch.slots[lane] as usize;
             self.memories[slot] =
                 Memory { tangential: at(&batch.tangential, lane), contact: batch.contact[lane] };
-            self.acting[slot] = Acting {
+            self.acting[(self.acted[slot] - self.starts[0]) as usize] = Acting {
                 force: at(&batch.force, lane),
                 torque: at(&batch.torque, lane),
                 overlap: batch.overlap[lane],
@@ -206,17 +213,28 @@ impl Part<'_> {
         batch.count = 0;
     }
 
-    /// Ends a contact. What its springs still hold is lost in this step; in the next one its action is zero.
+    /// Gives a couple the next place for its action.
+    #[inline]
+    fn act(&mut self, slot: usize) -> usize {
+        let place = self.used;
+        self.acted[slot] = self.starts[0] + place as u32;
+        self.used += 1;
+        place
+    }
+
+    /// Ends a contact. What its springs still hold is lost in this step; in the next one it has no action.
     #[cold]
     fn part(&mut self, slot: usize, law: &PairLaw, [one, two]: [&Ball; 2]) {
         let history = self.history(slot);
-        let (mut left, mut acting) = (ContactHistory::default(), Acting::default());
+        self.set(slot, ContactHistory::default(), [0.0; 3]);
         if history.contact > 0.0 {
             let radius = one.radius * two.radius / (one.radius + two.radius);
-            acting.dissipated = law.lost(radius, &history);
-            left.contact = PARTED;
+            let place = self.act(slot);
+            self.acting[place] = Acting { dissipated: law.lost(radius, &history), ..Acting::default() };
+            self.memories[slot].contact = PARTED;
+        } else {
+            self.acted[slot] = APART;
         }
-        self.set(slot, left, acting);
     }
 
     fn history(&self, slot: usize) -> ContactHistory {
@@ -225,16 +243,16 @@ impl Part<'_> {
         ContactHistory { tangential, contact, rolling, twisting }
     }
 
-    fn set(&mut self, slot: usize, history: ContactHistory, acting: Acting) {
+    /// Sets the memory of a couple, and its moment of rolling, N m.
+    fn set(&mut self, slot: usize, history: ContactHistory, moment: [f64; 3]) {
         let ContactHistory { tangential, contact, rolling, twisting } = history;
         self.memories[slot] = Memory { tangential, contact };
         if let Some(of_slot) = self.rolling.get_mut(slot) {
-            *of_slot = Rolling { rolling, twisting, moment: [0.0; 3] };
+            *of_slot = Rolling { rolling, twisting, moment };
         }
         if let Some(work) = self.stretched.get_mut(slot) {
             *work = 0.0;
         }
-        self.acting[slot] = acting;
     }
 
     /// Computes a contact of two spheres that stick to each other.
@@ -272,11 +290,9 @@ impl Part<'_> {
         };
         let push = law.push(&meeting, &mut history, of.step);
         let torque = cross(push.force, normal);
-        let acting = Acting { force: push.force, torque, overlap, dissipated: push.dissipated };
-        self.set(slot, history, acting);
-        if let Some(rolling) = self.rolling.get_mut(slot) {
-            rolling.moment = push.moment;
-        }
+        let place = self.act(slot);
+        self.acting[place] = Acting { force: push.force, torque, overlap, dissipated: push.dissipated };
+        self.set(slot, history, push.moment);
         if let (Some(work), Some(cell)) = (self.stretched.get_mut(slot), of.cell) {
             *work = stretch(cell, push.force, apart, of.step);
         }

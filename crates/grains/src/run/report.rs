@@ -18,10 +18,10 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&Cell>, step: f
         let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
         for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
             let slot = incident as usize / 2;
-            let acting = &lists.acting[slot];
-            if incident & 1 == 1 || lists.memories[slot].contact == 0.0 {
+            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
+            let acting = &lists.acting[lists.acted[slot] as usize];
             let other = lists.partner(place, slot as u32) as usize;
             // Where the spheres were in that step.
             let position =

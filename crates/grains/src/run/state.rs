@@ -24,6 +24,7 @@ pub struct GrainState {
     pub(crate) on_walls: Vec<OnWall>,
     pub(crate) on_meshes: Vec<OnFacets>,
     pub(crate) on_bodies: OnFacets,
+    pub(crate) has_bodies: bool,
     pub(crate) servos: Vec<ServoMotion>,
     pub(crate) gone: Gone,
 }

@@ -196,22 +196,22 @@ fn triangles_of_one_plane_are_a_plane() {
     assert!(runs[0].position(0)[0] > 0.01, "{:?}", runs[0].position(0));
 }
 
-/// Speed after an impact over that before, without damping and friction.
-fn restored(model: GrainModel, body: &Body) -> f64 {
+/// Speed after an impact over that before, without damping and friction, and the largest number of contacts.
+fn restored(model: GrainModel, body: &Body) -> (f64, usize) {
     let speed = dot(model.spheres.velocities[0], model.spheres.velocities[0]).sqrt();
     let mut run = GrainRun::new(model, 1).expect("a model");
-    let mut touched = false;
+    let mut most = 0;
     for step in 0..100_000 {
         body.step(&mut run);
-        let touches = !run.contacts().is_empty();
-        assert!(step > 0 || !touches);
-        touched |= touches;
-        if touched && !touches {
+        let contacts = run.contacts().len();
+        assert!(step > 0 || contacts == 0);
+        most = most.max(contacts);
+        if most > 0 && contacts == 0 {
             break;
         }
     }
-    assert!(touched);
-    dot(run.velocity(0), run.velocity(0)).sqrt() / speed
+    assert!(most > 0);
+    (dot(run.velocity(0), run.velocity(0)).sqrt() / speed, most)
 }
 
 /// Faces, edges and vertices of a block return the energy of an impact.
@@ -233,20 +233,19 @@ fn impacts_on_a_block_keep_the_energy() {
         outwards[axis] = side * outwards[axis].abs().max(0.6);
         let size = dot(outwards, outwards).sqrt();
         let outwards = outwards.map(|x| x / size);
-        let position = plus(target, 0.019, outwards);
+        let position = plus(target, 0.023, outwards);
         let mut model = sphere(0.01, position, outwards.map(|x| -2.0 * x), Surfaces::smooth([0, 1]));
         model.step = Some(8e-7);
-        worst = worst.max((restored(model, &body) - 1.0).abs());
+        worst = worst.max((restored(model, &body).0 - 1.0).abs());
     }
-    eprintln!("block {worst:e}");
-    assert!(worst < 1e-4, "{worst:e}");
+    assert!(worst < 1e-6, "{worst:e}");
 }
 
 /// So do grooves, pits and rough ground.
 #[test]
 fn impacts_in_hollows_keep_the_energy() {
     let mut random = Random(23);
-    let mut worst = 0.0_f64;
+    let (mut worst, mut most) = (0.0_f64, 0);
     for k in 0..24 {
         let slope = [0.02, 0.1, 0.4, 0.8][k % 4];
         let ground = match k % 3 {
@@ -255,8 +254,9 @@ fn impacts_in_hollows_keep_the_energy() {
             _ => {
                 let mut other = Random(k as u64);
                 let heights: Vec<f64> = (0..400).map(|_| other.number()).collect();
-                let at = |x: f64, y: f64| ((x + 0.05) * 199.0) as usize * 19 + ((y + 0.05) * 199.0) as usize;
-                sheet(16, 0.1, |x, y| 0.002 * slope * heights[at(x, y) % 400], &mut random)
+                let at =
+                    |x: f64, y: f64| ((x + 0.02) * 1000.0) as usize * 19 + ((y + 0.02) * 1000.0) as usize;
+                sheet(40, 0.04, |x, y| 0.0005 * slope * heights[at(x, y) % 400], &mut random)
             }
         };
         let [x, y] = [0.002 * random.number(), 0.002 * random.number()];
@@ -264,10 +264,11 @@ fn impacts_in_hollows_keep_the_energy() {
         let mut model = sphere(0.01, [x, y, 0.0], velocity, Surfaces::smooth([0, 1]));
         model.spheres.positions[0][2] = 0.014 + 0.03 * slope;
         model.step = Some(8e-7);
-        worst = worst.max((restored(model, &ground) - 1.0).abs());
+        let (kept, contacts) = restored(model, &ground);
+        worst = worst.max((kept - 1.0).abs());
+        most = most.max(contacts);
     }
-    eprintln!("hollows {worst:e}");
-    assert!(worst < 1e-4, "{worst:e}");
+    assert!(worst < 1e-6 && most > 3, "{worst:e} {most}");
 }
 
 /// A body whose points move under the forces of a sphere: its momentum and angular momentum, and those of the
@@ -322,6 +323,45 @@ fn momentum_is_kept_and_numbers_do_not_matter() {
         results.push((run.position(0), run.velocity(0), run.spin(0)));
     }
     assert_eq!(results[0], results[1]);
+}
+
+/// The energy of a sphere that rubs on a block which moves, and the work on its points, add up.
+#[test]
+fn the_work_on_a_body_is_in_the_balance() {
+    let mut model = sphere(0.01, [0.012, 0.021, 0.0225], [-0.7, -0.6, -1.5], rough());
+    model.spheres.spins = vec![[50.0, 30.0, -80.0]];
+    model.step = Some(1e-6);
+    let point_mass = 0.004;
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    let mut body = block([0.02, 0.03, 0.01]);
+    let (mut first, mut last, mut touched) = (f64::NAN, f64::NAN, false);
+    let mut largest = 0.0_f64;
+    for step in 0..8000 {
+        let dt = run.time_step();
+        let velocities = body.velocities.clone();
+        body.step(&mut run);
+        let mut kinetic = 0.0;
+        let mut forces = vec![[0.0; 3]; body.points.len()];
+        for &(point, force) in run.surface_forces() {
+            forces[point as usize] = force;
+            touched = true;
+        }
+        for (k, point) in body.points.iter_mut().enumerate() {
+            // The surface had the velocities at the positions: half a step before the next ones.
+            body.velocities[k] = plus(velocities[k], dt / point_mass, forces[k]);
+            kinetic += 0.5 * point_mass * dot(velocities[k], velocities[k]);
+            *point = plus(*point, dt, body.velocities[k]);
+        }
+        let of = run.energies();
+        let total = of.kinetic + of.rotational + of.elastic + of.dissipated + kinetic;
+        if step == 0 {
+            first = total;
+        }
+        last = of.kinetic + of.rotational + of.elastic + of.dissipated + of.on_bodies;
+        largest = largest.max((last - first).abs());
+    }
+    assert!(touched && run.energies().on_bodies > 0.0 && last > 0.0);
+    assert!(largest < 1e-3 * first, "{largest:e} {first:e}");
 }
 
 /// A sphere rolls over the edge of a table and falls; on a thin plate it stays on its side.
@@ -419,8 +459,95 @@ fn segments_are_touched_as_triangles_are() {
     );
     let mut model = sphere(0.01, [0.001, 0.012, 0.0], [0.3, -2.0, 0.0], Surfaces::smooth([0, 1]));
     model.step = Some(4e-7);
-    let kept = restored(model, &corner);
+    let (kept, _) = restored(model, &corner);
     assert!((kept - 1.0).abs() < 2e-5, "{kept}");
+}
+
+/// A sphere rolls and slides in a trough of strips as in the tube around them: friction goes over from strip to
+/// strip.
+#[test]
+fn a_trough_of_strips_is_a_tube() {
+    let (radius, strips) = (0.1, 314);
+    // As deep as the tube in the mean.
+    let turn = std::f64::consts::TAU / f64::from(strips);
+    let corner = radius / (1.0 - turn * turn / 12.0).sqrt();
+    let point = |k: i32, y: f64| {
+        let angle = turn * f64::from(k);
+        [corner * angle.sin(), y, -corner * angle.cos()]
+    };
+    let triangles = (0..strips).flat_map(|k| {
+        let [a, b, c, d] = [point(k, -1.0), point(k + 1, -1.0), point(k + 1, 1.0), point(k, 1.0)];
+        [[a, b, c], [a, c, d]]
+    });
+    let tube = WallShape::Tube { axis: [[0.0; 3], [0.0, 1.0, 0.0]], radius };
+    for (friction, spin) in [(0.5, 0.0), (0.2, 100.0)] {
+        let surfaces = Surfaces { friction, restitution: 0.5, ..Surfaces::smooth([0, 1]) };
+        let mut model = sphere(0.01, [0.09 * 0.7, 0.0, -0.09 * 0.714], [0.0; 3], surfaces);
+        model.spheres.spins = vec![[0.0, spin, 0.0]];
+        model.gravity = [0.0, 0.0, -9.81];
+        model.step = Some(1e-5);
+        let run = |shape: WallShape| {
+            let wall = Wall { shape, ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 1) };
+            let mut run =
+                GrainRun::new(GrainModel { walls: vec![wall], ..model.clone() }, 1).expect("a model");
+            run.advance(25_000).expect("steps");
+            (run.position(0), run.spin(0))
+        };
+        let (smooth, strips) =
+            (run(tube.clone()), run(WallShape::Mesh { triangles: triangles.clone().collect() }));
+        let apart = plus(smooth.0, -1.0, strips.0);
+        assert!(dot(apart, apart).sqrt() < 1e-3, "{smooth:?} {strips:?}");
+        assert!((smooth.1[1] - strips.1[1]).abs() < 0.02 * smooth.1[1].abs(), "{smooth:?} {strips:?}");
+    }
+}
+
+/// A block below a sphere breaks in two: the new edge begins without force and bears the sphere afterwards; a
+/// run that is saved and continued after that has the same bits.
+#[test]
+fn a_block_that_breaks_below_a_sphere_gives_it_no_energy() {
+    let mut model = sphere(0.01, [0.001, 0.002, 0.0199], [0.0; 3], Surfaces::smooth([0, 1]));
+    model.gravity = [0.0, 0.0, -9.81];
+    model.step = Some(2e-6);
+    let whole = {
+        let points = vec![[-0.03, -0.03, 0.01], [0.0, -0.03, 0.01], [0.03, -0.03, 0.01]];
+        let back = points.iter().map(|p: &Vector| [p[0], 0.03, p[2]]).collect();
+        Body::at_rest([points, back].concat(), vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]])
+    };
+    let mut broken = whole.clone();
+    broken.points.extend([whole.points[1], whole.points[4]]);
+    broken.velocities.extend([[0.0; 3]; 2]);
+    broken.facets[0] = [0, 6, 7];
+    broken.facets[1] = [0, 7, 3];
+    let mut run = GrainRun::new(model.clone(), 1).expect("a model");
+    let total = |run: &GrainRun| {
+        let of = run.energies();
+        of.kinetic + of.elastic + of.weight + of.dissipated - of.external
+    };
+    whole.step(&mut run);
+    let first = total(&run);
+    for _ in 0..50 {
+        whole.step(&mut run);
+    }
+    let before = run.contacts()[0];
+    broken.step(&mut run);
+    let after = run.contacts();
+    assert!(before.overlap > 5e-5 && after.len() == 1, "{before:?} {after:?}");
+    assert!((after[0].force[2] / before.force[2] - 1.0).abs() < 0.05, "{before:?} {after:?}");
+    let mut other = GrainRun::resume(model, run.state(), 2).expect("a run");
+    for _ in 0..6000 {
+        broken.step(&mut run);
+        broken.step(&mut other);
+        assert!((total(&run) - first).abs() < 1e-5 * first, "{} {first}", total(&run));
+    }
+    assert_eq!(run.state(), other.state());
+    assert!(run.position(0)[2] > 0.0201, "{:?}", run.position(0));
+    // It falls on both halves.
+    let mut most = 0;
+    for _ in 0..40_000 {
+        broken.step(&mut run);
+        most = most.max(run.contacts().len());
+    }
+    assert_eq!(most, 2);
 }
 
 /// Wrong surfaces are refused.

@@ -75,6 +75,35 @@ fn threads_and_states_do_not_change_a_bed() {
     assert!(once.wall_force(5)[2] > 0.0 && once.wall_force(0)[2] < 0.0);
 }
 
+/// The energies of a bed on a floor of triangles that turns and moves, under a lid with a servo, balance.
+#[test]
+fn the_work_of_meshes_and_servos_is_in_the_balance() {
+    let mut model = bed(servo(50.0));
+    model.surfaces[0] = Surfaces {
+        restitution: 0.5,
+        friction: 0.5,
+        rolling_friction: 0.05,
+        rolling_damping: 0.3,
+        twisting_friction: 0.02,
+        ..model.surfaces[0]
+    };
+    model.walls[0].velocity = [0.3, 0.0, 0.05];
+    model.walls[0].rotation = Some(WallRotation { through: [0.05, 0.05, 0.0], spin: [0.0, 0.0, 5.0] });
+    model.step = Some(1e-5);
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    let total =
+        |of: GrainEnergies| of.kinetic + of.rotational + of.elastic + of.weight + of.dissipated - of.external;
+    let first = run.energies();
+    let mut worst = 0.0_f64;
+    for _ in 0..100 {
+        run.advance(100).expect("steps");
+        worst = worst.max((total(run.energies()) - total(first)).abs());
+    }
+    let last = run.energies();
+    let exchanged = (last.weight - first.weight).abs() + last.external.abs() + last.dissipated;
+    assert!(last.external.abs() > 0.01 && worst < 1e-3 * exchanged, "{worst:e} {exchanged:e} {last:?}");
+}
+
 /// A wall is where its path is, and pushes with the velocity of the path.
 #[test]
 fn a_wall_follows_its_path() {

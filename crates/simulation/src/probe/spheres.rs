@@ -1,6 +1,6 @@
 //! Means over spheres, and forces on walls.
 
-use fdem_grains::{GrainPartner, SphereColumns, Wall, WallShape};
+use fdem_grains::{GrainPartner, SphereColumns};
 
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -57,36 +57,17 @@ where
 {
     /// Visits the values of a wall, and 1 for the wall itself.
     pub(super) fn visit_wall(&self, wall: u32, mut visit: impl FnMut(&[f64; 10])) {
-        let (Some(run), Some(grains)) = (self.actions.spheres.run(), &self.model.grains) else { return };
-        let columns = run.columns();
-        let (Some(now), Some(begin)) = (columns.walls.get(wall as usize), grains.walls.get(wall as usize))
-        else {
-            return;
-        };
-        let centre = now.rotation.map_or([0.0; 3], |rotation| rotation.through);
-        let mut moment = [0.0; 3];
-        for contact in columns.contacts.iter().filter(|contact| contact.other == GrainPartner::Wall(wall)) {
-            let (arm, force) = (minus(contact.place, centre), contact.force);
-            // The force on the wall is the opposite.
-            for axis in 0..3 {
-                let [one, other] = [(axis + 1) % 3, (axis + 2) % 3];
-                moment[axis] -= arm[one] * force[other] - arm[other] * force[one];
-            }
-        }
-        let moved = minus(place(now), place(begin));
-        let force = columns.wall_forces.get(wall as usize).copied().unwrap_or([0.0; 3]);
-        let [fx, fy, fz] = force;
-        let ([mx, my, mz], [ux, uy, uz]) = (moment, moved);
+        let number = wall as usize;
+        let Some(run) = self.actions.spheres.run().filter(|run| number < run.walls().len()) else { return };
+        let [fx, fy, fz] = run.wall_force(number);
+        let [mx, my, mz] = run.wall_moment(number);
+        let [ux, uy, uz] = run.wall_displacement(number);
         visit(&[fx, fy, fz, mx, my, mz, ux, uy, uz, 1.0]);
     }
 
     /// Visits sums over the spheres whose centres are in a region, a box by its lowest and its highest
     /// corner, m; `None` for the box around all spheres.
-    pub(super) fn visit_spheres(
-        &self,
-        region: Option<[Point<3>; 2]>,
-        mut visit: impl FnMut(&[f64; SUMS]),
-    ) {
+    pub(super) fn visit_spheres(&self, region: Option<[Point<3>; 2]>, mut visit: impl FnMut(&[f64; SUMS])) {
         let Some(run) = self.actions.spheres.run() else { return };
         let columns = run.columns();
         let [low, high] = region.unwrap_or_else(|| around(&columns));
@@ -133,19 +114,6 @@ where
                 visit(&sums);
             }
         }
-    }
-}
-
-/// A point that moves with a wall, m: that through which its axis passes, if it turns.
-fn place(wall: &Wall) -> Point<3> {
-    if let Some(rotation) = wall.rotation {
-        return rotation.through;
-    }
-    match &wall.shape {
-        WallShape::Plane { point, .. } => *point,
-        WallShape::Tube { axis, .. } | WallShape::Cone { axis, .. } => axis[0],
-        WallShape::Disc { centre, .. } => *centre,
-        WallShape::Mesh { triangles } => triangles.first().map_or([0.0; 3], |corners| corners[0]),
     }
 }
 

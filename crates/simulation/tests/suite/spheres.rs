@@ -1,9 +1,7 @@
 //! Spheres and walls, alone and with bodies.
 
 use crate::common::*;
-use fdem_simulation::grains::{
-    GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallRotation,
-};
+use fdem_simulation::grains::{GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallRotation};
 use fdem_simulation::*;
 
 /// Granite as spheres have it.
@@ -221,7 +219,9 @@ fn a_ball_that_strikes_a_free_block_keeps_momentum_and_energy() {
         let spheres = run.snapshot().spheres;
         assert!(spheres.velocities[0][2] > 0.5, "it rebounds: {:?}", spheres.velocities);
         let after = whole_momentum(&run);
-        for (before, after) in before.iter().zip(after) {
+        // The moments of inertia of a rigid body are not those of masses at its nodes.
+        let compared = if run.model().rigid.is_empty() { 6 } else { 3 };
+        for (before, after) in before.iter().zip(after).take(compared) {
             assert!((before - after).abs() < 1e-12, "{before} {after}");
         }
         let energies = run.energies();
@@ -298,9 +298,11 @@ fn discs() -> Model {
     let strength = Strength { tensile: 2e6, cohesion: 4e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
     let grains = GrainModel {
         spheres: Spheres {
-            positions: (0..4).map(|k| [0.13 + 0.0405 * f64::from(k), 0.0201 + 0.001 * f64::from(k), 0.0]).collect(),
+            positions: (0..4)
+                .map(|k| [0.13 + 0.0405 * f64::from(k), 0.0201 + 0.001 * f64::from(k), 0.0])
+                .collect(),
             radii: vec![0.02; 4],
-            velocities: vec![[1.0, -15.0, 0.0]; 4],
+            velocities: vec![[1.0, -30.0, 0.0]; 4],
             ..Spheres::default()
         },
         materials: vec![grains_of(&granite())],
@@ -342,7 +344,7 @@ where
     assert_eq!(whole.energies(), resumed.energies());
     let counts = whole.counts();
     assert!(counts.broken > 5, "{counts:?}");
-    assert!(whole.energies().error().abs() < 1e-3, "{:?}", whole.energies());
+    assert!(whole.energies().error().abs() < 2e-3, "{:?}", whole.energies());
 }
 
 #[test]
@@ -352,7 +354,7 @@ fn a_fan_of_spheres_breaks_a_plate_with_the_same_bits() {
 
 #[test]
 fn discs_break_a_beam_with_the_same_bits() {
-    breaks_with_the_same_bits(&discs(), 600);
+    breaks_with_the_same_bits(&discs(), 1000);
 }
 
 /// Spheres go on when a body is taken away, and fall where it was.
@@ -370,7 +372,10 @@ fn spheres_go_on_in_the_next_stage() {
         let (next, state) = run.state().changed(&model, change, 1).expect("a state");
         let mut later = Simulation::resume(next, state, 1).expect("a model");
         let now = later.snapshot().spheres;
-        assert_eq!([&now.positions, &now.velocities, &now.spins], [&before.positions, &before.velocities, &before.spins]);
+        assert_eq!(
+            [&now.positions, &now.velocities, &now.spins],
+            [&before.positions, &before.velocities, &before.spins]
+        );
         later.advance(400).expect("steps");
         let speed = later.snapshot().spheres.velocities[0][2];
         assert!(if gone == 0 { speed < -3.0 } else { speed > 0.5 }, "{gone}: {speed}");

@@ -101,8 +101,7 @@ impl RunLog {
             return;
         }
         self.last = Instant::now();
-        let rate = (run.steps() - self.first_step) as f64
-            / self.start.elapsed().as_secs_f64().max(1e-9);
+        let rate = (run.steps() - self.first_step) as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
         // The most important parts come first: a narrow terminal shows only those that fit.
         let mut parts = vec![

@@ -67,7 +67,10 @@ where
     }
     if counts.spheres > 0 {
         let [spheres, contacts] = [counts.spheres, counts.sphere_contacts].map(|count| count as u64);
-        facts.insert(1, ("spheres", format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"))));
+        facts.insert(
+            1,
+            ("spheres", format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"))),
+        );
     }
     facts.extend(open.map(|open| ("open joints", open)));
     if elements > 0 {
