@@ -1,4 +1,4 @@
-//! The clumps of a model: what they weigh, and whether they can be simulated.
+//! The clumps of a model: mass and moments of inertia, and whether they can be simulated.
 
 use crate::clump::ClumpInertia;
 use crate::error::GrainError;

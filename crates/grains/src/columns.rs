@@ -47,7 +47,7 @@ pub struct SphereColumns {
 pub struct GrainContact {
     /// The sphere.
     pub sphere: u32,
-    /// What it touches.
+    /// The other body of the contact.
     pub other: GrainPartner,
     /// Where they touch, m.
     pub place: [f64; 3],

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A box, periodic along some axes, with what happens to spheres that leave it along the others.
+/// A box, periodic along some axes, with a rule for spheres that leave it along the others.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Domain {
     /// Its corner with the lowest coordinates at the beginning, m.
@@ -14,11 +14,11 @@ pub struct Domain {
     /// Rates at which its sides grow about its centre, 1/s, relative to their present lengths. The spheres
     /// move along with it.
     pub strain_rates: [f64; 3],
-    /// What happens to a sphere whose centre leaves the box along an axis that does not repeat.
+    /// The fate of a sphere whose centre leaves the box along an axis that does not repeat.
     pub outside: Outside,
 }
 
-/// What happens to a sphere that leaves the box.
+/// The fate of a sphere that leaves the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outside {
     /// The run stops with an error that names the sphere.

@@ -69,7 +69,7 @@ pub enum GrainError {
     Box {
         /// The axis: 0 for x.
         axis: usize,
-        /// Its length, m.
+        /// Length of the box along it, m.
         length: f64,
         /// The length that it must exceed, m.
         least: f64,

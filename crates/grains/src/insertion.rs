@@ -88,7 +88,7 @@ impl Removal {
     }
 }
 
-/// What is in a box already.
+/// Spheres and walls that are in a box already.
 pub(crate) struct Taken<'a> {
     walls: &'a [Wall],
     /// Whether a sphere, by its centre, m, and radius, m, touches no triangle.

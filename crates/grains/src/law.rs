@@ -291,8 +291,8 @@ impl PairLaw {
         elastic - dashpot * rate
     }
 
-    /// Energy that is lost when the two part, J: that of springs which are not at rest, and, where they stick,
-    /// that of the last pull.
+    /// Energy that is lost when the two part, J: that of springs which are not at rest, and, where they
+    /// stick, that of the last pull.
     pub(crate) fn lost(&self, radius: f64, history: &ContactHistory) -> f64 {
         let work = self.surfaces.adhesion;
         let pull =

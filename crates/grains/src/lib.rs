@@ -16,8 +16,8 @@
 //!
 //! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
 //! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `error`, `insertion`, `model`, `clump_checks`,
-//! `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`, `gaps`, `run`; the front page of `run`
-//! lists the files below it.
+//! `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`, `gaps`, `run`; the front page of
+//! `run` lists the files below it.
 
 mod adhesion;
 mod clump;

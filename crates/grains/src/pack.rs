@@ -96,12 +96,12 @@ pub enum PackError {
     Empty,
     /// More spheres than are possible.
     TooMany {
-        /// Their number, about.
+        /// About this number of spheres.
         count: f64,
     },
     /// The largest sphere has no room in the region.
     TooLarge {
-        /// Its radius, m.
+        /// Radius of that sphere, m.
         radius: f64,
     },
     /// They would fill more of the region than they can.

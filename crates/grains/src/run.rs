@@ -39,7 +39,7 @@ use crate::insertion::Taken;
 use crate::material::ForceLaw;
 use crate::model::{GrainModel, Spheres};
 use crate::run::balls::{ALONE, Balls};
-use crate::run::cell::Cell;
+use crate::run::cell::RunBox;
 use crate::run::clumps::Clumps;
 use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
 use crate::run::laws::Laws;
@@ -99,7 +99,7 @@ pub struct GrainRun {
     balls: Balls,
     lists: Lists,
     finder: Finder,
-    cell: Option<Cell>,
+    cell: Option<RunBox>,
     on_walls: OnWalls,
     clumps: Clumps,
     on_meshes: OnMeshes,
@@ -144,7 +144,7 @@ impl GrainRun {
             model.clumps[clump].inertia = Some(model.inertia_of(clump));
         }
         let count = model.spheres.positions.len() as u32;
-        let cell = model.domain.map(Cell::new);
+        let cell = model.domain.map(RunBox::new);
         let finder = if cell.is_some_and(|cell| cell.is_periodic()) {
             Finder::Periodic(Box::new(PeriodicSearch::new()))
         } else {
@@ -356,8 +356,8 @@ impl GrainRun {
     /// Takes one step in which the spheres touch this surface of bodies, too.
     ///
     /// # Errors
-    /// The errors of [`GrainRun::advance`]; [`GrainError::Length`] if the lists of the surface do not fit each
-    /// other, [`GrainError::Point`] and [`GrainError::Material`] if a facet has one that does not exist.
+    /// The errors of [`GrainRun::advance`]; [`GrainError::Length`] if the lists of the surface do not fit
+    /// each other, [`GrainError::Point`] and [`GrainError::Material`] if a facet has one that does not exist.
     pub fn step_on(&mut self, surface: &Surface<'_>) -> Result<(), GrainError> {
         surface.check(self.model.materials.len())?;
         let pool = Arc::clone(&self.pool);
@@ -630,7 +630,7 @@ impl GrainRun {
     /// # Cost
     /// A pass over all spheres and contacts.
     pub fn columns(&self) -> SphereColumns {
-        let period = self.cell.filter(Cell::is_periodic).map(|cell| {
+        let period = self.cell.filter(RunBox::is_periodic).map(|cell| {
             let along = |axis: usize| if cell.periodic()[axis] { cell.lengths[axis] } else { f64::INFINITY };
             [cell.low, [along(0), along(1), along(2)]]
         });

@@ -84,7 +84,7 @@ pub enum WallShape {
     /// Triangles, from both sides; in the plane segments, whose third corner is the second. Corners at the
     /// same place are one.
     Mesh {
-        /// Their corners, m.
+        /// Corners of each, m.
         triangles: Vec<[[f64; 3]; 3]>,
     },
 }

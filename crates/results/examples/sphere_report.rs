@@ -3,9 +3,9 @@
 //!
 //! `cargo run --release -p fdem-results --example sphere_report -- FOLDER [SIDE [FRAMES [flat]]]`
 //!
-//! There are `SIDE`³ spheres above a block of tetrahedra in a box with a hopper, or, with `flat`, `SIDE`² discs
-//! above two triangles. Their positions are those of a formula. `expected.json` has the spheres of the last
-//! frame.
+//! There are `SIDE`³ spheres above a block of tetrahedra in a box with a hopper, or, with `flat`, `SIDE`²
+//! discs above two triangles. Their positions are those of a formula. `expected.json` has the spheres of the
+//! last frame.
 
 use std::error::Error;
 use std::fs;

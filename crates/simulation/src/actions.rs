@@ -25,7 +25,7 @@ use crate::actions::loads::Loads;
 use crate::actions::prescribed::Prescribed;
 use crate::actions::program::Program;
 use crate::actions::seams::Seams;
-use crate::actions::spheres::Spheres;
+use crate::actions::spheres::SphereAction;
 use crate::energy::Ledger;
 use crate::error::{ModelError, Stop};
 use crate::machine::Machine;
@@ -52,7 +52,7 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     pub(crate) program: Program<D>,
     pub(crate) cavities: Cavities<D>,
     gravity: Gravity,
-    pub(crate) spheres: Spheres<D>,
+    pub(crate) spheres: SphereAction<D>,
     /// Forces of this step whose work is external work.
     applied: Vec<Applied<D>>,
     /// Forces of this step on corners of elements, N.
@@ -94,7 +94,7 @@ where
             program: Program::default(),
             cavities,
             gravity: Gravity,
-            spheres: Spheres::default(),
+            spheres: SphereAction::default(),
             applied: Vec::new(),
             forces: Vec::new(),
         })

@@ -55,9 +55,6 @@ const RIGID: [&[(&str, &str)]; 2] = [
 /// Components of a strain in the plane and in space.
 const STRAIN: [&[&str]; 2] = [&["exx", "eyy", "exy"], &["exx", "eyy", "ezz", "exy", "eyz", "exz"]];
 
-/// Places in `[xx, yy, zz, xy, yz, xz]` of these components.
-const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]];
-
 /// A point that moves with its body: an element, and the barycentric coordinates of the point in the
 /// undeformed element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -279,8 +276,9 @@ where
         }
         let sums: Vec<f64> = sums.iter().map(Sum::value).collect();
         let mean = |place: usize| sums[place] / sums[sums.len() - 1];
-        let tensor =
-            |zz: bool| (0..6).filter(move |&k| PLACES[k].iter().all(|&axis| axis < D) || zz && k == 2);
+        let tensor = |zz: bool| {
+            (0..6).filter(move |&k| spheres::PLACES[k].iter().all(|&axis| axis < D) || zz && k == 2)
+        };
         match self {
             Self::Stress(_) => tensor(true).map(mean).collect(),
             Self::Strain(_) => tensor(false).map(mean).collect(),
@@ -441,11 +439,9 @@ where
         let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid().inverse_edges(element));
         let turned = transposed(&gradient);
         let squared = product_transposed(&turned, &turned);
-        PLACES.map(
-            |[i, k]| {
-                if i.max(k) >= D { 0.0 } else { 0.5 * (gradient[i][k] + gradient[k][i] + squared[i][k]) }
-            },
-        )
+        spheres::PLACES.map(|[i, k]| {
+            if i.max(k) >= D { 0.0 } else { 0.5 * (gradient[i][k] + gradient[k][i] + squared[i][k]) }
+        })
     }
 
     /// A quantity of nodes at a point, if this rank counts its element.

@@ -11,9 +11,9 @@ use crate::vector::{Vector, cross, dot, length, minus, times};
 pub enum PackRegion {
     /// A box along the axes, or a rectangle.
     Box {
-        /// Its corner with the lowest coordinates, m.
+        /// The corner with the lowest coordinates, m.
         low: [f64; 3],
-        /// Its corner with the highest coordinates, m.
+        /// The corner with the highest coordinates, m.
         high: [f64; 3],
     },
     /// A cylinder.

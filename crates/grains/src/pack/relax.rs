@@ -81,13 +81,13 @@ impl Sums {
 
 /// Candidates of each sphere, ascending.
 #[derive(Default)]
-struct Lists {
+struct PackLists {
     first: Vec<u32>,
     others: Vec<u32>,
 }
 
-impl Lists {
-    /// Lists of both spheres of each couple.
+impl PackLists {
+    /// PackLists of both spheres of each couple.
     fn of(couples: &[fdem_contact::Couple], count: usize) -> Self {
         let mut first = vec![0_u32; count + 1];
         for couple in couples {
@@ -152,14 +152,14 @@ impl Relaxing<'_> {
             .collect();
         let mut velocities = vec![[0.0; 3]; self.free];
         let mut forces = vec![[0.0; 3]; self.free];
-        let mut lists = Lists::default();
+        let mut lists = PackLists::default();
         let (mut step, mut turned, mut downhill) = (STEPS[0], TURNED, 0);
         for _ in 0..most {
             let elements = Elements::spheres_with_radii(&self.positions, &reaches);
             let update = elements.and_then(|elements| {
                 search.update(&elements).map(|update| {
                     if update.redetected() {
-                        lists = Lists::of(update.candidates(), count);
+                        lists = PackLists::of(update.candidates(), count);
                     }
                 })
             });
@@ -195,7 +195,7 @@ impl Relaxing<'_> {
     /// Computes the forces of all springs.
     fn push(
         &self,
-        lists: &Lists,
+        lists: &PackLists,
         reaches: &[f64],
         masses: &[f64],
         velocities: &[Vector],
@@ -256,8 +256,8 @@ impl Relaxing<'_> {
         (total, most)
     }
 
-    /// Moves all spheres by a step. `[step, kept, along]`: its length, the share of the velocity that is kept,
-    /// and the factor of the acceleration that is added to it.
+    /// Moves all spheres by a step. `[step, kept, along]`: its length, the share of the velocity that is
+    /// kept, and the factor of the acceleration that is added to it.
     fn go(
         &mut self,
         masses: &[f64],

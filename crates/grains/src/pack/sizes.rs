@@ -34,7 +34,7 @@ pub enum SphereSizes {
 }
 
 /// A part of a grading curve, with the shares of the number of spheres up to its beginning and its end.
-struct Part {
+struct CurvePart {
     radii: [f64; 2],
     numbers: [f64; 2],
 }
@@ -79,8 +79,8 @@ impl SphereSizes {
         sum / PARTS as f64
     }
 
-    /// Radii of `count` spheres, m, in random order. Each part of the distribution of the probability 1/`count`
-    /// has one of them, so that even few spheres follow it.
+    /// Radii of `count` spheres, m, in random order. Each part of the distribution of the probability
+    /// 1/`count` has one of them, so that even few spheres follow it.
     pub fn draw(&self, count: usize, discs: bool, seed: u64) -> Vec<f64> {
         let mut random = Random::with_stream(seed, RADII);
         let parts = self.parts(discs);
@@ -94,7 +94,7 @@ impl SphereSizes {
     }
 
     /// The radius below which a share of the number of spheres is, m.
-    fn quantile(&self, share: f64, parts: &[Part], discs: bool) -> f64 {
+    fn quantile(&self, share: f64, parts: &[CurvePart], discs: bool) -> f64 {
         match self {
             Self::Equal(radius) => *radius,
             Self::Uniform([least, most]) => least + share * (most - least),
@@ -118,7 +118,7 @@ impl SphereSizes {
     }
 
     /// The parts of a grading curve, none for other distributions.
-    fn parts(&self, discs: bool) -> Vec<Part> {
+    fn parts(&self, discs: bool) -> Vec<CurvePart> {
         let Self::Grading(curve) = self else { return Vec::new() };
         let mut parts = Vec::new();
         let mut number = 0.0;
@@ -133,7 +133,7 @@ impl SphereSizes {
             };
             let before = number;
             number += share * per_mass;
-            parts.push(Part { radii: [a, b], numbers: [before, number] });
+            parts.push(CurvePart { radii: [a, b], numbers: [before, number] });
         };
         if let Some(&[radius, share]) = curve.first()
             && share > 0.0

@@ -42,7 +42,7 @@ pub(crate) const ALONE: u32 = u32::MAX;
 
 /// Properties that the motion alone reads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Kind {
+pub(crate) struct BallKind {
     pub(crate) group: u32,
     pub(crate) held: bool,
     /// Number of its clump, or [`ALONE`].
@@ -56,7 +56,7 @@ pub(crate) struct SavedBall {
     position: Vector,
     radius: f64,
     material: u32,
-    kind: Kind,
+    kind: BallKind,
     /// Velocity, m/s, and angular velocity, rad/s, at the time of the position.
     now: [Vector; 2],
     drive: Drive,
@@ -67,7 +67,7 @@ pub(crate) struct SavedBall {
 pub(crate) struct Balls {
     pub(crate) list: Vec<Ball>,
     pub(crate) drives: Vec<Drive>,
-    pub(crate) kinds: Vec<Kind>,
+    pub(crate) kinds: Vec<BallKind>,
     /// Place of each sphere, in ascending order of their numbers.
     pub(crate) places: Vec<u32>,
     /// Force, N, and moment, N m, on each sphere in the last step; only with clumps.
@@ -113,7 +113,7 @@ impl Balls {
                 position: spheres.positions[sphere],
                 radius: spheres.radii[sphere],
                 material,
-                kind: Kind {
+                kind: BallKind {
                     group: spheres.groups.get(sphere).copied().unwrap_or(0),
                     held: spheres.held.get(sphere).copied().unwrap_or(false),
                     clump: ALONE,

@@ -5,14 +5,14 @@ use crate::vector::Vector;
 
 /// A box whose sides grow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cell {
+pub(crate) struct RunBox {
     domain: Domain,
     pub(crate) low: Vector,
     /// Lengths of the sides, m.
     pub(crate) lengths: Vector,
 }
 
-impl Cell {
+impl RunBox {
     pub(crate) fn new(domain: Domain) -> Self {
         let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3] };
         cell.grow(0.0);
@@ -79,7 +79,7 @@ impl Cell {
         [along(0), along(1), along(2)]
     }
 
-    /// What happens to a sphere at this point, if it is outside along an axis that does not repeat.
+    /// The fate of a sphere at this point, if it is outside along an axis that does not repeat.
     #[inline]
     pub(crate) fn outside(&self, point: Vector) -> Option<Outside> {
         let is_out = |axis: usize| {

@@ -13,7 +13,6 @@ use crate::error::GrainError;
 use crate::model::GrainModel;
 use crate::rotation::{Matrix, Quaternion, UNTURNED, applied, applied_back, inverse, matrix, turned_by};
 use crate::run::balls::{Ball, Balls};
-use crate::run::energies::GrainEnergies;
 use crate::run::motion::{FARTHEST, Moved, Moving};
 use crate::vector::{Vector, cross, dot, length, minus, plus, times};
 
@@ -208,8 +207,10 @@ impl Clumps {
         (energy, going)
     }
 
-    /// Adds the energies of the clumps at the positions of the last step: `step` ago, s.
-    pub(crate) fn add_energies(&self, energies: &mut GrainEnergies, (gravity, step): (Vector, f64)) {
+    /// Energies of the clumps at the positions of the last step, `step` ago, s: kinetic, of rotation, of the
+    /// weight, and the work from outside on them, J.
+    pub(crate) fn energies(&self, (gravity, step): (Vector, f64)) -> [f64; 4] {
+        let mut energies = [0.0; 4];
         for (body, motion) in self.bodies.iter().zip(&self.motions).filter(|(_, motion)| !motion.removed) {
             let velocity = minus(times(2.0, motion.velocity), motion.now[0]);
             let momentum = minus(times(2.0, motion.momentum), motion.now[1]);
@@ -219,11 +220,12 @@ impl Clumps {
                 (body.spin(&matrix(motion.before), momentum), momentum)
             };
             let centre = minus(motion.centre, times(step, motion.velocity));
-            energies.kinetic += 0.5 * body.mass * dot(velocity, velocity);
-            energies.rotational += 0.5 * dot(spin, momentum);
-            energies.weight -= body.mass * dot(gravity, centre);
-            energies.external += motion.external;
+            energies[0] += 0.5 * body.mass * dot(velocity, velocity);
+            energies[1] += 0.5 * dot(spin, momentum);
+            energies[2] -= body.mass * dot(gravity, centre);
+            energies[3] += motion.external;
         }
+        energies
     }
 
     /// Masses, kg, centres, m, and velocities, m/s, of the clumps that have not been removed.

@@ -83,7 +83,11 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
         energies.rotational += 0.5 * of.balls.inertia(place as usize) * dot(spin, spin);
         energies.weight -= ball.mass * dot(of.gravity, position);
     }
-    of.clumps.add_energies(&mut energies, (of.gravity, of.step));
+    let [kinetic, rotational, weight, external] = of.clumps.energies((of.gravity, of.step));
+    energies.kinetic += kinetic;
+    energies.rotational += rotational;
+    energies.weight += weight;
+    energies.external += external;
     let (elastic, [dissipated, external]) = of_contacts(of);
     energies.elastic = elastic;
     // Of the last step, only the first half is before the positions.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::error::GrainError;
 use crate::law::ContactHistory;
 use crate::run::balls::{ALONE, Balls};
-use crate::run::cell::Cell;
+use crate::run::cell::RunBox;
 use crate::vector::Vector;
 
 /// Spheres that one thread computes at a time.
@@ -80,7 +80,12 @@ pub(crate) enum Finder {
 
 impl Finder {
     /// The couples of spheres, by places, whose surfaces are at most `gap` apart, m, in no order.
-    fn couples(&mut self, balls: &Balls, gap: f64, cell: Option<&Cell>) -> Result<Vec<[u32; 2]>, GrainError> {
+    fn couples(
+        &mut self,
+        balls: &Balls,
+        gap: f64,
+        cell: Option<&RunBox>,
+    ) -> Result<Vec<[u32; 2]>, GrainError> {
         let wrong = |error: fdem_contact::Error| GrainError::Search(error.to_string());
         let positions: Vec<Vector> = balls.list.iter().map(|ball| ball.position).collect();
         let radii: Vec<f64> = balls.list.iter().map(|ball| ball.radius + 0.5 * gap).collect();
@@ -157,7 +162,7 @@ impl Lists {
         balls: &Balls,
         finder: &mut Finder,
         gap: f64,
-        cell: Option<&Cell>,
+        cell: Option<&RunBox>,
         (remembered, rolls): (&Remembered, bool),
     ) -> Result<(), GrainError> {
         let mut couples = finder.couples(balls, gap, cell)?;

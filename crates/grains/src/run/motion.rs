@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::domain::Outside;
 use crate::error::GrainError;
-use crate::run::balls::{ALONE, Ball, Balls, Drive, Kind};
-use crate::run::cell::Cell;
+use crate::run::balls::{ALONE, Ball, BallKind, Balls, Drive};
+use crate::run::cell::RunBox;
 use crate::run::lists::{APART, CHUNK, Lists};
 use crate::run::on_walls::Outer;
 use crate::vector::{Vector, dot, minus, plus, times};
@@ -19,7 +19,7 @@ pub(crate) struct Moving<'a> {
     pub(crate) lists: &'a Lists,
     /// Contacts with walls and bodies, by places.
     pub(crate) outer: &'a [Outer],
-    pub(crate) cell: Option<&'a Cell>,
+    pub(crate) cell: Option<&'a RunBox>,
     /// m/s².
     pub(crate) gravity: Vector,
     /// s.
@@ -74,7 +74,7 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
 fn move_chunk(
     begin: usize,
     (balls, drives): (&mut [Ball], &mut [Drive]),
-    (kinds, pushes): (&[Kind], &mut [[Vector; 2]]),
+    (kinds, pushes): (&[BallKind], &mut [[Vector; 2]]),
     (share, of): (f64, Moving<'_>),
 ) -> Result<Moved, (u32, GrainError)> {
     let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
@@ -120,7 +120,8 @@ fn move_chunk(
     lost.map_or(Ok(moved), Err)
 }
 
-/// Force, N, and moment, N m, of all spheres on one. Adds what its contacts have dissipated to its sum.
+/// Force, N, and moment, N m, of all spheres on one. Adds the energy that its contacts have dissipated to its
+/// sum.
 #[inline]
 fn sums(lists: &Lists, place: usize, radius: f64, drive: &mut Drive) -> [Vector; 2] {
     let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
@@ -158,7 +159,7 @@ fn sums(lists: &Lists, place: usize, radius: f64, drive: &mut Drive) -> [Vector;
 fn advance(
     ball: &mut Ball,
     drive: &mut Drive,
-    kind: Kind,
+    kind: BallKind,
     (force, moment): (Vector, Vector),
     (share, of): (f64, Moving<'_>),
 ) {

@@ -5,8 +5,8 @@
 //! break. Where two minima exchange their order, so that the other of them pays the pass between them
 //! ([`sheets`](crate::sheets)), the springs of the contact go over with the force.
 //!
-//! When a body breaks below a sphere, the sphere touches the new edge at once, with an overlap that it has not
-//! made by its motion. Such a contact begins without force: its overlap counts from there on.
+//! When a body breaks below a sphere, the sphere touches the new edge at once, with an overlap that it has
+//! not made by its motion. Such a contact begins without force: its overlap counts from there on.
 
 use serde::{Deserialize, Serialize};
 
@@ -151,7 +151,7 @@ impl Encounter<'_> {
         let reach = ball.radius + self.laws.reach(ball.radius);
         scratch.sheets.find(ball.position, reach, near, &self.facets);
         let through = Self::pressed_through(ball, &scratch.sheets, histories);
-        // Those that go on take theirs back.
+        // Those that stay take theirs back.
         for of in histories.iter() {
             touches.totals.dissipated += of.springs + of.pull;
         }

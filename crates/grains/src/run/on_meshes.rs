@@ -151,7 +151,8 @@ impl OnMeshes {
         }
     }
 
-    /// Whether a sphere, by its centre, m, and its radius, m, touches no mesh where these were in the last step.
+    /// Whether a sphere, by its centre, m, and its radius, m, touches no mesh where these were in the last
+    /// step.
     pub(crate) fn is_clear(&self, centre: Vector, radius: f64) -> bool {
         self.list.iter().all(|mesh| mesh.on.is_clear(centre, radius))
     }

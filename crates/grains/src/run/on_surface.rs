@@ -51,11 +51,11 @@ struct NearFacets {
     /// Movements, m, for which the list holds.
     slack: f64,
     /// The list and the histories; `None` for a sphere that is far from the surface.
-    lists: Option<Box<Lists>>,
+    lists: Option<Box<FacetLists>>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Lists {
+struct FacetLists {
     facets: Vec<u32>,
     histories: Vec<FacetHistory>,
 }
@@ -155,8 +155,8 @@ impl OnSurface {
         }
     }
 
-    /// Computes the contacts of all spheres, and adds their actions to `outer`. `materials`: of each facet, or
-    /// one for all; `direction`: of the servo.
+    /// Computes the contacts of all spheres, and adds their actions to `outer`. `materials`: of each facet,
+    /// or one for all; `direction`: of the servo.
     ///
     /// # Errors
     /// [`GrainError::UnknownSurfaces`] if two materials touch that have no law.
@@ -231,7 +231,7 @@ impl OnSurface {
     /// Takes the memory of a saved run over.
     pub(crate) fn take(&mut self, saved: OnFacets) {
         let unknown = |(number, histories): (u32, Vec<FacetHistory>)| NearFacets {
-            lists: Some(Box::new(Lists { histories, ..Lists::default() })),
+            lists: Some(Box::new(FacetLists { histories, ..FacetLists::default() })),
             ..NearFacets::unknown(number)
         };
         let near = saved.into_iter().map(unknown).collect();
@@ -336,7 +336,7 @@ impl NearFacets {
             Some(lists) if facets.is_empty() && lists.histories.is_empty() => self.lists = None,
             Some(lists) => lists.facets = facets,
             None if facets.is_empty() => {}
-            None => self.lists = Some(Box::new(Lists { facets, histories: Vec::new() })),
+            None => self.lists = Some(Box::new(FacetLists { facets, histories: Vec::new() })),
         }
     }
 }

@@ -175,8 +175,8 @@ impl OnWalls {
     }
 }
 
-/// Contacts of spheres with a wall, and what those lose that have parted. `before`: those of the last step
-/// with this wall.
+/// Contacts of spheres with a wall, and the losses of those that have parted. `before`: those of the last
+/// step with this wall.
 fn on_wall(
     of: OnWallsOf<'_>,
     (number, wall): (u32, &Wall),

@@ -7,7 +7,7 @@ use crate::error::GrainError;
 use crate::law::{ContactHistory, Meeting, PairLaw};
 use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, LANES, at, compute, put};
-use crate::run::cell::Cell;
+use crate::run::cell::RunBox;
 use crate::run::laws::Laws;
 use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling};
 use crate::vector::{cross, dot, minus, plus, times};
@@ -20,7 +20,7 @@ const PARTED: f64 = -1.0;
 pub(crate) struct Pressing<'a> {
     pub(crate) balls: &'a Balls,
     pub(crate) laws: &'a Laws,
-    pub(crate) cell: Option<&'a Cell>,
+    pub(crate) cell: Option<&'a RunBox>,
     pub(crate) simd: Simd,
     /// s.
     pub(crate) step: f64,
@@ -47,7 +47,7 @@ struct Part<'a> {
 /// Two materials that touch have no law.
 pub(crate) fn press(of: Pressing<'_>, lists: &mut Lists) -> Result<(), GrainError> {
     let parts = parts(lists);
-    let periodic = of.cell.is_some_and(Cell::is_periodic);
+    let periodic = of.cell.is_some_and(RunBox::is_periodic);
     let done: Vec<Result<(), GrainError>> = parts
         .into_par_iter()
         .map_init(
@@ -155,7 +155,7 @@ impl Part<'_> {
         slot: usize,
         (apart, square): ([f64; 3], f64),
         [one, two]: [&Ball; 2],
-        cell: Option<&Cell>,
+        cell: Option<&RunBox>,
     ) {
         let lane = batch.count;
         batch.count += 1;
@@ -222,7 +222,7 @@ impl Part<'_> {
         place
     }
 
-    /// Ends a contact. What its springs still hold is lost in this step; in the next one it has no action.
+    /// Ends a contact. The energy of its springs is lost in this step; in the next one it has no action.
     #[cold]
     fn part(&mut self, slot: usize, law: &PairLaw, [one, two]: [&Ball; 2]) {
         let history = self.history(slot);
@@ -301,7 +301,7 @@ impl Part<'_> {
 
 /// Work of a growing box on a couple, J.
 #[inline]
-fn stretch(cell: &Cell, force: [f64; 3], apart: [f64; 3], step: f64) -> f64 {
+fn stretch(cell: &RunBox, force: [f64; 3], apart: [f64; 3], step: f64) -> f64 {
     let rates = cell.rates();
     -step * (force[0] * rates[0] * apart[0] + force[1] * rates[1] * apart[1] + force[2] * rates[2] * apart[2])
 }

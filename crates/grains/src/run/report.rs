@@ -2,13 +2,13 @@
 
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::run::balls::Balls;
-use crate::run::cell::Cell;
+use crate::run::cell::RunBox;
 use crate::run::lists::Lists;
 use crate::run::on_walls::OnWalls;
 use crate::vector::{dot, length, minus, plus, times};
 
 /// Contacts of two spheres in the last step, in ascending order; spheres by their ranks among all.
-pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&Cell>, step: f64) -> Vec<GrainContact> {
+pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&RunBox>, step: f64) -> Vec<GrainContact> {
     let mut ranks = vec![0_u32; balls.list.len()];
     for (rank, &place) in (0..).zip(&balls.places) {
         ranks[place as usize] = rank;

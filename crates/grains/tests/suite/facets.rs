@@ -162,8 +162,8 @@ fn mesh(triangles: Vec<[Vector; 3]>) -> Wall {
     Wall { shape: WallShape::Mesh { triangles }, ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 1) }
 }
 
-/// A sphere slides, rolls and spins over triangles of one plane as over the plane, as a wall's mesh and as the
-/// surface of a body.
+/// A sphere slides, rolls and spins over triangles of one plane as over the plane, as a wall's mesh and as
+/// the surface of a body.
 #[test]
 fn triangles_of_one_plane_are_a_plane() {
     let mut model = sphere(0.01, [-0.03, 0.004, 0.00999], [1.5, 0.4, -0.1], rough());
@@ -432,7 +432,8 @@ fn a_sphere_that_is_pressed_beyond_its_radius_comes_back() {
     }
 }
 
-/// Segments in the plane: a sphere rolls over collinear ones as over a plane, and keeps its energy at a corner.
+/// Segments in the plane: a sphere rolls over collinear ones as over a plane, and keeps its energy at a
+/// corner.
 #[test]
 fn segments_are_touched_as_triangles_are() {
     let points: Vec<Vector> =
@@ -463,8 +464,8 @@ fn segments_are_touched_as_triangles_are() {
     assert!((kept - 1.0).abs() < 2e-5, "{kept}");
 }
 
-/// A sphere rolls and slides in a trough of strips as in the tube around them: friction goes over from strip to
-/// strip.
+/// A sphere rolls and slides in a trough of strips as in the tube around them: friction goes over from strip
+/// to strip.
 #[test]
 fn a_trough_of_strips_is_a_tube() {
     let (radius, strips) = (0.1, 314);

@@ -13,7 +13,7 @@ use crate::prepared::{PreparedSpheres, SphereGroup};
 use crate::shapes::placed::Placed;
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, Problem};
-use crate::text::file::{self, Axis, Gravity, ModelFile, OutsideWord, SphereLaw, TimeStep};
+use crate::text::file::{self, DomainAxis, Gravity, ModelFile, OutsideWord, SphereLaw, TimeStep};
 use crate::text::included::Load;
 
 /// Stiffness across the normal over that along it, of Hooke's law.
@@ -107,7 +107,7 @@ fn groups(
     discs: bool,
     load: &mut Load<'_>,
     faults: &mut Vec<Fault>,
-) -> Vec<Option<spheres::SphereGroup>> {
+) -> Vec<Option<spheres::PlacedSpheres>> {
     let mut groups = Vec::new();
     let mut others: Balls = Vec::new();
     for (index, grains) in file.grains.iter().enumerate() {
@@ -190,7 +190,7 @@ fn law(file: &ModelFile) -> ForceLaw {
 fn domain(of: &file::Domain) -> Domain {
     let (low, high) = of.limits.split_at(of.limits.len() / 2);
     let component = |list: &[f64], axis: usize, without: f64| list.get(axis).copied().unwrap_or(without);
-    let axes = [(0, Axis::X), (1, Axis::Y), (2, Axis::Z)];
+    let axes = [(0, DomainAxis::X), (1, DomainAxis::Y), (2, DomainAxis::Z)];
     Domain {
         low: axes.map(|(axis, _)| component(low, axis, f64::NEG_INFINITY)),
         high: axes.map(|(axis, _)| component(high, axis, f64::INFINITY)),

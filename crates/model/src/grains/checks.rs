@@ -7,7 +7,7 @@ use crate::grains::spheres::sizes;
 use crate::grains::wall_checks;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{Axis, Domain, GrainRadius, GrainRegion, Grains, ModelFile, SphereLaw, Spin};
+use crate::text::file::{Domain, DomainAxis, GrainRadius, GrainRegion, Grains, ModelFile, SphereLaw, Spin};
 
 /// Checks all tables of spheres and walls.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -27,7 +27,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
     for (index, grains) in file.grains.iter().enumerate() {
         let table = Table::of("grains", index);
-        let place = Place { grains, table, document, dimensions };
+        let place = GrainPlace { grains, table, document, dimensions };
         if let Err(help) = materials::number(file, &grains.material) {
             faults.push(materials::unknown(document.value(table, "material"), &grains.material, help));
         }
@@ -44,14 +44,14 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
 }
 
 /// A table of spheres.
-struct Place<'a> {
+struct GrainPlace<'a> {
     grains: &'a Grains,
     table: Table,
     document: &'a Document<'a>,
     dimensions: u8,
 }
 
-impl Place<'_> {
+impl GrainPlace<'_> {
     fn title(&self) -> String {
         format!("[[grains]] \"{}\"", self.grains.name)
     }
@@ -236,7 +236,7 @@ fn check_domain(file: &ModelFile, domain: &Domain, document: &Document<'_>, faul
     }
     let axes = domain.limits.len() / 2;
     if axes == 2
-        && let Some(place) = domain.periodic.iter().position(|axis| *axis == Axis::Z)
+        && let Some(place) = domain.periodic.iter().position(|axis| *axis == DomainAxis::Z)
     {
         let span = document.entry(table, "periodic", place);
         faults.push(Fault::at(span, "a model in two dimensions has no axis z").label("not in this model"));
@@ -248,7 +248,8 @@ fn check_domain(file: &ModelFile, domain: &Domain, document: &Document<'_>, faul
                 .help("take periodic out, or the bodies"),
         );
     }
-    let repeats = |axis: usize| domain.periodic.contains(&[Axis::X, Axis::Y, Axis::Z][axis]);
+    let repeats =
+        |axis: usize| domain.periodic.contains(&[DomainAxis::X, DomainAxis::Y, DomainAxis::Z][axis]);
     let rates = domain.strain_rate.iter().flat_map(|rates| rates.0.iter().take(3).enumerate());
     for (axis, _) in rates.filter(|(axis, rate)| **rate != 0.0 && !repeats(*axis)) {
         let name = ["x", "y", "z"][axis];

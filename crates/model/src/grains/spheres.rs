@@ -15,7 +15,7 @@ use crate::text::included::Load;
 pub(crate) type Balls = Vec<([f64; 3], f64)>;
 
 /// The spheres of a table.
-pub(crate) struct SphereGroup {
+pub(crate) struct PlacedSpheres {
     pub(crate) balls: Balls,
     /// Share of their region that they fill; `None` without a region.
     pub(crate) fraction: Option<f64>,
@@ -44,12 +44,12 @@ pub(crate) fn given(
     grains: &Grains,
     discs: bool,
     load: &mut Load<'_>,
-) -> Result<Option<SphereGroup>, Problem> {
+) -> Result<Option<PlacedSpheres>, Problem> {
     let title = format!("[[grains]] \"{}\"", grains.name);
     if let (Some(at), Some(radius)) = (&grains.at, &grains.radius) {
         let radii = sizes(radius).draw(at.len(), discs, grains.seed);
         let balls = at.iter().map(in_space).zip(radii).collect();
-        return Ok(Some(SphereGroup { balls, fraction: None, notes: Vec::new() }));
+        return Ok(Some(PlacedSpheres { balls, fraction: None, notes: Vec::new() }));
     }
     let Some(name) = &grains.file else { return Ok(None) };
     let problem = |message: String| Problem::new("file", format!("{title}: {message}"));
@@ -67,7 +67,7 @@ pub(crate) fn given(
         return Err(problem(format!("{name} has no spheres")));
     }
     let notes = notes.into_iter().map(|note| format!("{title}: {note}")).collect();
-    Ok(Some(SphereGroup { balls, fraction: None, notes }))
+    Ok(Some(PlacedSpheres { balls, fraction: None, notes }))
 }
 
 /// The spheres of a table at random places that the others leave free. The table has been checked.
@@ -76,7 +76,7 @@ pub(crate) fn packed(
     discs: bool,
     others: &[([f64; 3], f64)],
     load: &mut Load<'_>,
-) -> Result<SphereGroup, Problem> {
+) -> Result<PlacedSpheres, Problem> {
     let title = format!("[[grains]] \"{}\"", grains.name);
     let key = grains.amounts().first().copied().unwrap_or("name");
     let (Some(within), Some(radius)) = (&grains.within, &grains.radius) else {
@@ -92,7 +92,7 @@ pub(crate) fn packed(
     let [least, _] = sizes.range();
     let request = PackRequest { region, discs, sizes, amount, gap: grains.gap, seed: grains.seed, others };
     match pack(request, 0) {
-        Ok(packed) => Ok(SphereGroup {
+        Ok(packed) => Ok(PlacedSpheres {
             balls: packed.positions.into_iter().zip(packed.radii).collect(),
             fraction: Some(packed.fraction),
             notes: Vec::new(),

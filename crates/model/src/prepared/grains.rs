@@ -19,7 +19,7 @@ pub struct PreparedSpheres {
 /// The spheres of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SphereGroup {
-    /// Its name.
+    /// Name of the table.
     pub name: String,
     /// Number of spheres.
     pub count: usize,

@@ -28,7 +28,7 @@ pub use body::{
 pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
 pub use condition::{Servo, Until};
 pub use grains::{
-    Axis, Domain, GrainRadius, GrainRegion, Grains, NormalRadius, OutsideWord, RoundRegion, SphereLaw,
+    Domain, DomainAxis, GrainRadius, GrainRegion, Grains, NormalRadius, OutsideWord, RoundRegion, SphereLaw,
     SphereOptions, Wall, WallBox, WallCircle, WallCone, WallDisc, WallPlane, WallServo, WallTube,
 };
 pub use ground::{Ground, Ratio};
@@ -56,7 +56,8 @@ pub struct ModelFile {
     pub parameters: BTreeMap<String, Parameter>,
     /// Settings of the model as a whole.
     pub model: General,
-    /// Bodies. Each is meshed separately; bodies touch, but share no nodes. A model has a body or `[[grains]]`.
+    /// Bodies. Each is meshed separately; bodies touch, but share no nodes. A model has a body or
+    /// `[[grains]]`.
     #[serde(default)]
     pub body: Vec<Body>,
     /// Spheres, in two dimensions discs.

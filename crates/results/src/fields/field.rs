@@ -114,8 +114,8 @@ impl Field {
         QUANTITIES.iter().find(is_same)
     }
 
-    /// Returns the field by which so many elements and spheres are coloured where this one is asked for: the
-    /// velocity, if only the spheres are there and have no values of this one.
+    /// Returns the field by which these numbers of elements and spheres are coloured where this one is asked
+    /// for: the velocity, if only the spheres are there and have no values of this one.
     #[must_use]
     pub fn among(self, [elements, spheres]: [usize; 2]) -> Self {
         let is_of_spheres = self.of_spheres().is_some() || self == Self::FORCE_CHAINS;
@@ -188,8 +188,9 @@ impl Field {
         (0..state.count(Place::Element)).map(of_element).collect()
     }
 
-    /// Returns the range of a series by the scales of the elements and of the spheres of its frames. It covers
-    /// at least 98 % of the elements in every frame, so that a few extreme values do not use up the colours.
+    /// Returns the range of a series by the scales of the elements and of the spheres of its frames. It
+    /// covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the
+    /// colours.
     pub(crate) fn range<'a>(
         self,
         frames: impl Iterator<Item = (&'a [Scale; SCALES.len()], &'a SphereRanges)>,

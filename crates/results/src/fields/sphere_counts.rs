@@ -2,8 +2,8 @@
 
 use fdem_simulation::grains::{GrainPartner, SphereColumns};
 
-/// Returns the number of contacts of each sphere: with spheres, walls and bodies. Contacts with several facets
-/// of a body count one by one.
+/// Returns the number of contacts of each sphere: with spheres, walls and bodies. Contacts with several
+/// facets of a body count one by one.
 pub(crate) fn coordination(spheres: &SphereColumns) -> Vec<u32> {
     let mut counts = vec![0; spheres.positions.len()];
     for contact in &spheres.contacts {

@@ -40,8 +40,8 @@ pub(crate) fn draw(size: [usize; 2], layers: &[Vec<Triangle>]) -> Vec<u8> {
     draw_with(size, layers, &Beads::default())
 }
 
-/// Draws layers of triangles as [`draw`], with spheres and rods among the triangles of the first layer, of which
-/// there must be one if there are any.
+/// Draws layers of triangles as [`draw`], with spheres and rods among the triangles of the first layer, of
+/// which there must be one if there are any.
 pub(crate) fn draw_with([width, height]: [usize; 2], layers: &[Vec<Triangle>], beads: &Beads) -> Vec<u8> {
     let mut beads = BeadSweep::new(beads, [width, height]);
     let mut pixels = Vec::with_capacity(3 * width * height);

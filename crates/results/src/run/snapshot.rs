@@ -47,7 +47,7 @@ pub enum SnapshotError {
     Grain {
         /// `sphere` or `wall`.
         what: &'static str,
-        /// Its number.
+        /// Number of that sphere or wall.
         number: u32,
         /// Number of spheres or walls.
         most: usize,

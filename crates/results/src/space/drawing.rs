@@ -234,8 +234,8 @@ pub(crate) fn walls(walls: &[WallTriangle], camera: &SpaceCamera, cut: Option<Pl
         let Some(normal) = facing(camera, wall.corners) else { continue };
         let edges = each(|k| if wall.lines >> k & 1 == 1 { Edge::Feature } else { Edge::None });
         let facet = Facet { corners: wall.corners, colour: [0; 3], edges, broken: false };
-        // The side away from the middle of the wall is outside, or, of a flat wall, that away from the middle of
-        // all. A wall is far if its outside is turned away from the eye.
+        // The side away from the middle of the wall is outside, or, of a flat wall, that away from the middle
+        // of all. A wall is far if its outside is turned away from the eye.
         let along = |middle: [f64; 3]| {
             let away = camera.view.turned(each(|axis| wall.corners[0][axis] - middle[axis]));
             (0..3).fold(0.0, |sum, axis| sum + normal[axis] * away[axis])

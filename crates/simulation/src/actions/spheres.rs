@@ -24,7 +24,7 @@ use crate::vector::Point;
 
 /// The spheres and walls of a model; none of them if it has none.
 #[derive(Debug, Default)]
-pub(crate) struct Spheres<const D: usize> {
+pub(crate) struct SphereAction<const D: usize> {
     run: Option<GrainRun>,
     surface: BodySurface<D>,
     /// Potential energy of the weight at the beginning of the run, without the factor of gravity, J; `None`
@@ -52,7 +52,7 @@ impl<const D: usize> SavedSpheres<D> {
     }
 }
 
-impl<const D: usize> Spheres<D> {
+impl<const D: usize> SphereAction<D> {
     /// The spheres of a model, which move with its time step, s.
     pub(crate) fn new<const N: usize>(
         model: &Model<D, N>,
@@ -69,7 +69,7 @@ impl<const D: usize> Spheres<D> {
         self.run.as_ref()
     }
 
-    /// The state, from which [`Spheres::restore`] continues.
+    /// The state, from which [`SphereAction::restore`] continues.
     pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Option<SavedSpheres<D>>
     where
         [[f64; D]; N]: Simplex<D, N>,
@@ -105,7 +105,7 @@ fn on_team(model: GrainModel, team: &Team) -> Result<GrainRun, ModelError> {
     })
 }
 
-impl<const D: usize, const N: usize> Action<D, N> for Spheres<D>
+impl<const D: usize, const N: usize> Action<D, N> for SphereAction<D>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {

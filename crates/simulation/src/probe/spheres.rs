@@ -6,6 +6,9 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::vector::{Point, minus};
 
+/// Places in `[xx, yy, zz, xy, yz, xz]` of these components.
+pub(super) const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]];
+
 /// Names and units of the values of a wall.
 pub(super) const WALL: [(&str, &str); 9] = [
     ("fx", "N"),
@@ -107,7 +110,7 @@ where
                 let size = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
                 let mut sums = [0.0; SUMS];
                 sums[1] = 1.0;
-                for (k, [i, j]) in super::PLACES.into_iter().enumerate() {
+                for (k, [i, j]) in PLACES.into_iter().enumerate() {
                     sums[4 + k] = 0.5 * (arm[i] * force[j] + arm[j] * force[i]);
                     sums[10 + k] = if size > 0.0 { arm[i] * arm[j] / (size * size) } else { 0.0 };
                 }

@@ -393,7 +393,7 @@ impl Numbers {
             factors: state.factors.into_iter().filter_map(factor).collect(),
             records: Vec::new(),
             spheres: match (&new.spheres, state.spheres) {
-                // Spheres that are there already go on, and others begin.
+                // Spheres that are there already continue, and others begin.
                 (Some(_), Some(before)) => Some(before.renumbered::<N>(|element| self.now(element))),
                 _ => new.spheres,
             },

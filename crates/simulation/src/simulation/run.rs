@@ -7,7 +7,7 @@ use fdem_grains::GrainRun;
 use crate::action::{Record, Scene};
 use crate::actions::cavity::CavityState;
 use crate::actions::seams::Seams;
-use crate::actions::spheres::Spheres;
+use crate::actions::spheres::SphereAction;
 use crate::actions::{Actions, prescribed};
 use crate::checks;
 use crate::compiled::compiled;
@@ -171,7 +171,7 @@ where
         }
         let mut actions = Actions::new(&model, &topology, &mut solid, None)?;
         let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
-        actions.spheres = Spheres::new(&model, time_step, &team)?;
+        actions.spheres = SphereAction::new(&model, time_step, &team)?;
         solid.hold_rigid_bodies(&actions.prescribed.holds, &model)?;
         let contacts = Contacts::new(&model, &topology, &joints.faces, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {

@@ -321,7 +321,7 @@ fn discs() -> Model {
     }
 }
 
-/// Runs for two times so many steps on one thread, and in two parts on three threads, and compares the bits.
+/// Runs for two times `steps` on one thread, and in two parts on three threads, and compares the bits.
 fn breaks_with_the_same_bits<const D: usize, const N: usize>(model: &Model<D, N>, steps: u64)
 where
     [[f64; D]; N]: Element<D, N>,
@@ -357,7 +357,7 @@ fn discs_break_a_beam_with_the_same_bits() {
     breaks_with_the_same_bits(&discs(), 1000);
 }
 
-/// Spheres go on when a body is taken away, and fall where it was.
+/// Spheres stay when a body is taken away, and fall where it was.
 #[test]
 fn spheres_go_on_in_the_next_stage() {
     let mut model = ball_and_block();

@@ -131,7 +131,8 @@ fn column(size: Size) -> GrainModel {
     }
 }
 
-/// The energy balance of a collapse: the weight loses what contacts dissipate, store and move.
+/// The energy balance of a collapse: the loss of the weight is the energy that contacts dissipate, store and
+/// move.
 fn balance(size: Size) -> Result<Vec<Outcome>, String> {
     let mut model = column(size);
     model.step = Some(0.25 * model.safe_step());

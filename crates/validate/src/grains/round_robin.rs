@@ -1,6 +1,6 @@
 //! The round robin of Dosta et al. (2024), with its data beside the project: a bed that a ball penetrates,
 //! and a drum; its silo has a case of its own, `hopper`. Its published curves cannot be had. So the state at
-//! the beginning is compared with what its data say, and results at one time step with those at half of it.
+//! the beginning is compared with its data, and results at one time step with those at half of it.
 
 use fdem_grains::{GrainMaterial, GrainModel, GrainPartner, Spheres, Surfaces, Wall, WallRotation};
 

@@ -47,8 +47,8 @@ pub struct Grains {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub translate: Option<Vector>,
-    /// Region that the spheres fill: { min = [x, y], max = [x, y] } or { disc = … } in two dimensions; { min =
-    /// [x, y, z], max = [x, y, z] }, { cylinder = … }, { ball = … } or { surface = "….stl" } in three.
+    /// Region that the spheres fill: { min = [x, y], max = [x, y] } or { disc = … } in two dimensions; { min
+    /// = [x, y, z], max = [x, y, z] }, { cylinder = … }, { ball = … } or { surface = "….stl" } in three.
     #[serde(default)]
     pub within: Option<GrainRegion>,
     /// Radius, m: a number; [least, most], all equally frequent; { mean = …, deviation = … }, a normal
@@ -318,8 +318,8 @@ pub struct WallServo {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "N"))]
     pub force: Option<f64>,
-    /// Instead of `force`, of a disc, a mesh or corners: the force over the area of the wall as seen along the
-    /// direction, Pa.
+    /// Instead of `force`, of a disc, a mesh or corners: the force over the area of the wall as seen along
+    /// the direction, Pa.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
     pub pressure: Option<f64>,
@@ -370,13 +370,13 @@ pub struct Domain {
     /// Axes along which it repeats, such as ["x", "y"]: a sphere that leaves it on one side comes in on the
     /// other, and spheres touch across these sides. Only without bodies. Default: none.
     #[serde(default)]
-    pub periodic: Vec<Axis>,
+    pub periodic: Vec<DomainAxis>,
     /// Rates [x, y] or [x, y, z] at which the sides of the box grow along axes that repeat, 1/s, relative to
     /// their lengths; negative to compress. The spheres move along. Default: none.
     #[serde(default)]
     #[schemars(extend("x-unit" = "1/s"))]
     pub strain_rate: Option<Vector>,
-    /// What happens to a sphere whose centre leaves the box along other axes: "stop" ends the run with an
+    /// The fate of a sphere whose centre leaves the box along other axes: "stop" ends the run with an
     /// error that names it, "delete" removes it. Default: "stop".
     #[serde(default)]
     pub outside: OutsideWord,
@@ -385,7 +385,7 @@ pub struct Domain {
 /// An axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Axis {
+pub enum DomainAxis {
     /// The first.
     X,
     /// The second.
@@ -394,7 +394,7 @@ pub enum Axis {
     Z,
 }
 
-/// What happens to a sphere that leaves the domain.
+/// The fate of a sphere that leaves the domain.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OutsideWord {

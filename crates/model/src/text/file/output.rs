@@ -170,8 +170,8 @@ pub struct History {
     /// its axis, as long as its angle. Whole turns add up.
     #[serde(default)]
     pub motion: Option<String>,
-    /// Name of a wall: force of the spheres on it, N, their moment about its axis or else the origin, N m, and
-    /// its displacement, m.
+    /// Name of a wall: force of the spheres on it, N, their moment about its axis or else the origin, N m,
+    /// and its displacement, m.
     #[serde(default)]
     pub wall: Option<String>,
     /// true: the spheres in the `box`, or all: their number, coordination (contacts of a sphere in the mean),

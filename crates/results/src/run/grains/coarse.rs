@@ -37,20 +37,21 @@ pub struct CoarseGrid {
     pub width: f64,
 }
 
-/// Fields of spheres on a regular grid, which satisfy the balances of mass and momentum of a continuum exactly:
-/// sums over the spheres and their contacts, weighted with the kernel of Lucy,
-/// `φ(r) = 105/(16πc³) (1 + 3r/c)(1 - r/c)³` in space and `5/(πc²)` of the same in the plane, up to its reach
-/// `c`, twice the width.
+/// Fields of spheres on a regular grid, which satisfy the balances of mass and momentum of a continuum
+/// exactly: sums over the spheres and their contacts, weighted with the kernel of Lucy, `φ(r) = 105/(16πc³)
+/// (1 + 3r/c)(1 - r/c)³` in space and `5/(πc²)` of the same in the plane, up to its reach `c`, twice the
+/// width.
 ///
 /// ```text
 /// ρ = Σ m φ      ρV = Σ m v φ      σ = -Σ m v'v' φ - ½ Σᵢⱼ fᵢⱼ rᵢⱼ ∫ φ along the line between the centres
 /// ```
-/// with `v' = v - V`, the force `fᵢⱼ` on `i` and `rᵢⱼ` from `j` to `i`. A contact with a wall or a body counts
-/// once, along the line to its place.
+/// with `v' = v - V`, the force `fᵢⱼ` on `i` and `rᵢⱼ` from `j` to `i`. A contact with a wall or a body
+/// counts once, along the line to its place.
 ///
 /// # Shapes
-/// One entry for each point: x first, then y, then z. Of discs the grid is in the plane, with one layer, and the
-/// values are those of their thickness. Near the faces of a periodic box the images of spheres are missing.
+/// One entry for each point: x first, then y, then z. Of discs the grid is in the plane, with one layer, and
+/// the values are those of their thickness. Near the faces of a periodic box the images of spheres are
+/// missing.
 ///
 /// # Cost
 /// Time proportional to the spheres and contacts, and to the points in the reach of each.
@@ -206,7 +207,8 @@ impl CoarseFields {
         for contact in &spheres.contacts {
             let (from, to) = (spheres.positions[contact.sphere as usize], end_of(spheres, contact));
             let branch: [f64; 3] = each(|axis| from[axis] - to[axis]);
-            // Each contact of two spheres is in the list once, so that half of the sum over both is all of it.
+            // Each contact of two spheres is in the list once, so that half of the sum over both is all of
+            // it.
             debug_assert!(!matches!(contact.other, GrainPartner::Sphere(other) if other == contact.sphere));
             let force = contact.force;
             let moment: [f64; 6] = TENSOR.map(|[i, j]| 0.5 * (force[i] * branch[j] + force[j] * branch[i]));
@@ -374,8 +376,8 @@ mod tests {
         }
     }
 
-    /// The sums over the grid are those of the spheres: mass, volume, momentum, and the moments of all forces with
-    /// the kinetic part.
+    /// The sums over the grid are those of the spheres: mass, volume, momentum, and the moments of all forces
+    /// with the kinetic part.
     #[test]
     fn integrals_over_space_are_sums_over_spheres() {
         for discs in [None, Some(0.25)] {
@@ -403,7 +405,8 @@ mod tests {
                 .map(|(v, density)| v[1] * v[1] * density));
             let contacts = -(-90.0 * -0.9 + 90.0 * 0.48);
             near(sum(&mut fields.stress.iter().map(|stress| stress[1])), contacts - (20.0 - mean), 100.0);
-            // The shear of the contacts: half of f_x b_y + f_y b_x, with the branch from the other to the first.
+            // The shear of the contacts: half of f_x b_y + f_y b_x, with the branch from the other to the
+            // first.
             let shear = -0.5 * (-30.0 * -0.9 + -90.0 * -0.3);
             let mean = sum(&mut fields
                 .velocity

@@ -100,8 +100,8 @@ fn counted(frame: &GrainFrame, separator: &str) -> String {
     format!("{separator}{} {noun}", fdem_io::numbers::grouped(frame.whole as u64))
 }
 
-/// Returns the numbers of elements and of spheres as text. Without spheres the elements are named even if there
-/// are none.
+/// Returns the numbers of elements and of spheres as text. Without spheres the elements are named even if
+/// there are none.
 pub(crate) fn elements_and_spheres(elements: usize, frame: &GrainFrame) -> String {
     if elements == 0 && frame.whole > 0 {
         return counted(frame, "");

@@ -25,16 +25,16 @@ pub(crate) const MOST_CHAINS: usize = 200_000;
 /// Place of the radius in [`SPHERE_SCALES`].
 const RADIUS: usize = 3;
 
-/// Arrays with an entry for each sphere: three coordinates, the fields with a scale, two halves of the number,
-/// the group, the material.
+/// Arrays with an entry for each sphere: three coordinates, the fields with a scale, two halves of the
+/// number, the group, the material.
 const OF_SPHERES: usize = 3 + SPHERE_SCALES.len() + 4;
 /// Arrays with an entry for each contact: two halves of both spheres, the normal force.
 const OF_CHAINS: usize = 5;
 /// Arrays with an entry for each triangle of a wall: nine coordinates, the wall, the lines.
 const OF_WALLS: usize = 11;
 
-/// The spheres, their contacts and the walls in a frame, in a few bytes each. Numbers have 16 bits between the
-/// least and the greatest of the frame, and are deflated.
+/// The spheres, their contacts and the walls in a frame, in a few bytes each. Numbers have 16 bits between
+/// the least and the greatest of the frame, and are deflated.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GrainFrame {
     /// Number of all spheres.
@@ -105,7 +105,7 @@ impl GrainFrame {
         Self::sampled(spheres, bodies, [MOST_SPHERES, MOST_CHAINS])
     }
 
-    /// Makes a frame with at most so many spheres and contacts.
+    /// Makes a frame with at most `most` spheres and contacts.
     pub(crate) fn sampled(
         spheres: &SphereColumns,
         bodies: Bounds,
@@ -238,7 +238,7 @@ impl GrainFrame {
         bytes.extend(own);
     }
 
-    /// Reads what [`Self::write`] has appended.
+    /// Reads the bytes that [`Self::write`] has appended.
     pub(crate) fn read(words: &mut Words<'_>) -> Option<Self> {
         let size = usize::try_from(words.u64()?).ok()?;
         let (own, rest) = words.bytes.split_at_checked(size)?;

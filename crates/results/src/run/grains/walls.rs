@@ -18,7 +18,7 @@ pub(crate) const EMPTY: Bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
 /// Sides of a tube, a cone and a disc.
 const SIDES: usize = 48;
 
-/// Every so many sides a line along a tube or a cone is drawn.
+/// Sides from one line along a tube or a cone to the next.
 const LINES: usize = 12;
 
 /// A triangle of a wall. In the plane it is a segment, and its third corner is its second.
@@ -28,7 +28,8 @@ pub(crate) struct WallTriangle {
     pub(crate) corners: [Vector; 3],
     /// The wall.
     pub(crate) wall: u32,
-    /// Bits of its edges from corner `k` to corner `k + 1` that are lines: its ends, and where it has an angle.
+    /// Bits of its edges from corner `k` to corner `k + 1` that are lines: its ends, and where it has an
+    /// angle.
     pub(crate) lines: u8,
 }
 
@@ -54,7 +55,7 @@ pub(crate) fn triangles(spheres: &SphereColumns, around: Bounds) -> Vec<WallTria
     let region = region(spheres, around);
     let mut triangles = Vec::new();
     for (number, wall) in (0..).zip(&spheres.walls) {
-        let mut sheet = Sheet { wall: number, flat, region, triangles: &mut triangles };
+        let mut sheet = WallSheet { wall: number, flat, region, triangles: &mut triangles };
         match &wall.shape {
             WallShape::Plane { point, normal } => sheet.plane(*point, *normal),
             WallShape::Tube { axis, radius } => {
@@ -91,14 +92,14 @@ fn region(spheres: &SphereColumns, around: Bounds) -> Bounds {
 }
 
 /// The triangles of a wall.
-struct Sheet<'a> {
+struct WallSheet<'a> {
     wall: u32,
     flat: bool,
     region: Bounds,
     triangles: &'a mut Vec<WallTriangle>,
 }
 
-impl Sheet<'_> {
+impl WallSheet<'_> {
     fn add(&mut self, corners: [Vector; 3], lines: u8) {
         self.triangles.push(WallTriangle { corners, wall: self.wall, lines });
     }

@@ -53,7 +53,8 @@ impl<const D: usize> BodySurface<D> {
             for &node in nodes {
                 let (corner, before) = (self.corners[node as usize], self.before[node as usize]);
                 add(&mut position, solid.position_at(corner), share);
-                // The velocity of a node is half a step behind its position. It goes on as in the last step.
+                // The velocity of a node is half a step behind its position. It continues as in the last
+                // step.
                 add(&mut velocity, solid.velocity_at(corner), 1.5 * share);
                 add(&mut velocity, before, -0.5 * share);
             }
@@ -77,7 +78,7 @@ impl<const D: usize> BodySurface<D> {
         self.corners.iter().copied().zip(self.before.iter().copied())
     }
 
-    /// Sets what [`BodySurface::motion`] has returned in the run that is continued.
+    /// Sets the values that [`BodySurface::motion`] has returned in the run that is continued.
     pub(super) fn set_motion(&mut self, motion: impl Iterator<Item = (u32, Point<D>)>) {
         (self.corners, self.before) = motion.unzip();
     }
