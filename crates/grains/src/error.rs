@@ -37,6 +37,13 @@ pub enum GrainError {
         /// The number.
         material: u32,
     },
+    /// A clump cannot be simulated.
+    Clump {
+        /// Number of the clump.
+        clump: usize,
+        /// The reason.
+        why: &'static str,
+    },
     /// A number refers to a point that does not exist.
     Point {
         /// Owner of the number.
@@ -82,6 +89,7 @@ impl fmt::Display for GrainError {
             }
             Self::Length { what, found, expected } => write!(out, "{found} {what} instead of {expected}"),
             Self::Material { place, material } => write!(out, "{place}: there is no material {material}"),
+            Self::Clump { clump, why } => write!(out, "clump {clump}: {why}"),
             Self::Point { place, point } => write!(out, "{place}: there is no point {point}"),
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | the force of a contact | `src/law.rs`; damping: `src/restitution.rs`, adhesion: `src/adhesion.rs` |
 //! | the shape or the motion of a wall | `src/wall.rs`; walls that keep up a force: `src/servo.rs` |
+//! | clumps | `src/clump.rs`: mass and inertia, `src/clump_checks.rs`, `src/run/clumps.rs`: motion, `src/rotation.rs` |
 //! | contacts with triangles and segments | `src/sheets.rs`: how many; `src/run/on_facet.rs`: forces and histories of one sphere; `src/run/on_surface.rs`: lists, threads, sums; `src/run/on_meshes.rs`: walls that are meshes |
 //! | geometry of facets | `src/facet.rs`, `src/ridges.rs`: neighbours, `src/tree.rs`: facets near a place |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
@@ -13,11 +14,14 @@
 //! | the time step | `src/time_step.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
 //!
-//! Files import from those above them in this order: `vector`, `restitution`, `adhesion`, `material`, `law`,
-//! `servo`, `wall`, `columns`, `error`, `insertion`, `model`, `time_step`, `facet`, `ridges`, `sheets`, `tree`,
-//! `surface`, `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
+//! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
+//! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `error`, `insertion`, `model`, `clump_checks`,
+//! `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`, `gaps`, `run`; the front page of `run`
+//! lists the files below it.
 
 mod adhesion;
+mod clump;
+mod clump_checks;
 mod columns;
 mod domain;
 mod error;
@@ -30,6 +34,7 @@ mod model;
 mod pack;
 mod restitution;
 mod ridges;
+mod rotation;
 mod run;
 mod servo;
 mod sheets;
@@ -39,6 +44,7 @@ mod tree;
 mod vector;
 mod wall;
 
+pub use clump::{Clump, ClumpInertia};
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
 pub use domain::{Domain, Outside};
 pub use error::GrainError;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::clump::Clump;
 use crate::domain::Domain;
 use crate::error::GrainError;
 use crate::insertion::{Insertion, Removal};
@@ -47,6 +48,8 @@ pub struct GrainModel {
     pub groups: Vec<String>,
     /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
     pub discs: Option<f64>,
+    /// Spheres that move together as rigid bodies.
+    pub clumps: Vec<Clump>,
     /// Spheres that come in during the run.
     pub insertions: Vec<Insertion>,
     /// Boxes in which spheres are removed.
@@ -130,6 +133,7 @@ impl GrainModel {
                 "at least 0",
             )?;
         }
+        self.check_clumps()?;
         if let Some(step) = self.step {
             within(|| "the model".to_owned(), "time step", step, step > 0.0, "above 0")?;
         }
@@ -226,7 +230,7 @@ impl GrainModel {
 }
 
 /// Whether a number is finite and in its range.
-fn within(
+pub(crate) fn within(
     place: impl Fn() -> String,
     what: &'static str,
     value: f64,

@@ -15,6 +15,7 @@
 pub(crate) mod balls;
 pub(crate) mod batch;
 pub(crate) mod cell;
+pub(crate) mod clumps;
 pub(crate) mod energies;
 pub(crate) mod laws;
 pub(crate) mod lists;
@@ -37,8 +38,9 @@ use crate::error::GrainError;
 use crate::insertion::Taken;
 use crate::material::ForceLaw;
 use crate::model::{GrainModel, Spheres};
-use crate::run::balls::Balls;
+use crate::run::balls::{ALONE, Balls};
 use crate::run::cell::Cell;
+use crate::run::clumps::Clumps;
 use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
 use crate::run::laws::Laws;
 use crate::run::lists::{Finder, Lists, Remembered};
@@ -99,6 +101,7 @@ pub struct GrainRun {
     finder: Finder,
     cell: Option<Cell>,
     on_walls: OnWalls,
+    clumps: Clumps,
     on_meshes: OnMeshes,
     on_bodies: OnSurface,
     /// The walls in the last step, meshes without their triangles, and how servos move them in the next one.
@@ -137,6 +140,9 @@ impl GrainRun {
     /// The errors of [`GrainRun::new`].
     pub fn on_pool(mut model: GrainModel, pool: Arc<rayon::ThreadPool>) -> Result<Self, GrainError> {
         model.check()?;
+        for clump in 0..model.clumps.len() {
+            model.clumps[clump].inertia = Some(model.inertia_of(clump));
+        }
         let count = model.spheres.positions.len() as u32;
         let cell = model.domain.map(Cell::new);
         let finder = if cell.is_some_and(|cell| cell.is_periodic()) {
@@ -157,6 +163,7 @@ impl GrainRun {
             finder,
             cell,
             on_walls: OnWalls::new(model.walls.len()),
+            clumps: Clumps::new(&model),
             on_meshes: OnMeshes::new(&model.walls, mean),
             on_bodies: OnSurface::new(true, mean),
             walls: placed(&model.walls, &servos, 0.0).collect(),
@@ -177,6 +184,7 @@ impl GrainRun {
         };
         model.spheres = Spheres::default();
         run.model = model;
+        run.clumps.begin(&mut run.balls);
         run.search(&Vec::new())?;
         Ok(run)
     }
@@ -205,6 +213,7 @@ impl GrainRun {
                 return Err(GrainError::Length { what, found, expected });
             }
         }
+        self.clumps.take(state.clumps)?;
         self.step = state.step;
         (self.model.gravity, self.gone) = (state.gravity, state.gone);
         (self.next, self.placed) = (state.next, state.placed);
@@ -215,6 +224,7 @@ impl GrainRun {
             return Err(GrainError::Length { what: "walls that are meshes", found, expected });
         }
         self.on_bodies.take(state.on_bodies);
+        self.on_bodies.was_there = state.has_bodies;
         self.servos = state.servos;
         self.search(&state.contacts)
     }
@@ -231,8 +241,10 @@ impl GrainRun {
             on_walls: self.on_walls.saved(),
             on_meshes: self.on_meshes.saved(),
             on_bodies: self.on_bodies.saved(),
+            has_bodies: self.on_bodies.was_there,
             servos: self.servos.clone(),
             gone: self.gone,
+            clumps: self.clumps.saved(),
         }
     }
 
@@ -318,9 +330,15 @@ impl GrainRun {
         // The weight does its work with the mean of its values at both ends of a step.
         let half = if self.step == 0 { 0.0 } else { 0.5 * self.time_step };
         for &place in &self.balls.places {
+            if self.balls.kinds[place as usize].clump != ALONE {
+                continue;
+            }
             let (ball, drive) = (&self.balls.list[place as usize], &self.balls.drives[place as usize]);
             let middle = minus(ball.position, times(half, drive.velocity));
             self.gone.external -= ball.mass * dot(change, middle);
+        }
+        for (mass, centre, velocity) in self.clumps.centres() {
+            self.gone.external -= mass * dot(change, minus(centre, times(half, velocity)));
         }
         self.model.gravity = gravity;
     }
@@ -388,6 +406,11 @@ impl GrainRun {
             number: self.step,
         };
         self.moved = move_all(&mut self.balls, moving)?;
+        if !self.clumps.is_empty() {
+            let moved = self.clumps.advance(&mut self.balls, moving)?;
+            self.moved.fastest = self.moved.fastest.max(moved.fastest);
+            self.moved.leaves |= moved.leaves;
+        }
         self.step += 1;
         Ok(())
     }
@@ -448,6 +471,7 @@ impl GrainRun {
         let Self { balls, finder, cell, laws, lists, .. } = self;
         lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
         self.spare = skin;
+        self.clumps.find(&self.balls);
         self.on_walls.renew();
         self.is_arranged = true;
         Ok(())
@@ -485,22 +509,33 @@ impl GrainRun {
     /// Removes the spheres in boxes that remove them and those that have left the box. Returns how many.
     fn remove(&mut self) -> usize {
         let (time, gravity) = (self.time(), self.model.gravity);
-        let Self { balls, model, cell, gone, .. } = self;
+        let Self { balls, model, cell, gone, clumps, .. } = self;
         let goes = |position: Vector| {
             model.removals.iter().any(|of| of.takes(position, time))
                 || cell.is_some_and(|cell| cell.outside(position).is_some())
         };
+        let (energy, going) = clumps.remove(balls, gravity, goes);
+        gone.external -= energy;
+        let goes = |place: usize| {
+            let clump = going.get(balls.kinds[place].clump as usize);
+            clump.copied().unwrap_or_else(|| goes(balls.list[place].position))
+        };
         for &place in &balls.places {
             let (ball, drive) = (&balls.list[place as usize], &balls.drives[place as usize]);
-            if goes(ball.position) {
+            if !goes(place as usize) {
+                continue;
+            }
+            gone.dissipated += drive.dissipated;
+            gone.external += drive.external;
+            if balls.kinds[place as usize].clump == ALONE {
                 let energy = 0.5 * ball.mass * dot(drive.velocity, drive.velocity)
                     + 0.5 * balls.inertia(place as usize) * dot(drive.spin, drive.spin)
                     - ball.mass * dot(gravity, ball.position);
-                gone.dissipated += drive.dissipated;
-                gone.external += drive.external - energy;
+                gone.external -= energy;
             }
         }
-        balls.remove(|_, ball| goes(ball.position))
+        let goes: Vec<bool> = (0..balls.list.len()).map(goes).collect();
+        balls.remove(|place, _| goes[place])
     }
 
     /// Lets the spheres come in that are due and find a place. Returns how many.
@@ -558,6 +593,7 @@ impl GrainRun {
             lists: &self.lists,
             laws: &self.laws,
             on_walls: &self.on_walls,
+            clumps: &self.clumps,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
             in_step: self.on_meshes.totals().fold([self.on_bodies.totals.dissipated, 0.0], |sum, (_, of)| {
                 [sum[0] + of.dissipated, sum[1] - of.work]

@@ -37,11 +37,16 @@ pub(crate) struct Drive {
     pub(crate) external: f64,
 }
 
+/// The clump of a sphere that belongs to none.
+pub(crate) const ALONE: u32 = u32::MAX;
+
 /// Properties that the motion alone reads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Kind {
     pub(crate) group: u32,
     pub(crate) held: bool,
+    /// Number of its clump, or [`ALONE`].
+    pub(crate) clump: u32,
 }
 
 /// A sphere of a saved run.
@@ -65,6 +70,10 @@ pub(crate) struct Balls {
     pub(crate) kinds: Vec<Kind>,
     /// Place of each sphere, in ascending order of their numbers.
     pub(crate) places: Vec<u32>,
+    /// Force, N, and moment, N m, on each sphere in the last step; only with clumps.
+    pub(crate) pushes: Vec<[Vector; 2]>,
+    /// Mass, kg, and number of spheres of each clump.
+    clumps: Vec<(f64, usize)>,
     /// Moment of inertia over mass and square of the radius.
     pub(crate) share: f64,
     /// Mass over density and a power of the radius.
@@ -81,6 +90,15 @@ impl Balls {
             ..Self::default()
         };
         balls.add(0, &model.spheres);
+        for (clump, of) in (0..).zip(&model.clumps) {
+            let mass = model.inertia_of(clump as usize).mass;
+            balls.clumps.push((mass, of.spheres.len()));
+            for &sphere in &of.spheres {
+                balls.kinds[sphere as usize].clump = clump;
+                balls.list[sphere as usize].mass = mass;
+            }
+        }
+        balls.make_pushes();
         balls
     }
 
@@ -98,6 +116,7 @@ impl Balls {
                 kind: Kind {
                     group: spheres.groups.get(sphere).copied().unwrap_or(0),
                     held: spheres.held.get(sphere).copied().unwrap_or(false),
+                    clump: ALONE,
                 },
                 now: [velocity, spin],
                 drive: Drive { velocity, spin, ..Drive::default() },
@@ -106,12 +125,26 @@ impl Balls {
         self.find_places();
     }
 
+    /// Mass of a sphere for results, kg: of a clump, each one has an equal part.
+    pub(crate) fn share_of_mass(&self, place: usize) -> f64 {
+        let clump = self.clumps.get(self.kinds[place].clump as usize);
+        clump.map_or(self.list[place].mass, |&(mass, count)| mass / count as f64)
+    }
+
+    fn make_pushes(&mut self) {
+        let count = if self.clumps.is_empty() { 0 } else { self.list.len() };
+        self.pushes.resize(count, [[0.0; 3]; 2]);
+    }
+
     fn push(&mut self, of: SavedBall) {
+        // The contacts of a clump have the mass of the whole.
+        let whole = self.clumps.get(of.kind.clump as usize).map(|(mass, _)| *mass);
+        let own = || mass(of.radius, self.densities[of.material as usize], self.thickness);
         self.list.push(Ball {
             position: of.position,
             radius: of.radius,
             velocity: of.now[0],
-            mass: mass(of.radius, self.densities[of.material as usize], self.thickness),
+            mass: whole.unwrap_or_else(own),
             spin: of.now[1],
             material: of.material,
             number: of.number,
@@ -172,6 +205,7 @@ impl Balls {
     }
 
     fn find_places(&mut self) {
+        self.make_pushes();
         self.places.clear();
         self.places.extend(0..self.list.len() as u32);
         let list = &self.list;

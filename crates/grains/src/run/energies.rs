@@ -1,6 +1,7 @@
 //! The energies of a run.
 
-use crate::run::balls::Balls;
+use crate::run::balls::{ALONE, Balls};
+use crate::run::clumps::Clumps;
 use crate::run::laws::Laws;
 use crate::run::lists::Lists;
 use crate::run::on_walls::OnWalls;
@@ -46,6 +47,7 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) lists: &'a Lists,
     pub(crate) laws: &'a Laws,
     pub(crate) on_walls: &'a OnWalls,
+    pub(crate) clumps: &'a Clumps,
     /// Elastic energy of the contacts with triangles, J.
     pub(crate) on_facets: f64,
     /// Energy that these contacts have dissipated in the last step, and the work of walls on them in it, J.
@@ -68,6 +70,11 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
     };
     for &place in &of.balls.places {
         let (ball, drive) = (&of.balls.list[place as usize], &of.balls.drives[place as usize]);
+        energies.dissipated += drive.dissipated;
+        energies.external += drive.external;
+        if of.balls.kinds[place as usize].clump != ALONE {
+            continue;
+        }
         // Half a step back, and a step back.
         let velocity = minus(times(2.0, drive.velocity), ball.velocity);
         let spin = minus(times(2.0, drive.spin), ball.spin);
@@ -75,9 +82,8 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
         energies.kinetic += 0.5 * ball.mass * dot(velocity, velocity);
         energies.rotational += 0.5 * of.balls.inertia(place as usize) * dot(spin, spin);
         energies.weight -= ball.mass * dot(of.gravity, position);
-        energies.dissipated += drive.dissipated;
-        energies.external += drive.external;
     }
+    of.clumps.add_energies(&mut energies, (of.gravity, of.step));
     let (elastic, [dissipated, external]) = of_contacts(of);
     energies.elastic = elastic;
     // Of the last step, only the first half is before the positions.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::GrainError;
 use crate::law::ContactHistory;
-use crate::run::balls::Balls;
+use crate::run::balls::{ALONE, Balls};
 use crate::run::cell::Cell;
 use crate::vector::Vector;
 
@@ -160,7 +160,11 @@ impl Lists {
         cell: Option<&Cell>,
         (remembered, rolls): (&Remembered, bool),
     ) -> Result<(), GrainError> {
-        let couples = finder.couples(balls, gap, cell)?;
+        let mut couples = finder.couples(balls, gap, cell)?;
+        if !balls.pushes.is_empty() {
+            let clump = |place: u32| balls.kinds[place as usize].clump;
+            couples.retain(|&[low, high]| clump(low) == ALONE || clump(low) != clump(high));
+        }
         let count = balls.list.len();
         let mut first = vec![0_u32; count + 1];
         for [low, _] in &couples {

@@ -4,14 +4,14 @@ use rayon::prelude::*;
 
 use crate::domain::Outside;
 use crate::error::GrainError;
-use crate::run::balls::{Ball, Balls, Drive, Kind};
+use crate::run::balls::{ALONE, Ball, Balls, Drive, Kind};
 use crate::run::cell::Cell;
 use crate::run::lists::{APART, CHUNK, Lists};
 use crate::run::on_walls::Outer;
 use crate::vector::{Vector, dot, minus, plus, times};
 
 /// A sphere farther away than this is lost, m.
-const FARTHEST: f64 = 1e30;
+pub(crate) const FARTHEST: f64 = 1e30;
 
 /// Everything that the motion of a step reads.
 #[derive(Clone, Copy, Debug)]
@@ -44,9 +44,14 @@ pub(crate) struct Moved {
 pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, GrainError> {
     let share = balls.share;
     let chunks = balls.list.par_chunks_mut(CHUNK).zip(balls.drives.par_chunks_mut(CHUNK));
-    let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).enumerate();
+    // Empty without clumps.
+    let mut pushes: Vec<&mut [[Vector; 2]]> = balls.pushes.chunks_mut(CHUNK).collect();
+    pushes.resize_with(balls.kinds.len().div_ceil(CHUNK), Default::default);
+    let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).zip(pushes).enumerate();
     let parts: Vec<Result<Moved, (u32, GrainError)>> = chunks
-        .map(|(chunk, ((balls, drives), kinds))| move_chunk(chunk * CHUNK, balls, drives, kinds, (share, of)))
+        .map(|(chunk, (((balls, drives), kinds), pushes))| {
+            move_chunk(chunk * CHUNK, (balls, drives), (kinds, pushes), (share, of))
+        })
         .collect();
     let mut all = Moved::default();
     let mut first: Option<(u32, GrainError)> = None;
@@ -68,9 +73,8 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
 
 fn move_chunk(
     begin: usize,
-    balls: &mut [Ball],
-    drives: &mut [Drive],
-    kinds: &[Kind],
+    (balls, drives): (&mut [Ball], &mut [Drive]),
+    (kinds, pushes): (&[Kind], &mut [[Vector; 2]]),
     (share, of): (f64, Moving<'_>),
 ) -> Result<Moved, (u32, GrainError)> {
     let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
@@ -86,6 +90,11 @@ fn move_chunk(
             drive.dissipated += outer[0].dissipated;
             drive.external += outer[0].external;
             outer = &outer[1..];
+        }
+        if kind.clump != ALONE {
+            // Its clump moves it.
+            pushes[k] = [force, moment];
+            continue;
         }
         if kind.held {
             drive.external -= of.step * (dot(force, ball.velocity) + dot(moment, ball.spin));

@@ -4,6 +4,9 @@
 //! to that of the step before, and not by the number of a facet, so that surfaces may be numbered anew and
 //! break. Where two minima exchange their order, so that the other of them pays the pass between them
 //! ([`sheets`](crate::sheets)), the springs of the contact go over with the force.
+//!
+//! When a body breaks below a sphere, the sphere touches the new edge at once, with an overlap that it has not
+//! made by its motion. Such a contact begins without force: its overlap counts from there on.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +34,8 @@ pub(crate) struct FacetHistory {
     /// Energy of the springs, J, and of a contact that only pulls.
     springs: f64,
     pull: f64,
+    /// Overlap that does not count, m.
+    relief: f64,
     contact: ContactHistory,
 }
 
@@ -94,6 +99,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) share: f64,
     /// Direction of the servo.
     pub(crate) direction: Option<Vector>,
+    /// Whether contacts that begin with an overlap begin without force.
+    pub(crate) relieves: bool,
     /// s.
     pub(crate) step: f64,
 }
@@ -113,6 +120,10 @@ pub(crate) struct FacetScratch {
 
 /// Square of the greatest difference between the directions of a contact in two steps.
 const TURN: f64 = 0.25;
+
+/// Steps of motion that a contact has made at most when it begins, and a share of the radius besides.
+const SUDDEN: f64 = 4.0;
+const ROUNDING: f64 = 1e-6;
 
 /// Share of the radius within which a contact stays when the centre of its sphere passes through the surface.
 const THROUGH: f64 = 0.25;
@@ -161,18 +172,37 @@ impl Encounter<'_> {
         scratch.continue_histories(histories);
         scratch.next.clear();
         for (minimum, partner) in scratch.sheets.minima.iter().zip(&scratch.partners) {
-            let old = partner.map_or_else(FacetHistory::default, |k| histories[k as usize]);
+            let mut old = partner.map_or_else(FacetHistory::default, |k| histories[k as usize]);
             let law = self.law(ball, minimum.facet)?;
             let overlap = minimum.overlap(ball, through.is_some());
-            if law.touches(overlap, ball.radius, &old.contact) {
-                let (own, history) = self.touch(ball, minimum, (law, overlap), old, touches);
+            if partner.is_none() && minimum.pass.is_none() && self.relieves && self.is_sudden(ball, minimum) {
+                old.relief = overlap;
+            }
+            old.relief = old.relief.min(overlap.max(0.0));
+            let counting = overlap - old.relief;
+            if law.touches(counting, ball.radius, &old.contact) {
+                let (own, history) = self.touch(ball, minimum, (law, counting), old, touches);
                 force = plus(force, own[0]);
                 moment = plus(moment, own[1]);
                 scratch.next.push(history);
+            } else if old.relief > 0.0 {
+                let relief = old.relief;
+                let Closest { normal, place, .. } = minimum.at;
+                scratch.next.push(FacetHistory { normal, place, relief, ..FacetHistory::default() });
             }
         }
         histories.clone_from(&scratch.next);
         Ok([force, moment])
+    }
+
+    /// Whether an overlap is greater than the motion of the last steps has made it.
+    fn is_sudden(&self, ball: &Ball, minimum: &Minimum) -> bool {
+        let velocity = match self.motion {
+            SurfaceMotion::Wall(wall) => wall.velocity_at(minimum.at.place),
+            SurfaceMotion::Points(of) => minimum.at.mean(|p| of[p as usize]),
+        };
+        let made = SUDDEN * self.step * length(minus(ball.velocity, velocity));
+        ball.radius - minimum.at.distance > made + ROUNDING * ball.radius
     }
 
     /// The closest point of the surface, with its direction turned round, if the centre of the sphere has
@@ -214,7 +244,7 @@ impl Encounter<'_> {
             velocity: minus(plus(ball.velocity, cross(ball.spin, arm)), velocity),
             spins: [ball.spin, spin],
         };
-        let pass = minimum.pass.as_ref().map(|pass| ball.radius - pass.distance);
+        let pass = minimum.pass.as_ref().map(|pass| ball.radius - pass.distance - history.relief);
         let reduced = law.push_reduced(&meeting, pass, &mut history.contact, self.step);
         let push = reduced.push;
         let springs = law.spring_energy(ball.radius, &history.contact);

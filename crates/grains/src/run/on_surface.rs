@@ -87,6 +87,8 @@ pub(crate) struct OnSurface {
     reference: Vec<Vector>,
     moved: f64,
     skin: f64,
+    /// Whether spheres could touch it in the last step, too.
+    pub(crate) was_there: bool,
     /// How far spheres and points may still move before all spheres are looked at, and how far points had
     /// moved then, m.
     spare: f64,
@@ -176,9 +178,11 @@ impl OnSurface {
             self.spare = (SPAN * self.skin).max(steps);
             self.moved_then = self.moved;
         }
+        let relieves = self.is_one_sided && std::mem::replace(&mut self.was_there, true);
         let Self { points, corners, ridges, is_one_sided, chunks, tree, moved, skin, spare, .. } = self;
         let facets = Facets { points, corners, ridges, is_one_sided: *is_one_sided };
-        let encounter = Encounter { facets, motion, materials, laws, share: balls.share, direction, step };
+        let encounter =
+            Encounter { facets, motion, materials, laws, share: balls.share, direction, relieves, step };
         let nearness = Nearness { tree, facets, moved: *moved, skin: *skin, span: *spare };
         chunks.par_iter_mut().enumerate().for_each(|(number, chunk)| {
             if is_full {

@@ -91,7 +91,7 @@ pub(crate) fn columns(balls: &Balls, contacts: Vec<GrainContact>) -> SphereColum
         velocities: places().map(|place| balls.drives[place].velocity).collect(),
         spins: places().map(|place| balls.drives[place].spin).collect(),
         forces,
-        masses: places().map(|place| balls.list[place].mass).collect(),
+        masses: places().map(|place| balls.share_of_mass(place)).collect(),
         materials: places().map(|place| balls.list[place].material).collect(),
         groups: places().map(|place| balls.kinds[place].group).collect(),
         contacts,

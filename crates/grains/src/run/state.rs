@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::run::balls::SavedBall;
+use crate::run::clumps::ClumpMotion;
 use crate::run::energies::Gone;
 use crate::run::lists::Remembered;
 use crate::run::on_surface::OnFacets;
@@ -24,6 +25,8 @@ pub struct GrainState {
     pub(crate) on_walls: Vec<OnWall>,
     pub(crate) on_meshes: Vec<OnFacets>,
     pub(crate) on_bodies: OnFacets,
+    pub(crate) has_bodies: bool,
     pub(crate) servos: Vec<ServoMotion>,
     pub(crate) gone: Gone,
+    pub(crate) clumps: Vec<ClumpMotion>,
 }

@@ -4,6 +4,9 @@
 
 mod common;
 
+/// Clumps of spheres.
+mod clumps;
+
 /// Contacts with triangles and segments.
 mod facets;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.

@@ -54,7 +54,7 @@ where
     if faults.len() > known {
         return None;
     }
-    let mut notes = Vec::new();
+    let mut notes = surfaces::without_effect(file, &surfaces);
     let mut prepared = PreparedSpheres {
         groups: Vec::new(),
         walls: file.wall.iter().map(|wall| wall.name.clone()).collect(),

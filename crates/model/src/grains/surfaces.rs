@@ -59,6 +59,42 @@ pub(crate) fn surfaces(file: &ModelFile, document: &Document<'_>, faults: &mut V
     surfaces
 }
 
+/// Keys of contacts of spheres that change nothing.
+pub(crate) fn without_effect(file: &ModelFile, surfaces: &[Surfaces]) -> Vec<String> {
+    let (of_spheres, of_partners) = touching(file);
+    let mut warnings = Vec::new();
+    for (number, material) in (0..).zip(&file.material) {
+        let name = material.name.as_str();
+        let rolls = |of: &Surfaces| {
+            let [a, b] = of.materials.map(|of| file.material[of as usize].name.as_str());
+            let is_of_spheres = of_spheres.contains(a) || of_spheres.contains(b);
+            of.materials.contains(&number) && is_of_spheres && of.rolling_friction > 0.0
+        };
+        if material.rolling_friction > 0.0 && of_partners.contains(name) && !surfaces.iter().any(rolls) {
+            warnings.push(format!(
+                "[[material]] \"{name}\": rolling_friction changes nothing: spheres that touch it have less, and the lesser one counts"
+            ));
+        }
+    }
+    for interface in &file.interface {
+        let keys = [
+            ("restitution", interface.restitution.is_some()),
+            ("rolling_friction", interface.rolling_friction.is_some()),
+            ("rolling_damping", interface.rolling_damping.is_some()),
+            ("twisting_friction", interface.twisting_friction.is_some()),
+            ("adhesion", interface.adhesion.is_some()),
+        ];
+        let [one, other] = interface.materials.each_ref().map(String::as_str);
+        let Some((key, _)) = keys.into_iter().find(|(_, given)| *given) else { continue };
+        if !of_spheres.contains(one) && !of_spheres.contains(other) {
+            warnings.push(format!(
+                "[[interface]] of \"{one}\" and \"{other}\": {key} changes nothing: no spheres are of these materials"
+            ));
+        }
+    }
+    warnings
+}
+
 /// Names of the materials of spheres, and of all that spheres may touch.
 fn touching(file: &ModelFile) -> (BTreeSet<&str>, BTreeSet<&str>) {
     let of_spheres: BTreeSet<&str> = file.grains.iter().map(|grains| grains.material.as_str()).collect();

