@@ -337,11 +337,8 @@ impl Checked<'_> {
             sets::check_groups(file, document, &placed, &mut found);
             bonds = Bonds::find(file, document, &placed, &mut found);
         }
-        let sphere_model = if faults.is_empty() && missing.is_empty() {
-            assemble::assemble(file, document, (&materials, &placed), load, &mut found)
-        } else {
-            None
-        };
+        let mut spheres = || assemble::assemble(file, document, (&materials, &placed), load, &mut found);
+        let sphere_model = if faults.is_empty() && missing.is_empty() { spheres() } else { None };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(build::crowded(document, &placed));
         none_or(faults)?;
@@ -371,10 +368,7 @@ impl Checked<'_> {
             boundaries,
             plane: file.model.plane,
             thickness: file.model.thickness,
-            gravity: match &file.model.gravity {
-                file::Gravity::Vector(gravity) => gravity.components(),
-                file::Gravity::None(_) => [0.0; D],
-            },
+            gravity: gravity(file),
             gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
             contact: file.contact,
             fracture: file.fracture,
@@ -416,16 +410,36 @@ impl Checked<'_> {
             bodies,
             warnings,
         };
-        let joined = bonds.join(&mut prepared);
-        joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
-        let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
-        let overloaded = build::overloaded_fault(file, document, &prepared.model, &tables);
-        overloaded.map_err(|fault| vec![fault])?;
-        supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
-        extreme::steps(file, document, &prepared).map_err(|fault| vec![fault])?;
-        scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
+        finish(file, document, (&bonds, &placed), &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
+    }
+}
+
+/// Joins bonded bodies, and makes the last checks and changes of a model that is complete.
+fn finish<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    (bonds, placed): (&Bonds<D>, &[Placed<D, N>]),
+    prepared: &mut Prepared<D, N>,
+) -> Result<(), Fault>
+where
+    [[f64; D]; N]: Advised<D, N>,
+{
+    let joined = bonds.join(prepared);
+    joined.map_err(|error| Fault::at(document.key(Table::of("joint_set", 0), "name"), error))?;
+    let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
+    build::overloaded_fault(file, document, &prepared.model, &tables)?;
+    supports::check(file, document, prepared)?;
+    extreme::steps(file, document, prepared)?;
+    scaling::scale(file, document, prepared)
+}
+
+/// Acceleration of gravity, m/s².
+fn gravity<const D: usize>(file: &ModelFile) -> [f64; D] {
+    match &file.model.gravity {
+        file::Gravity::Vector(gravity) => gravity.components(),
+        file::Gravity::None(_) => [0.0; D],
     }
 }
 

@@ -88,21 +88,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
         }
         faults.extend(wrong_axis(boundary.rotation.as_ref(), d, document, table));
-        if d == 2 && boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
-            let key = if boundary.side.is_some() { "side" } else { "sides" };
-            faults.push(
-                Fault::at(document.value(table, key), "a flat body has no front and no back")
-                    .label("not in two dimensions")
-                    .help("its sides are left, right, bottom and top"),
-            );
-        }
-        if d == 2 && boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
-            faults.push(
-                Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
-                    .label("not in two dimensions")
-                    .help("take \"x\", \"y\" or \"xy\""),
-            );
-        }
+        flat_boundary(boundary, d, (document, table), faults);
     }
     for (index, history) in file.history.iter().enumerate() {
         let node = history.node.as_ref().map(|node| node.0.len());
@@ -116,6 +102,33 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
 }
 
+/// The faults of a boundary in two dimensions that needs a third one.
+fn flat_boundary(
+    boundary: &file::Boundary,
+    d: usize,
+    (document, table): (&Document<'_>, Table),
+    faults: &mut Vec<Fault>,
+) {
+    if d != 2 {
+        return;
+    }
+    if boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
+        let key = if boundary.side.is_some() { "side" } else { "sides" };
+        faults.push(
+            Fault::at(document.value(table, key), "a flat body has no front and no back")
+                .label("not in two dimensions")
+                .help("its sides are left, right, bottom and top"),
+        );
+    }
+    if boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
+        faults.push(
+            Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
+                .label("not in two dimensions")
+                .help("take \"x\", \"y\" or \"xy\""),
+        );
+    }
+}
+
 /// The fault of a rotation whose axis does not fit the dimensions.
 fn wrong_axis(
     rotation: Option<&file::Rotation>,
@@ -124,7 +137,7 @@ fn wrong_axis(
     table: Table,
 ) -> Option<Fault> {
     let message = match rotation?.axis {
-        Some(_) if d == 2 => "in two dimensions things turn about z: \"axis\" is for three dimensions",
+        Some(_) if d == 2 => "a flat body turns about z: \"axis\" is for three dimensions",
         None if d == 3 => "a rotation in three dimensions has an \"axis\"",
         Some(axis) if axis == [0.0; 3] => "\"axis\" has no direction",
         _ => return None,

@@ -93,16 +93,12 @@ pub(crate) fn insert(of: &Wanted<'_>) -> (Vec<Vector>, bool) {
     let add = |classes: &mut Vec<SizeClass>, places: &mut Vec<(Vector, f64)>, point: Vector, radius: f64| {
         let member = places.len() as u32;
         let expected = all.len() + of.others.len();
-        let class =
-            match classes.iter_mut().find(|class| radius <= class.largest && radius > 0.5 * class.largest) {
-                Some(class) => class,
-                None => {
-                    classes.push(SizeClass::new(bounds, radius, of.gap, expected));
-                    let last = classes.len() - 1;
-                    &mut classes[last]
-                }
-            };
-        class.add(point, member);
+        let fits = |class: &SizeClass| radius <= class.largest && radius > 0.5 * class.largest;
+        let class = classes.iter().position(fits).unwrap_or_else(|| {
+            classes.push(SizeClass::new(bounds, radius, of.gap, expected));
+            classes.len() - 1
+        });
+        classes[class].add(point, member);
         places.push((point, radius));
     };
     for (point, radius) in others {

@@ -33,7 +33,7 @@ pub enum PackRegion {
         radius: f64,
     },
     /// The inside of a closed surface of triangles.
-    Inside(ClosedSurface),
+    Inside(Box<ClosedSurface>),
 }
 
 impl PackRegion {

@@ -221,7 +221,7 @@ mod tests {
         let variance = radii.iter().map(|radius| (radius - mean).powi(2)).sum::<f64>() / 5000.0;
         assert!((mean / 0.01 - 1.0).abs() < 1e-3, "{mean}");
         // A normal distribution that is cut at 3 deviations has 0.9866 of the deviation.
-        assert!((variance.sqrt() / 0.0009866 - 1.0).abs() < 5e-3, "{}", variance.sqrt());
+        assert!((variance.sqrt() / 0.000_986_6 - 1.0).abs() < 5e-3, "{}", variance.sqrt());
         assert!(radii.iter().all(|radius| (0.007..=0.013).contains(radius)));
     }
 

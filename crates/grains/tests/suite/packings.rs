@@ -58,7 +58,7 @@ fn discs_do_not_overlap_up_to_a_fraction_of_0_8() {
 fn the_gap_is_kept() {
     let wanted = PackRequest { gap: 0.004, ..request(unit_box(), SphereSizes::Equal(0.04), 0.45) };
     let packed = pack(wanted, 1).unwrap();
-    assert!(least_gap(&packed, 3) >= 0.0039999, "{}", least_gap(&packed, 3));
+    assert!(least_gap(&packed, 3) >= 0.003_999_9, "{}", least_gap(&packed, 3));
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn regions_of_all_kinds_keep_their_spheres() {
     let cylinder = PackRegion::Cylinder { from: [0.5, 0.5, 0.0], to: [0.5, 0.5, 1.0], radius: 0.5 };
     let ball = PackRegion::Ball { centre: [0.5; 3], radius: 0.5 };
     for (region, measure) in [
-        (PackRegion::Inside(ClosedSurface::new(triangles)), 1.0),
+        (PackRegion::Inside(Box::new(ClosedSurface::new(triangles))), 1.0),
         (cylinder, std::f64::consts::PI / 4.0),
         (ball, std::f64::consts::PI / 6.0),
     ] {

@@ -11,14 +11,15 @@ use crate::text::file::{Domain, DomainAxis, GrainRadius, GrainRegion, Grains, Mo
 
 /// Checks all tables of spheres and walls.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
-    if file.body.is_empty() && file.grains.is_empty() {
+    let is_named = |table| document.has(Table::one(table), "");
+    if !is_named("body") && !is_named("grains") {
         let end = document.root().span().end;
         let message = "the file lacks the key \"body\" (Bodies), and has no [[grains]]";
         faults.push(Fault::at(end..end, message).label("needs a [[body]] or [[grains]]"));
     }
     if file.grains.is_empty() {
         for table in ["wall", "spheres", "domain"] {
-            if document.has(Table::one(table), "") {
+            if is_named(table) && !is_named("grains") {
                 let message = format!("\"{table}\" is for spheres, and there are no [[grains]]");
                 faults.push(Fault::at(document.key(Table::one(table), ""), message).label("no effect"));
             }

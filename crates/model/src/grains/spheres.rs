@@ -133,7 +133,7 @@ fn region(within: &GrainRegion, grains: &Grains, load: &mut Load<'_>) -> Result<
             let message = format!("{name} is no closed surface, and has no inside");
             return Err(Problem { help: Some(help), ..Problem::new(key, message) });
         }
-        return Ok(PackRegion::Inside(ClosedSurface::new(triangles)));
+        return Ok(PackRegion::Inside(Box::new(ClosedSurface::new(triangles))));
     }
     let [low, high] = [&within.min, &within.max].map(|corner| corner.as_ref().map_or([0.0; 3], in_space));
     Ok(PackRegion::Box { low, high })

@@ -301,7 +301,7 @@ pub struct WallBox {
     /// Greatest corner [x, y] or [x, y, z], m.
     #[schemars(extend("x-unit" = "m"))]
     pub max: Vector,
-    /// Sides that are missing, such as ["top"]. Default: none.
+    /// Sides that are missing, such as `["top"]`. Default: none.
     #[serde(default)]
     pub open: Vec<Side>,
 }
@@ -367,7 +367,7 @@ pub struct Domain {
     #[schemars(rename = "box", length(min = 4, max = 6))]
     #[schemars(extend("x-unit" = "m"))]
     pub limits: Vec<f64>,
-    /// Axes along which it repeats, such as ["x", "y"]: a sphere that leaves it on one side comes in on the
+    /// Axes along which it repeats, such as `["x", "y"]`: a sphere that leaves it on one side comes in on the
     /// other, and spheres touch across these sides. Only without bodies. Default: none.
     #[serde(default)]
     pub periodic: Vec<DomainAxis>,

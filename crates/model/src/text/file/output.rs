@@ -111,6 +111,7 @@ pub enum Mean {
 /// `softening`, `energy` and `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_excessive_bools, reason = "a switch of the file is a key of its own")]
 pub struct History {
     /// Name of its column.
     #[schemars(length(min = 1))]
