@@ -595,8 +595,8 @@ impl GrainRun {
             on_walls: &self.on_walls,
             clumps: &self.clumps,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
-            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.dissipated, 0.0], |sum, (_, of)| {
-                [sum[0] + of.dissipated, sum[1] - of.work]
+            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.against, 0.0], |sum, (_, of)| {
+                [sum[0] + of.against, sum[1] - of.work]
             }),
             walls: &self.walls,
             gone: self.gone,

@@ -50,7 +50,7 @@ pub(crate) struct EnergyOf<'a> {
     pub(crate) clumps: &'a Clumps,
     /// Elastic energy of the contacts with triangles, J.
     pub(crate) on_facets: f64,
-    /// Energy that these contacts have dissipated in the last step, and the work of walls on them in it, J.
+    /// Work against the motion of these contacts in the last step, and that of walls on them in it, J.
     pub(crate) in_step: [f64; 2],
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,

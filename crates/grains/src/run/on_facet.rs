@@ -81,6 +81,9 @@ pub(crate) struct SurfaceTotals {
     /// Energy in the contacts, J, and dissipated in the step.
     pub(crate) elastic: f64,
     pub(crate) dissipated: f64,
+    /// Work of dashpots and friction against the motion in the step, J. The energy that springs take up or
+    /// lose is the rest of that dissipated.
+    pub(crate) against: f64,
     /// Work on the surface in the step, J.
     pub(crate) work: f64,
     /// Stiffness and dashpots of the contacts along the direction of the servo.
@@ -252,7 +255,9 @@ impl Encounter<'_> {
         touches.totals.elastic += springs + along;
         let friction =
             dot(across(push.force, at.normal), meeting.velocity) + dot(push.moment, minus(ball.spin, spin));
-        touches.totals.dissipated += self.step * (reduced.dashpot - friction) - springs - history.pull;
+        let against = self.step * (reduced.dashpot - friction);
+        touches.totals.against += against;
+        touches.totals.dissipated += against - springs - history.pull;
         let mut force = push.force;
         self.react(ball, at, push.force, touches);
         if let Some(pass) = minimum.pass.as_ref().filter(|_| reduced.pass != 0.0) {
@@ -339,6 +344,7 @@ impl SurfaceTotals {
         self.moment = plus(self.moment, other.moment);
         self.elastic += other.elastic;
         self.dissipated += other.dissipated;
+        self.against += other.against;
         self.work += other.work;
         self.answer.add(other.answer, 1.0);
     }

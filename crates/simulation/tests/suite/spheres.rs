@@ -84,7 +84,7 @@ fn a_weight_that_grows_does_the_work_of_the_fall() {
     let mut run = Simulation::new(model, 1).expect("a model");
     run.advance((0.06 / run.time_step()) as u64).expect("steps");
     let energies = run.energies();
-    assert!(energies.kinetic > 1e-6 && energies.balance().abs() < 1e-9 * energies.kinetic, "{energies:?}");
+    assert!(energies.kinetic > 1e-6 && energies.balance().abs() < 1e-5 * energies.kinetic, "{energies:?}");
 }
 
 #[test]
@@ -321,8 +321,9 @@ fn discs() -> Model {
     }
 }
 
-/// Runs for two times `steps` on one thread, and in two parts on three threads, and compares the bits.
-fn breaks_with_the_same_bits<const D: usize, const N: usize>(model: &Model<D, N>, steps: u64)
+/// Runs for two times `steps` on one thread, on three threads, and in two parts, and compares the bits.
+/// `error`: bound of the error of the energy balance.
+fn breaks_with_the_same_bits<const D: usize, const N: usize>(model: &Model<D, N>, steps: u64, error: f64)
 where
     [[f64; D]; N]: Element<D, N>,
     State<D, N>: serde::Serialize + serde::de::DeserializeOwned,
@@ -344,17 +345,17 @@ where
     assert_eq!(whole.energies(), resumed.energies());
     let counts = whole.counts();
     assert!(counts.broken > 5, "{counts:?}");
-    assert!(whole.energies().error().abs() < 2e-3, "{:?}", whole.energies());
+    assert!(whole.energies().error().abs() < error, "{:?}", whole.energies());
 }
 
 #[test]
 fn a_fan_of_spheres_breaks_a_plate_with_the_same_bits() {
-    breaks_with_the_same_bits(&fan(), 600);
+    breaks_with_the_same_bits(&fan(), 600, 1e-3);
 }
 
 #[test]
 fn discs_break_a_beam_with_the_same_bits() {
-    breaks_with_the_same_bits(&discs(), 1000);
+    breaks_with_the_same_bits(&discs(), 1000, 4e-3);
 }
 
 /// Spheres stay when a body is taken away, and fall where it was.
