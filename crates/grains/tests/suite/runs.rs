@@ -34,6 +34,8 @@ fn tube(count: usize) -> GrainModel {
             ..Surfaces::smooth([0, 0])
         }],
         gravity: [0.0, 0.0, -9.81],
+        // A fifth of the time of a Rayleigh wave.
+        step: Some(6.8e-5),
         ..GrainModel::default()
     }
 }

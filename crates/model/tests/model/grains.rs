@@ -421,7 +421,7 @@ fn keys_without_effect_are_warned_of() {
     let warnings = space(&format!("{rolling}{idle}")).warnings.join("\n");
     assert!(warnings.contains("[[material]] \"steel\": rolling_friction changes nothing"), "{warnings}");
     assert!(warnings.contains("\"steel\" and \"steel\": restitution changes nothing"), "{warnings}");
-    assert_eq!(space(HEAP).warnings, [String::new(); 0]);
+    assert_eq!(space(HEAP).warnings, Vec::<String>::new());
 }
 
 #[test]
