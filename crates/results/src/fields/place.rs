@@ -12,12 +12,6 @@ pub enum Place {
     Joint,
     /// A couple of elements that press each other.
     Contact,
-    /// A sphere or a disc.
-    Sphere,
-    /// A contact of a sphere with another one, a wall or a body.
-    SphereContact,
-    /// A wall.
-    Wall,
 }
 
 impl Place {
@@ -28,9 +22,6 @@ impl Place {
             Self::Element => "element",
             Self::Joint => "joint",
             Self::Contact => "contact",
-            Self::Sphere => "sphere",
-            Self::SphereContact => "sphere contact",
-            Self::Wall => "wall",
         }
     }
 }

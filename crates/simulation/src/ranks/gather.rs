@@ -3,7 +3,6 @@
 //! Rank 0 gets the state of each element and node, and not the data that is needed to advance them.
 
 use fdem_distributed::wire;
-use fdem_grains::SphereColumns;
 
 use crate::action::Record;
 use crate::contacts::SavedContacts;
@@ -258,7 +257,6 @@ where
             intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
-            spheres: SphereColumns::default(),
         }
     }
 
@@ -266,7 +264,6 @@ where
     pub fn state(&self) -> State<D, N> {
         State {
             released: Vec::new(),
-            spheres: None,
             step: self.carried.step,
             totals: self.carried.totals.clone(),
             energies: self.carried.energies,

@@ -49,5 +49,3 @@ mod relaxation;
 mod rigid;
 /// Bodies that are rigid until they are overloaded.
 mod overload;
-/// Spheres and walls, alone and with bodies.
-mod spheres;
