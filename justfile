@@ -34,6 +34,11 @@ bench-python:
 bench-simulation:
     cargo run --release -p fdem-bench --bin simulation -- --write bench/SIMULATION.md
 
+# Spheres in a chute and in a tube, by turns with LAMMPS. Minutes; needs `lmp`.
+bench-grains:
+    cargo build --release -p fdem-bench --bin grains
+    python bench/external/grains_lammps.py
+
 # Searches on 1, 2 and 8 ranks of this machine. Needs an MPI library.
 bench-distributed:
     cargo run --release -p fdem-bench --features mpi --bin distributed -- --write bench/DISTRIBUTED.md

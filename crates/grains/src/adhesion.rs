@@ -52,6 +52,23 @@ pub(crate) fn pull_off(radius: f64, work: f64) -> f64 {
     1.5 * PI * work * radius
 }
 
+/// Energy of a contact over that at which it begins, J: the work of the force from an overlap of 0 on, where
+/// the surfaces jump into contact.
+///
+/// With `s = √(2 π w/E)`, force times the derivative of the overlap is
+/// `8 E a⁴/(3 R²) - 14 E s a^{5/2}/(3 R) + E s² a`.
+pub(crate) fn energy(contact: f64, radius: f64, modulus: f64, work: f64) -> f64 {
+    let square = 2.0 * PI * work / modulus;
+    let root = square.sqrt();
+    let integral = |a: f64| {
+        let odd = a * a * a * a.sqrt();
+        modulus
+            * (8.0 / 15.0 * a * a * a * a * a / (radius * radius) - 4.0 / 3.0 * root * odd / radius
+                + 0.5 * square * a * a)
+    };
+    integral(contact) - integral(contact_radius(0.0, radius, modulus, work))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,6 +86,20 @@ mod tests {
         let last = contact_radius(last_overlap(radius, modulus, work), radius, modulus, work);
         let parting = force(last, radius, modulus, work);
         assert!((parting / (-5.0 / 6.0 * PI * work * radius) - 1.0).abs() < 1e-6, "{parting}");
+    }
+
+    #[test]
+    fn the_energy_is_the_work_of_the_force() {
+        let (radius, modulus, work) = CASE;
+        let at = |overlap: f64| contact_radius(overlap, radius, modulus, work);
+        let (from, to, steps) = (0.0, 3e-6, 30_000);
+        let width = (to - from) / f64::from(steps);
+        let mut sum = 0.0;
+        for k in 0..steps {
+            sum += width * force(at(from + width * (f64::from(k) + 0.5)), radius, modulus, work);
+        }
+        let energy = energy(at(to), radius, modulus, work);
+        assert!((energy / sum - 1.0).abs() < 1e-6, "{energy} {sum}");
     }
 
     #[test]

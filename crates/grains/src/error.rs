@@ -37,12 +37,42 @@ pub enum GrainError {
         /// The number.
         material: u32,
     },
+    /// A clump cannot be simulated.
+    Clump {
+        /// Number of the clump.
+        clump: usize,
+        /// The reason.
+        why: &'static str,
+    },
+    /// A number refers to a point that does not exist.
+    Point {
+        /// Owner of the number.
+        place: String,
+        /// The number.
+        point: u32,
+    },
     /// A sphere is so fast, or so far away, that its place is not known any more.
     Lost {
         /// The sphere.
         sphere: usize,
         /// The step.
         step: u64,
+    },
+    /// A sphere has left the box along an axis that does not repeat.
+    Outside {
+        /// The sphere.
+        sphere: u32,
+        /// The step.
+        step: u64,
+    },
+    /// A periodic box is so short that a sphere might touch two images of another one.
+    Box {
+        /// The axis: 0 for x.
+        axis: usize,
+        /// Length of the box along it, m.
+        length: f64,
+        /// The length that it must exceed, m.
+        least: f64,
     },
     /// The search for contacts failed.
     Search(String),
@@ -59,9 +89,18 @@ impl fmt::Display for GrainError {
             }
             Self::Length { what, found, expected } => write!(out, "{found} {what} instead of {expected}"),
             Self::Material { place, material } => write!(out, "{place}: there is no material {material}"),
+            Self::Clump { clump, why } => write!(out, "clump {clump}: {why}"),
+            Self::Point { place, point } => write!(out, "{place}: there is no point {point}"),
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")
             }
+            Self::Outside { sphere, step } => write!(out, "sphere {sphere} has left the box in step {step}"),
+            Self::Box { axis, length, least } => write!(
+                out,
+                "the periodic box is {length:e} m long along {}, and must be longer than {least:e} m: twice the \
+                 largest diameter and gap",
+                ["x", "y", "z"][*axis]
+            ),
             Self::Search(why) => write!(out, "search for contacts: {why}"),
         }
     }

@@ -14,6 +14,8 @@
 //! Cleary 2013): without that a closed cycle would gain energy. Rolling and twisting have a spring that
 //! yields, with damping below its bound (model C of Ai, Chen, Rotter and Ooi 2011).
 
+mod reduced;
+
 use crate::adhesion;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::restitution::damping_ratio;
@@ -35,13 +37,13 @@ pub struct ContactHistory {
 /// Constants of the contacts of two materials.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairLaw {
-    law: ForceLaw,
+    pub(crate) law: ForceLaw,
     /// Reduced moduli, Pa.
-    young: f64,
+    pub(crate) young: f64,
     shear: f64,
     /// Damping over the root of a stiffness and the mass.
-    damping: f64,
-    surfaces: Surfaces,
+    pub(crate) damping: f64,
+    pub(crate) surfaces: Surfaces,
 }
 
 /// Two bodies that may touch, in a step.
@@ -69,6 +71,8 @@ pub(crate) struct Push {
     pub(crate) force: Vector,
     /// Moment of rolling and twisting, N m.
     pub(crate) moment: Vector,
+    /// Energy that the step dissipates, J.
+    pub(crate) dissipated: f64,
 }
 
 impl Meeting {
@@ -98,8 +102,22 @@ impl PairLaw {
         if self.sticks() { -adhesion::last_overlap(radius, self.young, self.surfaces.adhesion) } else { 0.0 }
     }
 
-    fn sticks(&self) -> bool {
+    pub(crate) fn sticks(&self) -> bool {
         self.surfaces.adhesion > 0.0
+    }
+
+    /// Whether rolling or twisting has a spring.
+    pub(crate) fn rolls(&self) -> bool {
+        self.surfaces.rolling_friction > 0.0 || self.surfaces.twisting_friction > 0.0
+    }
+
+    /// Stiffness of Hooke's law along the normal, N/m; 0 for Hertz's.
+    #[inline]
+    pub(crate) fn normal(&self) -> f64 {
+        match self.law {
+            ForceLaw::HertzMindlin => 0.0,
+            ForceLaw::Hooke { normal, .. } => normal,
+        }
     }
 
     /// Whether the two touch. Those that stick touch until they part.
@@ -117,11 +135,18 @@ impl PairLaw {
     }
 
     /// Stiffness across the normal, N/m.
-    fn tangential_stiffness(&self, contact: f64) -> f64 {
+    #[inline]
+    pub(crate) fn tangential_stiffness(&self, contact: f64) -> f64 {
         match self.law {
             ForceLaw::HertzMindlin => 8.0 * self.shear * contact,
             ForceLaw::Hooke { normal, tangential } => normal * tangential,
         }
+    }
+
+    /// Stiffness of the springs against rolling or twisting, N m, at a radius of the contact, m. `share`: its
+    /// coefficient of friction.
+    fn rolling_stiffness(&self, contact: f64, radius: f64, share: f64) -> f64 {
+        2.25 * self.stiffness(contact) * (share * radius).powi(2)
     }
 
     /// Radius of the contact, m, and the elastic force along the normal, N.
@@ -155,21 +180,43 @@ impl PairLaw {
         } else {
             along
         };
-        let mut push = Push { force: times(along, normal), moment: [0.0; 3] };
+        let mut push = Push {
+            force: times(along, normal),
+            moment: [0.0; 3],
+            dissipated: (along - elastic) * approach * step,
+        };
+        let stored = self.spring_energy(of.radius, history);
+        let mut work = 0.0;
         let friction = self.surfaces.friction;
         if friction > 0.0 {
+            let slip = across(of.velocity, normal);
             let force = self.tangential(of, history, (contact, friction * pressed), step);
             push.force = plus(push.force, force);
+            work += step * dot(force, slip);
         }
+        let rate = minus(of.spins[0], of.spins[1]);
         if self.surfaces.rolling_friction > 0.0 {
-            push.moment = self.rolling(of, history, (stiffness, pressed), step);
+            push.moment = self.rolling(of, history, (contact, pressed), step);
         }
         if self.surfaces.twisting_friction > 0.0 {
-            let moment = self.twisting(of, history, (stiffness, pressed), step);
+            let moment = self.twisting(of, history, (contact, pressed), step);
             push.moment = plus(push.moment, times(moment, normal));
         }
+        work += step * dot(push.moment, rate);
         history.contact = contact;
+        push.dissipated -= work + self.spring_energy(of.radius, history) - stored;
         push
+    }
+
+    /// Energy of the springs across the normal, against rolling and against twisting, J.
+    pub(crate) fn spring_energy(&self, radius: f64, history: &ContactHistory) -> f64 {
+        let stored = |square: f64, stiffness: f64| if square > 0.0 { 0.5 * square / stiffness } else { 0.0 };
+        let stiffness = |share: f64| self.rolling_stiffness(history.contact, radius, share);
+        let across = dot(history.tangential, history.tangential);
+        let rolling = dot(history.rolling, history.rolling);
+        stored(across, self.tangential_stiffness(history.contact))
+            + stored(rolling, stiffness(self.surfaces.rolling_friction))
+            + stored(history.twisting * history.twisting, stiffness(self.surfaces.twisting_friction))
     }
 
     /// The force across the normal on the first body, at most that of friction, N.
@@ -206,11 +253,11 @@ impl PairLaw {
         &self,
         of: &Meeting,
         history: &mut ContactHistory,
-        (normal_stiffness, pressed): (f64, f64),
+        (contact, pressed): (f64, f64),
         step: f64,
     ) -> Vector {
         let coefficient = self.surfaces.rolling_friction;
-        let stiffness = 2.25 * normal_stiffness * (coefficient * of.radius).powi(2);
+        let stiffness = self.rolling_stiffness(contact, of.radius, coefficient);
         let rate = across(minus(of.spins[0], of.spins[1]), of.normal);
         let elastic = minus(turned(history.rolling, of, step), times(stiffness * step, rate));
         let (size, most) = (length(elastic), coefficient * of.radius * pressed.max(0.0));
@@ -228,11 +275,11 @@ impl PairLaw {
         &self,
         of: &Meeting,
         history: &mut ContactHistory,
-        (normal_stiffness, pressed): (f64, f64),
+        (contact, pressed): (f64, f64),
         step: f64,
     ) -> f64 {
         let coefficient = self.surfaces.twisting_friction;
-        let stiffness = 2.25 * normal_stiffness * (coefficient * of.radius).powi(2);
+        let stiffness = self.rolling_stiffness(contact, of.radius, coefficient);
         let rate = dot(minus(of.spins[0], of.spins[1]), of.normal);
         let elastic = history.twisting - stiffness * step * rate;
         let most = coefficient * of.radius * pressed.max(0.0);
@@ -244,16 +291,25 @@ impl PairLaw {
         elastic - dashpot * rate
     }
 
-    /// Elastic energy of a contact, J: along the normal, and of the springs across it.
+    /// Energy that is lost when the two part, J: that of springs which are not at rest, and, where they
+    /// stick, that of the last pull.
+    pub(crate) fn lost(&self, radius: f64, history: &ContactHistory) -> f64 {
+        let work = self.surfaces.adhesion;
+        let pull =
+            if self.sticks() { adhesion::energy(history.contact, radius, self.young, work) } else { 0.0 };
+        pull + self.spring_energy(radius, history)
+    }
+
+    /// Elastic energy of a contact, J: along the normal, and of all springs.
     pub(crate) fn energy(&self, overlap: f64, radius: f64, history: &ContactHistory) -> f64 {
-        let (contact, elastic) = self.normal_force(overlap.max(0.0), radius);
         let along = match self.law {
-            ForceLaw::HertzMindlin => 0.4 * elastic * overlap,
-            ForceLaw::Hooke { .. } => 0.5 * elastic * overlap,
+            ForceLaw::HertzMindlin if self.sticks() => {
+                adhesion::energy(history.contact, radius, self.young, self.surfaces.adhesion)
+            }
+            ForceLaw::HertzMindlin => 0.4 * self.normal_force(overlap.max(0.0), radius).1 * overlap,
+            ForceLaw::Hooke { normal, .. } => 0.5 * normal * overlap * overlap,
         };
-        let stiffness = self.tangential_stiffness(contact);
-        let across = dot(history.tangential, history.tangential);
-        along + if stiffness > 0.0 { 0.5 * across / stiffness } else { 0.0 }
+        along + self.spring_energy(radius, history)
     }
 }
 

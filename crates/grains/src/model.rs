@@ -2,8 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::clump::Clump;
+use crate::domain::Domain;
 use crate::error::GrainError;
+use crate::insertion::{Insertion, Removal};
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
+use crate::vector::{length, minus};
 use crate::wall::{Wall, WallShape};
 
 /// Spheres, each list in the order of their numbers.
@@ -21,6 +25,8 @@ pub struct Spheres {
     pub materials: Vec<u32>,
     /// Whether a sphere stays where it is, or keeps its velocity and spin; empty if all are free.
     pub held: Vec<bool>,
+    /// Numbers of the groups, see [`GrainModel::groups`]; empty if all are in the first.
+    pub groups: Vec<u32>,
 }
 
 /// Spheres and walls, complete. SI units: m, kg, s, Pa.
@@ -38,56 +44,26 @@ pub struct GrainModel {
     pub law: ForceLaw,
     /// Acceleration, m/s².
     pub gravity: [f64; 3],
+    /// Names of the groups of spheres, for messages and results; may be empty.
+    pub groups: Vec<String>,
+    /// Thickness of discs, m: the spheres are discs in the plane z = 0 and move in it. `None` for spheres.
+    pub discs: Option<f64>,
+    /// Spheres that move together as rigid bodies.
+    pub clumps: Vec<Clump>,
+    /// Spheres that come in during the run.
+    pub insertions: Vec<Insertion>,
+    /// Boxes in which spheres are removed.
+    pub removals: Vec<Removal>,
+    /// The box in which the spheres are; `None` for space without ends.
+    pub domain: Option<Domain>,
     /// Time step, s; `None` for [`GrainModel::safe_step`].
     pub step: Option<f64>,
 }
-
-/// Time step over the time in which a Rayleigh wave runs round a sphere, and over the duration of an impact.
-const RAYLEIGH: f64 = 0.2;
-const IMPACT: f64 = 0.02;
 
 impl GrainModel {
     /// Number of the material of a sphere.
     pub(crate) fn material_of(&self, sphere: usize) -> u32 {
         self.spheres.materials.get(sphere).copied().unwrap_or(0)
-    }
-
-    /// Mass of a sphere, kg.
-    pub(crate) fn mass_of(&self, sphere: usize) -> f64 {
-        let radius = self.spheres.radii[sphere];
-        4.0 / 3.0
-            * std::f64::consts::PI
-            * radius
-            * radius
-            * radius
-            * self.materials[self.material_of(sphere) as usize].density
-    }
-
-    /// A time step that follows the contacts, s. Hertz: a fifth of the time in which a Rayleigh wave runs
-    /// round a sphere, and a fiftieth of the impact of two such spheres at twice the greatest speed of the
-    /// model. Hooke: a fiftieth of the impact.
-    pub fn safe_step(&self) -> f64 {
-        let speeds = self.spheres.velocities.iter().chain(self.walls.iter().map(|wall| &wall.velocity));
-        let speed = 2.0 * speeds.map(|&velocity| crate::vector::length(velocity)).fold(0.0, f64::max);
-        let of = |sphere: usize| {
-            let (radius, half) = (self.spheres.radii[sphere], 0.5 * self.mass_of(sphere));
-            let material = &self.materials[self.material_of(sphere) as usize];
-            let (young, poisson) = (material.youngs_modulus, material.poissons_ratio);
-            if let ForceLaw::Hooke { normal, .. } = self.law {
-                return IMPACT * std::f64::consts::PI * (half / normal).sqrt();
-            }
-            let shear = young / (2.0 * (1.0 + poisson));
-            let wave = std::f64::consts::PI * radius * (material.density / shear).sqrt()
-                / (0.1631 * poisson + 0.8766);
-            if speed == 0.0 {
-                return RAYLEIGH * wave;
-            }
-            let reduced = 0.5 * young / (1.0 - poisson * poisson);
-            let depth =
-                libm::pow(15.0 / 16.0 * half * speed * speed / (reduced * (0.5 * radius).sqrt()), 0.4);
-            (RAYLEIGH * wave).min(IMPACT * 2.9432 * depth / speed)
-        };
-        (0..self.spheres.positions.len()).map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// Checks all numbers.
@@ -96,13 +72,14 @@ impl GrainModel {
     /// The first number that is wrong, with its owner.
     pub fn check(&self) -> Result<(), GrainError> {
         let count = self.spheres.positions.len();
-        let Spheres { radii, velocities, spins, materials, held, positions } = &self.spheres;
+        let Spheres { radii, velocities, spins, materials, held, positions, groups } = &self.spheres;
         for (what, found, optional) in [
             ("radii", radii.len(), false),
             ("velocities", velocities.len(), true),
             ("spins", spins.len(), true),
             ("materials of spheres", materials.len(), true),
             ("held spheres", held.len(), true),
+            ("groups of spheres", groups.len(), true),
         ] {
             if found != count && !(optional && found == 0) {
                 return Err(GrainError::Length { what, found, expected: count });
@@ -142,17 +119,7 @@ impl GrainModel {
             }
         }
         for (number, wall) in self.walls.iter().enumerate() {
-            let place = || format!("wall {number}");
-            if wall.material as usize >= known {
-                return Err(GrainError::Material { place: place(), material: wall.material });
-            }
-            let (direction, radius) = match wall.shape {
-                WallShape::Plane { normal, .. } => (normal, 1.0),
-                WallShape::Tube { axis: [a, b], radius } => (crate::vector::minus(b, a), radius),
-            };
-            let size = crate::vector::length(direction);
-            within(place, "length of its direction", size, size > 0.0, "above 0")?;
-            within(place, "radius", radius, radius > 0.0, "above 0")?;
+            self.check_wall(number, wall)?;
         }
         self.surfaces.iter().try_for_each(|surfaces| self.check_surfaces(surfaces))?;
         if let ForceLaw::Hooke { normal, tangential } = self.law {
@@ -166,8 +133,70 @@ impl GrainModel {
                 "at least 0",
             )?;
         }
+        self.check_clumps()?;
         if let Some(step) = self.step {
             within(|| "the model".to_owned(), "time step", step, step > 0.0, "above 0")?;
+        }
+        Ok(())
+    }
+
+    fn check_wall(&self, number: usize, wall: &Wall) -> Result<(), GrainError> {
+        let name =
+            || if wall.name.is_empty() { format!("wall {number}") } else { format!("wall {}", wall.name) };
+        if wall.material as usize >= self.materials.len() {
+            return Err(GrainError::Material { place: name(), material: wall.material });
+        }
+        let is_direction = |what: &'static str, of: [f64; 3]| {
+            let size = length(of);
+            within(name, what, size, size > 0.0, "above 0")
+        };
+        let is_point =
+            |of: &[f64; 3]| of.iter().try_for_each(|&x| within(name, "a coordinate", x, true, "a number"));
+        match &wall.shape {
+            WallShape::Plane { point, normal } => {
+                is_point(point)?;
+                is_direction("length of its direction", *normal)?;
+            }
+            WallShape::Tube { axis: [a, b], radius } => {
+                is_point(a)?;
+                is_direction("length of its direction", minus(*b, *a))?;
+                within(name, "radius", *radius, *radius > 0.0, "above 0")?;
+            }
+            WallShape::Cone { axis: [a, b], radii } => {
+                is_point(a)?;
+                is_direction("length of its direction", minus(*b, *a))?;
+                for &radius in radii {
+                    within(name, "radius", radius, radius >= 0.0, "at least 0")?;
+                }
+                let largest = radii[0].max(radii[1]);
+                within(name, "larger radius", largest, largest > 0.0, "above 0")?;
+            }
+            WallShape::Disc { centre, normal, radius } => {
+                is_point(centre)?;
+                is_direction("length of its direction", *normal)?;
+                within(name, "radius", *radius, *radius > 0.0, "above 0")?;
+            }
+            WallShape::Mesh { triangles } => {
+                let count = triangles.len() as f64;
+                within(name, "number of triangles", count, count > 0.0, "above 0")?;
+                triangles.iter().flatten().try_for_each(is_point)?;
+            }
+        }
+        is_point(&wall.velocity)?;
+        if let Some(rotation) = &wall.rotation {
+            is_point(&rotation.through)?;
+            is_point(&rotation.spin)?;
+        }
+        let mut before = f64::NEG_INFINITY;
+        for (time, displacement) in &wall.path {
+            within(name, "time of its path", *time, *time > before, "above the time before it")?;
+            is_point(displacement)?;
+            before = *time;
+        }
+        if let Some(servo) = &wall.servo {
+            is_direction("length of the direction of its servo", servo.direction)?;
+            within(name, "force of its servo", servo.force, servo.force >= 0.0, "at least 0")?;
+            within(name, "speed of its servo", servo.speed, servo.speed > 0.0, "above 0")?;
         }
         Ok(())
     }
@@ -201,7 +230,7 @@ impl GrainModel {
 }
 
 /// Whether a number is finite and in its range.
-fn within(
+pub(crate) fn within(
     place: impl Fn() -> String,
     what: &'static str,
     value: f64,
@@ -213,4 +242,10 @@ fn within(
     } else {
         Err(GrainError::OutOfRange { place: place(), what, value, range })
     }
+}
+
+/// Mass of a sphere, or of a disc of a thickness, kg.
+pub(crate) fn mass(radius: f64, density: f64, thickness: Option<f64>) -> f64 {
+    let square = std::f64::consts::PI * radius * radius;
+    density * thickness.map_or(4.0 / 3.0 * square * radius, |thickness| square * thickness)
 }

@@ -2,138 +2,68 @@
 //!
 //! One step:
 //!
-//! 1. Candidates: couples of spheres that may touch, from [`Buffered`]; when they change, the histories go
-//!    over to the new list.
-//! 2. Forces: each sphere computes its contacts with spheres of higher numbers.
-//! 3. Motion: each sphere adds up the forces of its contacts in the order of the other spheres, those of
-//!    walls after that, and moves. Velocities are half a step behind positions; contacts see them at the
-//!    positions, by the accelerations of the last step.
+//! 1. Spheres that come in, and couples of spheres that may touch, when any has moved far enough
+//!    ([`lists`]). The spheres are then arranged in memory along a curve through space.
+//! 2. Forces of all couples that touch, each once, in batches ([`press`], [`batch`]), and those with walls
+//!    ([`on_walls`]; of triangles: [`on_meshes`]) and bodies ([`on_surface`], [`on_facet`]).
+//! 3. Motion: each sphere adds up the forces of its contacts in the order of the numbers of the other
+//!    spheres, those of walls after that, and moves ([`motion`]). Velocities are half a step behind
+//!    positions; contacts see them at the positions, by the accelerations of the last step.
 //!
-//! So the sums depend neither on threads nor on the list of candidates.
+//! So the sums depend neither on threads nor on places in memory nor on the couples that do not touch.
+
+pub(crate) mod balls;
+pub(crate) mod batch;
+pub(crate) mod cell;
+pub(crate) mod clumps;
+pub(crate) mod energies;
+pub(crate) mod laws;
+pub(crate) mod lists;
+pub(crate) mod motion;
+pub(crate) mod on_facet;
+pub(crate) mod on_meshes;
+pub(crate) mod on_surface;
+pub(crate) mod on_walls;
+pub(crate) mod order;
+pub(crate) mod press;
+pub(crate) mod report;
+pub(crate) mod state;
 
 use std::sync::Arc;
 
-use fdem_contact::{Buffered, Detector, Elements};
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use fdem_contact::{Detector, PeriodicSearch, Simd};
 
+use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
-use crate::law::{ContactHistory, Meeting, PairLaw, Push};
+use crate::insertion::Taken;
 use crate::material::ForceLaw;
-use crate::model::GrainModel;
-use crate::vector::{Vector, cross, dot, length, minus, plus, times};
+use crate::model::{GrainModel, Spheres};
+use crate::run::balls::{ALONE, Balls};
+use crate::run::cell::RunBox;
+use crate::run::clumps::Clumps;
+use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
+use crate::run::laws::Laws;
+use crate::run::lists::{Finder, Lists, Remembered};
+use crate::run::motion::{Moved, Moving, move_all};
+use crate::run::on_facet::SurfaceMotion;
+use crate::run::on_meshes::{OnMeshes, force_and_moment};
+use crate::run::on_surface::{OnSurface, OnSurfacesOf};
+use crate::run::on_walls::{OnWalls, OnWallsOf, Outer};
+use crate::run::press::{Pressing, press};
+use crate::run::state::GrainState;
+use crate::servo::{Answer, ServoMotion};
+use crate::surface::Surface;
+use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
-const BUFFER: f64 = 0.2;
+const SKIN: f64 = 0.3;
 
-/// Spheres that one thread computes at a time.
-const CHUNK: usize = 512;
+/// Searches after which spheres are arranged along the curve again.
+const ARRANGE: u64 = 8;
 
-/// A sphere in motion.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Sphere {
-    /// m.
-    position: Vector,
-    /// Velocity, m/s, and angular velocity, rad/s, half a step before the position.
-    velocity: Vector,
-    spin: Vector,
-    /// Accelerations in the last step, m/s² and rad/s².
-    acceleration: Vector,
-    turning: Vector,
-}
-
-/// Properties of a sphere that do not change.
-#[derive(Clone, Copy, Debug)]
-struct Fixed {
-    radius: f64,
-    mass: f64,
-    material: u32,
-    held: bool,
-}
-
-/// A sphere as its contacts see it.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    position: Vector,
-    radius: f64,
-    velocity: Vector,
-    mass: f64,
-    spin: Vector,
-    material: u32,
-}
-
-/// Forces of a contact on its two bodies.
-#[derive(Clone, Copy, Debug, Default)]
-struct Acting {
-    /// On the first, N; the opposite acts on the second.
-    force: Vector,
-    /// Moments about the two centres, N m.
-    moments: [Vector; 2],
-    touches: bool,
-}
-
-/// Couples of spheres that may touch: for each sphere those with higher numbers, ascending.
-#[derive(Clone, Debug, Default)]
-struct Neighbours {
-    /// Where the couples of each sphere begin.
-    first: Vec<u32>,
-    other: Vec<u32>,
-    histories: Vec<ContactHistory>,
-    acting: Vec<Acting>,
-    /// Where the couples of each sphere with lower numbers begin in `slots`, and these couples, ascending.
-    first_lower: Vec<u32>,
-    slots: Vec<u32>,
-}
-
-/// Spheres that touch one wall, ascending, with their histories.
-type OnWall = Vec<(u32, ContactHistory)>;
-
-/// Everything that a run is continued from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GrainState {
-    step: u64,
-    spheres: Vec<Sphere>,
-    contacts: Vec<([u32; 2], ContactHistory)>,
-    on_walls: Vec<OnWall>,
-}
-
-/// A contact of a sphere with another, or with a wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GrainContact {
-    /// Number of the first sphere.
-    pub sphere: u32,
-    /// Number of the other sphere, or of the wall.
-    pub other: GrainPartner,
-    /// Force on the sphere, N.
-    pub force: [f64; 3],
-    /// Part of the force along the normal, N; positive for pressure.
-    pub normal: f64,
-    /// Depth by which the two overlap, m.
-    pub overlap: f64,
-}
-
-/// A thing that a sphere touches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GrainPartner {
-    /// A sphere with a higher number.
-    Sphere(u32),
-    /// A wall.
-    Wall(u32),
-}
-
-/// Energies of a run, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GrainEnergies {
-    /// Kinetic energy of the velocities, half a step before the positions.
-    pub kinetic: f64,
-    /// Kinetic energy of the rotations.
-    pub rotational: f64,
-    /// Stored in contacts, along and across their normals.
-    pub elastic: f64,
-    /// Potential energy of the weight; 0 at the origin.
-    pub weight: f64,
-}
+/// Steps after which spheres come in and are removed.
+const CHANGE: u64 = 32;
 
 /// A run of spheres.
 ///
@@ -163,20 +93,33 @@ pub struct GrainEnergies {
 /// ```
 #[derive(Debug)]
 pub struct GrainRun {
+    /// Without its spheres.
     model: GrainModel,
-    laws: Vec<Option<PairLaw>>,
-    fixed: Vec<Fixed>,
-    spheres: Vec<Sphere>,
-    search: Buffered<f64, 3>,
-    positions: Vec<Vector>,
-    /// Radii of the search, m: larger than those of the spheres where they stick to each other.
-    reaches: Vec<f64>,
-    seen: Vec<Seen>,
-    neighbours: Neighbours,
-    on_walls: Vec<OnWall>,
-    wall_forces: Vec<Vector>,
+    laws: Laws,
+    balls: Balls,
+    lists: Lists,
+    finder: Finder,
+    cell: Option<RunBox>,
+    on_walls: OnWalls,
+    clumps: Clumps,
+    on_meshes: OnMeshes,
+    on_bodies: OnSurface,
+    /// The walls in the last step, meshes without their triangles, and how servos move them in the next one.
+    walls: Vec<Wall>,
+    servos: Vec<ServoMotion>,
+    outer: Vec<Outer>,
+    gone: Gone,
+    next: u32,
+    placed: Vec<u32>,
+    moved: Moved,
+    /// How far spheres can still move until others might touch, m, and how many searches there were.
+    spare: f64,
+    searches: u64,
+    /// Whether spheres have had other places in memory since the last step.
+    is_arranged: bool,
     step: u64,
     time_step: f64,
+    simd: Simd,
     pool: Arc<rayon::ThreadPool>,
 }
 
@@ -187,58 +130,63 @@ impl GrainRun {
     /// # Errors
     /// The number of the model that is wrong.
     pub fn new(model: GrainModel, threads: usize) -> Result<Self, GrainError> {
-        model.check()?;
-        let count = model.spheres.positions.len();
-        let kinds = model.materials.len();
-        let mut laws = vec![None; kinds * kinds];
-        for surfaces in &model.surfaces {
-            let [a, b] = surfaces.materials.map(|material| material as usize);
-            let law = PairLaw::new(model.law, [&model.materials[a], &model.materials[b]], surfaces);
-            (laws[a * kinds + b], laws[b * kinds + a]) = (Some(law), Some(law));
-        }
-        let fixed: Vec<Fixed> = (0..count)
-            .map(|sphere| Fixed {
-                radius: model.spheres.radii[sphere],
-                mass: model.mass_of(sphere),
-                material: model.material_of(sphere),
-                held: model.spheres.held.get(sphere).copied().unwrap_or(false),
-            })
-            .collect();
-        let given = |list: &[Vector], sphere: usize| list.get(sphere).copied().unwrap_or([0.0; 3]);
-        let spheres = (0..count)
-            .map(|sphere| Sphere {
-                position: model.spheres.positions[sphere],
-                velocity: given(&model.spheres.velocities, sphere),
-                spin: given(&model.spheres.spins, sphere),
-                acceleration: [0.0; 3],
-                turning: [0.0; 3],
-            })
-            .collect();
-        let largest = fixed.iter().map(|of| of.radius).fold(0.0, f64::max);
-        let reach = laws.iter().flatten().map(|law| law.reach(0.5 * largest)).fold(0.0, f64::max);
-        let reaches = fixed.iter().map(|of| of.radius + 0.5 * reach).collect();
-        let mean = fixed.iter().map(|of| of.radius).sum::<f64>() / count.max(1) as f64;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = Arc::new(pool.map_err(|error| GrainError::Search(error.to_string()))?);
-        let detector = Detector::new().on_pool(Arc::clone(&pool));
-        let search = Buffered::with_search(detector, BUFFER * mean);
+        Self::on_pool(model, Arc::new(pool.map_err(|error| GrainError::Search(error.to_string()))?))
+    }
+
+    /// The same on threads that the caller has.
+    ///
+    /// # Errors
+    /// The errors of [`GrainRun::new`].
+    pub fn on_pool(mut model: GrainModel, pool: Arc<rayon::ThreadPool>) -> Result<Self, GrainError> {
+        model.check()?;
+        for clump in 0..model.clumps.len() {
+            model.clumps[clump].inertia = Some(model.inertia_of(clump));
+        }
+        let count = model.spheres.positions.len() as u32;
+        let cell = model.domain.map(RunBox::new);
+        let finder = if cell.is_some_and(|cell| cell.is_periodic()) {
+            Finder::Periodic(Box::new(PeriodicSearch::new()))
+        } else {
+            Finder::Space(Box::new(Detector::new().on_pool(Arc::clone(&pool))))
+        };
         let time_step = model.step.unwrap_or_else(|| model.safe_step());
-        Ok(Self {
-            laws,
-            fixed,
-            spheres,
-            search: search.map_err(|error| GrainError::Search(error.to_string()))?,
-            positions: Vec::new(),
-            reaches,
-            seen: Vec::new(),
-            neighbours: Neighbours { first: vec![0; count + 1], ..Neighbours::default() },
-            on_walls: vec![Vec::new(); model.walls.len()],
-            wall_forces: vec![[0.0; 3]; model.walls.len()],
+        let servos = vec![ServoMotion::default(); model.walls.len()];
+        let radii = &model.spheres.radii;
+        let insertions = model.insertions.iter().flat_map(|of| &of.radii);
+        let mean = radii.iter().chain(insertions.clone()).sum::<f64>()
+            / (radii.len() + insertions.count()).max(1) as f64;
+        let mut run = Self {
+            laws: Laws::new(&model),
+            balls: Balls::new(&model),
+            lists: Lists::default(),
+            finder,
+            cell,
+            on_walls: OnWalls::new(model.walls.len()),
+            clumps: Clumps::new(&model),
+            on_meshes: OnMeshes::new(&model.walls, mean),
+            on_bodies: OnSurface::new(true, mean),
+            walls: placed(&model.walls, &servos, 0.0).collect(),
+            servos,
+            outer: Vec::new(),
+            gone: Gone::default(),
+            next: count,
+            placed: vec![0; model.insertions.len()],
+            moved: Moved::default(),
+            spare: 0.0,
+            searches: 0,
+            is_arranged: true,
             step: 0,
             time_step,
+            simd: Simd::best(),
             pool,
-            model,
-        })
+            model: GrainModel::default(),
+        };
+        model.spheres = Spheres::default();
+        run.model = model;
+        run.clumps.begin(&mut run.balls);
+        run.search(&Vec::new())?;
+        Ok(run)
     }
 
     /// A run that continues from a state of a run of the same model, as if it had never stopped.
@@ -247,41 +195,67 @@ impl GrainRun {
     /// The errors of [`GrainRun::new`]; [`GrainError::Length`] if the state belongs to another model.
     pub fn resume(model: GrainModel, state: GrainState, threads: usize) -> Result<Self, GrainError> {
         let mut run = Self::new(model, threads)?;
-        let [spheres, walls] = [state.spheres.len(), state.on_walls.len()];
-        for (what, found, expected) in
-            [("spheres", spheres, run.spheres.len()), ("walls", walls, run.on_walls.len())]
-        {
+        run.take(state)?;
+        Ok(run)
+    }
+
+    /// Takes a state over, of a run of the same model.
+    ///
+    /// # Errors
+    /// [`GrainError::Length`] if it belongs to another model.
+    pub fn take(&mut self, state: GrainState) -> Result<(), GrainError> {
+        for (what, found, expected) in [
+            ("walls", state.on_walls.len(), self.model.walls.len()),
+            ("servos", state.servos.len(), self.model.walls.len()),
+            ("insertions", state.placed.len(), self.model.insertions.len()),
+        ] {
             if found != expected {
                 return Err(GrainError::Length { what, found, expected });
             }
         }
-        (run.step, run.spheres, run.on_walls) = (state.step, state.spheres, state.on_walls);
-        run.detect()?;
-        for ([i, j], history) in state.contacts {
-            if let Some(slot) = run.neighbours.slot(i, j) {
-                run.neighbours.histories[slot] = history;
-            }
+        self.clumps.take(state.clumps)?;
+        self.step = state.step;
+        (self.model.gravity, self.gone) = (state.gravity, state.gone);
+        (self.next, self.placed) = (state.next, state.placed);
+        self.balls.take(state.spheres);
+        self.on_walls.take(state.on_walls);
+        let (found, expected) = (state.on_meshes.len(), self.on_meshes.saved().len());
+        if !self.on_meshes.take(state.on_meshes) {
+            return Err(GrainError::Length { what: "walls that are meshes", found, expected });
         }
-        Ok(run)
+        self.on_bodies.take(state.on_bodies);
+        self.on_bodies.was_there = state.has_bodies;
+        self.servos = state.servos;
+        self.search(&state.contacts)
     }
 
     /// The state from which this run can be continued.
     pub fn state(&self) -> GrainState {
-        let of = &self.neighbours;
-        let mut contacts = Vec::new();
-        for i in 0..self.spheres.len() {
-            for slot in of.first[i] as usize..of.first[i + 1] as usize {
-                if of.histories[slot].contact > 0.0 {
-                    contacts.push(([i as u32, of.other[slot]], of.histories[slot]));
-                }
-            }
-        }
         GrainState {
             step: self.step,
-            spheres: self.spheres.clone(),
-            contacts,
-            on_walls: self.on_walls.clone(),
+            gravity: self.model.gravity,
+            spheres: self.balls.saved(),
+            next: self.next,
+            placed: self.placed.clone(),
+            contacts: self.lists.remember(&self.balls),
+            on_walls: self.on_walls.saved(),
+            on_meshes: self.on_meshes.saved(),
+            on_bodies: self.on_bodies.saved(),
+            has_bodies: self.on_bodies.was_there,
+            servos: self.servos.clone(),
+            gone: self.gone,
+            clumps: self.clumps.saved(),
         }
+    }
+
+    /// Takes these vector instructions in place of the best ones of the processor; results do not depend on
+    /// them.
+    #[must_use]
+    pub fn with_simd(mut self, simd: Simd) -> Self {
+        if simd.is_available() {
+            self.simd = simd;
+        }
+        self
     }
 
     /// Steps done.
@@ -299,242 +273,382 @@ impl GrainRun {
         self.step as f64 * self.time_step
     }
 
-    /// Centre of a sphere, m.
+    /// Number of spheres.
+    pub fn count(&self) -> usize {
+        self.balls.list.len()
+    }
+
+    /// Centre of a sphere, m. Spheres count in the order of their numbers.
     pub fn position(&self, sphere: usize) -> [f64; 3] {
-        self.spheres[sphere].position
+        self.balls.list[self.balls.places[sphere] as usize].position
     }
 
     /// Velocity of a sphere, m/s, half a step before its position.
     pub fn velocity(&self, sphere: usize) -> [f64; 3] {
-        self.spheres[sphere].velocity
+        self.balls.drives[self.balls.places[sphere] as usize].velocity
     }
 
     /// Angular velocity of a sphere, rad/s, half a step before its position.
     pub fn spin(&self, sphere: usize) -> [f64; 3] {
-        self.spheres[sphere].spin
+        self.balls.drives[self.balls.places[sphere] as usize].spin
     }
 
     /// Force of the spheres on a wall in the last step, N.
     pub fn wall_force(&self, wall: usize) -> [f64; 3] {
-        self.wall_forces[wall]
+        self.on_walls.forces[wall][0]
+    }
+
+    /// Moment of the spheres on a wall in the last step, N m: about a point of its axis of rotation, or about
+    /// the origin if it does not turn.
+    pub fn wall_moment(&self, wall: usize) -> [f64; 3] {
+        self.on_walls.forces[wall][1]
+    }
+
+    /// Displacement of a wall now, m, without that of its rotation.
+    pub fn wall_displacement(&self, wall: usize) -> [f64; 3] {
+        self.model.walls[wall].placement(self.time(), &self.servos[wall]).displacement
+    }
+
+    /// The walls in the last step; meshes are without their triangles, which [`GrainRun::columns`] has.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// Number of spheres that are due, and find no place.
+    pub fn waiting(&self) -> usize {
+        let time = self.time();
+        let insertions = self.model.insertions.iter().zip(&self.placed);
+        insertions.map(|(of, &placed)| of.due(time).saturating_sub(placed as usize)).sum()
+    }
+
+    /// Changes gravity, m/s². The change of the potential energy is work from outside.
+    pub fn set_gravity(&mut self, gravity: [f64; 3]) {
+        let change = minus(gravity, self.model.gravity);
+        if change == [0.0; 3] {
+            return;
+        }
+        // The weight does its work with the mean of its values at both ends of a step.
+        let half = if self.step == 0 { 0.0 } else { 0.5 * self.time_step };
+        for &place in &self.balls.places {
+            if self.balls.kinds[place as usize].clump != ALONE {
+                continue;
+            }
+            let (ball, drive) = (&self.balls.list[place as usize], &self.balls.drives[place as usize]);
+            let middle = minus(ball.position, times(half, drive.velocity));
+            self.gone.external -= ball.mass * dot(change, middle);
+        }
+        for (mass, centre, velocity) in self.clumps.centres() {
+            self.gone.external -= mass * dot(change, minus(centre, times(half, velocity)));
+        }
+        self.model.gravity = gravity;
     }
 
     /// Takes `steps` steps.
     ///
     /// # Errors
-    /// [`GrainError::Lost`] if a sphere has no place any more.
+    /// [`GrainError::Lost`] if a sphere has no place any more, [`GrainError::Outside`] if it has left the
+    /// box, [`GrainError::UnknownSurfaces`] if two materials touch whose surfaces are not known.
     pub fn advance(&mut self, steps: u64) -> Result<(), GrainError> {
         let pool = Arc::clone(&self.pool);
-        pool.install(|| (0..steps).try_for_each(|_| self.take_step()))
+        pool.install(|| (0..steps).try_for_each(|_| self.take_step(None)))
     }
 
-    fn take_step(&mut self) -> Result<(), GrainError> {
-        self.detect()?;
-        self.look();
-        self.press()?;
-        self.move_all()?;
+    /// Takes one step in which the spheres touch this surface of bodies, too.
+    ///
+    /// # Errors
+    /// The errors of [`GrainRun::advance`]; [`GrainError::Length`] if the lists of the surface do not fit
+    /// each other, [`GrainError::Point`] and [`GrainError::Material`] if a facet has one that does not exist.
+    pub fn step_on(&mut self, surface: &Surface<'_>) -> Result<(), GrainError> {
+        surface.check(self.model.materials.len())?;
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| self.take_step(Some(surface)))
+    }
+
+    /// Forces of the spheres on points of the surface in the last step, N, in ascending order of the points.
+    pub fn surface_forces(&self) -> &[(u32, [f64; 3])] {
+        &self.on_bodies.on_points
+    }
+
+    fn take_step(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
+        let time = self.time();
+        if let Some(cell) = &mut self.cell {
+            cell.grow(time);
+        }
+        self.walls.clear();
+        self.walls.extend(placed(&self.model.walls, &self.servos, time));
+        self.change()?;
+        // Both of two spheres may have moved, and a box that grows brings them together.
+        let rate = self.cell.map_or(0.0, |cell| cell.rates().into_iter().map(f64::abs).fold(0.0, f64::max));
+        let drift = 2.0 * rate * self.largest();
+        self.spare -= self.time_step * (2.0 * self.moved.fastest + 2.0 * drift);
+        if self.spare < 0.0 {
+            let remembered = self.lists.remember(&self.balls);
+            self.search(&remembered)?;
+        }
+        let (laws, simd, step) = (&self.laws, self.simd, self.time_step);
+        let cell = self.cell.as_ref();
+        press(Pressing { balls: &self.balls, laws, cell, simd, step }, &mut self.lists)?;
+        self.outer.clear();
+        let of =
+            OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };
+        self.on_walls.press(of, &mut self.outer)?;
+        self.press_on_surfaces(surface)?;
+        self.follow_servos();
+        let cell = self.cell.as_ref();
+        // Those of one sphere stay in their order: by walls.
+        self.outer.sort_by_key(|outer| outer.place);
+        let moving = Moving {
+            lists: &self.lists,
+            outer: &self.outer,
+            cell,
+            gravity: self.model.gravity,
+            step,
+            number: self.step,
+        };
+        self.moved = move_all(&mut self.balls, moving)?;
+        if !self.clumps.is_empty() {
+            let moved = self.clumps.advance(&mut self.balls, moving)?;
+            self.moved.fastest = self.moved.fastest.max(moved.fastest);
+            self.moved.leaves |= moved.leaves;
+        }
         self.step += 1;
         Ok(())
     }
 
-    /// Updates the couples that may touch.
-    fn detect(&mut self) -> Result<(), GrainError> {
-        self.positions.clear();
-        self.positions.extend(self.spheres.iter().map(|sphere| sphere.position));
-        if self.positions.is_empty() {
+    /// Computes the contacts with meshes and bodies.
+    fn press_on_surfaces(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
+        let time = self.time();
+        // In a box spheres are moved by its lengths, too.
+        let is_far = self.cell.is_some() || std::mem::take(&mut self.is_arranged);
+        let moved = if is_far { f64::INFINITY } else { self.time_step * self.moved.fastest };
+        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, gone, .. } =
+            self;
+        let of = OnSurfacesOf { balls, laws, moved, step: self.time_step };
+        on_meshes.press(of, (&model.walls, walls), (servos, time), outer)?;
+        for (wall, totals) in on_meshes.totals() {
+            on_walls.forces[wall] = force_and_moment(totals, &walls[wall]);
+        }
+        let Some(surface) = surface else {
+            on_bodies.leave();
+            return Ok(());
+        };
+        on_bodies.place(surface.points, surface.facets);
+        on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)?;
+        gone.on_bodies += on_bodies.totals.work;
+        Ok(())
+    }
+
+    /// Moves the servos by the forces on their walls.
+    fn follow_servos(&mut self) {
+        for number in 0..self.servos.len() {
+            let Some(servo) = self.model.walls[number].servo else { continue };
+            let mut answer = Answer::default();
+            for touch in self.on_walls.touches.iter().filter(|touch| touch.wall as usize == number) {
+                let ball = &self.balls.list[touch.outer.place as usize];
+                let material = self.walls[number].material;
+                if let Ok(law) = self.laws.of([ball.material, material]) {
+                    answer.add(law.answer(&touch.history, ball.mass), dot(touch.normal, servo.unit()));
+                }
+            }
+            for (_, totals) in self.on_meshes.totals().filter(|(wall, _)| *wall == number) {
+                answer.add(totals.answer, 1.0);
+            }
+            let force = self.on_walls.forces[number][0];
+            servo.follow(&mut self.servos[number], force, answer, self.time_step);
+        }
+    }
+
+    /// Finds the couples that may touch. `remembered`: contacts that touch.
+    fn search(&mut self, remembered: &Remembered) -> Result<(), GrainError> {
+        if self.searches.is_multiple_of(ARRANGE) {
+            self.balls.sort();
+        }
+        self.searches += 1;
+        let radii = || self.balls.list.iter().map(|ball| ball.radius);
+        let mean = radii().sum::<f64>() / self.balls.list.len().max(1) as f64;
+        let skin = SKIN * mean;
+        let gap = skin + self.laws.reach(0.5 * self.largest());
+        let Self { balls, finder, cell, laws, lists, .. } = self;
+        lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
+        self.spare = skin;
+        self.clumps.find(&self.balls);
+        self.on_walls.renew();
+        self.is_arranged = true;
+        Ok(())
+    }
+
+    /// The largest radius, m.
+    fn largest(&self) -> f64 {
+        self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max)
+    }
+
+    /// Removes spheres, and lets others come in.
+    fn change(&mut self) -> Result<(), GrainError> {
+        let is_due = self.step.is_multiple_of(CHANGE)
+            && !(self.model.insertions.is_empty() && self.model.removals.is_empty());
+        if !is_due && !self.moved.leaves {
             return Ok(());
         }
-        let wrong = |error: fdem_contact::Error| GrainError::Search(error.to_string());
-        let elements = Elements::spheres_with_radii(&self.positions, &self.reaches).map_err(wrong)?;
-        let update = self.search.update(&elements).map_err(wrong)?;
-        if update.redetected() {
-            self.neighbours = Neighbours::of(update.candidates(), self.spheres.len(), &self.neighbours);
+        let remembered = self.lists.remember(&self.balls);
+        let removed = self.remove();
+        let placed = if is_due { self.insert() } else { 0 };
+        if removed + placed == 0 {
+            return Ok(());
         }
-        Ok(())
+        let numbers: Vec<u32> = {
+            let places = self.balls.places.iter();
+            places.map(|&place| self.balls.list[place as usize].number).collect()
+        };
+        let stays = |number: u32| numbers.binary_search(&number).is_ok();
+        let remembered: Remembered =
+            remembered.into_iter().filter(|([one, two], _)| stays(*one) && stays(*two)).collect();
+        self.on_walls.touches.retain(|touch| stays(touch.number));
+        self.search(&remembered)
     }
 
-    /// The spheres at the time of their positions.
-    fn look(&mut self) {
-        let half = 0.5 * self.time_step;
-        let all = self.spheres.par_iter().zip(&self.fixed).with_min_len(CHUNK);
-        all.map(|(sphere, fixed)| Seen {
-            position: sphere.position,
-            radius: fixed.radius,
-            velocity: plus(sphere.velocity, times(half, sphere.acceleration)),
-            mass: fixed.mass,
-            spin: plus(sphere.spin, times(half, sphere.turning)),
-            material: fixed.material,
-        })
-        .collect_into_vec(&mut self.seen);
-    }
-
-    /// Computes the forces of all contacts of two spheres.
-    fn press(&mut self) -> Result<(), GrainError> {
-        let Self { neighbours, seen, laws, model, time_step, .. } = self;
-        let (kinds, step) = (model.materials.len(), *time_step);
-        let Neighbours { first, other, histories, acting, .. } = neighbours;
-        let chunks: Vec<usize> = (0..seen.len()).step_by(CHUNK).collect();
-        let ends = |begin: usize| (begin + CHUNK).min(seen.len());
-        let mut parts = Vec::with_capacity(chunks.len());
-        let (mut histories, mut acting) = (histories.as_mut_slice(), acting.as_mut_slice());
-        for begin in chunks {
-            let count = (first[ends(begin)] - first[begin]) as usize;
-            let (own, rest) = std::mem::take(&mut histories).split_at_mut(count);
-            let (pushes, more) = std::mem::take(&mut acting).split_at_mut(count);
-            (histories, acting) = (rest, more);
-            parts.push((begin, own, pushes));
-        }
-        let unknown = parts.into_par_iter().map(|(begin, histories, acting)| {
-            let base = first[begin] as usize;
-            for i in begin..ends(begin) {
-                let one = &seen[i];
-                for slot in first[i] as usize..first[i + 1] as usize {
-                    let two = &seen[other[slot] as usize];
-                    let (history, acting) = (&mut histories[slot - base], &mut acting[slot - base]);
-                    let apart = minus(one.position, two.position);
-                    let (square, sum) = (dot(apart, apart), one.radius + two.radius);
-                    if square >= sum * sum && history.contact == 0.0 {
-                        acting.touches = false;
-                        continue;
-                    }
-                    let Some(law) = &laws[one.material as usize * kinds + two.material as usize] else {
-                        return Some([one.material, two.material]);
-                    };
-                    *acting = touch(law, one, two, square.sqrt(), history, step);
-                }
+    /// Removes the spheres in boxes that remove them and those that have left the box. Returns how many.
+    fn remove(&mut self) -> usize {
+        let (time, gravity) = (self.time(), self.model.gravity);
+        let Self { balls, model, cell, gone, clumps, .. } = self;
+        let goes = |position: Vector| {
+            model.removals.iter().any(|of| of.takes(position, time))
+                || cell.is_some_and(|cell| cell.outside(position).is_some())
+        };
+        let (energy, going) = clumps.remove(balls, gravity, goes);
+        gone.external -= energy;
+        let goes = |place: usize| {
+            let clump = going.get(balls.kinds[place].clump as usize);
+            clump.copied().unwrap_or_else(|| goes(balls.list[place].position))
+        };
+        for &place in &balls.places {
+            let (ball, drive) = (&balls.list[place as usize], &balls.drives[place as usize]);
+            if !goes(place as usize) {
+                continue;
             }
-            None
-        });
-        match unknown.find_map_first(|materials| materials) {
-            Some(materials) => Err(GrainError::UnknownSurfaces { materials }),
-            None => Ok(()),
+            gone.dissipated += drive.dissipated;
+            gone.external += drive.external;
+            if balls.kinds[place as usize].clump == ALONE {
+                let energy = 0.5 * ball.mass * dot(drive.velocity, drive.velocity)
+                    + 0.5 * balls.inertia(place as usize) * dot(drive.spin, drive.spin)
+                    - ball.mass * dot(gravity, ball.position);
+                gone.external -= energy;
+            }
         }
+        let goes: Vec<bool> = (0..balls.list.len()).map(goes).collect();
+        balls.remove(|place, _| goes[place])
     }
 
-    /// Adds up the forces on each sphere, and moves it.
-    fn move_all(&mut self) -> Result<(), GrainError> {
-        let time = self.time();
-        let walls: Vec<Wall> = self.model.walls.iter().map(|wall| wall.at(time)).collect();
-        let Self { neighbours, seen, laws, model, fixed, time_step, on_walls, spheres, .. } = self;
-        let (step, kinds, gravity) = (*time_step, model.materials.len(), model.gravity);
-        let on_walls_before = std::mem::take(on_walls);
-        let neighbours = &*neighbours;
-        let parts = spheres.par_chunks_mut(CHUNK).enumerate().map(|(chunk, spheres)| {
-            let begin = chunk * CHUNK;
-            let mut found: Vec<(OnWall, Vector)> = vec![(Vec::new(), [0.0; 3]); walls.len()];
-            let mut before: Vec<&[(u32, ContactHistory)]> = on_walls_before
+    /// Lets the spheres come in that are due and find a place. Returns how many.
+    fn insert(&mut self) -> usize {
+        let (time, gravity, before) = (self.time(), self.model.gravity, self.balls.list.len());
+        for (number, of) in self.model.insertions.iter().enumerate() {
+            let due = of.due(time);
+            let first = self.placed[number] as usize;
+            if first >= due {
+                continue;
+            }
+            let largest = of
+                .radii
                 .iter()
-                .map(|list| &list[list.partition_point(|(sphere, _)| (*sphere as usize) < begin)..])
-                .collect();
-            for (k, sphere) in spheres.iter_mut().enumerate() {
-                let i = begin + k;
-                let one = &seen[i];
-                let [mut force, mut moment] = neighbours.sums(i);
-                for (number, wall) in walls.iter().enumerate() {
-                    while before[number].first().is_some_and(|(sphere, _)| (*sphere as usize) < i) {
-                        before[number] = &before[number][1..];
-                    }
-                    let (normal, distance) = wall.nearest(one.position);
-                    let known = before[number].first().filter(|(sphere, _)| *sphere as usize == i);
-                    if distance >= one.radius && known.is_none() {
-                        continue;
-                    }
-                    let Some(law) = &laws[one.material as usize * kinds + wall.material as usize] else {
-                        return Err(GrainError::UnknownSurfaces { materials: [one.material, wall.material] });
-                    };
-                    let mut history = known.map(|(_, history)| *history).unwrap_or_default();
-                    let Some((push, arm)) =
-                        touch_wall(law, one, (wall, normal, distance), &mut history, step)
-                    else {
-                        continue;
-                    };
-                    force = plus(force, push.force);
-                    moment = plus(moment, plus(cross(arm, push.force), push.moment));
-                    found[number].1 = minus(found[number].1, push.force);
-                    found[number].0.push((i as u32, history));
-                }
-                sphere.advance(&fixed[i], (force, moment), gravity, step);
-                if !sphere.position.iter().all(|x| x.abs() < 1e30) {
-                    return Err(GrainError::Lost { sphere: i, step: 0 });
-                }
+                .copied()
+                .fold(self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max), f64::max);
+            let spheres = self.balls.list.iter().map(|ball| (ball.position, ball.radius));
+            let is_clear = |centre, radius| {
+                self.on_meshes.is_clear(centre, radius) && self.on_bodies.is_clear(centre, radius)
+            };
+            let mut taken = Taken::new(of.region, largest, spheres, (&self.walls, &is_clear));
+            let mut spheres = Spheres::default();
+            for sphere in first..due {
+                let Some(place) = of.place(sphere, self.step, &taken) else { break };
+                taken.add(place, of.radii[sphere]);
+                spheres.positions.push(place);
+                spheres.radii.push(of.radii[sphere]);
             }
-            Ok(found)
-        });
-        let parts: Result<Vec<_>, GrainError> = parts.collect::<Vec<_>>().into_iter().collect();
-        let parts = parts.map_err(|error| match error {
-            GrainError::Lost { sphere, .. } => GrainError::Lost { sphere, step: self.step },
-            other => other,
-        })?;
-        self.on_walls = vec![Vec::new(); walls.len()];
-        self.wall_forces = vec![[0.0; 3]; walls.len()];
-        for (number, (list, force)) in parts.into_iter().flat_map(|of| of.into_iter().enumerate()) {
-            self.on_walls[number].extend(list);
-            self.wall_forces[number] = plus(self.wall_forces[number], force);
+            let count = spheres.positions.len();
+            spheres.velocities = vec![of.velocity; count];
+            spheres.spins = vec![of.spin; count];
+            spheres.materials = vec![of.material; count];
+            spheres.groups = vec![of.group; count];
+            let begin = self.balls.list.len();
+            self.balls.add(self.next, &spheres);
+            self.next += count as u32;
+            self.placed[number] += count as u32;
+            for place in begin..self.balls.list.len() {
+                let ball = &self.balls.list[place];
+                self.gone.external += 0.5 * ball.mass * dot(ball.velocity, ball.velocity)
+                    + 0.5 * self.balls.inertia(place) * dot(ball.spin, ball.spin)
+                    - ball.mass * dot(gravity, ball.position);
+            }
         }
-        Ok(())
+        self.balls.list.len() - before
     }
 
-    /// Energies now.
+    /// Energies at the positions of the last step, or at the beginning.
     ///
     /// # Cost
     /// A pass over all spheres and contacts on one thread.
     pub fn energies(&self) -> GrainEnergies {
-        let mut energies = GrainEnergies::default();
-        for (sphere, fixed) in self.spheres.iter().zip(&self.fixed) {
-            energies.kinetic += 0.5 * fixed.mass * dot(sphere.velocity, sphere.velocity);
-            energies.rotational += 0.5 * fixed.inertia() * dot(sphere.spin, sphere.spin);
-            energies.weight -= fixed.mass * dot(self.model.gravity, sphere.position);
-        }
-        let kinds = self.model.materials.len();
-        for (i, j, history) in self.neighbours.touching() {
-            let [one, two] = [&self.fixed[i], &self.fixed[j]];
-            let apart = length(minus(self.spheres[i].position, self.spheres[j].position));
-            let radius = one.radius * two.radius / (one.radius + two.radius);
-            if let Some(law) = &self.laws[one.material as usize * kinds + two.material as usize] {
-                energies.elastic += law.energy(one.radius + two.radius - apart, radius, history);
-            }
-        }
-        let time = self.time();
-        for (wall, list) in self.model.walls.iter().zip(&self.on_walls) {
-            let wall = wall.at(time);
-            for (sphere, history) in list {
-                let of = &self.fixed[*sphere as usize];
-                let (_, distance) = wall.nearest(self.spheres[*sphere as usize].position);
-                if let Some(law) = &self.laws[of.material as usize * kinds + wall.material as usize] {
-                    energies.elastic += law.energy(of.radius - distance, of.radius, history);
-                }
-            }
-        }
-        energies
+        energies(EnergyOf {
+            balls: &self.balls,
+            lists: &self.lists,
+            laws: &self.laws,
+            on_walls: &self.on_walls,
+            clumps: &self.clumps,
+            on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
+            in_step: self.on_meshes.totals().fold([self.on_bodies.totals.against, 0.0], |sum, (_, of)| {
+                [sum[0] + of.against, sum[1] - of.work]
+            }),
+            walls: &self.walls,
+            gone: self.gone,
+            gravity: self.model.gravity,
+            step: if self.step == 0 { 0.0 } else { self.time_step },
+        })
     }
 
-    /// Pairs of spheres that touched in the last step, in ascending order.
+    /// Contacts in the last step: those of two spheres in ascending order, then those with walls, those with
+    /// walls of triangles, those with bodies. Spheres
+    /// count in the order of their numbers.
     pub fn contacts(&self) -> Vec<GrainContact> {
-        let mut contacts = Vec::new();
-        for i in 0..self.spheres.len() {
-            for slot in self.neighbours.first[i] as usize..self.neighbours.first[i + 1] as usize {
-                let (other, acting) = (self.neighbours.other[slot], &self.neighbours.acting[slot]);
-                if !acting.touches {
-                    continue;
-                }
-                let [one, two] = [&self.seen[i], &self.seen[other as usize]];
-                let apart = minus(one.position, two.position);
-                let distance = length(apart);
-                contacts.push(GrainContact {
-                    sphere: i as u32,
-                    other: GrainPartner::Sphere(other),
-                    force: acting.force,
-                    normal: dot(acting.force, apart) / distance,
-                    overlap: one.radius + two.radius - distance,
-                });
-            }
-        }
+        let mut contacts = report::between(&self.balls, &self.lists, self.cell.as_ref(), self.time_step);
+        contacts.extend(report::on_walls(&self.balls, &self.on_walls));
+        let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
+        contacts.extend(report::on_facets(&self.balls, self.on_meshes.contacts().chain(on_bodies)));
         contacts
+    }
+
+    /// Number of the contacts in the last step.
+    ///
+    /// # Cost
+    /// A pass over all candidates on one thread.
+    pub fn contact_count(&self) -> usize {
+        let of_spheres = self.lists.memories.iter().filter(|memory| memory.contact > 0.0).count();
+        of_spheres + self.on_walls.touches.len() + self.on_bodies.contacts.len()
+    }
+
+    /// The spheres, their contacts and the walls now.
+    ///
+    /// # Cost
+    /// A pass over all spheres and contacts.
+    pub fn columns(&self) -> SphereColumns {
+        let period = self.cell.filter(RunBox::is_periodic).map(|cell| {
+            let along = |axis: usize| if cell.periodic()[axis] { cell.lengths[axis] } else { f64::INFINITY };
+            [cell.low, [along(0), along(1), along(2)]]
+        });
+        let mut walls = self.walls.clone();
+        self.on_meshes.fill(&mut walls);
+        SphereColumns {
+            group_names: self.model.groups.clone(),
+            walls,
+            wall_forces: self.on_walls.forces.iter().map(|sums| sums[0]).collect(),
+            discs: self.model.discs,
+            period,
+            ..report::columns(&self.balls, self.contacts())
+        }
     }
 
     /// Number of searches for contacts so far.
     pub fn detections(&self) -> u64 {
-        self.search.redetections()
+        self.searches
     }
 
     /// The law of all contacts.
@@ -543,166 +657,7 @@ impl GrainRun {
     }
 }
 
-impl Fixed {
-    fn inertia(&self) -> f64 {
-        0.4 * self.mass * self.radius * self.radius
-    }
-}
-
-impl Sphere {
-    /// Moves under a force, N, and a moment, N m, for a step, s.
-    #[inline]
-    fn advance(&mut self, fixed: &Fixed, (force, moment): (Vector, Vector), gravity: Vector, step: f64) {
-        if !fixed.held {
-            self.acceleration = plus(times(1.0 / fixed.mass, force), gravity);
-            self.turning = times(1.0 / fixed.inertia(), moment);
-            self.velocity = plus(self.velocity, times(step, self.acceleration));
-            self.spin = plus(self.spin, times(step, self.turning));
-        }
-        self.position = plus(self.position, times(step, self.velocity));
-    }
-}
-
-impl Neighbours {
-    /// The candidates of a search, with the histories of the couples that touched before.
-    fn of(candidates: &[fdem_contact::Couple], count: usize, before: &Self) -> Self {
-        let mut first = vec![0_u32; count + 1];
-        for couple in candidates {
-            first[couple.i as usize + 1] += 1;
-        }
-        (0..count).for_each(|i| first[i + 1] += first[i]);
-        let mut next = first.clone();
-        let mut other = vec![0_u32; candidates.len()];
-        for couple in candidates {
-            let place = &mut next[couple.i as usize];
-            other[*place as usize] = couple.j;
-            *place += 1;
-        }
-        let mut first_lower = vec![0_u32; count + 1];
-        for i in 0..count {
-            other[first[i] as usize..first[i + 1] as usize].sort_unstable();
-        }
-        for &j in &other {
-            first_lower[j as usize + 1] += 1;
-        }
-        (0..count).for_each(|i| first_lower[i + 1] += first_lower[i]);
-        let (mut next, mut slots) = (first_lower.clone(), vec![0_u32; other.len()]);
-        let mut histories = vec![ContactHistory::default(); other.len()];
-        for i in 0..count {
-            for slot in first[i] as usize..first[i + 1] as usize {
-                let place = &mut next[other[slot] as usize];
-                slots[*place as usize] = slot as u32;
-                *place += 1;
-                if let Some(old) = before.slot(i as u32, other[slot]) {
-                    histories[slot] = before.histories[old];
-                }
-            }
-        }
-        let acting = vec![Acting::default(); other.len()];
-        Self { first, other, histories, acting, first_lower, slots }
-    }
-
-    /// The place of a couple.
-    fn slot(&self, i: u32, j: u32) -> Option<usize> {
-        let [begin, end] = [i as usize, i as usize + 1].map(|k| self.first[k] as usize);
-        self.other[begin..end].binary_search(&j).ok().map(|place| begin + place)
-    }
-
-    /// Force, N, and moment, N m, of all spheres on one.
-    #[inline]
-    fn sums(&self, i: usize) -> [Vector; 2] {
-        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        if self.first_lower.is_empty() {
-            return [force, moment];
-        }
-        for &slot in &self.slots[self.first_lower[i] as usize..self.first_lower[i + 1] as usize] {
-            let acting = &self.acting[slot as usize];
-            if acting.touches {
-                force = minus(force, acting.force);
-                moment = plus(moment, acting.moments[1]);
-            }
-        }
-        for acting in &self.acting[self.first[i] as usize..self.first[i + 1] as usize] {
-            if acting.touches {
-                force = plus(force, acting.force);
-                moment = plus(moment, acting.moments[0]);
-            }
-        }
-        [force, moment]
-    }
-
-    /// The couples that touch, with their histories.
-    fn touching(&self) -> impl Iterator<Item = (usize, usize, &ContactHistory)> {
-        (0..self.first.len() - 1).flat_map(move |i| {
-            let slots = self.first[i] as usize..self.first[i + 1] as usize;
-            slots
-                .filter(|&slot| self.histories[slot].contact > 0.0)
-                .map(move |slot| (i, self.other[slot] as usize, &self.histories[slot]))
-        })
-    }
-}
-
-/// The forces of two spheres at a distance, m.
-#[inline]
-fn touch(
-    law: &PairLaw,
-    one: &Seen,
-    two: &Seen,
-    distance: f64,
-    history: &mut ContactHistory,
-    step: f64,
-) -> Acting {
-    let overlap = one.radius + two.radius - distance;
-    let radius = one.radius * two.radius / (one.radius + two.radius);
-    if !law.touches(overlap, radius, history) {
-        *history = ContactHistory::default();
-        return Acting::default();
-    }
-    let apart = minus(one.position, two.position);
-    // Concentric spheres have no normal: any will do.
-    let normal = if distance > 0.0 { times(1.0 / distance, apart) } else { [1.0, 0.0, 0.0] };
-    // The contact is in the middle of the overlap.
-    let arms = [times(-(one.radius - 0.5 * overlap), normal), times(two.radius - 0.5 * overlap, normal)];
-    let velocity =
-        minus(plus(one.velocity, cross(one.spin, arms[0])), plus(two.velocity, cross(two.spin, arms[1])));
-    let inertia = |of: &Seen| 1.4 * of.mass * of.radius * of.radius;
-    let meeting = Meeting {
-        normal,
-        overlap,
-        radius,
-        mass: one.mass * two.mass / (one.mass + two.mass),
-        inertias: [inertia(one), inertia(two)],
-        velocity,
-        spins: [one.spin, two.spin],
-    };
-    let push = law.push(&meeting, history, step);
-    let moment = |arm: Vector, sign: f64| plus(cross(arm, times(sign, push.force)), times(sign, push.moment));
-    Acting { force: push.force, moments: [moment(arms[0], 1.0), moment(arms[1], -1.0)], touches: true }
-}
-
-/// The push of a wall on a sphere, and the arm from its centre to the contact, m. `None` if they are apart.
-#[inline]
-fn touch_wall(
-    law: &PairLaw,
-    one: &Seen,
-    (wall, normal, distance): (&Wall, Vector, f64),
-    history: &mut ContactHistory,
-    step: f64,
-) -> Option<(Push, Vector)> {
-    let overlap = one.radius - distance;
-    if !law.touches(overlap, one.radius, history) {
-        return None;
-    }
-    let arm = times(-distance, normal);
-    let place = plus(one.position, arm);
-    let meeting = Meeting {
-        normal,
-        overlap,
-        radius: one.radius,
-        mass: one.mass,
-        inertias: [1.4 * one.mass * one.radius * one.radius, f64::INFINITY],
-        velocity: minus(plus(one.velocity, cross(one.spin, arm)), wall.velocity_at(place)),
-        spins: [one.spin, wall.spin()],
-    };
-    Some((law.push(&meeting, history, step), arm))
+/// The walls at a time, s, meshes without their triangles.
+fn placed<'a>(walls: &'a [Wall], servos: &'a [ServoMotion], time: f64) -> impl Iterator<Item = Wall> + 'a {
+    walls.iter().zip(servos).map(move |(wall, servo)| wall.at(time, servo))
 }

@@ -100,7 +100,7 @@ pub use packing::{
 pub use packing_format::PackingFormat;
 pub use place::Place;
 pub use read::read;
-pub use results::{pvd, write_poly_vtp, write_vtu};
+pub use results::{pvd, write_poly_vtp, write_vti, write_vtu};
 pub use series::collection::{PieceFile, PieceFiles};
 pub use series::dump_local::{CoupleColumns, FileCouples, read_couples};
 pub use series::{FrameIndex, Series, read_packing};

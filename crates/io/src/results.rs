@@ -5,8 +5,10 @@
 mod appended;
 mod poly;
 mod pvd;
+mod vti;
 mod vtu;
 
 pub use poly::write_poly_vtp;
 pub use pvd::pvd;
+pub use vti::write_vti;
 pub use vtu::write_vtu;

@@ -30,7 +30,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Measures a mesh with at least one element.
+    /// Measures a mesh. Without elements all numbers are 0.
     pub fn of<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> Self
     where
         [[f64; D]; N]: Corners<D, N>,
@@ -69,6 +69,9 @@ impl Quality {
                 angles.len() == 3 && angles.iter().zip(regular).all(|(angle, of)| (angle - of).abs() < 0.5)
             };
             quality.regular += f64::from(u8::from(alike([45.0, 45.0, 90.0]) || alike([60.0; 3])));
+        }
+        if mesh.elements.is_empty() {
+            (quality.edges[0], quality.smallest_angle[0], quality.smallest_height) = (0.0, 0.0, 0.0);
         }
         let count = quality.elements.max(1) as f64;
         for sum in [

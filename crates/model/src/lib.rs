@@ -33,6 +33,7 @@
 //! | `src/shapes` | shapes of bodies, their sizes, and meshed pieces |
 //! | `src/joints` | joint sets: lines, planes, bonds between bodies |
 //! | `src/bodies` | meshes of bodies, and their materials |
+//! | `src/grains.rs`, `src/grains` | spheres and walls |
 //! | `src/output` | histories, probes, curves and settings of the output |
 //! | `src/stages` | boundaries, conditions and stages |
 //! | `src/advice` | warnings, mass scaling, and the output of `fdem check` |
@@ -51,6 +52,7 @@
 //! | bounds on numbers, size and memory before meshing | `src/shapes/limits.rs`, `src/shapes/distant.rs`, `src/bodies/sizes.rs`, `src/shapes/extent.rs` |
 //! | shapes of bodies, and their meshes | `src/bodies/build.rs`; flat: `src/bodies/plane.rs`, `src/shapes/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/bodies/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs` |
 //! | smaller elements near places | `src/shapes/refine.rs`, `crates/mesh/src/grading.rs` |
+//! | spheres and walls: tables, packings, surfaces of pairs, overlaps | `src/text/file/grains.rs`, `src/grains/assemble.rs` and the files beside it; packings: `crates/grains/src/pack.rs` |
 //! | materials of bodies | `src/bodies/materials.rs` |
 //! | joint sets: keys and laws, lines, files of lines | `src/joints/sets.rs`, `src/joints/lines.rs`, `src/joints/polylines.rs` |
 //! | joint sets in space: polygons, files of polygons | `src/joints/planes.rs`, `src/joints/polygons.rs` |
@@ -73,6 +75,7 @@ mod prepared;
 mod shapes;
 mod joints;
 mod bodies;
+mod grains;
 mod output;
 mod stages;
 mod advice;
@@ -92,7 +95,8 @@ pub use output::curves::columns;
 pub use prepare::{prepare, prepare_any, prepare_any_with, prepare_coarse, prepare_within};
 pub use prepared::{
     AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
-    PreparedHistory, PreparedServo, PreparedStage, PreparedUntil, Quantity, Reached, Scaled, open_from_start,
+    PreparedHistory, PreparedServo, PreparedSpheres, PreparedStage, PreparedUntil, Quantity, Reached, Scaled,
+    SphereGroup, open_from_start,
 };
 pub use stages::present::Present;
 pub use text::document::{number, toml_tree, whole};

@@ -14,6 +14,7 @@ use crate::advice::ready::Ready;
 use crate::advice::{deforming, extreme, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
 use crate::bodies::{build, dimensions, materials, sizes};
+use crate::grains::{assemble, checks};
 use crate::joints::bonds::Bonds;
 use crate::joints::lines::JointLines;
 use crate::joints::sets;
@@ -213,6 +214,7 @@ fn prepare_or_faults(
     let joint_sets = sets::check(&file, &document, dimensions, &mut found);
     build::check(&file, &document, dimensions, &mut found);
     build::check_overload(&file, &document, &mut found);
+    checks::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
     schedules::check(&file, &document, &mut found);
     cavities::check(&file, &document, &mut found);
@@ -335,6 +337,8 @@ impl Checked<'_> {
             sets::check_groups(file, document, &placed, &mut found);
             bonds = Bonds::find(file, document, &placed, &mut found);
         }
+        let mut spheres = || assemble::assemble(file, document, (&materials, &placed), load, &mut found);
+        let sphere_model = if faults.is_empty() && missing.is_empty() { spheres() } else { None };
         faults.extend(found.into_iter().filter(is_news));
         faults.extend(build::crowded(document, &placed));
         none_or(faults)?;
@@ -354,6 +358,7 @@ impl Checked<'_> {
         let mut model = Model {
             rigid: build::rigid(file, &placed),
             until_overloaded: build::until_overloaded(file, &placed),
+            grains: sphere_model.as_ref().map(|of| of.model.clone()),
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
@@ -363,10 +368,7 @@ impl Checked<'_> {
             boundaries,
             plane: file.model.plane,
             thickness: file.model.thickness,
-            gravity: match &file.model.gravity {
-                file::Gravity::Vector(gravity) => gravity.components(),
-                file::Gravity::None(_) => [0.0; D],
-            },
+            gravity: gravity(file),
             gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
             contact: file.contact,
             fracture: file.fracture,
@@ -378,6 +380,7 @@ impl Checked<'_> {
         let (quality, bodies) = (Quality::of(&model.mesh), bodies_of(&placed));
         warnings.extend(notes_of(file, &placed));
         warnings.extend(lines.notes);
+        warnings.extend(sphere_model.iter().flat_map(|of| of.notes.iter().cloned()));
         sets::vanished(file, &placed, &mut warnings);
         conditions::warnings(file, &model, &servos, &own, &mut warnings);
         let is_in_model = |span: &std::ops::Range<usize>| sources.is_in_model(span);
@@ -390,6 +393,7 @@ impl Checked<'_> {
             groups: groups_of(&placed),
             about_files: about_files(&placed),
             grains: grains_of(&placed),
+            spheres: sphere_model.map(|of| of.prepared),
             joint_sets,
             from_library,
             output: settings::settings(file, &placed),
@@ -406,16 +410,36 @@ impl Checked<'_> {
             bodies,
             warnings,
         };
-        let joined = bonds.join(&mut prepared);
-        joined.map_err(|error| vec![Fault::at(document.key(Table::of("joint_set", 0), "name"), error)])?;
-        let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
-        let overloaded = build::overloaded_fault(file, document, &prepared.model, &tables);
-        overloaded.map_err(|fault| vec![fault])?;
-        supports::check(file, document, &prepared).map_err(|fault| vec![fault])?;
-        extreme::steps(file, document, &prepared).map_err(|fault| vec![fault])?;
-        scaling::scale(file, document, &mut prepared).map_err(|fault| vec![fault])?;
+        finish(file, document, (&bonds, &placed), &mut prepared).map_err(|fault| vec![fault])?;
         prepared.hash = hash_of(&prepared);
         Ok(prepared)
+    }
+}
+
+/// Joins bonded bodies, and makes the last checks and changes of a model that is complete.
+fn finish<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    (bonds, placed): (&Bonds<D>, &[Placed<D, N>]),
+    prepared: &mut Prepared<D, N>,
+) -> Result<(), Fault>
+where
+    [[f64; D]; N]: Advised<D, N>,
+{
+    let joined = bonds.join(prepared);
+    joined.map_err(|error| Fault::at(document.key(Table::of("joint_set", 0), "name"), error))?;
+    let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
+    build::overloaded_fault(file, document, &prepared.model, &tables)?;
+    supports::check(file, document, prepared)?;
+    extreme::steps(file, document, prepared)?;
+    scaling::scale(file, document, prepared)
+}
+
+/// Acceleration of gravity, m/s².
+fn gravity<const D: usize>(file: &ModelFile) -> [f64; D] {
+    match &file.model.gravity {
+        file::Gravity::Vector(gravity) => gravity.components(),
+        file::Gravity::None(_) => [0.0; D],
     }
 }
 
@@ -517,6 +541,8 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     }
     for (table, names) in [
         ("body", names(&file.body, |body| &body.name)),
+        ("grains", names(&file.grains, |grains| &grains.name)),
+        ("wall", names(&file.wall, |wall| &wall.name)),
         ("material", names(&file.material, |material| &material.name)),
         ("joint_set", names(&file.joint_set, |set| &set.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),

@@ -3,6 +3,7 @@
 mod added_mass;
 mod conditions;
 mod entered;
+mod grains;
 mod joints;
 mod output;
 
@@ -19,6 +20,7 @@ pub use added_mass::Scaled;
 pub(crate) use added_mass::counted;
 pub use conditions::{Bound, PreparedServo, PreparedUntil, Reached};
 pub use entered::{Entered, Origin};
+pub use grains::{PreparedSpheres, SphereGroup};
 pub use joints::{Joints, open_from_start};
 pub use output::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 
@@ -40,6 +42,8 @@ pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     pub about_files: Vec<String>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,
+    /// The spheres and walls; `None` without.
+    pub spheres: Option<PreparedSpheres>,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
     /// Materials that have keys from the library.

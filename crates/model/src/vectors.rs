@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::grains::checks;
 use crate::output::probes;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
@@ -20,6 +21,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             Fault::at(document.key(general, key), format!("\"{key}\" is for models in two dimensions"))
                 .label("take it out"),
         );
+    }
+    vectors.extend(checks::lengths(file, d));
+    for (index, wall) in file.wall.iter().enumerate() {
+        faults.extend(wrong_axis(wall.rotation.as_ref(), d, document, Table::of("wall", index)));
     }
     let initial = Table::one("initial");
     for (name, velocity) in &file.initial.velocity {
@@ -82,22 +87,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         for (key, found, wanted) in lengths {
             vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
         }
-        faults.extend(wrong_axis(boundary, d, document, table));
-        if d == 2 && boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
-            let key = if boundary.side.is_some() { "side" } else { "sides" };
-            faults.push(
-                Fault::at(document.value(table, key), "a flat body has no front and no back")
-                    .label("not in two dimensions")
-                    .help("its sides are left, right, bottom and top"),
-            );
-        }
-        if d == 2 && boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
-            faults.push(
-                Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
-                    .label("not in two dimensions")
-                    .help("take \"x\", \"y\" or \"xy\""),
-            );
-        }
+        faults.extend(wrong_axis(boundary.rotation.as_ref(), d, document, table));
+        flat_boundary(boundary, d, (document, table), faults);
     }
     for (index, history) in file.history.iter().enumerate() {
         let node = history.node.as_ref().map(|node| node.0.len());
@@ -111,9 +102,41 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
 }
 
+/// The faults of a boundary in two dimensions that needs a third one.
+fn flat_boundary(
+    boundary: &file::Boundary,
+    d: usize,
+    (document, table): (&Document<'_>, Table),
+    faults: &mut Vec<Fault>,
+) {
+    if d != 2 {
+        return;
+    }
+    if boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
+        let key = if boundary.side.is_some() { "side" } else { "sides" };
+        faults.push(
+            Fault::at(document.value(table, key), "a flat body has no front and no back")
+                .label("not in two dimensions")
+                .help("its sides are left, right, bottom and top"),
+        );
+    }
+    if boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
+        faults.push(
+            Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
+                .label("not in two dimensions")
+                .help("take \"x\", \"y\" or \"xy\""),
+        );
+    }
+}
+
 /// The fault of a rotation whose axis does not fit the dimensions.
-fn wrong_axis(boundary: &file::Boundary, d: usize, document: &Document<'_>, table: Table) -> Option<Fault> {
-    let message = match boundary.rotation.as_ref()?.axis {
+fn wrong_axis(
+    rotation: Option<&file::Rotation>,
+    d: usize,
+    document: &Document<'_>,
+    table: Table,
+) -> Option<Fault> {
+    let message = match rotation?.axis {
         Some(_) if d == 2 => "a flat body turns about z: \"axis\" is for three dimensions",
         None if d == 3 => "a rotation in three dimensions has an \"axis\"",
         Some(axis) if axis == [0.0; 3] => "\"axis\" has no direction",
@@ -137,6 +160,7 @@ fn wrong_length(
 ) -> Fault {
     let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
     let shape = body.and_then(|body| body.packing.as_ref()?.shape);
+    let is_list = ["grains", "wall"].contains(&table.name);
     let mut message = String::new();
     // Writing to a string does not fail.
     let _ = write!(
@@ -149,14 +173,16 @@ fn wrong_length(
             "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
         }
         Some(file::PieceShape::Sphere | file::PieceShape::Polyhedron) | None => {
-            form(if table.name == "history" && key == "stress" { "point" } else { key }, dimensions)
+            form(if table.name == "history" && key == "stress" { "point" } else { key }, dimensions, is_list)
         }
     })
 }
 
-/// How a key is written.
-fn form(key: &str, dimensions: u8) -> String {
+/// How a key is written. `is_list`: a list of points.
+fn form(key: &str, dimensions: u8, is_list: bool) -> String {
     let components = match (key, dimensions) {
+        ("at" | "corners", 2) if is_list => "[[x, y], …]",
+        ("at" | "corners", _) if is_list => "[[x, y, z], …]",
         ("box", 2) => "[xmin, ymin, xmax, ymax]",
         ("box", _) => "[xmin, ymin, zmin, xmax, ymax, zmax]",
         ("gauge", 2) => "[[x, y], [x, y]]",

@@ -4,6 +4,7 @@
 //! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
 //! - `cavities`: pressures in holes and cracks, schedules of loads.
+//! - `grains`: spheres and walls.
 //! - `ground`: the surface of ground at rest.
 //! - `joint_sets`: joints in the mesh, and their laws.
 //! - `joint_planes`: the same in three dimensions.
@@ -33,6 +34,8 @@ mod bonds;
 mod cavities;
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/grains.rs"]
+mod grains;
 #[path = "model/ground.rs"]
 mod ground;
 #[path = "model/joint_sets.rs"]

@@ -1,7 +1,7 @@
 //! The types of coordinates, and the choice among them.
 
 use fdem_contact::Real;
-use numpy::{Element, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -97,4 +97,13 @@ pub(crate) fn rows_of<'a, V: Element, const D: usize>(
 /// The entries of an array that is contiguous.
 pub(crate) fn entries_of<'a, V: Element>(array: &'a PyReadonlyArray1<'_, V>) -> PyResult<&'a [V]> {
     array.as_slice().map_err(|_| PyValueError::new_err("an array must be aligned and contiguous"))
+}
+
+/// Returns an array of rows of NumPy. Nothing is copied.
+pub(crate) fn array_of_rows<T: numpy::Element, const W: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; W]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let count = rows.len();
+    Ok(rows.into_flattened().into_pyarray(py).reshape([count, W])?.into_any())
 }

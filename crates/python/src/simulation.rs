@@ -14,7 +14,8 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::fields::values;
 use crate::interrupt;
 use crate::model::{PyReady, about, described};
-use crate::number::rows_of;
+use crate::number::{array_of_rows as rows, rows_of};
+use crate::spheres::{names, spheres};
 
 /// Time between two looks for signals.
 const SLICE: Duration = Duration::from_millis(50);
@@ -30,12 +31,6 @@ macro_rules! both {
             AnySession::Space($run) => $done,
         }
     };
-}
-
-/// An array of rows, or of numbers, of NumPy. Nothing is copied.
-fn rows<T: numpy::Element, const W: usize>(py: Python<'_>, rows: Vec<[T; W]>) -> PyResult<Bound<'_, PyAny>> {
-    let count = rows.len();
-    Ok(rows.into_flattened().into_pyarray(py).reshape([count, W])?.into_any())
 }
 
 fn column<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyAny> {
@@ -57,6 +52,10 @@ fn snapshot<const D: usize, const N: usize>(
     dict.set_item("materials", column(py, snapshot.materials))?;
     dict.set_item("fragments", column(py, snapshot.fragments))?;
     dict.set_item("joints", joints(py, &snapshot.cracks)?)?;
+    let (groups, walls) = names(&snapshot.spheres);
+    dict.set_item("spheres", spheres(py, snapshot.spheres)?)?;
+    dict.set_item("group_names", groups)?;
+    dict.set_item("wall_names", walls)?;
     Ok(dict)
 }
 

@@ -491,3 +491,40 @@ def test_other_threads_run_meanwhile():
     done.set()
     thread.join()
     assert sum(begin < moment < end for moment in ticks) > 3
+
+
+def test_spheres_are_arrays():
+    """Two spheres fall side by side, and a third lies on a wall."""
+    sand = {"name": "sand", "material": "steel", "at": [[0, 0, 1.0], [0.2, 0, 1.0]], "radius": 0.05, "velocity": [0, 0, -1.0]}
+    stone = {"name": "stone", "material": "steel", "at": [[1.0, 0, 0.0999]], "radius": 0.1}
+    floor = {"name": "floor", "material": "steel", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
+    model = fdem.Model(model={"end_time": 1e-4}, material=[STEEL], grains=[sand, stone], wall=[floor])
+    run = fdem.Simulation(model)
+    run.advance(3)
+    spheres = run.spheres
+    assert len(spheres) == 3 and spheres.numbers.tolist() == [0, 1, 2]
+    assert spheres.positions.shape == spheres.velocities.shape == spheres.spins.shape == spheres.forces.shape == (3, 3)
+    assert spheres.radii.tolist() == [0.05, 0.05, 0.1]
+    assert spheres.masses == pytest.approx(7800 * 4 / 3 * np.pi * spheres.radii**3)
+    assert spheres.groups.tolist() == [0, 0, 1] and spheres.group_names == ("sand", "stone")
+    assert spheres.velocities[:2, 2] == pytest.approx(-1.0, rel=0.01)
+    # Only the stone touches something: the floor.
+    contacts = spheres.contacts
+    assert contacts["sphere"].tolist() == [2] and contacts["kind"].tolist() == [1] and contacts["other"].tolist() == [0]
+    assert contacts["normal"][0] > 0 and contacts["force"][0] == pytest.approx(spheres.forces[2])
+    assert spheres.wall_names == ("floor",) and spheres.wall_forces[0] == pytest.approx(-spheres.forces[2])
+    assert spheres.coordination.tolist() == [0, 0, 1]
+    assert run.field("radius", "sphere").tolist() == spheres.radii.tolist()
+    # The arrays are views of the columns of the run, moved without a copy, and nobody writes to them.
+    assert not any(array.flags.writeable for array in (spheres.positions, spheres.radii, contacts["force"]))
+    with pytest.raises(ValueError):
+        spheres.positions[0, 0] = 1
+    before = spheres.positions.copy()
+    run.advance(3)
+    assert (spheres.positions == before).all() and run.spheres.positions[0, 2] < before[0, 2]
+
+
+def test_a_run_without_spheres_has_empty_arrays():
+    spheres = fdem.Simulation(bar()).spheres
+    assert len(spheres) == 0 and spheres.positions.shape == (0, 3) and spheres.coordination.size == 0
+    assert repr(spheres) == "<fdem.Spheres: 0, 0 contacts, 0 walls>"

@@ -16,6 +16,7 @@ pub(crate) mod field;
 pub(crate) mod place;
 pub(crate) mod quantity;
 pub(crate) mod range;
+pub(crate) mod sphere_counts;
 pub(crate) mod state;
 mod stress;
 pub(crate) mod table;

@@ -39,6 +39,8 @@
 //! | curves of one column of a history over another, peak and modulus | `src/run/curves.rs` |
 //! | acoustic emission: events, magnitudes, b-value | `src/run/emission.rs` |
 //! | fragments: masses, table, distribution of sizes | `src/run/fragments.rs`; which elements hang together: `crates/simulation/src/topology.rs` |
+//! | spheres, force chains and walls: data of frames, shapes, colours, files | `src/run/grains.rs`, `src/run/grains/frame.rs`, `src/run/grains/walls.rs`, `src/run/grains/drawing.rs`, `src/run/grains/vtk.rs`; their part of a page: `src/page/run/grains.rs`, `src/page/run/grains.js` |
+//! | coarse graining of spheres | `src/run/grains/coarse.rs` |
 //! | outlines, load-displacement axes, samples of large meshes | `src/run/outlines.rs`, `src/run/loads.rs`, `src/run/sample.rs` |
 //! | the share of inertia in a peak load | `src/run/inertia.rs` |
 //! | the common parts of all pages | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |

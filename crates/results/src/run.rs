@@ -17,8 +17,10 @@ mod chart;
 mod csv;
 mod curves;
 mod emission;
+mod file_fields;
 pub(crate) mod fragments;
 pub(crate) mod frame;
+pub(crate) mod grains;
 mod history;
 mod inertia;
 mod loads;
@@ -42,6 +44,9 @@ pub use emission::{
 pub use fdem_io::pvd;
 pub use fragments::{ElementMasses, Fragment, FragmentCount, Fragments, SizeDistribution};
 pub use frame::{Frame, FrameError};
+pub use grains::{
+    CoarseError, CoarseFields, CoarseGrid, write_sphere_contacts_vtp, write_spheres_vtp, write_walls_vtp,
+};
 pub use history::{History, HistoryError, HistoryWriter, Row, history_columns};
 pub use inertia::{Inertia, inertia};
 pub use names::Names;

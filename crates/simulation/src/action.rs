@@ -8,7 +8,7 @@ use fdem_distributed::wire::{Wire, bytes_of, value_of};
 use serde::{Deserialize, Serialize};
 
 use crate::energy::Ledger;
-use crate::error::ModelError;
+use crate::error::{ModelError, Stop};
 use crate::faces::BrokenSides;
 use crate::joints::Joints;
 use crate::machine::Machine;
@@ -55,13 +55,12 @@ where
 
 /// A step in which actions add forces to the corners of elements.
 pub(crate) struct Acting<'a, const D: usize, const N: usize> {
-    pub(crate) model: &'a Model<D, N>,
-    pub(crate) machine: &'a dyn Machine<D, N>,
-    pub(crate) team: &'a Team,
+    /// The state, without the forces of actions.
+    pub(crate) scene: Scene<'a, D, N>,
     /// The factor of each boundary in time.
     pub(crate) schedules: &'a [Schedule],
-    /// Time of the positions, s.
-    pub(crate) time: f64,
+    /// The reason why the run cannot continue after this step.
+    pub(crate) stop: &'a mut Option<Stop>,
     pub(crate) applied: &'a mut Vec<Applied<D>>,
     /// Forces on corners of elements, N, in the order in which they are added.
     pub(crate) forces: &'a mut Vec<(u32, Point<D>)>,
@@ -73,7 +72,12 @@ where
 {
     /// Nodes and elements: see [`Scene::solid`].
     pub(crate) fn solid(&self) -> &'a Solid<D, N> {
-        &self.machine.columns().solid
+        self.scene.solid()
+    }
+
+    /// Notes that the run cannot continue after this step. The first reason counts.
+    pub(crate) fn fail(&mut self, stop: Stop) {
+        self.stop.get_or_insert(stop);
     }
 
     /// Adds forces whose work is external work. Forces that are the gradient of an energy of the action are

@@ -13,6 +13,7 @@ pub(crate) mod loads;
 pub(crate) mod prescribed;
 pub(crate) mod program;
 pub(crate) mod seams;
+pub(crate) mod spheres;
 
 use std::collections::BTreeMap;
 
@@ -24,14 +25,14 @@ use crate::actions::loads::Loads;
 use crate::actions::prescribed::Prescribed;
 use crate::actions::program::Program;
 use crate::actions::seams::Seams;
+use crate::actions::spheres::SphereAction;
 use crate::energy::Ledger;
-use crate::error::ModelError;
+use crate::error::{ModelError, Stop};
 use crate::machine::Machine;
 use crate::model::{Load, Model, Schedule};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::sum::Sum;
-use crate::team::Team;
 use crate::topology::{NONE, Topology};
 use crate::vector::{Point, add, dot, plus};
 
@@ -51,6 +52,7 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     pub(crate) program: Program<D>,
     pub(crate) cavities: Cavities<D>,
     gravity: Gravity,
+    pub(crate) spheres: SphereAction<D>,
     /// Forces of this step whose work is external work.
     applied: Vec<Applied<D>>,
     /// Forces of this step on corners of elements, N.
@@ -92,40 +94,38 @@ where
             program: Program::default(),
             cavities,
             gravity: Gravity,
+            spheres: SphereAction::default(),
             applied: Vec::new(),
             forces: Vec::new(),
         })
     }
 
     /// All kinds of actions, in the order in which their forces are added.
-    fn all(&self) -> [&dyn Action<D, N>; 6] {
-        [&self.seams, &self.loads, &self.ground, &self.program, &self.cavities, &self.gravity]
+    fn all(&self) -> [&dyn Action<D, N>; 7] {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, .. } = self;
+        [seams, loads, ground, program, cavities, gravity, spheres]
     }
 
     /// The same list.
-    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 6], &mut Vec<Applied<D>>, &[Schedule]) {
-        let Self { seams, loads, ground, program, cavities, gravity, applied, schedules, .. } = self;
-        ([seams, loads, ground, program, cavities, gravity], applied, schedules)
+    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 7], &mut Vec<Applied<D>>, &[Schedule]) {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, applied, schedules, .. } = self;
+        ([seams, loads, ground, program, cavities, gravity, spheres], applied, schedules)
     }
 
-    /// The forces of all actions on corners of elements, N, in the order in which they are added.
-    pub(crate) fn act(
-        &mut self,
-        model: &Model<D, N>,
-        machine: &dyn Machine<D, N>,
-        team: &Team,
-        time: f64,
-    ) -> &[(u32, Point<D>)] {
+    /// The forces of all actions on corners of elements, N, in the order in which they are added, and the
+    /// reason why the run cannot continue after this step.
+    pub(crate) fn act(&mut self, scene: Scene<'_, D, N>) -> (&[(u32, Point<D>)], Option<Stop>) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
-        let mut acting = Acting { model, machine, team, schedules, time, applied, forces: &mut forces };
+        let mut stop = None;
+        let mut acting = Acting { scene, schedules, stop: &mut stop, applied, forces: &mut forces };
         for action in all {
             action.act(&mut acting);
         }
         self.forces = forces;
-        &self.forces
+        (&self.forces, stop)
     }
 
     /// Acceleration of all nodes, m/s².

@@ -13,6 +13,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     mesh(model)?;
+    grains(model)?;
     for material in &model.materials {
         let place = format!("material '{}'", material.name);
         positive(&place, "density", material.density)?;
@@ -66,6 +67,46 @@ where
         return Err(out_of_range("time", "local damping", time.local_damping, "from 0 to below 1"));
     }
     positive("time", "energy bound", time.energy_bound)
+}
+
+/// Spheres and bodies have the same materials, gravity and thickness.
+fn grains<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let Some(grains) = &model.grains else { return Ok(()) };
+    grains.check()?;
+    let place = "the spheres";
+    if let Some(thickness) = grains.discs {
+        if !<[[f64; D]; N]>::IS_TRIANGLE {
+            return Err(out_of_range(place, "thickness as discs", thickness, "absent in three dimensions"));
+        }
+        if thickness != model.thickness {
+            return Err(out_of_range(place, "thickness as discs", thickness, "that of the model"));
+        }
+    }
+    // Spheres alone need no numbers of bodies.
+    if model.mesh.elements.is_empty() {
+        return Ok(());
+    }
+    if <[[f64; D]; N]>::IS_TRIANGLE && grains.discs.is_none() {
+        return Err(out_of_range(
+            place,
+            "thickness as discs",
+            f64::NAN,
+            "that of the model among bodies in the plane",
+        ));
+    }
+    if grains.materials.len() != model.materials.len() {
+        let (what, found) = ("materials of spheres", grains.materials.len());
+        return Err(ModelError::Length { what, found, expected: model.materials.len() });
+    }
+    for (axis, value) in grains.gravity.into_iter().enumerate() {
+        if value != model.gravity.get(axis).copied().unwrap_or(0.0) {
+            return Err(out_of_range(place, "gravity", value, "that of the model"));
+        }
+    }
+    Ok(())
 }
 
 /// Rigid bodies are bodies of the mesh, in order.
@@ -181,7 +222,9 @@ where
 {
     let mesh = &model.mesh;
     let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
-    if elements == 0 {
+    if elements == 0
+        && model.grains.as_ref().is_none_or(|of| of.spheres.positions.is_empty() && of.insertions.is_empty())
+    {
         return Err(ModelError::Empty);
     }
     if elements > u32::MAX as usize / N - 1 || nodes > u32::MAX as usize / N - 1 {

@@ -34,9 +34,9 @@ use crate::vector::unit;
 /// The longest stable time step, and the part that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
-    /// Time step, s.
+    /// Time step, s: for a sphere, its step over the model's [`safety`](crate::TimeOptions::safety).
     pub step: f64,
-    /// An element at the node that sets the step.
+    /// An element at the node that sets the step; the number of the sphere if [`Cause::Sphere`] does.
     pub element: u32,
     /// Largest stiffness at this node.
     pub cause: Cause,
@@ -51,6 +51,8 @@ pub enum Cause {
     Joint,
     /// Contacts.
     Contact,
+    /// Contacts of a sphere, which are followed by more steps than stability needs.
+    Sphere,
 }
 
 wire!([] CriticalStep { step, element, cause });
@@ -61,7 +63,7 @@ impl Wire for Cause {
     }
 
     fn take(bytes: &mut &[u8]) -> Self {
-        [Self::Bulk, Self::Joint, Self::Contact][u8::take(bytes) as usize]
+        [Self::Bulk, Self::Joint, Self::Contact, Self::Sphere][u8::take(bytes) as usize]
     }
 }
 
@@ -71,6 +73,7 @@ impl std::fmt::Display for Cause {
             Self::Bulk => "bulk",
             Self::Joint => "joint",
             Self::Contact => "contact",
+            Self::Sphere => "sphere",
         })
     }
 }
@@ -100,6 +103,23 @@ impl CriticalStep {
 
     /// The critical time step of a model, with its topology and its joints.
     pub(crate) fn new<const D: usize, const N: usize>(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        joints: &Joints<D>,
+    ) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let of_bodies = Self::of_bodies(model, topology, joints);
+        let Some(grains) = &model.grains else { return of_bodies };
+        // The step of the spheres needs no further safety.
+        let (step, element) = grains.shortest_step();
+        let step = step / model.time.safety;
+        if step < of_bodies.step { Self { step, element, cause: Cause::Sphere } } else { of_bodies }
+    }
+
+    /// The critical time step of a model without its spheres.
+    fn of_bodies<const D: usize, const N: usize>(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         joints: &Joints<D>,

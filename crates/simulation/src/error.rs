@@ -3,13 +3,21 @@
 use std::fmt;
 
 use fdem_distributed::wire::Wire;
+use fdem_grains::GrainError;
 
 /// Reason why a [`Model`](crate::Model) cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The mesh has no elements.
+    /// The model has neither elements nor spheres.
     Empty,
+    /// The spheres or walls cannot be simulated.
+    Grains(
+        /// The reason.
+        GrainError,
+    ),
+    /// Spheres are not divided among ranks.
+    GrainsOnRanks,
     /// A list does not have an entry for each node or element.
     Length {
         /// The list.
@@ -162,7 +170,11 @@ pub enum ModelError {
 impl fmt::Display for ModelError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Empty => out.write_str("the mesh has no elements"),
+            Self::Empty => out.write_str("the model has no elements and no spheres"),
+            Self::Grains(error) => write!(out, "grains: {error}"),
+            Self::GrainsOnRanks => {
+                out.write_str("spheres and walls are not divided among ranks: run the model on one")
+            }
             Self::Length { what, found, expected } => {
                 write!(out, "{found} {what} for {expected}")
             }
@@ -266,6 +278,12 @@ impl fmt::Display for ModelError {
 
 impl std::error::Error for ModelError {}
 
+impl From<GrainError> for ModelError {
+    fn from(error: GrainError) -> Self {
+        Self::Grains(error)
+    }
+}
+
 /// Words for a mode of fracture.
 struct ModeWords {
     of: &'static str,
@@ -323,7 +341,7 @@ pub enum Stop {
     },
     /// The error of the energy balance is beyond the bound.
     Energy {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -334,7 +352,7 @@ pub enum Stop {
     },
     /// Kinetic energy exceeds all that could have become kinetic energy.
     Kinetic {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -345,7 +363,7 @@ pub enum Stop {
     },
     /// Joints have given back energy that they had dissipated.
     Returned {
-        /// The element that holds most energy for its mass.
+        /// The element that holds most energy for its mass; `u32::MAX` in a run of spheres alone.
         element: u32,
         /// The step.
         step: u64,
@@ -358,6 +376,11 @@ pub enum Stop {
     Detection(
         /// The error of the detection.
         fdem_contact::Error,
+    ),
+    /// The spheres cannot continue.
+    Grains(
+        /// The reason.
+        GrainError,
     ),
     /// A run cannot continue with a body that was rigid until it was overloaded, for this reason.
     Released(String),
@@ -379,7 +402,7 @@ impl Stop {
             | Self::Energy { element, .. }
             | Self::Kinetic { element, .. }
             | Self::Returned { element, .. } => element,
-            Self::Detection(_) | Self::Released(_) | Self::OnRank { .. } => u32::MAX,
+            Self::Detection(_) | Self::Grains(_) | Self::Released(_) | Self::OnRank { .. } => u32::MAX,
         }
     }
 
@@ -387,6 +410,7 @@ impl Stop {
     pub(crate) fn on_rank(self, rank: usize) -> Self {
         match self {
             Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
+            Self::Grains(error) => Self::OnRank { rank, reason: error.to_string() },
             Self::Released(reason) => Self::OnRank { rank, reason },
             stop => stop,
         }
@@ -410,6 +434,7 @@ impl Wire for Stop {
                 (4_u8, (element, (step, [share, bound]))).put(out);
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
+            Self::Grains(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::Released(reason) => (5_u8, (0_u64, reason.clone())).put(out),
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
         }
@@ -447,26 +472,34 @@ impl fmt::Display for Stop {
             ),
             Self::Energy { element, step, error, bound } => write!(
                 out,
-                "step {step}: the energy balance is off by {} %, more than {} %; element {element} holds most for its mass",
+                "step {step}: the energy balance is off by {} %, more than {} %{}",
                 percent(*error),
-                percent(*bound)
+                percent(*bound),
+                hottest(*element)
             ),
             Self::Kinetic { element, step, kinetic, available } => write!(
                 out,
-                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in; \
-                 element {element} holds most for its mass"
+                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in{}",
+                hottest(*element)
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,
-                "step {step}: joints have given back energy that they had dissipated, {} % of the energy exchanged, more than {} %; element {element} holds most for its mass",
+                "step {step}: joints have given back energy that they had dissipated, {} % of the energy exchanged, more than {} %{}",
                 percent(*share),
-                percent(*bound)
+                percent(*bound),
+                hottest(*element)
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
+            Self::Grains(error) => write!(out, "grains: {error}"),
             Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
     }
+}
+
+/// The element that holds most energy for its mass, in words; none in a run of spheres alone.
+fn hottest(element: u32) -> String {
+    if element == u32::MAX { String::new() } else { format!("; element {element} holds most for its mass") }
 }
 
 /// A share in percent, with digits that are not all 0.
@@ -480,6 +513,12 @@ fn percent(share: f64) -> String {
 }
 
 impl std::error::Error for Stop {}
+
+impl From<GrainError> for Stop {
+    fn from(error: GrainError) -> Self {
+        Self::Grains(error)
+    }
+}
 
 impl From<fdem_contact::Error> for Stop {
     fn from(error: fdem_contact::Error) -> Self {

@@ -95,6 +95,7 @@
 //! | a kind of bodies | `src/bodies.rs`, `src/contacts/pair.rs`, `src/motion.rs`, and the walk-through in CONTRIBUTING.md |
 //! | an action: forces from outside | `src/action.rs`, `src/actions.rs` and a file for each kind in `src/actions`; loads of boundaries in `src/model/load.rs` |
 //! | loads, gravity, absorbing edges, prescribed motions | `loads.rs`, `gravity.rs`, `ground.rs` and `prescribed.rs` in `src/actions` |
+//! | spheres and walls among bodies | `src/actions/spheres.rs`, the surface that they touch: `src/actions/spheres/surface.rs`; their own motion and contacts: the crate `fdem-grains` |
 //! | outer facets and faces of cracks | `src/faces.rs` |
 //! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
@@ -107,7 +108,7 @@
 //! | initial stress in contacts and at absorbing edges | `src/actions/seams.rs`, `src/actions/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | how near a stress is to its strength | `src/exposure.rs` |
-//! | probes: means of stress, strain and velocity, gauges, forces between bodies, joint sets | `src/probe.rs` |
+//! | probes: means of stress, strain and velocity, gauges, forces between bodies, joint sets, spheres, walls | `src/probe.rs` and the files in `src/probe` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/peers.rs` and `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
@@ -210,6 +211,7 @@ pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
+pub use fdem_grains as grains;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use laws::{Bedding, MaterialLaw};

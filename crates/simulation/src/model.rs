@@ -5,6 +5,7 @@ mod load;
 
 use std::collections::BTreeSet;
 
+use fdem_grains::GrainModel;
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,8 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     /// The rigid bodies that deform and break from the step on in which they are overloaded, in ascending
     /// order.
     pub until_overloaded: Vec<UntilOverloaded>,
+    /// Spheres and walls, whose materials are those of this model, number by number; `None` without.
+    pub grains: Option<GrainModel>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -152,6 +155,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             mass_factors: Vec::new(),
             rigid: Vec::new(),
             until_overloaded: Vec::new(),
+            grains: None,
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),

@@ -1,10 +1,11 @@
 //! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets,
-//! rigid bodies.
+//! rigid bodies, spheres and walls.
 //!
 //! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
 //! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
 
 pub(crate) mod joints;
+mod spheres;
 
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
@@ -53,9 +54,6 @@ const RIGID: [&[(&str, &str)]; 2] = [
 
 /// Components of a strain in the plane and in space.
 const STRAIN: [&[&str]; 2] = [&["exx", "eyy", "exy"], &["exx", "eyy", "ezz", "exy", "eyz", "exz"]];
-
-/// Places in `[xx, yy, zz, xy, yz, xz]` of these components.
-const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]];
 
 /// A point that moves with its body: an element, and the barycentric coordinates of the point in the
 /// undeformed element.
@@ -141,6 +139,27 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// soften or are broken, and the same with the damage of each joint as a factor. Joints that are open
     /// from the beginning are left out.
     Softening,
+    /// Force of the spheres on a wall, N, and its moment, N m, at the beginning of the last step, and the
+    /// displacement of the wall now, m, without that of its rotation. The moment is about the point through
+    /// which the axis of its rotation passes, or about the origin if it does not turn. The values are not
+    /// numbers if there is no such wall.
+    Wall {
+        /// Number of the wall.
+        wall: u32,
+    },
+    /// Number, coordination, solid fraction, kinetic energy, J, mean stress, Pa, tension positive,
+    /// `[xx, yy, zz, xy, yz, xz]`, and fabric of the spheres whose centres are in a region.
+    ///
+    /// Contacts are those at the beginning of the last step. The coordination is their mean number for each
+    /// of these spheres, with walls and bodies. The stress is `Σ r f / V` over the contacts of these spheres
+    /// (Love and Weber), with the arm `r` from the centre, the force `f` and the volume `V` of the region.
+    /// The fabric is the mean of `n n` over the same contacts, with the normal `n`. The kinetic energy is
+    /// that of the velocities half a step before the positions, with rotations.
+    Spheres {
+        /// A box, by its lowest and its highest corner, m; in the plane without its third axis. `None` for
+        /// the box around all spheres.
+        region: Option<[[f64; 3]; 2]>,
+    },
 }
 
 impl<const D: usize, const N: usize> Probe<D, N>
@@ -162,6 +181,8 @@ where
             }
             Self::JointSet(_) => joints::COLUMNS.to_vec(),
             Self::Softening => SOFTENING[D - 2].to_vec(),
+            Self::Wall { .. } => spheres::WALL.to_vec(),
+            Self::Spheres { .. } => spheres::SPHERES.to_vec(),
         }
     }
 
@@ -191,6 +212,7 @@ where
             Self::Cavity(name) => Self::Cavity(name.clone()),
             Self::JointSet(name) => Self::JointSet(name.clone()),
             Self::Softening => Self::Softening,
+            Self::Wall { .. } | Self::Spheres { .. } => self.clone(),
             Self::Reaction(nodes) => {
                 Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect())
             }
@@ -214,7 +236,9 @@ where
             | Self::ContactForce(_)
             | Self::Reaction(_)
             | Self::Cavity(_)
-            | Self::JointSet(_) => true,
+            | Self::JointSet(_)
+            | Self::Wall { .. }
+            | Self::Spheres { .. } => true,
             Self::Strain(_)
             | Self::Velocity(_)
             | Self::PointVelocity(_)
@@ -239,6 +263,9 @@ where
             // The last is that of the lengths or areas.
             Self::JointSet(_) => 5,
             Self::Softening => 2,
+            // The last counts the walls of this number.
+            Self::Wall { .. } => spheres::WALL.len() + 1,
+            Self::Spheres { .. } => spheres::SUMS,
         }
     }
 
@@ -249,8 +276,9 @@ where
         }
         let sums: Vec<f64> = sums.iter().map(Sum::value).collect();
         let mean = |place: usize| sums[place] / sums[sums.len() - 1];
-        let tensor =
-            |zz: bool| (0..6).filter(move |&k| PLACES[k].iter().all(|&axis| axis < D) || zz && k == 2);
+        let tensor = |zz: bool| {
+            (0..6).filter(move |&k| spheres::PLACES[k].iter().all(|&axis| axis < D) || zz && k == 2)
+        };
         match self {
             Self::Stress(_) => tensor(true).map(mean).collect(),
             Self::Strain(_) => tensor(false).map(mean).collect(),
@@ -266,6 +294,8 @@ where
             Self::RigidBody(_) => (0..RIGID[D - 2].len()).map(mean).collect(),
             Self::Cavity(_) => (0..5).map(mean).collect(),
             Self::JointSet(_) => (0..4).map(mean).collect(),
+            Self::Wall { .. } => (0..spheres::WALL.len()).map(mean).collect(),
+            Self::Spheres { .. } => spheres::means(&sums),
         }
     }
 }
@@ -354,6 +384,8 @@ where
             }
             Probe::Softening => self.damaged_lengths(|lengths| add(&lengths, 1.0)),
             Probe::JointSet(name) => self.each_joint_of(name, |terms| add(&terms, 1.0)),
+            Probe::Wall { wall } => self.visit_wall(*wall, |terms| add(terms, 1.0)),
+            Probe::Spheres { region } => self.visit_spheres(*region, |terms| add(terms, 1.0)),
             Probe::Reaction(nodes) => {
                 let applied = self.actions.applied(self.solid());
                 let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));
@@ -407,11 +439,9 @@ where
         let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid().inverse_edges(element));
         let turned = transposed(&gradient);
         let squared = product_transposed(&turned, &turned);
-        PLACES.map(
-            |[i, k]| {
-                if i.max(k) >= D { 0.0 } else { 0.5 * (gradient[i][k] + gradient[k][i] + squared[i][k]) }
-            },
-        )
+        spheres::PLACES.map(|[i, k]| {
+            if i.max(k) >= D { 0.0 } else { 0.5 * (gradient[i][k] + gradient[k][i] + squared[i][k]) }
+        })
     }
 
     /// A quantity of nodes at a point, if this rank counts its element.
@@ -461,6 +491,10 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::JointSet(name) => (8_u8, name.clone()).put(out),
             Self::Softening => 9_u8.put(out),
             Self::RigidBody(body) => (10_u8, *body).put(out),
+            Self::Wall { wall } => (11_u8, *wall).put(out),
+            Self::Spheres { region } => {
+                (12_u8, region.map_or_else(Vec::new, |corners| corners.as_flattened().to_vec())).put(out);
+            }
         }
     }
 
@@ -479,7 +513,13 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             7 => Self::Cavity(String::take(bytes)),
             8 => Self::JointSet(String::take(bytes)),
             9 => Self::Softening,
-            _ => Self::RigidBody(u32::take(bytes)),
+            10 => Self::RigidBody(u32::take(bytes)),
+            11 => Self::Wall { wall: u32::take(bytes) },
+            _ => {
+                let corners = Vec::<f64>::take(bytes);
+                let corner = |first: usize| std::array::from_fn(|axis| corners[first + axis]);
+                Self::Spheres { region: (corners.len() == 6).then(|| [corner(0), corner(3)]) }
+            }
         }
     }
 }

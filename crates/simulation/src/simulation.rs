@@ -74,8 +74,8 @@ where
             return Failures { joints, stop: inverted.or(undetected) };
         }
         self.touch(energies); // couples that overlap: contacts.rs
-        self.act(); // loads, absorbing edges, surfaces under initial stress: actions.rs
-        Failures { joints, stop: inverted }
+        let stopped = self.act(); // loads, surfaces under initial stress, spheres: actions.rs
+        Failures { joints, stop: inverted.or(stopped) }
     }
 
     /// Computes the stresses of elements, and their forces. Returns the reason to stop if an element is
@@ -126,12 +126,14 @@ where
         clock.read(&mut self.timings.contact);
     }
 
-    /// Adds the forces of actions, and their works up to the positions.
-    fn act(&mut self) {
+    /// Adds the forces of actions, and their works up to the positions. Returns the reason to stop if one of
+    /// them cannot act.
+    fn act(&mut self) -> Option<Stop> {
         let mut clock = Clock::new();
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, machine, actions, team, totals, .. } = self;
-        let forces = actions.act(model, &**machine, team, time);
+        let scene = Scene { model, topology, machine: &**machine, team, time, step };
+        let (forces, stopped) = actions.act(scene);
         if !forces.is_empty() {
             machine.add_forces(forces);
         }
@@ -140,6 +142,7 @@ where
         let works = actions.works(&Scene { model, topology, machine, team, time, step });
         totals.add_works(works.into_iter().map(|work| [work, 0.0]));
         clock.read(&mut self.timings.integration);
+        stopped
     }
 
     /// The facets on which forces have reached the strength. They get joints, which act from the next step

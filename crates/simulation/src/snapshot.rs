@@ -1,5 +1,7 @@
 //! The state of a run at one instant, as results show it.
 
+use fdem_grains::SphereColumns;
+
 use crate::exposure::{exposure, exposure_of_planes};
 use crate::laws::MaterialLaw;
 use crate::model::Strength;
@@ -46,6 +48,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub strengths: Vec<Option<Strength>>,
     /// Law of each material, which strengths may depend on; empty for laws without directions.
     pub laws: Vec<MaterialLaw>,
+    /// Spheres and walls.
+    pub spheres: SphereColumns,
 }
 
 impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
@@ -67,6 +71,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             intact: None,
             strengths: Vec::new(),
             laws: Vec::new(),
+            spheres: SphereColumns::default(),
         }
     }
 }

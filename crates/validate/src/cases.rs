@@ -1,5 +1,8 @@
 //! The list of all cases.
 
+use std::sync::LazyLock;
+
+use crate::grains::list::GRAINS;
 use crate::outcome::Case;
 use crate::{
     arch, bedding, brazilian, cantilever, cavity, compliance, compression, debris, disc, excavation,
@@ -12,7 +15,8 @@ const WAVES: &str = "K. F. Graff, Wave Motion in Elastic Solids (1975), ch. 2";
 const COHESIVE: &str = "J. Planas and M. Elices, Int. J. Fracture 51 (1991) 139–157, for the straight crack";
 const BOOK: &str = "A. Munjiza, The Combined Finite-Discrete Element Method (2004)";
 
-const CASES: &[Case] = &[
+/// Cases of bodies that deform, and of rigid ones.
+const BODIES: &[Case] = &[
     Case {
         number: 1,
         name: "waves in bars",
@@ -483,5 +487,6 @@ const CASES: &[Case] = &[
 
 /// All cases, in the order of the ladder.
 pub fn cases() -> &'static [Case] {
-    CASES
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| [BODIES, GRAINS].concat());
+    &CASES
 }

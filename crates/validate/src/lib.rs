@@ -8,6 +8,8 @@
 //! | to change | open |
 //! |---|---|
 //! | a case, its bound | `src/cases.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space` |
+//! | a case of spheres and walls | `src/grains/list.rs`, which lists them, and the files beside it |
+//! | published data that cases read | `src/grains/data.rs` |
 //! | models that several cases share | `src/models.rs`, `src/rocks.rs` |
 //! | the definition of a case, and its verdict | `src/outcome.rs` |
 //! | the table and the page of reports | `src/page.rs` |
@@ -28,6 +30,7 @@ mod disc;
 mod excavation;
 mod free_crack;
 mod free_shear;
+mod grains;
 mod ground;
 mod heaps;
 mod hertz;

@@ -25,6 +25,8 @@ pub enum Measure {
     Relative,
     /// The unit of the quantity.
     Absolute,
+    /// Nothing was compared, because published data are absent.
+    Skipped,
 }
 
 /// A quantity: its expected value and the value that was found.
@@ -69,6 +71,13 @@ impl Outcome {
     ) -> Self {
         let error = found - expected;
         Self { quantity: quantity.into(), expected, found, unit, error, bound, measure: Measure::Absolute }
+    }
+
+    /// A quantity that cannot be compared, for a reason: published data that are absent. It passes.
+    pub fn skipped(quantity: impl Into<String>, why: &str) -> Self {
+        let quantity = format!("{}: {why}", quantity.into());
+        let [expected, found, error, bound] = [0.0; 4];
+        Self { quantity, expected, found, unit: "", error, bound, measure: Measure::Skipped }
     }
 
     /// Whether the error is within its bound. An error that is not a number is not.

@@ -113,8 +113,11 @@ fn cells(outcome: &Outcome) -> [String; 6] {
         _ if value == 0.0 => "0".to_owned(),
         Measure::Relative if value.abs() < 1e-5 => format!("{:.0e} %", 100.0 * value),
         Measure::Relative => format!("{:.3} %", 100.0 * value),
-        Measure::Absolute => format!("{value:.1e}"),
+        Measure::Absolute | Measure::Skipped => format!("{value:.1e}"),
     };
+    if outcome.measure == Measure::Skipped {
+        return [&outcome.quantity, "", "", "", "", "skipped"].map(str::to_owned);
+    }
     [
         outcome.quantity.clone(),
         with_unit(outcome.expected),

@@ -5,7 +5,9 @@ use fdem_validate::{Case, CaseReport, Outcome, Size, cases, html, table};
 
 #[test]
 fn some_fast_cases_pass() {
-    for name in ["waves in bars", "rotation", "uniaxial tension"] {
+    for name in
+        ["waves in bars", "rotation", "uniaxial tension", "grains: oblique impact", "grains: adhesion"]
+    {
         let case = cases().iter().find(|case| case.name == name).expect("a case of this name");
         let report = case.report(Size::Reduced);
         assert!(report.passed(), "\n{}", table(&[report]));
@@ -32,6 +34,15 @@ fn an_outcome_beyond_its_bound_or_not_a_number_fails() {
     // A bound of 0 requires the exact number.
     assert!(Outcome::absolute("joints", 0.0, 0.0, 0.0, "").passed());
     assert!(!Outcome::absolute("joints", 0.0, 1.0, 0.0, "").passed());
+}
+
+#[test]
+fn an_outcome_without_published_data_passes_and_says_so() {
+    let skipped = Outcome::skipped("curve", "its data are absent");
+    assert!(skipped.passed());
+    let report = CaseReport { case: &EMPTY, result: Ok(vec![skipped]) };
+    let text = table(&[report]);
+    assert!(text.contains("curve: its data are absent") && text.trim_end().ends_with("skipped"), "{text}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use fdem::results::{Place, QUANTITIES, Quantity, Span};
 
 /// Places in the order of the page: heading, and the things that have a value there.
-const PLACES: [(&str, Place, &str); 4] = [
+const PLACES: [(&str, Place, &str); 7] = [
     ("Elements", Place::Element, "Values of an element."),
     (
         "Nodes",
@@ -23,6 +23,17 @@ const PLACES: [(&str, Place, &str); 4] = [
         Place::Contact,
         "Values of a couple of elements that press each other, at the beginning of the last step.",
     ),
+    (
+        "Spheres",
+        Place::Sphere,
+        "Values of a sphere or a disc. Pictures colour it by the magnitude of a vector.",
+    ),
+    (
+        "Contacts of spheres",
+        Place::SphereContact,
+        "Values of a contact of a sphere with another one, a wall or a body.",
+    ),
+    ("Walls", Place::Wall, "Values of a wall."),
 ];
 
 /// The page, in Markdown.

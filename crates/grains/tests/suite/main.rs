@@ -4,9 +4,17 @@
 
 mod common;
 
+/// Clumps of spheres.
+mod clumps;
+
+/// Contacts with triangles and segments.
+mod facets;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.
 mod impacts;
 /// Rolling friction, adhesion.
+mod packings;
 mod rolling;
 /// States, threads, models that are refused.
 mod runs;
+/// Shapes and motions of walls, servos.
+mod walls;

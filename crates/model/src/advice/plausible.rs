@@ -214,12 +214,16 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
         }
     }
     let spare = "remove it, or set optional = true";
+    let of_spheres = |name: &str| {
+        file.grains.iter().any(|of| of.material == name) || file.wall.iter().any(|of| of.material == name)
+    };
     for (index, material) in file.material.iter().enumerate() {
         let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);
         let span = document.value(Table::of("material", index), "name");
         if material.optional
             || model.mesh.materials.contains(&(index as u32))
             || file.stage.iter().any(in_a_stage)
+            || of_spheres(&material.name)
             || !is_in_model(&span)
         {
             continue;

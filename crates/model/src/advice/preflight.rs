@@ -17,7 +17,7 @@ use crate::advice::overlaps;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::{Joints, Prepared, Scaled, counted};
+use crate::prepared::{Joints, Prepared, Scaled, SphereGroup, counted};
 use crate::text::library::FromLibrary;
 
 /// Costs of an element.
@@ -37,6 +37,9 @@ const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
 /// Costs of an element of a material that breaks, as the mean over a run in which much of it breaks: joints
 /// are inserted, fragments touch.
 const BREAKING: Cost = Cost { seconds: 240e-9, bytes: 2000.0 };
+
+/// Costs of a sphere with the contacts that it has in a packing, on average three.
+const SPHERE: Cost = Cost { seconds: 100e-9, bytes: 1200.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
@@ -72,9 +75,9 @@ const LONGEST: f64 = 1000.0;
 pub struct Critical {
     /// s.
     pub step: f64,
-    /// The element that it belongs to.
+    /// The element that it belongs to, or the sphere.
     pub element: u32,
-    /// The stiff part: "bulk", "joint" or "contact".
+    /// The stiff part: "bulk", "joint" or "contact" of an element, or "sphere".
     pub cause: String,
 }
 
@@ -111,6 +114,15 @@ pub struct Preflight {
     pub names: Vec<String>,
     /// Sizes and shapes of elements.
     pub quality: Quality,
+    /// Number of spheres.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub spheres: usize,
+    /// Number of walls.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub walls: usize,
+    /// The spheres of each `[[grains]]` table.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sphere_groups: Vec<SphereGroup>,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
     /// Lines about the mesh files of bodies, as [`Prepared::about_files`].
@@ -239,6 +251,9 @@ impl Preflight {
             bodies: prepared.bodies.len(),
             names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
             quality: prepared.quality.clone(),
+            spheres: model.grains.as_ref().map_or(0, |grains| grains.spheres.positions.len()),
+            walls: model.grains.as_ref().map_or(0, |grains| grains.walls.len()),
+            sphere_groups: prepared.spheres.as_ref().map_or_else(Vec::new, |of| of.groups.clone()),
             joint_sets: prepared.joint_sets.clone(),
             softer_by_joints: compliance::softer(model),
             about_files: prepared.about_files.clone(),
@@ -254,7 +269,9 @@ impl Preflight {
             seconds_whole: whole,
             on_ranks: forecast
                 .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
-            memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
+            memory: PROGRAM
+                + of_spheres(model, SPHERE.bytes)
+                + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
             warnings,
             hash: prepared.hash.clone(),
         })
@@ -357,13 +374,15 @@ impl Pace {
             elements = run.timings().bulk.saturating_sub(before.bulk);
         }
         if times.is_empty() {
-            let seconds = sum(model, |cost| cost.seconds);
+            let seconds = sum(model, |cost| cost.seconds) + of_spheres(model, SPHERE.seconds);
             return Self { whole: seconds - more, breaking: seconds };
         }
         // Elements of rigid bodies take no time, and do not show how fast the machine is.
         let rigid = (0..).zip(&model.mesh.bodies).filter(|(element, _)| model.is_rigid(*element)).count();
-        let moving = 1.0 - rigid as f64 / model.mesh.elements.len() as f64;
-        let slower = if moving < FEW {
+        let moving = 1.0 - rigid as f64 / model.mesh.elements.len().max(1) as f64;
+        // Nor do few elements among many spheres.
+        let is_seldom = expected < FEW * (expected + of_spheres(model, SPHERE.seconds));
+        let slower = if moving < FEW || is_seldom {
             1.0
         } else {
             elements.as_secs_f64() / times.len() as f64 / (moving * expected * BULK)
@@ -387,6 +406,17 @@ fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost)
         })
     };
     (0..).zip(&model.mesh.materials).map(of).sum()
+}
+
+/// A cost of a sphere, times the number of spheres.
+fn of_spheres<const D: usize, const N: usize>(model: &Model<D, N>, cost: f64) -> f64 {
+    model.grains.as_ref().map_or(0.0, |grains| cost * grains.spheres.positions.len() as f64)
+}
+
+/// Whether a count is left out of the JSON.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large
@@ -414,6 +444,66 @@ impl fmt::Display for Preflight {
         if !self.title.is_empty() {
             writeln!(out, "title            {}", self.title)?;
         }
+        if self.spheres + self.walls > 0 {
+            let [spheres, walls] = [(self.spheres, "sphere"), (self.walls, "wall")].map(in_plural);
+            writeln!(out, "grains           {spheres}, {walls}")?;
+            self.sphere_groups.iter().try_for_each(|group| writeln!(out, "                 {group}"))?;
+        }
+        if quality.elements > 0 {
+            self.write_mesh(out)?;
+        }
+        writeln!(
+            out,
+            "critical step    {} s, set by {}",
+            brief(self.critical.step),
+            if self.critical.cause == "sphere" {
+                self.sphere_in_words(self.critical.element)
+            } else {
+                format!("the {} of element {}", self.critical.cause, self.critical.element)
+            }
+        )?;
+        if self.is_of_later {
+            writeln!(
+                out,
+                "                 of the first stage; a later one has a shorter one, which sets the step"
+            )?;
+        }
+        if let Some(scaled) = &self.mass_scaling {
+            writeln!(out, "mass scaling     {}", scaled.in_words())?;
+        }
+        writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
+        self.write_cost(out)?;
+        if let Some(on_ranks) = &self.on_ranks {
+            write!(out, "{on_ranks}")?;
+        }
+        writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
+        for warning in &self.warnings {
+            writeln!(out, "warning          {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+/// `1 wall` and `2 walls`.
+fn in_plural((number, noun): (usize, &str)) -> String {
+    format!("{} {noun}{}", grouped(number as u64), if number == 1 { "" } else { "s" })
+}
+
+impl Preflight {
+    /// A sphere by its number, with its group.
+    fn sphere_in_words(&self, sphere: u32) -> String {
+        let mut before = 0;
+        let group = self.sphere_groups.iter().find(|group| {
+            before += group.count;
+            (sphere as usize) < before
+        });
+        let group = group.map_or_else(String::new, |group| format!(" of {}", group.name));
+        format!("sphere {sphere}{group}")
+    }
+
+    /// Writes the lines about bodies and their mesh.
+    fn write_mesh(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let quality = &self.quality;
         let mut names = self.names[..self.names.len().min(NAMES)].join(", ");
         if self.names.len() > NAMES {
             names.push_str(", …");
@@ -449,24 +539,11 @@ impl fmt::Display for Preflight {
             quality.worst,
             quality.smallest_angle[1],
             100.0 * quality.below_25
-        )?;
-        writeln!(
-            out,
-            "critical step    {} s, set by the {} of element {}",
-            brief(self.critical.step),
-            self.critical.cause,
-            self.critical.element
-        )?;
-        if self.is_of_later {
-            writeln!(
-                out,
-                "                 of the first stage; a later one has a shorter one, which sets the step"
-            )?;
-        }
-        if let Some(scaled) = &self.mass_scaling {
-            writeln!(out, "mass scaling     {}", scaled.in_words())?;
-        }
-        writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
+        )
+    }
+
+    /// Writes the lines about run time and memory.
+    fn write_cost(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let most = duration(self.seconds);
         let whole = duration(self.seconds_whole);
         if let Some(Rehearsed::Done { elements, ended }) = self.rehearsal {
@@ -495,14 +572,6 @@ impl fmt::Display for Preflight {
         } else {
             writeln!(out, "run time         about {most} on one core")?;
         }
-        writeln!(out, "memory           about {}", size(self.memory))?;
-        if let Some(on_ranks) = &self.on_ranks {
-            write!(out, "{on_ranks}")?;
-        }
-        writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
-        for warning in &self.warnings {
-            writeln!(out, "warning          {warning}")?;
-        }
-        Ok(())
+        writeln!(out, "memory           about {}", size(self.memory))
     }
 }

@@ -119,7 +119,7 @@ fn of_both<const D: usize, const N: usize>(
         lone_node(ready, boundary, &mut warnings);
     }
     let breaks = breaks(model);
-    if quality.smallest_angle[0] < poor {
+    if quality.elements > 0 && quality.smallest_angle[0] < poor {
         warnings.push(format!(
             "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have {better} degrees or more{}",
             quality.worst,

@@ -10,7 +10,7 @@ use crate::joints::lines::JointLines;
 use crate::shapes::piece::Piece;
 use crate::shapes::{of_body, packing};
 use crate::text::fault::Problem;
-use crate::text::file::{self, Gravity, ModelFile, Side};
+use crate::text::file::{self, Grains, Gravity, ModelFile, Side, Wall};
 use crate::text::included::Load;
 
 /// The differences between two- and three-dimensional models before they are simulated.
@@ -44,14 +44,19 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
 /// The dimensions of a model: those that it says, or that its bodies have. If a file that would determine
 /// them cannot be read, vectors and supports determine them.
 pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
-    let told = || file.body.iter().find_map(of_body::dimensions);
+    let of_spheres = || file.grains.iter().find_map(Grains::dimensions);
+    let of_walls = || file.wall.iter().find_map(Wall::dimensions);
+    let of_bodies = || file.body.iter().find_map(of_body::dimensions);
+    let told = || of_bodies().or_else(of_spheres).or_else(of_walls);
     let vectors = || match &file.model.gravity {
         Gravity::Vector(gravity) => Some(gravity.0.len() as u8),
         Gravity::None(_) => None,
     };
     let mut from_files = || {
         let Some(name) = file.body.iter().find_map(|body| body.mesh.as_ref()) else {
-            let name = file.body.iter().find_map(|body| body.packing.as_ref()?.file.as_ref())?;
+            let of_spheres = || file.grains.iter().find_map(|grains| grains.file.as_ref());
+            let of_bodies = file.body.iter().find_map(|body| body.packing.as_ref()?.file.as_ref());
+            let name = of_bodies.or_else(of_spheres)?;
             return Some(if packing::read_space(&load(name).ok()?, name, None).is_ok() { 3 } else { 2 });
         };
         if gmsh::is_geometry(name) {

@@ -26,6 +26,8 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("cavity", history.cavity.is_some()),
         ("joint_set", history.joint_set.is_some()),
         ("motion", history.motion.is_some()),
+        ("wall", history.wall.is_some()),
+        ("grains", history.grains),
         ("softening", history.softening),
         ("energy", history.energy),
         ("crack_length", history.crack_length),
@@ -73,11 +75,11 @@ pub(crate) fn check(file: &ModelFile, index: usize, document: &Document<'_>, fau
     let (history, table) = (&file.history[index], Table::of("history", index));
     if let Some(limits) = &history.limits {
         let (least, most) = limits.split_at(limits.len() / 2);
-        if !matches!(measured(history), Some((_, Measured::Mean(_)))) {
+        if !history.grains && !matches!(measured(history), Some((_, Measured::Mean(_)))) {
             faults.push(
                 Fault::at(
                     document.key(table, "box"),
-                    "\"box\" goes with the \"mean\" of stress, strain or velocity",
+                    "\"box\" goes with grains, and with the \"mean\" of stress, strain or velocity",
                 )
                 .label("take it out"),
             );
@@ -100,6 +102,25 @@ pub(crate) fn check(file: &ModelFile, index: usize, document: &Document<'_>, fau
                 format!("[[history]] \"{}\": the two points of its gauge are the same", history.name),
             )
             .label("no length"),
+        );
+    }
+    if let Some(name) = &history.wall
+        && !file.wall.iter().any(|wall| wall.name == *name)
+    {
+        let names: Vec<&str> = file.wall.iter().map(|wall| wall.name.as_str()).collect();
+        faults.push(
+            Fault::at(document.value(table, "wall"), format!("there is no wall \"{name}\""))
+                .label("unknown wall")
+                .help(suggestion(name, &names, "[[wall]]")),
+        );
+    }
+    if history.grains && file.grains.is_empty() {
+        faults.push(
+            Fault::at(
+                document.key(table, "grains"),
+                format!("[[history]] \"{}\": there are no spheres", history.name),
+            )
+            .label("no [[grains]]"),
         );
     }
     for (place, name) in history.contact_force.iter().flatten().enumerate() {
@@ -164,6 +185,9 @@ where
 {
     fn probe(&self) -> Result<Probe<D, N>, ProbeFault> {
         let history = self.history;
+        if let Some(probe) = self.of_spheres() {
+            return Ok(probe);
+        }
         if self.bodies.is_empty() {
             let name = history.body.as_deref().unwrap_or("");
             let help = placed::suggestion(self.file, name);
@@ -207,6 +231,22 @@ where
             return Ok(Probe::Softening);
         }
         self.reaction(history.reaction.as_deref().unwrap_or(""))
+    }
+
+    /// The probe of a wall or of spheres.
+    fn of_spheres(&self) -> Option<Probe<D, N>> {
+        let history = self.history;
+        if let Some(name) = &history.wall {
+            // A name that is unknown is a fault that has been found before.
+            let wall = self.file.wall.iter().position(|wall| wall.name == *name)?;
+            return Some(Probe::Wall { wall: wall as u32 });
+        }
+        let corner = |limits: &[f64]| [0, 1, 2].map(|axis| limits.get(axis).copied().unwrap_or(0.0));
+        let region = history.limits.as_ref().map(|limits| {
+            let (low, high) = limits.split_at(limits.len() / 2);
+            [corner(low), corner(high)]
+        });
+        history.grains.then_some(Probe::Spheres { region })
     }
 
     /// The point of the bodies at some coordinates, m.

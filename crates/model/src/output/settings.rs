@@ -78,7 +78,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("[[history]] \"{}\" is of one quantity", history.name),
                 )
                 .label("this history")
-                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", motion = \"rigid body\", softening = true, energy = true, crack_length = true"),
+                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", motion = \"rigid body\", wall = \"wall\", grains = true, softening = true, energy = true, crack_length = true"),
             );
         }
         if let Some(name) = &history.body {

@@ -124,6 +124,7 @@ where
             groups: Vec::new(),
             about_files: Vec::new(),
             grains,
+            spheres: self.spheres.clone(),
             joint_sets: self.joint_sets.clone(),
             from_library: self.from_library.clone(),
             probes: self

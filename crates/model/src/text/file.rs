@@ -5,6 +5,7 @@ mod body;
 mod joint_set;
 mod boundary;
 mod condition;
+mod grains;
 mod ground;
 mod material;
 mod output;
@@ -26,6 +27,10 @@ pub use body::{
 };
 pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
 pub use condition::{Servo, Until};
+pub use grains::{
+    Domain, DomainAxis, GrainRadius, GrainRegion, Grains, NormalRadius, OutsideWord, RoundRegion, SphereLaw,
+    SphereOptions, Wall, WallBox, WallCircle, WallCone, WallDisc, WallPlane, WallServo, WallTube,
+};
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
@@ -51,10 +56,23 @@ pub struct ModelFile {
     pub parameters: BTreeMap<String, Parameter>,
     /// Settings of the model as a whole.
     pub model: General,
-    /// Bodies. Each is meshed separately; bodies touch, but share no nodes.
-    #[schemars(length(min = 1))]
+    /// Bodies. Each is meshed separately; bodies touch, but share no nodes. A model has a body or
+    /// `[[grains]]`.
+    #[serde(default)]
     pub body: Vec<Body>,
-    /// Materials of the bodies.
+    /// Spheres, in two dimensions discs.
+    #[serde(default)]
+    pub grains: Vec<Grains>,
+    /// Walls that spheres touch.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// The law of the contacts of spheres.
+    #[serde(default)]
+    pub spheres: SphereOptions,
+    /// The box in which the spheres are. Default: space without ends.
+    #[serde(default)]
+    pub domain: Option<Domain>,
+    /// Materials of the bodies, spheres and walls.
     #[schemars(length(min = 1))]
     pub material: Vec<Material>,
     /// Contacts and joints between two materials, where they differ from the values of the two materials.
@@ -91,9 +109,13 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 13] = [
+    pub(crate) const TABLES: [&str; 17] = [
         "model",
         "body",
+        "grains",
+        "wall",
+        "spheres",
+        "domain",
         "material",
         "interface",
         "joint_set",

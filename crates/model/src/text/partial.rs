@@ -14,8 +14,8 @@ use toml::{Table as Toml, Value};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{
-    Body, Boundary, Curve, General, History, Initial, Interface, JointSet, Material, ModelFile, Output,
-    SHAPES, Stage,
+    Body, Boundary, Curve, Domain, General, Grains, History, Initial, Interface, JointSet, Material,
+    ModelFile, Output, SHAPES, SphereOptions, Stage, Wall,
 };
 
 /// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
@@ -65,10 +65,20 @@ impl Partial {
             vec![("lines", Value::Array(vec![Value::Array(line)])), ("friction_angle", 0.0.into())]
         });
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
+        reader.list::<Grains>(&mut root, "grains", |grains| {
+            let material = grains.get("material").filter(|name| name.is_str()).cloned();
+            vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
+        });
+        reader.list::<Wall>(&mut root, "wall", |wall| {
+            let material = wall.get("material").filter(|name| name.is_str()).cloned();
+            vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
+        });
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
         reader.list::<Stage>(&mut root, "stage", |_| vec![("equilibrium", 1.0.into())]);
         reader.list::<Curve>(&mut root, "curve", |_| vec![("x", "time".into()), ("y", "time".into())]);
         reader.one::<General>(&mut root, "model", &[("end_time", Value::from(1.0))]);
+        reader.one::<SphereOptions>(&mut root, "spheres", &[]);
+        reader.one::<Domain>(&mut root, "domain", &[]);
         reader.one::<Initial>(&mut root, "initial", &[]);
         reader.one::<ContactOptions>(&mut root, "contact", &[]);
         reader.one::<FractureOptions>(&mut root, "fracture", &[]);
@@ -80,7 +90,8 @@ impl Partial {
             );
         }
         for list in ["material", "body"] {
-            if !root.contains_key(list) {
+            let is_needed = list == "material" || !root.contains_key("grains");
+            if !root.contains_key(list) && is_needed {
                 reader.nameless.push(list);
                 root.insert(list.to_owned(), Value::Array(Vec::new()));
             }

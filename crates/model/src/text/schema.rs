@@ -137,6 +137,11 @@ impl<'s> Checker<'s> {
         let keys: Vec<&'s str> =
             properties.map(|properties| properties.keys().map(String::as_str).collect()).unwrap_or_default();
         let fault = Fault::at(span, format!("{name} has no key \"{word}\"")).label("unknown key");
+        let is_always_there = name.starts_with("[[grains]]") || name.starts_with("[[wall]]");
+        if is_always_there && ["stage", "stages"].contains(&word) {
+            self.faults.push(fault.help("spheres and walls are there in all stages"));
+            return None;
+        }
         if let Some(help) = properties.and_then(|properties| self.inner(word, properties, siblings)) {
             self.faults.push(fault.help(help));
             return None;

@@ -346,7 +346,14 @@ impl<'a> Pass<'a> {
                 }
             }
             DeValue::Array(list) => {
-                let Some((schema, unit)) = of("array") else { return };
+                // Of a list of numbers and a list of lists, the one that is there.
+                let has_lists = list.first().is_some_and(|item| item.get_ref().is_array());
+                let is_alike = |(schema, _): &(&Value, Option<&Value>)| {
+                    let items = schema.get("items").map(types).unwrap_or_default();
+                    types(schema).contains(&"array") && items.contains(&"array") == has_lists
+                };
+                let alike = found.iter().copied().find(is_alike);
+                let Some((schema, unit)) = alike.or_else(|| of("array")) else { return };
                 let Some(items) = schema.get("items") else { return };
                 let is_innermost = items.get("type").and_then(Value::as_str) == Some("number");
                 let units = unit.and_then(Value::as_array).filter(|_| is_innermost);

@@ -46,14 +46,14 @@ fn every_example_is_right_and_small_and_gives_no_unexpected_warning() {
         };
         let preflight = preflight.unwrap_or_else(|why| panic!("{name}: {why}"));
         println!("{name}\n{preflight}");
-        let (elements, steps) = (preflight.quality.elements, preflight.steps);
+        let (elements, steps) = (preflight.quality.elements + preflight.spheres, preflight.steps);
         let work = elements as f64 * steps as f64;
         let expected = WARNED.iter().find(|(of, _)| *of == name).map_or(&[][..], |(_, parts)| parts);
         let as_expected = preflight.warnings.len() == expected.len()
             && preflight.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part));
         if !as_expected || !(1_000..=most).contains(&elements) || work > 5e8 {
             wrong.push(format!(
-                "{name}: {elements} elements, {work:e} element-steps, {:?}",
+                "{name}: {elements} elements and spheres, {work:e} element-steps, {:?}",
                 preflight.warnings
             ));
         }

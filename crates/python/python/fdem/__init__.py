@@ -22,7 +22,7 @@ a file                                            :func:`read`
 a file of several frames                          :func:`frames`
 code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighbor_list`,
                                                   :meth:`Contacts.neighbor_list`
-a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`
+a model of bodies that deform, collide and break  :class:`Model`, :class:`Simulation`, :func:`resume`, :class:`Spheres`
 many runs of a model with other values            :func:`sweep`
 a folder of results of a simulation               :func:`results`
 names, units and signs of results                 :func:`fields`
@@ -53,6 +53,7 @@ from ._read import Frames, Mesh, Packing, frames, read
 from ._results import Frame, Results, results
 from ._search import boxes, contacts
 from ._simulation import Simulation, resume
+from ._spheres import Spheres
 from ._sweep import Sweep, sweep
 
 __all__ = [
@@ -78,6 +79,7 @@ __all__ = [
     "Picture",
     "Results",
     "Simulation",
+    "Spheres",
     "Sweep",
     "WallContacts",
     "__version__",

@@ -25,7 +25,7 @@ class Field(NamedTuple):
     span: tuple[float, float]
     """The least and the largest value that are possible."""
     at: str
-    """The part of a model that has a value: "node", "element", "joint" or "contact"."""
+    """The part of a model that has a value: "node", "element", "joint", "contact", "sphere", "sphere contact" or "wall"."""
     components: list[str]
     """Names of the components; empty for one number."""
     dimensions: Optional[int]
@@ -40,7 +40,7 @@ def fields(at: Optional[str] = None) -> list[Field]:
     Parameters
     ----------
     at : str, optional
-        Only those of a "node", an "element", a "joint" or a "contact".
+        Only those of a "node", an "element", a "joint", a "contact", a "sphere", a "sphere contact" or a "wall".
 
     Returns
     -------
@@ -60,7 +60,7 @@ def fields(at: Optional[str] = None) -> list[Field]:
     >>> next(field.unit for field in fdem.fields() if field.key == "von_mises")
     'Pa'
     """
-    places = ("node", "element", "joint", "contact")
+    places = ("node", "element", "joint", "contact", "sphere", "sphere contact", "wall")
     if at is not None and at not in places:
         raise ValueError(f"at must be one of {', '.join(map(repr, places))}, not {at!r}")
     rows = [Field(**row) for row in _fdem.fields()]

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _fdem
 from ._model import Model
 from ._picture import Picture
+from ._spheres import Spheres
 
 _Path = Union[str, "os.PathLike[str]"]
 _Reals = npt.NDArray[np.float64]
@@ -213,7 +214,10 @@ class Simulation:
 
     def _state(self, name: str) -> Any:
         if self._seen is None:
-            self._seen = _frozen(self._run.snapshot())
+            seen = self._run.snapshot()
+            names = seen.pop("group_names"), seen.pop("wall_names")
+            self._seen = _frozen(seen)
+            self._spheres = Spheres(seen["spheres"], *names)
         return self._seen[name]
 
     def _pressing(self) -> dict[str, Any]:
@@ -272,8 +276,14 @@ class Simulation:
         2 mixed), ``opening`` and ``sliding`` (m), ``time`` (of failure, s; NaN while the joint holds), ``measure`` (length, m, or area, m²)."""
         return self._state("joints")  # type: ignore[no-any-return]
 
+    @property
+    def spheres(self) -> Spheres:
+        """Spheres or discs, their contacts and the walls now; without any, all arrays are empty. See :class:`Spheres`."""
+        self._state("spheres")
+        return self._spheres
+
     def field(self, name: str, at: Optional[str] = None) -> npt.NDArray[Any]:
-        """Values of a field now: a number, or a row of components, for each node, element, joint or contact. Read-only. :func:`fields` lists the fields with their
+        """Values of a field now: a number, or a row of components, for each node, element, joint, contact or sphere. Read-only. :func:`fields` lists the fields with their
         units and signs.
 
         Parameters
@@ -281,7 +291,7 @@ class Simulation:
         name : str
             Its key, such as "von_mises".
         at : str, optional
-            "node", "element", "joint" or "contact", where a key occurs twice. Otherwise the first of these that has it.
+            "node", "element", "joint", "contact", "sphere", "sphere contact" or "wall", where a key occurs twice. Otherwise the first of these that has it.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-//! Fields by which elements are coloured.
+//! Fields by which elements and spheres are coloured.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,21 +10,26 @@ use serde_json::{Value, json};
 use crate::fields::colours::NO_VALUE;
 use crate::fields::place::Place;
 use crate::fields::quantity::{Ends, Number, Quantity, Shown, Span};
-use crate::fields::range::{Range, Scale};
+use crate::fields::range::{Range, Scale, SphereRanges};
 use crate::fields::state::State;
 use crate::fields::table::{QUANTITIES, SHOWN};
 use crate::picture::colour::{self, Rgb, SEA};
 
-/// A field by which elements are coloured: a [`Quantity`] that has colours. In model files and options it is
-/// written as its key.
+/// A field by which elements and spheres are coloured: a [`Quantity`] that has colours. In model files and
+/// options it is written as its key. Some fields exist for elements only, some for spheres only, and some for
+/// both, such as the velocity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Field {
     /// Index of its row in [`QUANTITIES`].
     row: usize,
 }
 
-/// Fields with a continuous scale, in the order of their arrays in a frame.
+/// Fields of elements with a continuous scale, in the order of their arrays in a frame.
 pub(crate) const SCALES: [Field; count_of_scales()] = scales();
+
+/// Fields of spheres with a continuous scale, in the order of their arrays in a frame.
+pub(crate) const SPHERE_SCALES: [Field; 5] =
+    [Field::VELOCITY, Field::of("spin"), Field::of("force"), Field::of("radius"), Field::of("coordination")];
 
 impl Field {
     /// All fields, in the order of menus and lists.
@@ -54,6 +59,10 @@ impl Field {
     pub const BODY: Self = Self::of("body");
     /// Number of the material.
     pub const MATERIAL: Self = Self::of("material");
+    /// Number of the group of a sphere.
+    pub const GROUP: Self = Self::of("group");
+    /// Normal forces of the contacts of spheres, as lines.
+    pub const FORCE_CHAINS: Self = Self::of("force_chains");
 
     /// Returns the field with this key. The compiler runs this: a key without a field is an error of
     /// compilation.
@@ -93,6 +102,36 @@ impl Field {
         self.quantity().unit
     }
 
+    /// Whether elements have values of the field.
+    pub fn is_of_elements(self) -> bool {
+        matches!(self.quantity().place, Place::Node | Place::Element)
+    }
+
+    /// Returns the row of the table with the values of spheres, of the same key; `None` if they have none.
+    pub fn of_spheres(self) -> Option<&'static Quantity> {
+        let is_same =
+            |row: &&Quantity| row.place == Place::Sphere && row.shown.is_some() && row.key == self.key();
+        QUANTITIES.iter().find(is_same)
+    }
+
+    /// Returns the field by which these numbers of elements and spheres are coloured where this one is asked
+    /// for: the velocity, if only the spheres are there and have no values of this one.
+    #[must_use]
+    pub fn among(self, [elements, spheres]: [usize; 2]) -> Self {
+        let is_of_spheres = self.of_spheres().is_some() || self == Self::FORCE_CHAINS;
+        if elements == 0 && spheres > 0 && !is_of_spheres { Self::VELOCITY } else { self }
+    }
+
+    /// Returns the index of the field in [`SPHERE_SCALES`].
+    pub(crate) fn sphere_scale(self) -> Option<usize> {
+        SPHERE_SCALES.iter().position(|&other| other == self)
+    }
+
+    /// Whether colours show values on a scale, and not numbers that count something.
+    pub(crate) fn is_continuous(self) -> bool {
+        matches!(self.quantity().shown, Some(Shown::Scale { .. }))
+    }
+
     /// Returns the index of the field in [`SCALES`].
     pub(crate) fn scale(self) -> Option<usize> {
         SCALES.iter().position(|&other| other == self)
@@ -106,10 +145,11 @@ impl Field {
         }
     }
 
-    /// Returns the number by which elements are coloured; `None` if there is a scale.
+    /// Returns the number by which elements are coloured; `None` if there is a scale, or if elements have no
+    /// such number.
     pub(crate) fn number(self) -> Option<Number> {
         match self.quantity().shown {
-            Some(Shown::Number(number)) => Some(number),
+            Some(Shown::Number(number)) if self.is_of_elements() => Some(number),
             _ => None,
         }
     }
@@ -148,20 +188,28 @@ impl Field {
         (0..state.count(Place::Element)).map(of_element).collect()
     }
 
-    /// Returns the range of a series by the scales of its frames. It covers at least 98 % of the elements in
-    /// every frame, so that a few extreme values do not use up the colours.
-    pub(crate) fn range<'a>(self, frames: impl Iterator<Item = &'a [Scale; SCALES.len()]>) -> Range {
-        let (scale, signed) = match (self.scale(), self.ends()) {
-            (Some(_), Some(Ends::Fixed(low, high))) => return Range { low, high },
-            (Some(scale), Some(ends)) => (scale, ends == Ends::Symmetric),
-            _ => return Range { low: 0.0, high: 1.0 },
+    /// Returns the range of a series by the scales of the elements and of the spheres of its frames. It
+    /// covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the
+    /// colours.
+    pub(crate) fn range<'a>(
+        self,
+        frames: impl Iterator<Item = (&'a [Scale; SCALES.len()], &'a SphereRanges)>,
+    ) -> Range {
+        let signed = match self.ends() {
+            Some(Ends::Fixed(low, high)) => return Range { low, high },
+            Some(ends) => ends == Ends::Symmetric,
+            None => return Range { low: 0.0, high: 1.0 },
         };
         let mut largest = 0.0_f64;
-        for scales in frames {
-            let [low, high] = scales[scale].usual;
-            largest = largest.max(high);
-            if signed {
-                largest = largest.max(-low);
+        for (scales, spheres) in frames {
+            let of_elements = self.scale().map(|scale| scales[scale].usual);
+            let of_spheres = self.sphere_scale().map(|scale| spheres.scales[scale].usual);
+            let of_chains = (self == Self::FORCE_CHAINS).then_some(spheres.chains.usual);
+            for [low, high] in of_elements.into_iter().chain(of_spheres).chain(of_chains) {
+                largest = largest.max(high);
+                if signed {
+                    largest = largest.max(-low);
+                }
             }
         }
         let high = if largest > 0.0 { largest } else { 1.0 };
@@ -176,11 +224,12 @@ impl Field {
         colour::at(self.ramp(), range.share(value))
     }
 
-    /// Returns a sentence that describes the value of an element.
+    /// Returns a sentence that describes the value of an element or a sphere.
     pub fn description(self) -> String {
-        let &Quantity { about, name, sign, unit, span, place, .. } = self.quantity();
+        let &Quantity { about, name, sign, unit, span, place, components, .. } = self.quantity();
         let mut text = match place {
             Place::Node => format!("the magnitude of the {name}"),
+            Place::Sphere if !components.is_empty() => format!("the magnitude of {about}"),
             _ if sign.is_empty() => about.to_owned(),
             _ => format!("{about}, {sign}"),
         };
@@ -210,10 +259,16 @@ const fn equal(one: &str, other: &str) -> bool {
     k == one.len() && k == other.len()
 }
 
+/// Whether elements have values of a field on a scale.
+const fn has_scale(field: Field) -> bool {
+    let row = &QUANTITIES[field.row];
+    matches!(row.place, Place::Node | Place::Element) && matches!(row.shown, Some(Shown::Scale { .. }))
+}
+
 const fn count_of_scales() -> usize {
     let (mut count, mut k) = (0, 0);
     while k < Field::ALL.len() {
-        if matches!(QUANTITIES[Field::ALL[k].row].shown, Some(Shown::Scale { .. })) {
+        if has_scale(Field::ALL[k]) {
             count += 1;
         }
         k += 1;
@@ -225,7 +280,7 @@ const fn scales() -> [Field; count_of_scales()] {
     let mut scales = [Field::ALL[0]; count_of_scales()];
     let (mut count, mut k) = (0, 0);
     while k < Field::ALL.len() {
-        if matches!(QUANTITIES[Field::ALL[k].row].shown, Some(Shown::Scale { .. })) {
+        if has_scale(Field::ALL[k]) {
             scales[count] = Field::ALL[k];
             count += 1;
         }
@@ -266,7 +321,10 @@ impl JsonSchema for Field {
         };
         let words: Vec<Value> = Self::ALL.into_iter().map(word).collect();
         let mut schema = Schema::default();
-        schema.insert("description".to_owned(), "A quantity by which elements are coloured.".into());
+        schema.insert(
+            "description".to_owned(),
+            "A quantity by which elements and spheres are coloured.".into(),
+        );
         schema.insert("oneOf".to_owned(), words.into());
         schema
     }

@@ -12,6 +12,12 @@ pub enum Place {
     Joint,
     /// A couple of elements that press each other.
     Contact,
+    /// A sphere or a disc.
+    Sphere,
+    /// A contact of a sphere with another one, a wall or a body.
+    SphereContact,
+    /// A wall.
+    Wall,
 }
 
 impl Place {
@@ -22,6 +28,9 @@ impl Place {
             Self::Element => "element",
             Self::Joint => "joint",
             Self::Contact => "contact",
+            Self::Sphere => "sphere",
+            Self::SphereContact => "sphere contact",
+            Self::Wall => "wall",
         }
     }
 }

@@ -4,7 +4,8 @@ use crate::fields::place::Place;
 use crate::fields::state::State;
 use crate::picture::colour::Rgb;
 
-/// A row of the table of fields: a quantity of the results, at each node, element, joint or contact.
+/// A row of the table of fields: a quantity of the results, at each node, element, joint, contact, sphere or
+/// wall.
 ///
 /// Files for ParaView, pictures, pages, the Python package and the book take names, units and values from
 /// here.
@@ -76,9 +77,10 @@ pub(crate) enum Ends {
     Fixed(f64, f64),
 }
 
-/// Numbers of elements that frames have.
+/// Numbers of elements and spheres that frames have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Number {
+    /// Of the body of an element, or of the group of a sphere.
     Body,
     Material,
 }

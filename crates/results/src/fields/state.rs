@@ -1,14 +1,18 @@
 //! The input of the values of fields: a snapshot of either dimension, and the forces at its instant.
 
+use std::sync::OnceLock;
+
+use fdem_simulation::grains::SphereColumns;
 use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot};
 
 use crate::arrays::each;
 use crate::fields::place::Place;
+use crate::fields::sphere_counts::coordination;
 
 /// A snapshot, as the table of fields reads it. Vectors of the plane have a third component of 0. Numbers of
-/// nodes, elements, joints and contacts are below [`State::count`].
+/// nodes, elements and so on are below [`State::count`].
 pub(crate) trait State {
-    /// Number of nodes, elements, joints or contacts.
+    /// Number of nodes, elements, joints and so on.
     fn count(&self, place: Place) -> usize;
 
     /// Displacement of a node, m.
@@ -45,6 +49,11 @@ pub(crate) trait State {
     fn contact_force(&self, contact: usize) -> [f64; 3];
     /// Magnitudes of the normal and of the tangential part of that force, N.
     fn contact_sizes(&self, contact: usize) -> [f64; 2];
+
+    /// The spheres and the walls.
+    fn spheres(&self) -> &SphereColumns;
+    /// Number of contacts of a sphere.
+    fn coordination(&self, sphere: usize) -> u32;
 }
 
 /// A joint that softens or is broken: a [`Crack`] without its place.
@@ -83,12 +92,20 @@ pub(crate) struct Instant<'a, const D: usize, const N: usize> {
     contacts: &'a [ContactForce<D>],
     /// Forces of boundaries on nodes; empty where all are 0.
     reactions: &'a [[f64; D]],
+    /// Numbers of contacts of the spheres, once they are needed.
+    coordination: OnceLock<Vec<u32>>,
 }
 
 impl<'a, const D: usize, const N: usize> Instant<'a, D, N> {
     /// A snapshot without forces.
     pub(crate) fn of(snapshot: &'a Snapshot<D, N>) -> Self {
-        Self { snapshot, joints: snapshot.cracks.iter().collect(), contacts: &[], reactions: &[] }
+        Self {
+            snapshot,
+            joints: snapshot.cracks.iter().collect(),
+            contacts: &[],
+            reactions: &[],
+            coordination: OnceLock::new(),
+        }
     }
 
     /// The same with the forces at its instant.
@@ -123,6 +140,9 @@ where
             Place::Element => self.snapshot.elements.len(),
             Place::Joint => self.joints.len(),
             Place::Contact => self.contacts.len(),
+            Place::Sphere => self.snapshot.spheres.positions.len(),
+            Place::SphereContact => self.snapshot.spheres.contacts.len(),
+            Place::Wall => self.snapshot.spheres.walls.len(),
         }
     }
 
@@ -187,6 +207,14 @@ where
     fn contact_sizes(&self, contact: usize) -> [f64; 2] {
         let ContactForce { normal, tangential, .. } = self.contacts[contact];
         [size(normal), size(tangential)]
+    }
+
+    fn spheres(&self) -> &SphereColumns {
+        &self.snapshot.spheres
+    }
+
+    fn coordination(&self, sphere: usize) -> u32 {
+        self.coordination.get_or_init(|| coordination(&self.snapshot.spheres))[sphere]
     }
 }
 

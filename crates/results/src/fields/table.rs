@@ -1,6 +1,7 @@
 //! The table of fields: every quantity of the results, in the order of files for ParaView.
 
 use fdem_simulation::Mode;
+use fdem_simulation::grains::GrainPartner;
 
 use crate::fields::colours::SIGNED;
 use crate::fields::place::Place;
@@ -55,6 +56,19 @@ const OF_JOINTS: Quantity = Quantity { place: Place::Joint, ..OF_ELEMENTS };
 
 /// Entries that the rows of contacts share.
 const OF_CONTACTS: Quantity = Quantity { place: Place::Contact, ..OF_ELEMENTS };
+
+/// Entries that the rows of spheres share.
+const OF_SPHERES: Quantity = Quantity { place: Place::Sphere, ..OF_ELEMENTS };
+
+/// Entries that the rows of vectors of spheres share.
+const VECTORS_OF_SPHERES: Quantity =
+    Quantity { sign: "along the axes", span: Span::Any, components: &SPACE, ..OF_SPHERES };
+
+/// Entries that the rows of contacts of spheres share.
+const OF_SPHERE_CONTACTS: Quantity = Quantity { place: Place::SphereContact, ..OF_ELEMENTS };
+
+/// Entries that the rows of walls share.
+const OF_WALLS: Quantity = Quantity { place: Place::Wall, ..OF_ELEMENTS };
 
 /// Every quantity of the results. Names, units, colours and values of fields are here and nowhere else.
 pub const QUANTITIES: &[Quantity] = &[
@@ -360,10 +374,186 @@ pub const QUANTITIES: &[Quantity] = &[
         }),
         ..OF_CONTACTS
     },
+    Quantity {
+        key: "number",
+        name: "number",
+        about: "number of the sphere, which it keeps for the whole run",
+        value: Value::Whole(|state, sphere, _| state.spheres().numbers[sphere].into()),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "radius",
+        name: "radius",
+        about: "the radius",
+        unit: "m",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, sphere, _| state.spheres().radii[sphere]),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "velocity",
+        name: "velocity",
+        about: "the velocity of the centre",
+        unit: "m/s",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, sphere, axis| state.spheres().velocities[sphere][axis]),
+        ..VECTORS_OF_SPHERES
+    },
+    Quantity {
+        key: "spin",
+        name: "spin",
+        about: "the angular velocity",
+        unit: "rad/s",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, sphere, axis| state.spheres().spins[sphere][axis]),
+        ..VECTORS_OF_SPHERES
+    },
+    Quantity {
+        key: "force",
+        name: "force",
+        about: "the force of all contacts on the sphere",
+        unit: "N",
+        shown: Some(Shown::Scale { ramp: &HEAT, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, sphere, axis| state.spheres().forces[sphere][axis]),
+        ..VECTORS_OF_SPHERES
+    },
+    Quantity {
+        key: "mass",
+        name: "mass",
+        about: "the mass",
+        unit: "kg",
+        value: Value::Real(|state, sphere, _| state.spheres().masses[sphere]),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "coordination",
+        name: "number of contacts",
+        about: "the number of contacts with spheres, walls and bodies",
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Whole(|state, sphere, _| state.coordination(sphere).into()),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "group",
+        name: "group",
+        about: "number of the group of spheres",
+        shown: Some(Shown::Number(Number::Body)),
+        value: Value::Whole(|state, sphere, _| state.spheres().groups[sphere].into()),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "material",
+        name: "material",
+        about: "number of the material",
+        shown: Some(Shown::Number(Number::Material)),
+        value: Value::Whole(|state, sphere, _| state.spheres().materials[sphere].into()),
+        ..OF_SPHERES
+    },
+    Quantity {
+        key: "force",
+        name: "force of the contact",
+        about: "the force on the first sphere",
+        unit: "N",
+        sign: "along the axes",
+        span: Span::Any,
+        components: &SPACE,
+        value: Value::Real(|state, contact, axis| state.spheres().contacts[contact].force[axis]),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "normal_force",
+        name: "normal force",
+        about: "the part of the force along the normal",
+        unit: "N",
+        sign: "positive for pressure",
+        span: Span::Any,
+        value: Value::Real(|state, contact, _| state.spheres().contacts[contact].normal),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "force_chains",
+        name: "normal force of contacts",
+        about: "the normal force of the contacts of spheres, as lines between their centres",
+        definition: "Lines lead from centre to centre, and to the place of the contact with a wall or a body. \
+                     Their widths are proportional to the normal force.",
+        unit: "N",
+        sign: "positive for pressure",
+        span: Span::Any,
+        // `normal_force` has it.
+        in_files: false,
+        shown: Some(Shown::Scale { ramp: &HEAT, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, contact, _| state.spheres().contacts[contact].normal),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "overlap",
+        name: "overlap",
+        about: "the depth by which the two overlap",
+        unit: "m",
+        sign: "negative where adhesion holds across a gap",
+        span: Span::Any,
+        value: Value::Real(|state, contact, _| state.spheres().contacts[contact].overlap),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "kind",
+        name: "kind of the contact",
+        about: "0 with a sphere, 1 with a wall, 2 with a body",
+        span: Span::Between(0.0, 2.0),
+        value: Value::Short(|state, contact, _| match state.spheres().contacts[contact].other {
+            GrainPartner::Sphere(_) => 0,
+            GrainPartner::Wall(_) => 1,
+            GrainPartner::Facet(_) => 2,
+        }),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "couple",
+        name: "the two",
+        about: "the number of the sphere, and the number of the other sphere, of the wall, or of the facet of \
+                the surface of the bodies",
+        components: &COUPLE,
+        value: Value::Whole(|state, contact, side| {
+            let (spheres, contact) = (state.spheres(), &state.spheres().contacts[contact]);
+            match contact.other {
+                _ if side == 0 => spheres.numbers[contact.sphere as usize].into(),
+                GrainPartner::Sphere(other) => spheres.numbers[other as usize].into(),
+                GrainPartner::Wall(other) | GrainPartner::Facet(other) => other.into(),
+            }
+        }),
+        ..OF_SPHERE_CONTACTS
+    },
+    Quantity {
+        key: "wall",
+        name: "wall",
+        about: "number of the wall",
+        value: Value::Whole(|_, wall, _| wall.cast_signed() as i64),
+        ..OF_WALLS
+    },
+    Quantity {
+        key: "force",
+        name: "force on the wall",
+        about: "the force of all spheres on the wall",
+        unit: "N",
+        sign: "along the axes",
+        span: Span::Any,
+        components: &SPACE,
+        value: Value::Real(|state, wall, axis| {
+            state.spheres().wall_forces.get(wall).map_or(0.0, |force| force[axis])
+        }),
+        ..OF_WALLS
+    },
+    Quantity {
+        key: "material",
+        name: "material",
+        about: "number of the material",
+        value: Value::Whole(|state, wall, _| state.spheres().walls[wall].material.into()),
+        ..OF_WALLS
+    },
 ];
 
-/// Keys of the fields by which elements are coloured, in the order of menus and lists.
-pub(crate) const SHOWN: [&str; 10] = [
+/// Keys of the fields by which elements and spheres are coloured, in the order of menus and lists.
+pub(crate) const SHOWN: [&str; 16] = [
     "max_principal",
     "min_principal",
     "von_mises",
@@ -374,4 +564,10 @@ pub(crate) const SHOWN: [&str; 10] = [
     "damage",
     "body",
     "material",
+    "spin",
+    "force",
+    "radius",
+    "coordination",
+    "group",
+    "force_chains",
 ];

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use fdem_simulation::{Bedding, Element, Forces, MaterialLaw, Snapshot, Strength};
 
 use crate::fields::colours::NO_VALUE;
+use crate::fields::field::SPHERE_SCALES;
 use crate::fields::state::Instant;
 use crate::fields::table::SHOWN;
 use crate::fields::{Field, Place, QUANTITIES, QuantityValues, Range, Span};
@@ -52,8 +53,9 @@ fn the_fields_that_are_drawn_are_in_menus_and_those_in_menus_are_drawn() {
     let drawn: BTreeSet<&str> = QUANTITIES.iter().filter(|row| row.is_drawn()).map(|row| row.key).collect();
     assert_eq!(BTreeSet::from(SHOWN), drawn);
     assert_eq!(Field::ALL.map(Field::key), SHOWN);
-    // A drawn field is one number of an element, or a vector of nodes.
-    for row in QUANTITIES.iter().filter(|row| row.is_drawn()) {
+    // A drawn field of bodies is one number of an element, or a vector of nodes.
+    let of_spheres = [Place::Sphere, Place::SphereContact];
+    for row in QUANTITIES.iter().filter(|row| row.is_drawn() && !of_spheres.contains(&row.place)) {
         let vector = row.place == Place::Node;
         assert!(
             (vector || row.place == Place::Element) && row.components.is_empty() != vector,
@@ -61,6 +63,23 @@ fn the_fields_that_are_drawn_are_in_menus_and_those_in_menus_are_drawn() {
             row.key
         );
     }
+}
+
+/// Frames have the arrays of these fields of spheres, in this order.
+#[test]
+fn fields_of_spheres_with_a_scale_are_in_frames() {
+    let scales: Vec<Field> = Field::ALL
+        .into_iter()
+        .filter(|field| field.of_spheres().is_some() && field.is_continuous())
+        .collect();
+    assert_eq!(BTreeSet::from(SPHERE_SCALES), scales.into_iter().collect());
+    for field in SPHERE_SCALES {
+        let row = field.of_spheres().unwrap();
+        assert_eq!(row.unit, field.unit(), "{}", field.key());
+    }
+    assert_eq!(Field::VON_MISES.among([0, 3]), Field::VELOCITY);
+    assert_eq!(Field::VON_MISES.among([1, 3]), Field::VON_MISES);
+    assert_eq!(Field::GROUP.among([0, 3]), Field::GROUP);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! content security policy allows only their own script and style. Texts from outside are escaped.
 
 pub(crate) mod flat;
+mod grains;
 pub(crate) mod space;
 
 use std::cell::Cell;
@@ -19,6 +20,7 @@ use crate::fields::colours::{NO_VALUE, NUMBERED};
 use crate::fields::field::{Field, SCALES};
 use crate::fields::quantity::{Ends, Quantity};
 use crate::fields::range::{Range, Scale};
+use crate::page::run::grains::{GrainPart, SCRIPTS as GRAIN_SCRIPTS};
 use crate::page::{PageParts, STYLE, rows};
 use crate::picture::PictureError;
 use crate::picture::svg::escape;
@@ -55,7 +57,7 @@ struct RunPage<'a> {
     /// Field by which elements are initially coloured.
     field: Field,
     /// Fields and their ranges.
-    ranges: [(Field, Range); Field::ALL.len()],
+    ranges: Vec<(Field, Range)>,
     /// Further fields with separate numbers.
     numbered: &'a [&'a Quantity],
     /// A picture of the last frame as PNG, for browsers that cannot show the view.
@@ -71,6 +73,8 @@ struct RunPage<'a> {
     fragments: String,
     /// Data for the scripts, beside those that all pages have.
     meta: Value,
+    /// The part with the spheres and walls; `None` for a run without any.
+    grains: Option<GrainPart>,
     /// The script elements with the frames.
     frames: String,
     /// Differences between two and three dimensions: checkboxes and fieldsets of the controls, effects of
@@ -84,7 +88,9 @@ struct RunPage<'a> {
 
 impl RunPage<'_> {
     fn html(self) -> Result<String, PictureError> {
-        let main = [("{{show}}", self.show), ("{{more}}", self.more), ("{{help}}", self.help)]
+        let controls = self.grains.as_ref().map_or("", |grains| grains.controls.as_str());
+        let more = controls.to_owned() + self.more;
+        let main = [("{{show}}", self.show), ("{{more}}", more.as_str()), ("{{help}}", self.help)]
             .into_iter()
             .fold(PAGE.to_owned(), |main, (name, part)| main.replace(name, part));
         let parts = PageParts {
@@ -94,7 +100,12 @@ impl RunPage<'_> {
             main: &main,
             data: "{{frames}}",
             style: format!("{STYLE}{STYLE_OF_RUNS}{}", self.style),
-            scripts: &[&SCRIPTS, self.scripts].concat(),
+            scripts: &[
+                &SCRIPTS[..],
+                if self.grains.is_some() { &GRAIN_SCRIPTS[..] } else { &[] },
+                self.scripts,
+            ]
+            .concat(),
         };
         let meta = self.meta();
         let frames = Cell::new(self.frames);
@@ -140,6 +151,7 @@ impl RunPage<'_> {
             "outlines": outlines,
             "bodies": self.names.bodies,
             "materials": self.names.materials,
+            "spheres": self.grains.as_ref().map(|grains| &grains.meta),
         });
         if let (Some(meta), Value::Object(more)) = (meta.as_object_mut(), &self.meta) {
             meta.extend(more.clone());
@@ -162,6 +174,11 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
     })
 }
 
+/// Returns the fields of elements, in the order of menus.
+fn of_elements() -> impl Iterator<Item = Field> {
+    Field::ALL.into_iter().filter(|field| field.is_of_elements())
+}
+
 /// Returns the picture for browsers that cannot show the view; empty if the page has none.
 fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     preview.map_or_else(String::new, |png| {
@@ -173,7 +190,7 @@ fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
 fn options(selected: Field, numbered: &[&Quantity]) -> String {
     let mut options = String::new();
     for Quantity { key, name, .. } in
-        Field::ALL.iter().map(|field| field.quantity()).chain(numbered.iter().copied())
+        of_elements().map(|field| field.quantity()).chain(numbered.iter().copied())
     {
         let selected = if *key == selected.key() { " selected" } else { "" };
         // Writing to a string does not fail.

@@ -9,14 +9,17 @@
 //! Of the triangles at a sample the one nearest to the eye is kept; at equal depths that with the smaller
 //! number of a colour, so that their order does not matter.
 
+mod beads;
 mod buffer;
 mod shade;
 mod solids;
 mod triangle;
 
+use beads::BeadSweep;
 use buffer::{SPREAD, append};
 use triangle::{Setup, box_of, nearest};
 
+pub(crate) use beads::{Bead, Beads, Rod};
 pub(crate) use buffer::{GRID, Paint, Raster};
 pub(crate) use triangle::{Stroke, Triangle};
 
@@ -33,7 +36,14 @@ const BAND: usize = 16;
 /// # Cost
 /// 132 bytes for each layer and each pixel of 16 rows, and 8 to 24 bytes for each triangle. Time proportional
 /// to the triangles and to the pixels of the boxes around them.
-pub(crate) fn draw([width, height]: [usize; 2], layers: &[Vec<Triangle>]) -> Vec<u8> {
+pub(crate) fn draw(size: [usize; 2], layers: &[Vec<Triangle>]) -> Vec<u8> {
+    draw_with(size, layers, &Beads::default())
+}
+
+/// Draws layers of triangles as [`draw`], with spheres and rods among the triangles of the first layer, of
+/// which there must be one if there are any.
+pub(crate) fn draw_with([width, height]: [usize; 2], layers: &[Vec<Triangle>], beads: &Beads) -> Vec<u8> {
+    let mut beads = BeadSweep::new(beads, [width, height]);
     let mut pixels = Vec::with_capacity(3 * width * height);
     let mut sweeps: Vec<Sweep<'_>> =
         layers.iter().map(|triangles| Sweep::new(triangles, [width, height])).collect();
@@ -43,6 +53,9 @@ pub(crate) fn draw([width, height]: [usize; 2], layers: &[Vec<Triangle>]) -> Vec
         for (sweep, band) in sweeps.iter_mut().zip(&mut bands) {
             band.clear(top);
             sweep.draw(band, rows);
+        }
+        if let Some(first) = bands.first_mut() {
+            beads.draw(first, rows);
         }
         append(&mut pixels, &bands, rows * width);
     }

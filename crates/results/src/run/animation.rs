@@ -245,11 +245,13 @@ impl Palette {
         let mut colours = vec![white, NO_VALUE];
         colours.extend(fading(ink, 32));
         colours.extend(CRACKS.iter().flat_map(|(_, colour)| fading(*colour, 4)));
-        if field.scale().is_none() {
+        if !field.is_continuous() {
             colours.extend((0..8).flat_map(|number| fading(numbered_colour(number), 4)));
         } else {
-            colours.extend((0..144).map(|k| colour::at(field.ramp(), f64::from(k) / 143.0)));
+            colours.extend((0..128).map(|k| colour::at(field.ramp(), f64::from(k) / 127.0)));
             colours.extend(field.ramp().iter().flat_map(|&colour| fading(colour, 4).take(3)));
+            // Spheres may have the colours of their groups.
+            colours.extend(NUMBERED.iter().flat_map(|&colour| fading(colour, 2)));
         }
         Self::of(colours)
     }
@@ -279,7 +281,7 @@ impl Palette {
                 colours.extend((0..steps).map(|k| colour::mix(crack, [255; 3], k as f64 / steps as f64)));
             }
         } else {
-            let of_field: Vec<Rgb> = if field.scale().is_none() {
+            let of_field: Vec<Rgb> = if !field.is_continuous() {
                 NUMBERED.to_vec()
             } else {
                 (0..34).map(|k| colour::at(field.ramp(), f64::from(k) / 33.0)).collect()
@@ -287,6 +289,12 @@ impl Palette {
             let steps = 204 / of_field.len();
             let all = of_field.iter().copied().chain([NO_VALUE]);
             colours.extend(all.flat_map(|colour| shades(steps).map(move |shade| shaded(colour, shade))));
+            if field.of_spheres().is_none() && field.is_continuous() {
+                // Spheres have the colours of their groups.
+                colours.extend(
+                    NUMBERED.iter().flat_map(|&colour| shades(2).map(move |shade| shaded(colour, shade))),
+                );
+            }
         }
         Self::of(colours)
     }
@@ -328,7 +336,7 @@ mod tests {
             let mut palette = Palette::new(field);
             assert!(palette.colours.len() <= 256, "{field:?}: {}", palette.colours.len());
             assert_eq!(palette.nearest([255; 3]), 0);
-            for &colour in field.ramp().iter().filter(|_| field.scale().is_some()) {
+            for &colour in field.ramp().iter().filter(|_| field.is_continuous()) {
                 let place = palette.nearest(colour);
                 let found = palette.colours[usize::from(place)];
                 let off = (0..3).map(|k| colour[k].abs_diff(found[k])).max().unwrap();

@@ -4,17 +4,20 @@ use std::fmt;
 
 use fdem_simulation::{Crack, Mode, Snapshot};
 
+use crate::arrays::each;
 use crate::fields::field::{Field, SCALES, line_of_keys};
 use crate::fields::quantity::Number;
 use crate::fields::range::{Range, Scale};
 use crate::fields::state::Instant;
+use crate::run::grains::frame::GrainFrame;
+use crate::run::grains::walls::{Bounds, EMPTY, union};
 use crate::run::outlines::Outlines;
-use crate::run::packed::{Packed, Unpacked, low_halves};
+use crate::run::packed::{Packed, Unpacked, Words, bounds, low_halves};
 use crate::run::sample::Sample;
 use crate::run::snapshot::{SnapshotError, checked};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemfrm6";
+const MAGIC: &[u8; 8] = b"fdemfrm7";
 
 /// Level at which frames are deflated: level 6 makes them 3 % smaller and takes three times as long.
 pub(crate) const LEVEL: u8 = 1;
@@ -68,6 +71,8 @@ pub struct Frame {
     /// Total lengths of the joints that are open from the start, and of those that are whole and that soften,
     /// m: see [`holding`].
     pub(crate) others: [f64; 3],
+    /// Spheres and walls.
+    pub(crate) grains: GrainFrame,
     /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
     pub(crate) deflated: Vec<u8>,
@@ -126,7 +131,7 @@ impl Range {
     /// few extreme values do not use up the colours. Ranges of fields with a sign are symmetric about 0. All
     /// other ranges begin at 0, or are the same in all runs, as that of damage.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
-        field.range(frames.into_iter().map(|frame| &frame.scales))
+        field.range(frames.into_iter().map(|frame| (&frame.scales, &frame.grains.ranges)))
     }
 }
 
@@ -220,6 +225,7 @@ impl Frame {
             scales,
             lengths,
             others,
+            grains: GrainFrame::new(&snapshot.spheres, around(elements, &bounds))?,
             size: packed.bytes.len(),
             deflated: miniz_oxide::deflate::compress_to_vec(&packed.bytes, LEVEL),
         })
@@ -235,9 +241,19 @@ impl Frame {
         self.time
     }
 
+    /// Returns the bounds of the elements, of the spheres and of the walls near them.
+    pub(crate) fn extent(&self) -> [[f64; 2]; 2] {
+        extent_with(self.elements, self.bounds, &self.grains)
+    }
+
     /// Whether the frame shows a sample of the elements.
     pub(crate) fn is_sample(&self) -> bool {
         self.elements < self.whole
+    }
+
+    /// Returns the numbers of all elements and of all spheres.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.whole, self.grains.whole]
     }
 
     /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
@@ -253,6 +269,7 @@ impl Frame {
         for number in self.bounds.into_iter().flatten().chain(scales).chain(self.lengths).chain(self.others) {
             bytes.extend(number.to_le_bytes());
         }
+        self.grains.write(&mut bytes);
         bytes.extend(&self.deflated);
         bytes
     }
@@ -280,6 +297,7 @@ impl Frame {
                 scales: words.scales()?,
                 lengths: [words.f64()?, words.f64()?, words.f64()?],
                 others: [words.f64()?, words.f64()?, words.f64()?],
+                grains: GrainFrame::read(&mut words)?,
                 deflated: words.bytes.to_vec(),
             })
         })();
@@ -342,6 +360,27 @@ impl Frame {
         let opened = Opened { corners, values, bodies, materials, outlines, cracks, intact, softening };
         arrays.is_empty().then_some(opened)
     }
+}
+
+/// Returns the bounds of elements, if there are any, in space.
+pub(crate) fn around<const D: usize>(elements: usize, bounds: &[[f64; 2]; D]) -> Bounds {
+    if elements == 0 {
+        return EMPTY;
+    }
+    each(|axis| bounds.get(axis).copied().unwrap_or([0.0; 2]))
+}
+
+/// Returns bounds of elements, if there are any, with those of the spheres and of the walls near them.
+pub(crate) fn extent_with<const D: usize>(
+    elements: usize,
+    bounds: [[f64; 2]; D],
+    grains: &GrainFrame,
+) -> [[f64; 2]; D] {
+    if grains.is_empty() {
+        return bounds;
+    }
+    let both = union(around(elements, &bounds), grains.extent());
+    each(|axis| both[axis])
 }
 
 /// Returns the values of the elements in the sample; all values if there is no sample.
@@ -425,59 +464,5 @@ impl CrackKind {
             2 => Self::Broken(Mode::Mixed),
             _ => Self::Open,
         }
-    }
-}
-
-impl Scale {
-    pub(crate) fn of(values: &[f64]) -> Self {
-        let mut finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-        let Some(last) = finite.len().checked_sub(1) else { return Self { ends: [0.0; 2], usual: [0.0; 2] } };
-        let ends = finite
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)]);
-        Self { ends, usual: [quantile(&mut finite, last / 100), quantile(&mut finite, last - last / 100)] }
-    }
-}
-
-fn quantile(values: &mut [f64], place: usize) -> f64 {
-    *values.select_nth_unstable_by(place, f64::total_cmp).1
-}
-
-/// Returns the least and the greatest coordinate of the elements that are drawn.
-pub(crate) fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
-    let mut finite: Vec<f64> = coordinates.filter(|x| x.is_finite()).collect();
-    let Some(last) = finite.len().checked_sub(1) else { return [0.0; 2] };
-    let [low, high] = [quantile(&mut finite, last / 100), quantile(&mut finite, last - last / 100)];
-    let reach = if high > low { 4.0 * (high - low) } else { f64::INFINITY };
-    let near = finite.iter().filter(|&&x| x >= low - reach && x <= high + reach);
-    near.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
-}
-
-/// Reader of numbers of eight bytes each.
-pub(crate) struct Words<'a> {
-    pub(crate) bytes: &'a [u8],
-}
-
-impl Words<'_> {
-    pub(crate) fn u64(&mut self) -> Option<u64> {
-        let (word, rest) = self.bytes.split_first_chunk()?;
-        self.bytes = rest;
-        Some(u64::from_le_bytes(*word))
-    }
-
-    pub(crate) fn f64(&mut self) -> Option<f64> {
-        self.u64().map(f64::from_bits)
-    }
-
-    pub(crate) fn pair(&mut self) -> Option<[f64; 2]> {
-        Some([self.f64()?, self.f64()?])
-    }
-
-    pub(crate) fn scales(&mut self) -> Option<[Scale; SCALES.len()]> {
-        let mut scales = [Scale { ends: [0.0; 2], usual: [0.0; 2] }; SCALES.len()];
-        for scale in &mut scales {
-            *scale = Scale { ends: self.pair()?, usual: self.pair()? };
-        }
-        Some(scales)
     }
 }

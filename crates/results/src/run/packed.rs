@@ -1,4 +1,7 @@
-//! Arrays of 16-bit numbers, many of which are positions between two limits.
+//! Arrays of 16-bit numbers, many of which are positions between two limits, and words of eight bytes.
+
+use crate::fields::field::SCALES;
+use crate::fields::range::{Scale, quantile};
 
 /// Code of a value that is not finite, or is beyond the limits.
 const NONE: u16 = u16::MAX;
@@ -88,6 +91,45 @@ impl<'a> Unpacked<'a> {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
+    }
+}
+
+/// Returns the least and the greatest coordinate of the elements that are drawn.
+pub(crate) fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut finite: Vec<f64> = coordinates.filter(|x| x.is_finite()).collect();
+    let Some(last) = finite.len().checked_sub(1) else { return [0.0; 2] };
+    let [low, high] = [quantile(&mut finite, last / 100), quantile(&mut finite, last - last / 100)];
+    let reach = if high > low { 4.0 * (high - low) } else { f64::INFINITY };
+    let near = finite.iter().filter(|&&x| x >= low - reach && x <= high + reach);
+    near.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
+}
+
+/// Reader of numbers of eight bytes each.
+pub(crate) struct Words<'a> {
+    pub(crate) bytes: &'a [u8],
+}
+
+impl Words<'_> {
+    pub(crate) fn u64(&mut self) -> Option<u64> {
+        let (word, rest) = self.bytes.split_first_chunk()?;
+        self.bytes = rest;
+        Some(u64::from_le_bytes(*word))
+    }
+
+    pub(crate) fn f64(&mut self) -> Option<f64> {
+        self.u64().map(f64::from_bits)
+    }
+
+    pub(crate) fn pair(&mut self) -> Option<[f64; 2]> {
+        Some([self.f64()?, self.f64()?])
+    }
+
+    pub(crate) fn scales(&mut self) -> Option<[Scale; SCALES.len()]> {
+        let mut scales = [Scale { ends: [0.0; 2], usual: [0.0; 2] }; SCALES.len()];
+        for scale in &mut scales {
+            *scale = Scale { ends: self.pair()?, usual: self.pair()? };
+        }
+        Some(scales)
     }
 }
 

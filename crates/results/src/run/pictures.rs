@@ -9,7 +9,7 @@ use fdem_io::numbers::{brief, grouped};
 use crate::fields::colours::{NO_VALUE, numbered_colour};
 use crate::fields::field::Field;
 use crate::fields::range::Range;
-use crate::picture::colour::{Rgb, hex};
+use crate::picture::colour::{Rgb, hex, mix};
 use crate::picture::encode::{self, Layer};
 use crate::picture::flat::Flat;
 use crate::picture::furniture::{self, BAR, FOOT, HEAD};
@@ -17,7 +17,8 @@ use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
-use crate::run::frame::{CrackKind, Frame, Opened};
+use crate::run::frame::{CrackKind, Frame, FrameError, Opened};
+use crate::run::grains::drawing::{GrainScene, WALL, elements_and_spheres};
 use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::run::unit::prefixed;
 
@@ -75,7 +76,7 @@ impl FrameView {
         let (mut last, mut bounds) = (0.0_f64, Vec::new());
         for (k, frame) in frames.into_iter().enumerate() {
             last = if k == 0 { frame.time } else { last.max(frame.time) };
-            bounds.push(frame.bounds);
+            bounds.push(frame.extent());
         }
         let [x, y] = extent(bounds);
         Self { low: [x[0], y[0]], high: [x[1], y[1]], last }
@@ -165,15 +166,18 @@ impl Pictures<'_> {
     /// # Errors
     /// [`PictureError::Png`], also for a damaged frame; [`PictureError::TooWide`].
     pub fn svg(&self, frame: &Frame) -> Result<String, PictureError> {
-        let (page, opened) = (self.page()?, opened(frame)?);
+        let (page, opened, grains) = (self.page()?, opened(frame)?, self.grains(frame)?);
         let mut svg = self.sheet(&page, frame);
         svg.background();
-        if frame.elements > MOST_VECTORS {
-            let layer = self.layer(&page, &opened, drawing::scale(None, page.size[0])?);
+        let shapes = frame.elements + grains.spheres.len() + grains.chains.len() + grains.walls.len();
+        if shapes > MOST_VECTORS {
+            let scale = drawing::scale(None, page.size[0])?;
+            let layer = self.layer(&page, (&opened, &grains), scale);
             let png = encode::file(layer.size.map(|side| side as u32), &layer.pixels)?;
             svg.image([MARGIN, HEAD], page.area, &png);
         } else {
             self.vectors(&page, &opened, &mut svg);
+            grain_vectors(&page, &grains, &mut svg);
         }
         self.surroundings(&page, frame, &mut svg);
         Ok(svg.finish())
@@ -196,11 +200,11 @@ impl Pictures<'_> {
         frame: &Frame,
         width: Option<u32>,
     ) -> Result<([u32; 2], Vec<u8>), PictureError> {
-        let (page, opened) = (self.page()?, opened(frame)?);
+        let (page, opened, grains) = (self.page()?, opened(frame)?, self.grains(frame)?);
         let scale = if width.is_some() { drawing::scale(width, page.size[0])? } else { 1.0 };
         let mut svg = self.sheet(&page, frame);
         self.surroundings(&page, frame, &mut svg);
-        encode::pixels(&svg.finish(), &[self.layer(&page, &opened, scale)], scale)
+        encode::pixels(&svg.finish(), &[self.layer(&page, (&opened, &grains), scale)], scale)
     }
 
     fn page(&self) -> Result<FrameLayout, PictureError> {
@@ -221,17 +225,18 @@ impl Pictures<'_> {
 
     fn sheet(&self, page: &FrameLayout, frame: &Frame) -> Svg {
         let name = format!("{} at {}", self.title, self.view.time(frame.time));
-        let description = format!("Elements coloured by {}; {}.", self.field.name(), self.sentence(frame));
+        let what = if frame.whole == 0 && !frame.grains.is_empty() { "Discs" } else { "Elements" };
+        let description = format!("{what} coloured by {}; {}.", self.field.name(), self.sentence(frame));
         Svg::new(page.size[0], page.size[1], &name, &description)
     }
 
     /// Returns a sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &Frame) -> String {
         let mut text = format!(
-            "t = {}, step {}, {} elements",
+            "t = {}, step {}, {}",
             self.view.time(frame.time),
             grouped(frame.step),
-            grouped(frame.whole as u64)
+            elements_and_spheres(frame.whole, &frame.grains)
         );
         let total: f64 = frame.lengths.iter().sum();
         if total > 0.0 {
@@ -274,7 +279,7 @@ impl Pictures<'_> {
     }
 
     /// Draws elements, outlines and cracks as pixels.
-    fn layer(&self, page: &FrameLayout, opened: &Opened, scale: f64) -> Layer {
+    fn layer(&self, page: &FrameLayout, (opened, grains): (&Opened, &GrainScene), scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Flat::new(size, SAMPLES);
         let scaled = |[x, y]: [f64; 2]| [x * scale, y * scale];
@@ -306,7 +311,14 @@ impl Pictures<'_> {
         for (ends, kind) in &opened.cracks {
             fill.square_line(ends.map(pixel), CRACK * scale, crack_colour(*kind));
         }
+        draw_grains(&mut fill, page, grains, scale);
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
+    }
+
+    /// Decompresses the spheres and walls.
+    fn grains(&self, frame: &Frame) -> Result<GrainScene, PictureError> {
+        let scene = GrainScene::new(&frame.grains, self.field, self.range);
+        scene.ok_or_else(|| PictureError::Png { message: FrameError::Damaged.to_string() })
     }
 
     /// Draws elements, outlines and cracks as paths, one for each colour.
@@ -389,6 +401,83 @@ impl Pictures<'_> {
     }
 }
 
+/// Greatest width of the outline of a disc, and its share of the radius.
+const RIM: [f64; 2] = [0.8, 0.12];
+/// Width of walls.
+const WALL_WIDTH: f64 = 1.6;
+
+/// Returns the width of the outline of a disc with this radius, units of the drawing.
+fn rim(radius: f64) -> f64 {
+    RIM[0].min(RIM[1] * radius)
+}
+
+/// Draws discs, walls and force chains as pixels.
+fn draw_grains(fill: &mut Flat, page: &FrameLayout, grains: &GrainScene, scale: f64) {
+    let pixel = |[x, y, _]: [f64; 3]| page.place([x, y]).map(|x| x * scale);
+    for disc in &grains.spheres {
+        let radius = disc.radius * page.scale;
+        fill.disc(pixel(disc.centre), radius * scale, disc.colour, shaded(disc.colour), rim(radius) * scale);
+    }
+    for wall in &grains.walls {
+        fill.line([pixel(wall.corners[0]), pixel(wall.corners[1])], WALL_WIDTH * scale, WALL);
+    }
+    for chain in &grains.chains {
+        fill.line(chain.ends.map(pixel), 2.0 * chain.radius * page.scale * scale, chain.colour);
+    }
+}
+
+/// Draws discs, walls and force chains as circles and lines.
+fn grain_vectors(page: &FrameLayout, grains: &GrainScene, svg: &mut Svg) {
+    if grains.spheres.is_empty() && grains.walls.is_empty() {
+        return;
+    }
+    let at = |[x, y, _]: [f64; 3]| page.place([x, y]);
+    svg.put(format_args!(
+        r#"<svg x="{MARGIN}" y="{HEAD}" width="{0}" height="{1}" viewBox="0 0 {0} {1}"><g class="discs">"#,
+        page.area[0], page.area[1]
+    ));
+    for disc in &grains.spheres {
+        let ([x, y], radius) = (at(disc.centre), disc.radius * page.scale);
+        svg.put(format_args!(
+            r#"<circle cx="{x:.2}" cy="{y:.2}" r="{radius:.2}" fill="{}" stroke="{}" stroke-width="{:.2}"/>"#,
+            hex(disc.colour),
+            hex(shaded(disc.colour)),
+            rim(radius)
+        ));
+    }
+    svg.put(format_args!(r#"</g><g fill="none" stroke-linecap="round">"#));
+    let mut path = String::new();
+    for wall in &grains.walls {
+        let [a, b] = [at(wall.corners[0]), at(wall.corners[1])];
+        // Writing to a string does not fail.
+        let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+    }
+    if !path.is_empty() {
+        svg.put(format_args!(
+            r#"<path class="walls" d="{path}" stroke="{}" stroke-width="{WALL_WIDTH}"/>"#,
+            hex(WALL)
+        ));
+    }
+    for chain in &grains.chains {
+        let [a, b] = chain.ends.map(at);
+        svg.put(format_args!(
+            r#"<path d="M{:.2} {:.2}L{:.2} {:.2}" stroke="{}" stroke-width="{:.2}"/>"#,
+            a[0],
+            a[1],
+            b[0],
+            b[1],
+            hex(chain.colour),
+            2.0 * chain.radius * page.scale
+        ));
+    }
+    svg.put(format_args!("</g></svg>"));
+}
+
+/// Returns the colour of the outline of a disc.
+fn shaded(colour: Rgb) -> Rgb {
+    mix(colour, [0; 3], 0.42)
+}
+
 /// Draws a line and the name of each mode of cracks, of joints that are open from the start, that are whole
 /// and that soften, if their total length or area is above 0.
 pub(crate) fn crack_legend(svg: &mut Svg, [x, y]: [f64; 2], cracks: [f64; 3], others: [f64; 3]) {
@@ -417,7 +506,7 @@ pub(crate) fn crack_legend(svg: &mut Svg, [x, y]: [f64; 2], cracks: [f64; 3], ot
 /// Draws the colour bar of a field, right-aligned.
 pub(crate) fn colour_bar(svg: &mut Svg, field: Field, range: Range, [right, y]: [f64; 2]) {
     let (Range { low, high }, x) = (range, right - BAR);
-    if field.scale().is_none() {
+    if !field.is_continuous() {
         svg.label([right, y + 10.0], 12.0, Anchor::End, INK, &format!("coloured by {}", field.name()));
         return;
     }

@@ -43,6 +43,15 @@ pub enum SnapshotError {
         /// Number of elements.
         elements: usize,
     },
+    /// A contact of spheres has a sphere or a wall that does not exist.
+    Grain {
+        /// `sphere` or `wall`.
+        what: &'static str,
+        /// Number of that sphere or wall.
+        number: u32,
+        /// Number of spheres or walls.
+        most: usize,
+    },
     /// A crack is between elements that have no facet in common.
     Crack {
         /// The elements.
@@ -64,6 +73,9 @@ impl fmt::Display for SnapshotError {
             }
             Self::Contact { element, elements } => {
                 write!(out, "a contact has element {element}, but there are {elements}")
+            }
+            Self::Grain { what, number, most } => {
+                write!(out, "a contact has {what} {number}, but there are {most}")
             }
             Self::Crack { elements: [one, other] } => {
                 write!(out, "a crack is between elements {one} and {other}, which have no facet in common")

@@ -9,9 +9,8 @@ use fdem_io::{Table, Values};
 use fdem_simulation::{Element, Forces, Snapshot};
 
 use crate::fields::place::Place;
-use crate::fields::quantity::Value;
-use crate::fields::state::{Instant, JointState, State, in_space};
-use crate::fields::table::QUANTITIES;
+use crate::fields::state::{Instant, JointState, in_space};
+use crate::run::file_fields::with_fields;
 use crate::run::names::Names;
 use crate::run::snapshot::{checked, checked_contacts, checked_reactions};
 
@@ -23,7 +22,7 @@ const CORNERS: [&str; 4] = ["a", "b", "c", "d"];
 
 /// Writes the deformed mesh as a `.vtu` file.
 ///
-/// - Nodes and elements: the position, and the fields that [`QUANTITIES`] has for files.
+/// - Nodes and elements: the position, and the fields that [`QUANTITIES`](crate::QUANTITIES) has for files.
 /// - File: the time, and the numbers of bodies and materials by their names.
 ///
 /// # Errors
@@ -64,7 +63,7 @@ where
 }
 
 /// Writes the broken joints as a `.vtp` file of lines, in three dimensions of triangles, with the fields of
-/// joints of [`QUANTITIES`].
+/// joints of [`QUANTITIES`](crate::QUANTITIES).
 ///
 /// # Errors
 /// The errors of `out`.
@@ -130,7 +129,7 @@ where
 }
 
 /// Writes the contact forces as a `.vtp` file of points, one for each couple of elements that press each
-/// other, with the fields of contacts of [`QUANTITIES`].
+/// other, with the fields of contacts of [`QUANTITIES`](crate::QUANTITIES).
 ///
 /// # Errors
 /// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`](crate::SnapshotError)
@@ -150,18 +149,4 @@ where
     let points = Table::new(forces.contacts.len()).with_components("positions", &SPACE, Values::f64(place));
     let points = with_fields::<D>(points, Place::Contact, &state);
     fdem_io::write_poly_vtp(out, &points, None, snapshot.time)
-}
-
-/// Adds the fields of a place that files have.
-fn with_fields<'a, const D: usize>(table: Table<'a>, place: Place, state: &'a dyn State) -> Table<'a> {
-    let rows = QUANTITIES.iter().filter(|row| row.in_files && row.place == place && row.exists_in(D));
-    rows.fold(table, |table, row| {
-        let width = row.width();
-        let values = match row.value {
-            Value::Real(of) => Values::f64(move |k| of(state, k / width, k % width)),
-            Value::Whole(of) => Values::i64(move |k| of(state, k / width, k % width)),
-            Value::Short(of) => Values::i32(move |k| of(state, k / width, k % width)),
-        };
-        table.with_components(row.key, row.components, values).in_unit(row.unit)
-    })
 }

@@ -3,7 +3,9 @@
 use crate::arrays::each;
 use crate::picture::PictureError;
 use crate::picture::colour::{Rgb, mix};
-use crate::picture::raster::{Paint, Stroke, Triangle};
+use crate::picture::raster::{Bead, Beads, Paint, Rod, Stroke, Triangle};
+use crate::run::grains::drawing::{GrainScene, WALL};
+use crate::run::grains::walls::{EMPTY, WallTriangle, bounds_of, union};
 use crate::space::section::Plane;
 use crate::space::view::SpaceView;
 
@@ -74,6 +76,8 @@ pub(crate) struct SpaceScene {
     pub(crate) cracks: Vec<CrackFacet>,
     /// Whether no facet can be seen from inside.
     pub(crate) closed: bool,
+    /// Spheres, their contacts and walls.
+    pub(crate) grains: GrainScene,
 }
 
 /// Projection of a scene onto pixels.
@@ -208,6 +212,83 @@ pub(crate) fn cracks(scene: &SpaceScene, camera: &SpaceCamera, cut: Option<Plane
     let mut first = far.finish();
     first.extend(facets.finish());
     vec![first, near.finish()]
+}
+
+/// Colour and cover of a wall that is before the middle of the picture, and of its lines.
+const NEAR_WALL: [Paint; 2] =
+    [Paint { cover: 26, colour: [120, 144, 168] }, Paint { cover: 150, colour: WALL }];
+/// Colours of a wall behind the middle.
+const FAR_WALL: [Rgb; 2] = [[236, 240, 244], [176, 186, 196]];
+
+/// Returns the triangles of walls that are behind the middle of the visible parts, and those before it, which
+/// are transparent.
+pub(crate) fn walls(walls: &[WallTriangle], camera: &SpaceCamera, cut: Option<Plane>) -> [Vec<Triangle>; 2] {
+    let (mut far, mut near) = (Sheet::new(camera), Sheet::new(camera));
+    far.line = Some(Paint::solid(FAR_WALL[1]));
+    near.line = Some(NEAR_WALL[1]);
+    (far.rims, near.rims) = (true, true);
+    let [middle, low] = [&camera.view.high, &camera.view.low];
+    let middle: [f64; 3] = each(|axis| 0.5 * (middle[axis] + low[axis]));
+    let middles = middles(walls);
+    for wall in walls {
+        let Some(normal) = facing(camera, wall.corners) else { continue };
+        let edges = each(|k| if wall.lines >> k & 1 == 1 { Edge::Feature } else { Edge::None });
+        let facet = Facet { corners: wall.corners, colour: [0; 3], edges, broken: false };
+        // The side away from the middle of the wall is outside, or, of a flat wall, that away from the middle
+        // of all. A wall is far if its outside is turned away from the eye.
+        let along = |middle: [f64; 3]| {
+            let away = camera.view.turned(each(|axis| wall.corners[0][axis] - middle[axis]));
+            (0..3).fold(0.0, |sum, axis| sum + normal[axis] * away[axis])
+        };
+        let size = size(wall.corners);
+        let own = along(middles[wall.wall as usize]);
+        let outside = if own.abs() > 1e-6 * size { own } else { along(middle) };
+        let is_far = outside * normal[2] < 0.0;
+        for (corners, edges) in clipped(&facet, cut) {
+            if is_far {
+                let normal = if normal[2] < 0.0 { normal.map(|x| -x) } else { normal };
+                let shade = 0.93 + 0.07 * bright(normal);
+                far.add(corners, Paint::solid(shaded(FAR_WALL[0], shade)), Side::Front, edges, size);
+            } else {
+                near.add(corners, NEAR_WALL[0], Side::Front, edges, size);
+            }
+        }
+    }
+    [far.finish(), near.finish()]
+}
+
+/// Returns the middle of the box around each wall, by its number.
+fn middles(walls: &[WallTriangle]) -> Vec<[f64; 3]> {
+    let count = walls.iter().map(|wall| wall.wall as usize + 1).max().unwrap_or(0);
+    let mut bounds = vec![EMPTY; count];
+    for wall in walls {
+        let own = &mut bounds[wall.wall as usize];
+        *own = union(*own, bounds_of(wall.corners));
+    }
+    bounds.into_iter().map(|bounds| bounds.map(|[low, high]| 0.5 * (low + high))).collect()
+}
+
+/// Returns the spheres and the lines of contacts in pixels, but those whose middle is cut away.
+pub(crate) fn beads(grains: &GrainScene, camera: &SpaceCamera, cut: Option<Plane>) -> Beads {
+    let is_left = |point: [f64; 3]| {
+        cut.is_none_or(|plane| {
+            (0..3).fold(-plane.offset, |sum, axis| sum + plane.normal[axis] * point[axis]) <= 0.0
+        })
+    };
+    let spheres = grains.spheres.iter().filter(|sphere| is_left(sphere.centre)).map(|sphere| Bead {
+        centre: camera.place(sphere.centre),
+        radius: sphere.radius * camera.scale,
+        colour: sphere.colour,
+    });
+    let middle = |[a, b]: [[f64; 3]; 2]| each(|axis| 0.5 * (a[axis] + b[axis]));
+    let rods = grains.chains.iter().filter(|chain| is_left(middle(chain.ends))).map(|chain| Rod {
+        ends: chain.ends.map(|end| camera.place(end)),
+        radius: chain.radius * camera.scale,
+        colour: chain.colour,
+    });
+    // Spheres would hide the lines between them.
+    let spheres = if grains.chains.is_empty() { spheres.collect() } else { Vec::new() };
+    Beads { spheres, rods: rods.collect() }
 }
 
 /// Returns the parts of a facet that a cut leaves, with the kinds of their edges.

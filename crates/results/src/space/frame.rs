@@ -7,15 +7,16 @@ use fdem_simulation::{Crack, Snapshot};
 use crate::fields::field::{Field, SCALES, line_of_keys};
 use crate::fields::range::{Range, Scale};
 use crate::fields::state::Instant;
-use crate::run::frame::{CrackKind, FrameError, LEVEL, Words, bounds, holding, measures};
-use crate::run::packed::{Packed, Unpacked, low_halves};
+use crate::run::frame::{CrackKind, FrameError, LEVEL, around, extent_with, holding, measures};
+use crate::run::grains::frame::GrainFrame;
+use crate::run::packed::{Packed, Unpacked, Words, bounds, low_halves};
 use crate::run::snapshot::{SnapshotError, checked};
 use crate::space::facets::{FACETS, Marks};
 use crate::space::opened::{OpenedCrack, OpenedSpace};
 use crate::space::shell::{Shell, VisibleParts};
 
 /// First bytes of a file: its kind and its version. The keys of its fields follow.
-const MAGIC: &[u8; 8] = b"fdemspc4";
+const MAGIC: &[u8; 8] = b"fdemspc5";
 
 /// Maximum number of elements of a mesh whose frames have the elements inside. Frames of larger meshes have
 /// only the elements at the surface.
@@ -81,6 +82,8 @@ pub struct SpaceFrame {
     pub(crate) others: [f64; 3],
     /// The least and the greatest opening of a crack, m.
     pub(crate) openings: [f64; 2],
+    /// Spheres and walls.
+    pub(crate) grains: GrainFrame,
     /// Sizes of the arrays of elements at the surface with the cracks, and of elements inside, before they
     /// were deflated, bytes.
     pub(crate) sizes: [usize; 2],
@@ -101,7 +104,7 @@ impl fmt::Debug for SpaceFrame {
 impl Range {
     /// Returns the range of a series in three dimensions, by the same rules.
     pub fn of_space<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>, field: Field) -> Self {
-        field.range(frames.into_iter().map(|frame| &frame.scales))
+        field.range(frames.into_iter().map(|frame| (&frame.scales, &frame.grains.ranges)))
     }
 }
 
@@ -211,6 +214,7 @@ impl SpaceFrame {
             areas,
             others,
             openings: ends,
+            grains: GrainFrame::new(&snapshot.spheres, around(whole, &bounds))?,
             sizes: [packed[0].len(), packed[1].len()],
             deflated: packed.map(|bytes| miniz_oxide::deflate::compress_to_vec(&bytes, LEVEL)),
         })
@@ -224,6 +228,16 @@ impl SpaceFrame {
     /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.time
+    }
+
+    /// Returns the bounds of the elements, of the spheres and of the walls near them.
+    pub(crate) fn extent(&self) -> [[f64; 2]; 3] {
+        extent_with(self.whole, self.bounds, &self.grains)
+    }
+
+    /// Returns the numbers of all elements and of all spheres.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.whole, self.grains.whole]
     }
 
     /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
@@ -250,6 +264,7 @@ impl SpaceFrame {
         for number in numbers.chain(self.others).chain(self.openings) {
             bytes.extend(number.to_le_bytes());
         }
+        self.grains.write(&mut bytes);
         bytes.extend(self.deflated.iter().flatten());
         bytes
     }
@@ -273,6 +288,7 @@ impl SpaceFrame {
             let bounds = [words.pair()?, words.pair()?, words.pair()?];
             let (scales, areas) = (words.scales()?, [words.f64()?, words.f64()?, words.f64()?]);
             let (others, openings) = ([words.f64()?, words.f64()?, words.f64()?], words.pair()?);
+            let grains = GrainFrame::read(&mut words)?;
             let (one, other) = words.bytes.split_at_checked(first)?;
             let deflated = [one.to_vec(), other.to_vec()];
             let (sizes, solid) = ([outer, inner], [false, true].get(solid).copied()?);
@@ -293,6 +309,7 @@ impl SpaceFrame {
                 areas,
                 others,
                 openings,
+                grains,
                 sizes,
                 deflated,
             })

@@ -15,6 +15,8 @@ use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{PictureError, drawing::scale, raster};
+use crate::run::frame::FrameError;
+use crate::run::grains::drawing::{GrainScene, elements_and_spheres};
 use crate::run::pictures::{CRACKS, HOLDING, colour_bar, crack_colour, crack_legend, time_text};
 use crate::run::unit::prefixed;
 use crate::space::drawing::{self, CRACK, CrackFacet, Edge, Facet, SpaceCamera, SpaceScene, Tetrahedron};
@@ -180,7 +182,10 @@ impl SpacePictures<'_> {
     fn sheet(&self, page: &SpaceLayout, frame: &SpaceFrame) -> Svg {
         let name = format!("{} at {}", self.title, time_text(frame.time, self.view.last));
         let what = match self.show {
-            Show::Solid => format!("Elements coloured by {}", self.field.name()),
+            Show::Solid => {
+                let what = if frame.whole == 0 && !frame.grains.is_empty() { "Spheres" } else { "Elements" };
+                format!("{what} coloured by {}", self.field.name())
+            }
             Show::Cracks => "Broken joints coloured by their mode of failure".to_owned(),
         };
         let cut = if self.cut.is_some() { ", cut by a plane" } else { "" };
@@ -190,10 +195,10 @@ impl SpacePictures<'_> {
     /// Returns a sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &SpaceFrame) -> String {
         let mut text = format!(
-            "t = {}, step {}, {} elements",
+            "t = {}, step {}, {}",
             time_text(frame.time, self.view.last),
             grouped(frame.step),
-            grouped(frame.whole as u64)
+            elements_and_spheres(frame.whole, &frame.grains)
         );
         if frame.cracks > 0 {
             // All bodies, also those that no one counts among the fragments. Writing to a string does not
@@ -219,7 +224,10 @@ impl SpacePictures<'_> {
 
     /// Decompresses a frame into plain lists.
     fn scene(&self, frame: &SpaceFrame) -> Result<SpaceScene, PictureError> {
-        let opened = frame.open().map_err(|error| PictureError::Png { message: error.to_string() })?;
+        let damaged = |error: FrameError| PictureError::Png { message: error.to_string() };
+        let opened = frame.open().map_err(damaged)?;
+        let grains = GrainScene::new(&frame.grains, self.field, self.range);
+        let grains = grains.ok_or_else(|| damaged(FrameError::Damaged))?;
         let broken: BTreeSet<(usize, usize)> = opened.cracks.iter().flat_map(|crack| crack.facets).collect();
         // Ends of the edges at which cracks reach the surface. Facets beside them have the same corners.
         let mut traces = BTreeSet::new();
@@ -275,6 +283,7 @@ impl SpacePictures<'_> {
             tetrahedra,
             cracks: cracks.chain(holding).collect(),
             closed: self.cut.is_none() || opened.solid,
+            grains,
         })
     }
 
@@ -283,11 +292,20 @@ impl SpacePictures<'_> {
         let size = page.camera.size.map(|side| (side * scale).round() as usize);
         let camera = page.camera.zoomed(scale);
         let cut = self.cut.and_then(|cut| cut.plane(&self.view));
-        let layers = match self.show {
-            Show::Solid => drawing::solid(scene, &camera, cut),
-            Show::Cracks => drawing::cracks(scene, &camera, cut),
+        let mut layers = match self.show {
+            // Bodies would hide force chains.
+            Show::Solid if self.field != Field::FORCE_CHAINS => drawing::solid(scene, &camera, cut),
+            _ => drawing::cracks(scene, &camera, cut),
         };
-        Layer { at: [MARGIN, HEAD], size, pixels: raster::draw(size, &layers) }
+        if !scene.grains.walls.is_empty() {
+            let [far, near] = drawing::walls(&scene.grains.walls, &camera, cut);
+            if let Some(first) = layers.first_mut() {
+                first.extend(far);
+            }
+            layers.push(near);
+        }
+        let beads = drawing::beads(&scene.grains, &camera, cut);
+        Layer { at: [MARGIN, HEAD], size, pixels: raster::draw_with(size, &layers, &beads) }
     }
 
     /// Draws the title, the axes, the scale bar, the legend of the cracks and the colour bar.

@@ -25,7 +25,7 @@ impl SpaceView {
     /// half of the longest side of that frame. Fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>) -> Self {
         let (bounds, times): (Vec<_>, Vec<f64>) =
-            frames.into_iter().map(|frame| (frame.bounds, frame.time)).unzip();
+            frames.into_iter().map(|frame| (frame.extent(), frame.time)).unzip();
         let extent = extent(bounds);
         let [low, high] = [0, 1].map(|end| extent.map(|axis| axis[end]));
         let last = times.into_iter().fold(0.0, f64::max);

@@ -167,7 +167,7 @@ where
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
         for cavity in &mut self.all {
             let Some(mut numbers) = cavity.numbers else { continue };
-            let factor = acting.schedules[cavity.boundary as usize].factor(acting.time);
+            let factor = acting.schedules[cavity.boundary as usize].factor(acting.scene.time);
             numbers.pressure = cavity.pressure_at(&numbers, factor);
             numbers.stored = cavity.stored(&numbers);
             numbers.work += 0.5 * numbers.pressure * numbers.swept;

@@ -164,7 +164,7 @@ where
         if self.is_empty() {
             return;
         }
-        let (model, time, solid) = (acting.model, acting.time, acting.solid());
+        let (model, time, solid) = (acting.scene.model, acting.scene.time, acting.solid());
         acting.apply(|applied| self.collect(solid, model, time, applied));
     }
 

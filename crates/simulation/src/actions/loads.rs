@@ -99,7 +99,7 @@ where
         if self.forces.is_empty() && self.sides.is_empty() {
             return;
         }
-        let (schedules, time, solid) = (acting.schedules, acting.time, acting.solid());
+        let (schedules, time, solid) = (acting.schedules, acting.scene.time, acting.solid());
         acting.apply(|applied| self.collect(solid, schedules, time, applied));
     }
 

@@ -288,7 +288,7 @@ where
             return;
         }
         let on = acting.solid();
-        acting.team.change_both(holds, pressed, |first, holds, pressed| {
+        acting.scene.team.change_both(holds, pressed, |first, holds, pressed| {
             for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
                 let place = &places[first + k];
                 let ends = place.corners.map(|facet| facet.map(|corner| on.position_at(corner)));

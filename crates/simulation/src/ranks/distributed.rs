@@ -116,6 +116,9 @@ where
         if let Some(of) = frame.model.until_overloaded.first() {
             return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
         }
+        if frame.model.grains.is_some() {
+            return Err(ModelError::GrainsOnRanks);
+        }
         let team = Team::new(threads)?;
         let carried = run.as_ref().map_or_else(|| CarriedState::of_bytes(&common), Simulation::carried);
         let mut division = None;
@@ -280,7 +283,8 @@ where
         let mut most = [own.detections as f64];
         self.communicator.all_max(&mut most);
         let [joints, broken, open, parted, contacts, nodes] = sums.map(|sum| sum as usize);
-        Counts { joints, broken, open, parted, contacts, detections: most[0] as u64, nodes }
+        let detections = most[0] as u64;
+        Counts { joints, broken, open, parted, contacts, detections, nodes, ..Counts::default() }
     }
 
     /// The elements of the first couple in which one element reached the centroid of the other in the last
@@ -489,6 +493,7 @@ where
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),
+            ..Counts::default()
         }
     }
 

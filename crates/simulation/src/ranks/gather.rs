@@ -3,6 +3,7 @@
 //! Rank 0 gets the state of each element and node, and not the data that is needed to advance them.
 
 use fdem_distributed::wire;
+use fdem_grains::SphereColumns;
 
 use crate::action::Record;
 use crate::contacts::SavedContacts;
@@ -257,6 +258,7 @@ where
             intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
+            spheres: SphereColumns::default(),
         }
     }
 
@@ -264,6 +266,7 @@ where
     pub fn state(&self) -> State<D, N> {
         State {
             released: Vec::new(),
+            spheres: None,
             step: self.carried.step,
             totals: self.carried.totals.clone(),
             energies: self.carried.energies,

@@ -10,6 +10,7 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::totals::Totals;
 use crate::sum::Sum;
+use crate::topology::NONE;
 use crate::vector::dot;
 
 /// Steps between two checks of the energy balance.
@@ -139,7 +140,7 @@ where
         sums
     }
 
-    /// The element with the most energy per mass: the first of them.
+    /// The element with the most energy per mass: the first of them; [`NONE`] if there are no elements.
     pub(super) fn hottest(&self, peers: &dyn Peers<D, N>) -> u32 {
         let density = |number: u32| {
             let element = self.solid().element(number as usize);
@@ -155,7 +156,7 @@ where
             (0..self.solid().element_count() as u32).filter(|&element| self.solid().share().element(element));
         let of_all = all.map(|element| (density(element), self.topology.number(element)));
         let own = of_all.reduce(first_of_largest);
-        peers.first_of_largest(own).map_or(0, |(_, element)| element)
+        peers.first_of_largest(own).map_or(NONE, |(_, element)| element)
     }
 
     /// Kinetic energy with the velocities half a step after the positions, J.

@@ -392,6 +392,11 @@ impl Numbers {
         State {
             factors: state.factors.into_iter().filter_map(factor).collect(),
             records: Vec::new(),
+            spheres: match (&new.spheres, state.spheres) {
+                // Spheres that are there already continue, and others begin.
+                (Some(_), Some(before)) => Some(before.renumbered::<N>(|element| self.now(element))),
+                _ => new.spheres,
+            },
             step: state.step,
             totals: state.totals,
             energies: state.energies,

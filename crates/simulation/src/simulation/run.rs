@@ -2,10 +2,12 @@
 
 use fdem_contact::Simd;
 use fdem_distributed::wire;
+use fdem_grains::GrainRun;
 
 use crate::action::{Record, Scene};
 use crate::actions::cavity::CavityState;
 use crate::actions::seams::Seams;
+use crate::actions::spheres::SphereAction;
 use crate::actions::{Actions, prescribed};
 use crate::checks;
 use crate::compiled::compiled;
@@ -113,7 +115,7 @@ pub(crate) struct Components<const D: usize, const N: usize> {
     pub(crate) actions: Actions<D, N>,
 }
 
-/// Numbers of joints, contacts and nodes, which change during a run.
+/// Numbers of joints, contacts, nodes and spheres, which change during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Joints that hold, elastic or softening; none of an open set.
@@ -132,6 +134,10 @@ pub struct Counts {
     pub detections: u64,
     /// Nodes.
     pub nodes: usize,
+    /// Spheres.
+    pub spheres: usize,
+    /// Contacts of spheres with each other, with walls and with bodies.
+    pub sphere_contacts: usize,
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -164,6 +170,8 @@ where
             joints.law(facet, &model, &topology)?;
         }
         let mut actions = Actions::new(&model, &topology, &mut solid, None)?;
+        let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
+        actions.spheres = SphereAction::new(&model, time_step, &team)?;
         solid.hold_rigid_bodies(&actions.prescribed.holds, &model)?;
         let contacts = Contacts::new(&model, &topology, &joints.faces, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {
@@ -201,7 +209,6 @@ where
             all.map(|element| element.volume * modulus(element.material))
         };
         let stiffness: Sum = stiffnesses().collect();
-        let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
         let masses = (0..solid.node_count()).map(|node| solid.constants(node).mass);
         let heaviest = masses.fold(0.0, f64::max);
         let fastest = prescribed::fastest(&model, time_step).min(speed_limit);
@@ -366,7 +373,7 @@ where
         self.reactions.get(boundary).map(|reaction| reaction.moment)
     }
 
-    /// Numbers of joints, contacts and nodes.
+    /// Numbers of joints, contacts, nodes and spheres.
     pub fn counts(&self) -> Counts {
         let [broken, open, parted] = self.joints().broken();
         Counts {
@@ -377,6 +384,8 @@ where
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: self.solid().node_count(),
+            spheres: self.actions.spheres.run().map_or(0, GrainRun::count),
+            sphere_contacts: self.actions.spheres.run().map_or(0, GrainRun::contact_count),
         }
     }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::action::Record;
+use crate::actions::spheres::SavedSpheres;
 use crate::compiled::compiled;
 use crate::contacts::SavedContacts;
 use crate::energy::Energies;
@@ -25,8 +26,8 @@ use crate::vector::Matrix;
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(
-    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, SavedJoints<D>: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, SavedJoints<D>: Deserialize<'de>"
+    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, SavedJoints<D>: Serialize, SavedSpheres<D>: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, SavedJoints<D>: Deserialize<'de>, SavedSpheres<D>: Deserialize<'de>"
 ))]
 pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) step: u64,
@@ -49,6 +50,7 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     pub(crate) records: Vec<Record>,
     /// See [`Simulation::released`].
     pub(crate) released: Vec<(u32, Matrix<D>)>,
+    pub(crate) spheres: Option<SavedSpheres<D>>,
 }
 
 impl<const D: usize, const N: usize> State<D, N> {
@@ -87,6 +89,7 @@ where
             factors: self.actions.factors.clone(),
             records: self.records(),
             released: self.released.clone(),
+            spheres: self.actions.spheres.save(&self.topology),
         }
     }
 }
@@ -156,6 +159,9 @@ where
                 let place = "the actions of the saved state".to_owned();
                 return Err(ModelError::Missing { what: "corner or facet", index, place });
             }
+        }
+        if let Some(saved) = state.spheres {
+            run.actions.spheres.restore(saved, &run.topology)?;
         }
         run.step = state.step;
         run.released = state.released;

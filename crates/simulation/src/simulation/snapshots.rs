@@ -1,5 +1,6 @@
 //! The snapshot of a run, its forces and its cracks, for results.
 
+use fdem_grains::{GrainRun, SphereColumns};
 use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
@@ -56,6 +57,7 @@ where
             intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
+            spheres: self.actions.spheres.run().map_or_else(SphereColumns::default, GrainRun::columns),
         }
     }
 

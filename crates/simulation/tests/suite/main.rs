@@ -49,3 +49,5 @@ mod relaxation;
 mod rigid;
 /// Bodies that are rigid until they are overloaded.
 mod overload;
+/// Spheres and walls, alone and with bodies.
+mod spheres;

@@ -156,6 +156,8 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         | Probe::Cavity(_)
         | Probe::JointSet(_)
         | Probe::RigidBody(_)
+        | Probe::Wall { .. }
+        | Probe::Spheres { .. }
         | Probe::Softening => Vec::new(),
     };
     let points = prepared.histories.iter().map(|history| ModelPoint {

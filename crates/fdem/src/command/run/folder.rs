@@ -7,6 +7,7 @@
 //! events.csv            acoustic emission, if it is asked for
 //! fragments.csv         masses, sizes and motion of the fragments when the run ends
 //! results.pvd, cracks.pvd, damaged_joints.pvd, intact_joints.pvd, contacts.pvd, frames/   for ParaView
+//! spheres.pvd, sphere_contacts.pvd, walls.pvd   the same for spheres and walls, in runs that have them
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
@@ -58,7 +59,7 @@ pub(crate) const REPORT: &str = "report.html";
 pub(crate) const SUMMARY: &str = "run.json";
 
 /// Files that a run makes; `--force` removes them.
-const FILES: [&str; 15] = [
+const FILES: [&str; 18] = [
     // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
@@ -71,6 +72,9 @@ const FILES: [&str; 15] = [
     "damaged_joints.pvd",
     "intact_joints.pvd",
     "contacts.pvd",
+    "spheres.pvd",
+    "sphere_contacts.pvd",
+    "walls.pvd",
     REPORT,
     "animation.gif",
     "picture.png",
@@ -79,7 +83,7 @@ const FILES: [&str; 15] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 15\n";
+const MAGIC: &[u8] = b"fdem checkpoint 16\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]
@@ -241,7 +245,8 @@ impl Folder {
             let name = name.to_string_lossy();
             let number = name.split(['.', '_']).next().and_then(|number| number.parse().ok());
             let is_later = |number: &usize| {
-                *number >= first && files_of(*number).any(|file| file == format!("{FRAMES}/{name}"))
+                *number >= first
+                    && files_of(*number, [true; 2]).any(|file| file == format!("{FRAMES}/{name}"))
             };
             if number.is_some_and(|number| is_later(&number)) {
                 fs::remove_file(path.join(&*name)).map_err(failed)?;
@@ -417,14 +422,36 @@ pub(crate) const COLLECTIONS: [(&str, FrameFile); 4] = [
     ("contacts.pvd", contacts_file),
 ];
 
+/// Name of the file of the spheres of a frame, in runs with spheres or walls.
+pub(crate) fn spheres_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_spheres.vtp")
+}
+
+/// Name of the file of the contacts of the spheres of a frame.
+pub(crate) fn sphere_contacts_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_sphere_contacts.vtp")
+}
+
+/// Name of the file of the walls of a frame.
+pub(crate) fn walls_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_walls.vtp")
+}
+
+/// Collections of runs with spheres or walls.
+pub(crate) const OF_SPHERES: [(&str, FrameFile); 3] =
+    [("spheres.pvd", spheres_file), ("sphere_contacts.pvd", sphere_contacts_file), ("walls.pvd", walls_file)];
+
 /// Name of the file of a frame for the report.
 pub(crate) fn packed_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.frame")
 }
 
-/// Returns the names of the files of a frame; the last is that of the whole joints, which runs have on
-/// request.
-pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
+/// Returns the names of the files of a frame. `more`: whether it has the file of the whole joints, which runs
+/// have on request, and those of spheres and walls, which runs have that have these.
+pub(crate) fn files_of(number: usize, more: [bool; 2]) -> impl Iterator<Item = String> {
+    let [intact, spheres] = more;
     let always = COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number));
-    always.chain([packed_file(number), intact_file(number)])
+    let of_spheres = spheres.then_some(OF_SPHERES).into_iter().flatten();
+    let of_spheres = of_spheres.map(move |(_, file_of)| file_of(number));
+    always.chain([packed_file(number)]).chain(intact.then(|| intact_file(number))).chain(of_spheres)
 }

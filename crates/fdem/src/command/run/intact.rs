@@ -33,7 +33,7 @@ impl Intact {
         for (number, record) in manifest.frames.iter().enumerate() {
             // The checkpoint has the state that this frame shows.
             let is_now = number + 1 == manifest.frames.len() && record.step == manifest.step;
-            for (name, checksum) in files_of(number).zip(&record.files) {
+            for (name, checksum) in files_of(number, record.more).zip(&record.files) {
                 let Some(why) = difference(&folder.path(&name), *checksum)? else { continue };
                 if is_now {
                     damaged.push(name);

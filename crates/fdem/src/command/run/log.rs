@@ -101,17 +101,21 @@ impl RunLog {
             return;
         }
         self.last = Instant::now();
-        let rate = (run.steps() - self.first_step) as f64 * run.elements() as f64
-            / self.start.elapsed().as_secs_f64().max(1e-9);
+        let rate = (run.steps() - self.first_step) as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
         // The most important parts come first: a narrow terminal shows only those that fit.
-        let parts = [
+        let mut parts = vec![
             format!("time {} s", brief(run.time())),
             format!("step {} of {}", grouped(run.steps()), grouped(self.total)),
-            format!("{} joints broken", grouped(counts.broken as u64)),
-            format!("{:.1} million element-steps a second", rate / 1e6),
-            format!("kinetic energy {} J", brief(run.energies().kinetic)),
         ];
+        if run.elements() > 0 {
+            parts.push(format!("{} joints broken", grouped(counts.broken as u64)));
+            parts.push(format!("{:.1} million element-steps a second", rate / 1e6 * run.elements() as f64));
+        } else {
+            parts.push(format!("{} contacts", grouped(counts.sphere_contacts as u64)));
+            parts.push(format!("{:.1} million sphere-steps a second", rate / 1e6 * counts.spheres as f64));
+        }
+        parts.push(format!("kinetic energy {} J", brief(run.energies().kinetic)));
         let text = parts.join(", ");
         if let Some(bar) = &mut self.bar {
             bar.show(run.steps());
@@ -180,6 +184,8 @@ where
         },
         "elements": run.elements(),
         "nodes": counts.nodes,
+        "spheres": counts.spheres,
+        "sphere_contacts": counts.sphere_contacts,
         "steps": run.steps(),
         "time_step": run.time_step(),
         "time": run.time(),

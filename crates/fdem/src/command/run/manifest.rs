@@ -43,6 +43,8 @@ pub(crate) struct FrameRecord {
     pub(crate) step: u64,
     /// Time, s.
     pub(crate) time: f64,
+    /// Whether it has the file of the whole joints, and those of spheres and walls.
+    pub(crate) more: [bool; 2],
     /// Its files, in the order of [`files_of`](super::folder::files_of).
     pub(crate) files: Vec<Checksum>,
 }

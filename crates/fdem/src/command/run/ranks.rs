@@ -3,7 +3,7 @@
 use fdem_distributed::Communicator;
 use fdem_io::numbers::grouped;
 use fdem_results::{Plot, RankLoad, rank_loads};
-use fdem_simulation::{Leader, ModelError, Simulation, Traffic, dismiss, follow};
+use fdem_simulation::{Leader, Model, ModelError, Simulation, Traffic, dismiss, follow};
 
 use crate::command::args::RunOptions;
 use crate::command::failure::Failure;
@@ -38,9 +38,12 @@ impl<'c> RunRanks<'c> {
         Ok(Some(Self { ranks, threads, followed: false }))
     }
 
-    /// Refuses more ranks than a model has elements.
-    pub(super) fn check(&self, elements: usize) -> Result<(), String> {
+    /// Refuses more ranks than a model has elements, and several ranks for spheres.
+    pub(super) fn check<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> Result<(), String> {
+        let elements = model.mesh.elements.len();
         match self.ranks.map(Communicator::size) {
+            Some(ranks) if ranks > 1 && model.grains.is_some() => Err(ModelError::GrainsOnRanks.to_string()),
+            _ if model.grains.is_some() => Ok(()),
             Some(ranks) if ranks > elements => Err(ModelError::Ranks { ranks, elements }.to_string()),
             _ => Ok(()),
         }
@@ -55,7 +58,9 @@ impl<'c> RunRanks<'c> {
         [[f64; D]; N]: Results<D, N>,
     {
         self.followed = true;
-        let Some(ranks) = self.ranks else { return Ok(Box::new(run)) };
+        // One rank has all spheres, as one process.
+        let ranks = self.ranks.filter(|_| run.model().grains.is_none());
+        let Some(ranks) = ranks else { return Ok(Box::new(run)) };
         let leader = Leader::new(ranks, run, self.threads).map_err(|error| error.to_string())?;
         Ok(Box::new(leader))
     }

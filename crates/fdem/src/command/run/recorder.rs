@@ -9,7 +9,8 @@ use std::sync::atomic::Ordering;
 
 use fdem_results::{
     Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, plots, pvd,
-    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp, write_vtu,
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp,
+    write_sphere_contacts_vtp, write_spheres_vtp, write_vtu, write_walls_vtp,
 };
 use fdem_simulation::{Forces, Snapshot};
 
@@ -18,8 +19,9 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::folder::{
-    COLLECTIONS, FRAGMENTS, Folder, HISTORY, INTACT, MODEL, PLOTS, REPORT, contacts_file, cracks_file,
-    damaged_file, intact_file, mesh_file, packed_file,
+    COLLECTIONS, FRAGMENTS, Folder, HISTORY, INTACT, MODEL, OF_SPHERES, PLOTS, REPORT, contacts_file,
+    cracks_file, damaged_file, intact_file, mesh_file, packed_file, sphere_contacts_file, spheres_file,
+    walls_file,
 };
 use crate::command::run::intact::{Intact, Problems};
 use crate::command::run::manifest::{Checksum, FrameRecord, Hashed, Hashing, Manifest};
@@ -55,6 +57,8 @@ where
     shown: [usize; 2],
     /// Whether frames have files of the joints that are whole.
     intact_joints: bool,
+    /// Whether frames have files of spheres and walls.
+    spheres: bool,
     /// Number of frames of the whole run, about.
     expected: usize,
 }
@@ -105,6 +109,7 @@ where
             holds: Some(folder.hold()?),
             shown: prepared.output.shown,
             intact_joints: prepared.output.intact_joints,
+            spheres: prepared.model.grains.is_some(),
             expected: ((prepared.end_time / prepared.output.interval).ceil() as usize).saturating_add(1),
         })
     }
@@ -190,7 +195,8 @@ where
     pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
         let files = self.frame_files(number, snapshot, forces)?;
-        let mut record = FrameRecord { step: snapshot.step, time: snapshot.time, files: Vec::new() };
+        let more = [self.intact_joints, self.spheres];
+        let mut record = FrameRecord { step: snapshot.step, time: snapshot.time, more, files: Vec::new() };
         for (name, bytes) in files {
             self.folder.write_unsynced(&name, &bytes)?;
             record.files.push(Checksum::of(&bytes));
@@ -238,6 +244,13 @@ where
         if self.intact_joints {
             files.push(written(intact_file(number), &|out| write_intact_joints_vtp(out, snapshot))?);
         }
+        if self.spheres {
+            files.extend([
+                written(spheres_file(number), &|out| write_spheres_vtp(out, snapshot))?,
+                written(sphere_contacts_file(number), &|out| write_sphere_contacts_vtp(out, snapshot))?,
+                written(walls_file(number), &|out| write_walls_vtp(out, snapshot))?,
+            ]);
+        }
         Ok(files)
     }
 
@@ -262,7 +275,10 @@ where
     /// Writes the collections that ParaView opens. The disk has the files that they name.
     fn collect(&mut self) -> Result<(), Failure> {
         self.collected = self.frames.len();
-        for (name, file_of) in COLLECTIONS.into_iter().chain(self.intact_joints.then_some(INTACT)) {
+        let of_spheres = self.spheres.then_some(OF_SPHERES).into_iter().flatten();
+        let collections =
+            COLLECTIONS.into_iter().chain(self.intact_joints.then_some(INTACT)).chain(of_spheres);
+        for (name, file_of) in collections {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
             let entries = self.frames.iter().zip(&files).map(|(frame, file)| (frame.time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;

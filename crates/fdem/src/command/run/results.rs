@@ -125,6 +125,7 @@ impl Results<2, 3> for [[f64; 2]; 3] {
         width: Option<u32>,
     ) -> Result<Vec<u8>, String> {
         let frame = Frame::outlined(snapshot, outlines).map_err(|error| error.to_string())?;
+        let field = field.among(frame.counts());
         let frames = std::slice::from_ref(&frame);
         let pictures =
             Pictures { title, field, range: Range::of(frames, field), view: FrameView::of(frames) };
@@ -134,8 +135,10 @@ impl Results<2, 3> for [[f64; 2]; 3] {
     fn draw(run: &DrawnRun<'_, 2>, frames: &[Frame]) -> RunDrawings {
         let &DrawnRun { title, facts, plots, fragments, field, animate, names } = run;
         let view = FrameView::of(frames);
+        let field = frames.last().map_or(field, |last| field.among(last.counts()));
         let pictures = |field| Pictures { title, field, range: Range::of(frames, field), view };
-        let animation = |asked| {
+        let animation = |asked: Field| {
+            let asked = frames.last().map_or(asked, |last| asked.among(last.counts()));
             let mut animation = Animation::new(pictures(asked), None, DELAY);
             frames.iter().try_for_each(|frame| animation.push(frame))?;
             animation.finish()
@@ -200,6 +203,7 @@ impl Results<3, 4> for [[f64; 3]; 4] {
     ) -> Result<Vec<u8>, String> {
         // Only the surface is drawn.
         let frame = SpaceFrame::with_inside(snapshot, shell, 0).map_err(|error| error.to_string())?;
+        let field = field.among(frame.counts());
         let frames = std::slice::from_ref(&frame);
         let (range, view) = (Range::of_space(frames, field), SpaceView::of(frames));
         let pictures = SpacePictures { title, field, range, view, show: Show::Solid, cut: None };
@@ -209,6 +213,7 @@ impl Results<3, 4> for [[f64; 3]; 4] {
     fn draw(run: &DrawnRun<'_, 3>, frames: &[SpaceFrame]) -> RunDrawings {
         let &DrawnRun { title, facts, plots, fragments, field, animate, names } = run;
         let view = SpaceView::of(frames);
+        let field = frames.last().map_or(field, |last| field.among(last.counts()));
         let pictures = |field| SpacePictures {
             title,
             field,
@@ -217,7 +222,8 @@ impl Results<3, 4> for [[f64; 3]; 4] {
             show: Show::Solid,
             cut: None,
         };
-        let animation = |asked| {
+        let animation = |asked: Field| {
+            let asked = frames.last().map_or(asked, |last| asked.among(last.counts()));
             let mut animation = SpaceAnimation::new(pictures(asked), None, DELAY);
             frames.iter().try_for_each(|frame| animation.push(frame))?;
             animation.finish()

@@ -41,7 +41,6 @@ where
         .collect();
     let mut facts = vec![
         ("status", status.to_owned()),
-        ("mesh", format!("{} elements, {} nodes", grouped(elements as u64), grouped(counts.nodes as u64))),
         (
             "time",
             format!(
@@ -60,8 +59,23 @@ where
             },
         ),
     ];
+    if elements > 0 {
+        let mesh = format!("{} elements, {} nodes", grouped(elements as u64), grouped(counts.nodes as u64));
+        facts.insert(1, ("mesh", mesh));
+    } else {
+        facts.retain(|(name, _)| *name != "cracks");
+    }
+    if counts.spheres > 0 {
+        let [spheres, contacts] = [counts.spheres, counts.sphere_contacts].map(|count| count as u64);
+        facts.insert(
+            1,
+            ("spheres", format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"))),
+        );
+    }
     facts.extend(open.map(|open| ("open joints", open)));
-    facts.push(("fragments", in_words(fragments)));
+    if elements > 0 {
+        facts.push(("fragments", in_words(fragments)));
+    }
     facts.extend(more);
     facts.extend([
         ("energies (J)", of_energies(&energies)),

@@ -47,6 +47,18 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub friction: f64,
+    /// Coefficient of restitution of contacts of spheres: speed after an impact along the normal over that
+    /// before, above 0 and at most 1. Two materials have the lesser of theirs, unless an `[[interface]]` says
+    /// otherwise. Default: none, and one of the two materials of a sphere and its partner has it.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub restitution: Option<f64>,
+    /// Coefficient of rolling friction of spheres: largest moment against rolling over the reduced radius and
+    /// the normal force. Two materials have the lesser of theirs, unless an `[[interface]]` says otherwise.
+    /// Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub rolling_friction: f64,
     /// Tensile strength, Pa.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
@@ -138,6 +150,30 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub friction: Option<f64>,
+    /// Coefficient of restitution of spheres that touch. Default: that of the material with the lesser one.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub restitution: Option<f64>,
+    /// Coefficient of rolling friction of spheres that touch. Default: that of the material with the lesser
+    /// one.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub rolling_friction: Option<f64>,
+    /// Damping of rolling of spheres that has not reached its friction, as a share of the critical damping.
+    /// Default: 0.3 where there is rolling friction.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub rolling_damping: Option<f64>,
+    /// Coefficient of twisting friction of spheres: largest moment against spinning about the normal over the
+    /// reduced radius and the normal force. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub twisting_friction: Option<f64>,
+    /// Work of adhesion of spheres that touch, J/m², with the law "hertz", which then is that of Johnson,
+    /// Kendall and Roberts. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "J/m²"))]
+    pub adhesion: Option<f64>,
     /// Penalty of contacts, Pa. Default: from the `penalty` of `[contact]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]

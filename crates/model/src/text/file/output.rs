@@ -107,10 +107,11 @@ pub enum Mean {
 }
 
 /// A quantity that is recorded over time. It has exactly one of the keys `node`, `force`, `stress`, `strain`,
-/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `motion`, `softening`, `energy`
-/// and `crack_length`.
+/// `velocity`, `gauge`, `contact_force`, `reaction`, `cavity`, `joint_set`, `motion`, `wall`, `grains`,
+/// `softening`, `energy` and `crack_length`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_excessive_bools, reason = "a switch of the file is a key of its own")]
 pub struct History {
     /// Name of its column.
     #[schemars(length(min = 1))]
@@ -123,8 +124,9 @@ pub struct History {
     /// and `reaction`. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m, of the undeformed bodies, for
-    /// a "mean": elements whose centroids are inside. Default: no limits.
+    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: of the undeformed bodies, for
+    /// a "mean": elements whose centroids are inside; for `grains`: spheres whose centres are inside.
+    /// Default: no limits.
     #[serde(default, rename = "box")]
     #[schemars(extend("x-unit" = "m"), rename = "box", length(min = 4, max = 6))]
     pub limits: Option<Vec<f64>>,
@@ -169,6 +171,14 @@ pub struct History {
     /// its axis, as long as its angle. Whole turns add up.
     #[serde(default)]
     pub motion: Option<String>,
+    /// Name of a wall: force of the spheres on it, N, their moment about its axis or else the origin, N m,
+    /// and its displacement, m.
+    #[serde(default)]
+    pub wall: Option<String>,
+    /// true: the spheres in the `box`, or all: their number, coordination (contacts of a sphere in the mean),
+    /// solid fraction, kinetic energy, J, mean stress by Love and Weber, Pa, tension positive, and fabric.
+    #[serde(default)]
+    pub grains: bool,
     /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken,
     /// and the same with the damage of each joint as a factor.
     #[serde(default)]

@@ -5,10 +5,12 @@ use serde_json::{Value, json};
 
 use crate::fields::field::Field;
 use crate::fields::range::Range;
-use crate::page::run::{RunPage, columns, finite, largest, row, text, thinned, thinning};
+use crate::page::run::grains::{GrainPart, about as about_grains, sampling};
+use crate::page::run::{RunPage, columns, finite, largest, of_elements, row, text, thinned, thinning};
 use crate::picture::PictureError;
 use crate::run::fragments::Fragments;
 use crate::run::frame::Frame;
+use crate::run::grains::drawing::elements_and_spheres;
 use crate::run::names::Names;
 use crate::run::pictures::{FrameView, Pictures};
 use crate::run::plots::Plot;
@@ -82,9 +84,11 @@ impl Report<'_> {
             return Err(PictureError::TooMany { what: "elements", found, most: MOST_ELEMENTS });
         }
         let whole = self.frames.iter().map(|frame| frame.whole).max().unwrap_or(0);
-        let places = thinned(self.frames.len(), |place| self.frames[place].deflated.len());
+        let places = thinned(self.frames.len(), |place| {
+            self.frames[place].deflated.len() + self.frames[place].grains.deflated.len()
+        });
         let view = FrameView::of(self.frames);
-        let ranges = Field::ALL.map(|field| (field, Range::of(self.frames, field)));
+        let ranges = of_elements().map(|field| (field, Range::of(self.frames, field))).collect();
         let preview = self.frames.last().map(|last| {
             let (field, range) = (self.field, Range::of(self.frames, self.field));
             Pictures { title: self.title, field, range, view }.png(last, None)
@@ -93,6 +97,9 @@ impl Report<'_> {
         for (k, &place) in places.iter().enumerate() {
             let frame = &self.frames[place];
             frames += &text(k, &frame.deflated);
+            if !frame.grains.is_empty() {
+                frames += &text(k, &frame.grains.deflated);
+            }
             rows += &row(k, place, frame.step, frame.time, &[], frame.lengths, &frame.scales);
         }
         RunPage {
@@ -105,13 +112,18 @@ impl Report<'_> {
             ranges,
             numbered: &[],
             preview: preview.transpose()?,
-            notes: thinning(self.frames.len(), &places) + &self.sampling(),
+            notes: thinning(self.frames.len(), &places)
+                + &self.sampling()
+                + &sampling(self.frames.iter().map(|frame| &frame.grains)),
             count: places.len(),
             columns: columns(&COLUMNS),
             rows,
             fragments: largest(self.fragments, self.names),
             meta: self.meta(&places, whole, &view),
             frames,
+            grains: GrainPart::new(self.frames.iter().map(|frame| &frame.grains), self.field, |field| {
+                Range::of(self.frames, field)
+            }),
             show: SHOW,
             more: "",
             help: HELP,
@@ -123,7 +135,7 @@ impl Report<'_> {
 
     fn counts(&self, elements: usize, view: &FrameView) -> String {
         let Some(last) = self.frames.last() else { return "no frames".to_owned() };
-        let mut text = format!("{} elements, {}", grouped(elements as u64), view.time(last.time));
+        let mut text = format!("{}, {}", elements_and_spheres(elements, &last.grains), view.time(last.time));
         let cracks: f64 = last.lengths.iter().sum();
         if cracks > 0.0 {
             let (factor, unit) = prefixed("m", cracks);
@@ -151,6 +163,8 @@ impl Report<'_> {
     fn meta(&self, places: &[usize], elements: usize, view: &FrameView) -> Value {
         let about = |&place: &usize| {
             let frame = &self.frames[place];
+            let of_grains = (!frame.grains.is_empty()).then_some(frame.grains.size);
+            let sizes: Vec<usize> = std::iter::once(frame.size).chain(of_grains).collect();
             json!({
                 "step": frame.step,
                 "time": finite(frame.time),
@@ -158,7 +172,8 @@ impl Report<'_> {
                 "sample": frame.is_sample(),
                 "cracks": frame.cracks,
                 "holding": [frame.intact, frame.softening],
-                "sizes": [frame.size],
+                "sizes": sizes,
+                "grains": about_grains(&frame.grains),
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),
                 "usual": frame.scales.map(|scale| scale.usual),

@@ -34,7 +34,7 @@ class Arrays {
     for (let corner = 0; corner < corners; corner++) {
       for (let axis = 0; axis < axes; axis++) {
         const places = this.numbers(count), first = axes * corner + axis;
-        for (let i = 0; i < count; i++) points[size * i + first] = (valueOf(places[i], bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
+        for (let i = 0; i < count; i++) points[size * i + first] = (valueOf(places[i], bounds[axis]) - (meta.view.middle[axis] ?? 0)) / meta.view.unit;
       }
     }
     return points;
@@ -75,7 +75,7 @@ class Frames {
     this.opened.set(k, frame);
     let total = 0;
     for (const other of [...this.opened.keys()].reverse()) {
-      total += meta.frames[other].elements;
+      total += meta.frames[other].elements + (meta.frames[other].grains?.spheres ?? 0);
       if (total > MOST_OPEN && other !== k) this.opened.delete(other);
     }
     return frame;
@@ -89,8 +89,11 @@ class Frames {
     }
     const parts = await Promise.all(this.packed.get(k).map((bytes, part) => inflated(bytes, about.sizes[part])));
     if (parts.some((bytes, part) => bytes.length !== about.sizes[part])) throw new Error("the data is damaged");
-    const frame = openedFrame(about, parts.map((bytes) => new Arrays(bytes)));
-    return Object.assign(frame, { k, about, value: (scale, i) => valueOf(frame.scales[scale][i], about.scales[scale]) });
+    const arrays = parts.map((bytes) => new Arrays(bytes));
+    // The spheres are the last part.
+    const grains = about.grains ? openedGrains(about.grains, arrays.pop()) : null;
+    const frame = openedFrame(about, arrays);
+    return Object.assign(frame, { k, about, grains, value: (scale, i) => valueOf(frame.scales[scale][i], about.scales[scale]) });
   }
 }
 

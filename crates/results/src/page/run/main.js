@@ -19,6 +19,7 @@ class Page {
   constructor(view, frames) {
     Object.assign(this, { view, frames, selected: -1, shown: null, wanted: 0, playing: false });
     view.afterDraw = () => this.ring();
+    this.spheres = meta.spheres ? new SphereControls(this) : null;
     this.controls();
     this.player();
     this.pointer();
@@ -102,19 +103,24 @@ class Page {
     const frame = this.shown, field = this.field();
     if (!frame) return;
     this.view.show(frame, this.colours(frame, field));
+    this.spheres?.paint();
     this.legends(field);
+  }
+
+  // The legend of a field with a scale.
+  bar(field, [low, high], before = "") {
+    const [factor, unit] = prefixed(field.unit, Math.max(high, -low));
+    const box = make("div", "", { class: "legend" }), bar = make("div", "", { class: "bar" }), ends = make("div", "", { class: "ends" });
+    bar.style.background = `linear-gradient(to right, ${field.ramp.map((rgb) => `rgb(${rgb.join(" ")})`).join(", ")})`;
+    ends.append(...[low, (low + high) / 2, high].map((x) => make("span", brief(Number((x * factor).toPrecision(3))))));
+    box.append(make("div", before + field.name + (unit ? ` (${unit})` : "")), bar, ends);
+    return box;
   }
 
   legends(field) {
     const legends = [];
-    if (field.scale !== null) {
-      const [low, high] = this.range(field), [factor, unit] = prefixed(field.unit, Math.max(high, -low));
-      const box = make("div", "", { class: "legend" }), bar = make("div", "", { class: "bar" }), ends = make("div", "", { class: "ends" });
-      bar.style.background = `linear-gradient(to right, ${field.ramp.map((rgb) => `rgb(${rgb.join(" ")})`).join(", ")})`;
-      ends.append(...[low, (low + high) / 2, high].map((x) => make("span", brief(Number((x * factor).toPrecision(3))))));
-      box.append(make("div", field.name + (unit ? ` (${unit})` : "")), bar, ends);
-      legends.push(box);
-    }
+    if (field.scale !== null && (meta.elements || !this.spheres)) legends.push(this.bar(field, this.range(field)));
+    legends.push(...(this.spheres?.legends() ?? []));
     const { broken } = this.shown.about, { cracks, intact } = this.view.visible;
     // The last two of the sizes are those of the joints that hold: whole ones, and those that soften.
     const shown = broken.map((size, kind) => (kind < broken.length - 2 ? cracks : intact) && size > 0);
@@ -136,8 +142,21 @@ class Page {
   // Selects element k, or none if k is -1.
   pick(k) {
     this.selected = k;
-    $("clear").disabled = k < 0;
-    $("find-id").value = k < 0 ? "" : k;
+    this.spheres?.select(-1);
+    this.picked(k);
+  }
+
+  // Selects the sphere at place i of the frame.
+  pickSphere(i) {
+    this.selected = -1;
+    this.spheres.select(i);
+    this.picked(this.spheres.selected);
+  }
+
+  // Shows the number that is selected.
+  picked(number) {
+    $("clear").disabled = number < 0;
+    $("find-id").value = number < 0 ? "" : number;
     $("find-id").setCustomValidity("");
     this.describe();
     this.view.redraw();
@@ -145,8 +164,10 @@ class Page {
 
   describe() {
     const frame = this.shown;
+    if (frame && this.spheres?.describe()) return;
     if (this.selected < 0 || !frame) {
-      $("picked").replaceChildren(make("p", "Click an element, or enter its number (from 0).", { class: "hint" }));
+      const what = !this.spheres ? "an element" : meta.elements ? `an element or a ${meta.spheres.one}` : `a ${meta.spheres.one}`;
+      $("picked").replaceChildren(make("p", `Click ${what}, or enter its number (from 0).`, { class: "hint" }));
       return;
     }
     const k = frame.place(this.selected);
@@ -173,6 +194,7 @@ class Page {
     if (k >= 0) {
       for (const corners of this.view.around(k)) parts.push(svg("polygon", { points: corners.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ") }));
     }
+    parts.push(...(this.spheres?.ring() ?? []));
     $("overlay").replaceChildren(...parts, ...(this.view.furniture?.() ?? []));
   }
 
@@ -260,7 +282,10 @@ class Page {
     });
     const up = (event) => {
       const started = down.delete(event.pointerId);
-      if (started && event.type === "pointerup" && travelled <= 3 && event.button === 0) this.pick(this.shown ? this.shown.number(view.pick(...point(event))) : -1);
+      if (!started || event.type !== "pointerup" || travelled > 3 || event.button !== 0) return;
+      const at = point(event), found = this.shown ? view.pick(...at) : -1, sphere = this.shown && this.spheres ? view.pickSphere(...at) : -1;
+      if (sphere >= 0) this.pickSphere(sphere);
+      else this.pick(this.shown ? this.shown.number(found) : -1);
     };
     canvas.addEventListener("pointerup", up);
     canvas.addEventListener("pointercancel", up);
@@ -287,16 +312,19 @@ class Page {
       else return;
       event.preventDefault();
     });
-    document.addEventListener("keydown", (event) => { if (event.key === "Escape" && this.selected >= 0) this.pick(-1); });
+    document.addEventListener("keydown", (event) => { if (event.key === "Escape" && (this.selected >= 0 || this.spheres?.selected >= 0)) this.pick(-1); });
   }
 
   find() {
     $("find").addEventListener("submit", (event) => {
       event.preventDefault();
       const field = $("find-id"), text = field.value.trim().replaceAll(",", ""), k = Number(text);
+      // Without elements the numbers are those of spheres.
+      const sphere = /^\d+$/.test(text) && !meta.elements && this.spheres?.shown ? this.spheres.shown.place(k) : -1;
       if (/^\d+$/.test(text) && k < meta.elements) this.pick(k);
+      else if (sphere >= 0) this.pickSphere(sphere);
       else {
-        field.setCustomValidity(meta.elements ? `Elements have numbers from 0 to ${meta.elements - 1}` : "There are no elements");
+        field.setCustomValidity(meta.elements ? `Elements have numbers from 0 to ${meta.elements - 1}` : this.spheres ? `This frame has no ${meta.spheres.one} with this number` : "There are no elements");
         field.reportValidity();
       }
     });
@@ -339,6 +367,23 @@ async function start(Kind, more = () => ({})) {
       view.gl.readPixels(0, 0, 1, 1, view.gl.RGBA, view.gl.UNSIGNED_BYTE, new Uint8Array(4));
       return performance.now() - start;
     },
+    // The spheres of the frame: their number, the place of one on the page, its number, the selected number, and the counts of lines and triangles.
+    // Time of a drawing alone, without new colours.
+    drawTime: () => {
+      const start = performance.now();
+      view.draw();
+      view.gl.readPixels(0, 0, 1, 1, view.gl.RGBA, view.gl.UNSIGNED_BYTE, new Uint8Array(4));
+      return performance.now() - start;
+    },
+    ...(page.spheres && {
+      spheres: () => ({ count: page.spheres.shown?.n ?? 0, chains: view.grains.chains.count, walls: page.spheres.shown?.owners.length ?? 0 }),
+      sphereAt: (i) => {
+        const box = view.canvas.getBoundingClientRect(), [x, y] = view.project(page.spheres.shown.centre(i));
+        return [box.left + x, box.top + y, view.grains.radiusOf(i) * view.scale];
+      },
+      sphereNumber: (i) => page.spheres.shown.numbers[i],
+      pickedSphere: () => page.spheres.selected,
+    }),
     ...more(page, view),
   };
 }

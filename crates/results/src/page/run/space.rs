@@ -8,9 +8,13 @@ use crate::fields::place::Place;
 use crate::fields::quantity::Quantity;
 use crate::fields::range::Range;
 use crate::fields::table::QUANTITIES;
-use crate::page::run::{MOST_BYTES, RunPage, columns, even, finite, largest, row, text, thinned, thinning};
+use crate::page::run::grains::{GrainPart, about as about_grains, sampling};
+use crate::page::run::{
+    MOST_BYTES, RunPage, columns, even, finite, largest, of_elements, row, text, thinned, thinning,
+};
 use crate::picture::PictureError;
 use crate::run::fragments::Fragments;
+use crate::run::grains::drawing::elements_and_spheres;
 use crate::run::names::Names;
 use crate::run::pictures::{extent, time_text};
 use crate::run::plots::Plot;
@@ -112,6 +116,9 @@ impl SpaceReport<'_> {
             if kept.solid.contains(&k) {
                 frames += &text(k, &frame.deflated[1]);
             }
+            if !frame.grains.is_empty() {
+                frames += &text(k, &frame.grains.deflated);
+            }
             let fragments = [frame.fragments as u64];
             rows += &row(k, place, frame.step, frame.time, &fragments, frame.areas, &frame.scales);
         }
@@ -122,16 +129,21 @@ impl SpaceReport<'_> {
             plots: self.plots,
             names: self.names,
             field: self.field,
-            ranges: Field::ALL.map(|field| (field, Range::of_space(self.frames, field))),
+            ranges: of_elements().map(|field| (field, Range::of_space(self.frames, field))).collect(),
             numbered: &fragment,
             preview: preview.map(<[u8]>::to_vec),
-            notes: thinning(self.frames.len(), &kept.places) + &self.opening(&kept),
+            notes: thinning(self.frames.len(), &kept.places)
+                + &self.opening(&kept)
+                + &sampling(self.frames.iter().map(|frame| &frame.grains)),
             count: kept.places.len(),
             columns: columns(&COLUMNS),
             rows,
             fragments: largest(self.fragments, self.names),
             meta: self.meta(&kept),
             frames,
+            grains: GrainPart::new(self.frames.iter().map(|frame| &frame.grains), self.field, |field| {
+                Range::of_space(self.frames, field)
+            }),
             show: SHOW,
             more: MORE,
             help: HELP,
@@ -143,12 +155,15 @@ impl SpaceReport<'_> {
 
     /// Chooses the frames for which the page has room, and those that have the elements inside.
     fn kept(&self) -> Kept {
-        let places = thinned(self.frames.len(), |place| self.frames[place].deflated[0].len());
+        let places = thinned(self.frames.len(), |place| {
+            self.frames[place].deflated[0].len() + self.frames[place].grains.deflated.len()
+        });
         let frames = || places.iter().map(|&place| &self.frames[place]);
         if !frames().all(|frame| frame.solid) {
             return Kept { places, solid: Vec::new() };
         }
-        let surface: usize = frames().map(|frame| frame.deflated[0].len()).sum();
+        let surface: usize =
+            frames().map(|frame| frame.deflated[0].len() + frame.grains.deflated.len()).sum();
         // Base64 takes four characters for three bytes.
         let room = (MOST_BYTES / 4 * 3).saturating_sub(surface);
         let most = |of: fn(&SpaceFrame) -> usize| frames().map(of).max().unwrap_or(0).max(1);
@@ -160,8 +175,11 @@ impl SpaceReport<'_> {
 
     fn counts(&self) -> String {
         let Some(last) = self.frames.last() else { return "no frames".to_owned() };
-        let mut text =
-            format!("{} elements, {}", grouped(last.whole as u64), time_text(last.time, self.last()));
+        let mut text = format!(
+            "{}, {}",
+            elements_and_spheres(last.whole, &last.grains),
+            time_text(last.time, self.last())
+        );
         let cracks: f64 = last.areas.iter().sum();
         if cracks > 0.0 {
             let (factor, unit) = area(cracks);
@@ -210,6 +228,9 @@ impl SpaceReport<'_> {
         let about = |(k, &place): (usize, &usize)| {
             let frame = &self.frames[place];
             let solid = kept.solid.contains(&k);
+            let of_grains = (!frame.grains.is_empty()).then_some(frame.grains.size);
+            let sizes: Vec<usize> =
+                frame.sizes[..if solid { 2 } else { 1 }].iter().copied().chain(of_grains).collect();
             json!({
                 "step": frame.step,
                 "time": finite(frame.time),
@@ -220,7 +241,8 @@ impl SpaceReport<'_> {
                 "fragments": frame.fragments,
                 "cracks": frame.cracks,
                 "holding": [frame.intact, frame.softening],
-                "sizes": frame.sizes[..if solid { 2 } else { 1 }],
+                "sizes": sizes,
+                "grains": about_grains(&frame.grains),
                 "bounds": frame.bounds,
                 "scales": frame.scales.map(|scale| scale.ends),
                 "usual": frame.scales.map(|scale| scale.usual),
@@ -228,7 +250,7 @@ impl SpaceReport<'_> {
                 "broken": frame.areas.into_iter().chain(frame.others).map(finite).collect::<Vec<_>>(),
             })
         };
-        let extent = extent(self.frames.iter().map(|frame| frame.bounds));
+        let extent = extent(self.frames.iter().map(SpaceFrame::extent));
         let half = extent.map(|[low, high]| (high - low) / 2.0);
         let middle = [0, 1, 2].map(|axis| extent[axis][0] + half[axis]);
         let unit = half.iter().map(|half| half * half).sum::<f64>().sqrt();

@@ -16,7 +16,8 @@ impl<const S: usize> Raster<S> {
     pub(crate) fn sphere(&mut self, [x, y, z]: [f64; 3], radius: f64, colour: Rgb) {
         let radius = radius.max(LEAST);
         let inverse = 1.0 / radius;
-        for row in range(y, radius, self.top + self.height) {
+        let rows = range(y, radius, self.top + self.height);
+        for row in rows.start.max(self.top)..rows.end {
             for column in range(x, radius, self.width) {
                 self.surface([column, row], z + radius, colour, |[column, row]| {
                     let [u, v] = [(column - x) * inverse, (row - y) * inverse];
@@ -38,7 +39,8 @@ impl<const S: usize> Raster<S> {
         // The samples of a pixel are at most half a pixel from its middle.
         let covered = Capsule::new([[a[0], a[1]], [b[0], b[1]]], radius + 0.5);
         let nearest = a[2].max(b[2]) + radius;
-        for row in covered.rows(self.top + self.height) {
+        let rows = covered.rows(self.top + self.height);
+        for row in rows.start.max(self.top)..rows.end {
             for column in covered.columns(row, self.width) {
                 self.surface([column, row], nearest, colour, |[column, row]| {
                     let [u, v] = [column - a[0], row - a[1]];

@@ -82,6 +82,7 @@ class View extends Screen {
     this.ofIntact = strips(this.buffers.intact, this.buffers.intactColours);
     this.ofOutlines = this.buffers.outlines.map((ends, kind) => strips(ends, this.buffers.outlineColours[kind]));
     gl.bindVertexArray(null);
+    this.grains = meta.spheres ? new Grains(this, true) : null;
     this.visible = { cracks: true, intact: false, outlines: true, mesh: false };
     this.pan = [0, 0];
     this.zoomed = 1;
@@ -98,6 +99,7 @@ class View extends Screen {
         this.fill(this.buffers.outlines[kind], ends);
         this.fill(this.buffers.outlineColours[kind], new Uint32Array(ends.length / 4).fill(packedColour(meta.outlines[kind].colour)));
       });
+      this.grains?.set(frame.grains);
       this.frame = frame;
     }
     const ofCorners = new Uint32Array(3 * colours.length);
@@ -151,6 +153,7 @@ class View extends Screen {
       }
     }
     gl.bindVertexArray(null);
+    this.grains?.draw({ turn: this.turn(), pan, zoom, pixel, deep: 1e-3, plane: [0, 0, 0, 1e9], ratio });
     this.afterDraw();
   }
 
@@ -163,6 +166,16 @@ class View extends Screen {
   unproject([x, y]) {
     const { clientWidth, clientHeight } = this.canvas;
     return [this.pan[0] + (x - clientWidth / 2) / this.scale, this.pan[1] - (y - (clientHeight - FOOT) / 2) / this.scale];
+  }
+
+  // Directions to the right, up and towards the eye, as rows.
+  turn() {
+    return [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  }
+
+  // Returns the disc at a pixel, the last that is drawn there, or -1.
+  pickSphere(x, y) {
+    return this.grains.pick(this.unproject([x, y]), this.turn(), [0, 0, 0, 1e9]).sphere;
   }
 
   // Moves the view by pixels.

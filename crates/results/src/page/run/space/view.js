@@ -137,6 +137,7 @@ class View extends Screen {
     this.lines = { angles: strips(), borders: strips(), traces: strips(), section: strips(), sectionCracks: strips() };
     gl.bindVertexArray(null);
     this.visible = { cracks: true, intact: false, outlines: true, mesh: false };
+    this.grains = meta.spheres ? new Grains(this, false) : null;
     // The solid is "opaque", "translucent" or "hidden".
     this.solid = "opaque";
     // Distance of the fragments from their places, over their distances from the middle.
@@ -152,6 +153,7 @@ class View extends Screen {
   // Sets the frame and a colour for each element.
   show(frame, colours) {
     if (this.frame !== frame) this.built = null;
+    this.grains?.set(frame.grains);
     this.frame = frame;
     this.colours = colours;
     if (!this.built) this.build();
@@ -238,7 +240,7 @@ class View extends Screen {
         lines.push(at[3 * p], at[3 * p + 1], at[3 * p + 2], at[3 * q], at[3 * q + 1], at[3 * q + 2]);
       }
     }
-    this.radius = Math.sqrt(radius) * 1.01;
+    this.radius = Math.max(Math.sqrt(radius), this.grains?.radius ?? 0) * 1.01;
     // Facets on the outside come first: a translucent solid has only those.
     this.outside = count;
     facets.set(cracks.all, 9 * count);
@@ -410,6 +412,11 @@ class View extends Screen {
     // An opaque solid hides all but those in its gaps.
     if (this.visible.intact) draw(intact, CRACK, 1);
     gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (this.grains) {
+      this.grains.draw({ turn: this.turn(), pan, zoom, pixel, deep, plane: this.plane, ratio });
+      gl.enable(gl.DEPTH_TEST);
+      gl.useProgram(this.surface.program);
+    }
     if (this.solid === "translucent") {
       gl.enable(gl.BLEND);
       gl.depthMask(false);
@@ -528,6 +535,7 @@ class View extends Screen {
   pick(x, y) {
     if (!this.frame) return -1;
     if (!this.cut) this.slice();
+    this.pickedDepth = -Infinity;
     const [u, v] = this.unproject([x, y]), [right, up, toward] = this.turn(), [a, b, c, d] = this.plane;
     let found = -1, nearest = -Infinity;
     const search = (corners, owner, cut) => {
@@ -554,7 +562,14 @@ class View extends Screen {
       search(this.facets, (k) => this.owners[k], true);
       search(this.cut.corners, (k) => this.cut.owners[k], false);
     } else search(this.crackFacets, (k) => this.crackOwners[k] >> 2, true);
+    this.pickedDepth = nearest;
     return found;
+  }
+
+  // Returns the sphere at a pixel, the nearest to the eye, or -1 if it is behind the element that `pick` has found there.
+  pickSphere(x, y) {
+    const { sphere, depth } = this.grains.pick(this.unproject([x, y]), this.turn(), this.plane);
+    return depth > this.pickedDepth ? sphere : -1;
   }
 
   // The axes: at the lower right, or at the upper left where the legends take the whole width.

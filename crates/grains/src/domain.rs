@@ -1,0 +1,29 @@
+//! The box in which spheres are.
+
+use serde::{Deserialize, Serialize};
+
+/// A box, periodic along some axes, with a rule for spheres that leave it along the others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Domain {
+    /// Its corner with the lowest coordinates at the beginning, m.
+    pub low: [f64; 3],
+    /// Its corner with the highest coordinates at the beginning, m.
+    pub high: [f64; 3],
+    /// Along which axes it repeats.
+    pub periodic: [bool; 3],
+    /// Rates at which its sides grow about its centre, 1/s, relative to their present lengths. The spheres
+    /// move along with it.
+    pub strain_rates: [f64; 3],
+    /// The fate of a sphere whose centre leaves the box along an axis that does not repeat.
+    pub outside: Outside,
+}
+
+/// The fate of a sphere that leaves the box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Outside {
+    /// The run stops with an error that names the sphere.
+    #[default]
+    Stop,
+    /// The sphere is removed.
+    Delete,
+}

@@ -1,0 +1,91 @@
+//! The box of a run at one time.
+
+use crate::domain::{Domain, Outside};
+use crate::vector::Vector;
+
+/// A box whose sides grow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunBox {
+    domain: Domain,
+    pub(crate) low: Vector,
+    /// Lengths of the sides, m.
+    pub(crate) lengths: Vector,
+}
+
+impl RunBox {
+    pub(crate) fn new(domain: Domain) -> Self {
+        let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3] };
+        cell.grow(0.0);
+        cell
+    }
+
+    /// The box at a time, s: its centre stays.
+    pub(crate) fn grow(&mut self, time: f64) {
+        let Domain { low, high, strain_rates, .. } = &self.domain;
+        for axis in 0..3 {
+            let factor = libm::exp(strain_rates[axis] * time);
+            let (centre, half) = (0.5 * (low[axis] + high[axis]), 0.5 * (high[axis] - low[axis]) * factor);
+            (self.low[axis], self.lengths[axis]) = (centre - half, 2.0 * half);
+        }
+    }
+
+    pub(crate) fn periodic(&self) -> [bool; 3] {
+        self.domain.periodic
+    }
+
+    pub(crate) fn is_periodic(&self) -> bool {
+        self.domain.periodic != [false; 3]
+    }
+
+    /// Rates at which the sides grow, 1/s.
+    pub(crate) fn rates(&self) -> Vector {
+        self.domain.strain_rates
+    }
+
+    /// A vector between two spheres, or the one between the first and the nearest image of the second.
+    #[inline]
+    pub(crate) fn shortest(&self, apart: Vector) -> Vector {
+        let along = |axis: usize| {
+            let (length, half) = (self.lengths[axis], 0.5 * self.lengths[axis]);
+            match self.domain.periodic[axis] {
+                true if apart[axis] > half => apart[axis] - length,
+                true if apart[axis] < -half => apart[axis] + length,
+                _ => apart[axis],
+            }
+        };
+        [along(0), along(1), along(2)]
+    }
+
+    /// A point, moved by a length of the box along each axis that repeats and on which it is outside.
+    #[inline]
+    pub(crate) fn wrapped(&self, point: Vector) -> Vector {
+        let along = |axis: usize| {
+            let out = point[axis] - self.low[axis];
+            match self.domain.periodic[axis] {
+                true if out >= self.lengths[axis] => point[axis] - self.lengths[axis],
+                true if out < 0.0 => point[axis] + self.lengths[axis],
+                _ => point[axis],
+            }
+        };
+        [along(0), along(1), along(2)]
+    }
+
+    /// Velocity with which the box moves a point along, m/s.
+    #[inline]
+    pub(crate) fn drift(&self, point: Vector) -> Vector {
+        let along = |axis: usize| {
+            self.domain.strain_rates[axis] * (point[axis] - self.low[axis] - 0.5 * self.lengths[axis])
+        };
+        [along(0), along(1), along(2)]
+    }
+
+    /// The fate of a sphere at this point, if it is outside along an axis that does not repeat.
+    #[inline]
+    pub(crate) fn outside(&self, point: Vector) -> Option<Outside> {
+        let is_out = |axis: usize| {
+            let out = point[axis] - self.low[axis];
+            !self.domain.periodic[axis] && !(0.0..=self.lengths[axis]).contains(&out)
+        };
+        (is_out(0) || is_out(1) || is_out(2)).then_some(self.domain.outside)
+    }
+}

@@ -1,0 +1,191 @@
+//! The motion of the spheres in a step.
+
+use rayon::prelude::*;
+
+use crate::domain::Outside;
+use crate::error::GrainError;
+use crate::run::balls::{ALONE, Ball, BallKind, Balls, Drive};
+use crate::run::cell::RunBox;
+use crate::run::lists::{APART, CHUNK, Lists};
+use crate::run::on_walls::Outer;
+use crate::vector::{Vector, dot, minus, plus, times};
+
+/// A sphere farther away than this is lost, m.
+pub(crate) const FARTHEST: f64 = 1e30;
+
+/// Everything that the motion of a step reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moving<'a> {
+    pub(crate) lists: &'a Lists,
+    /// Contacts with walls and bodies, by places.
+    pub(crate) outer: &'a [Outer],
+    pub(crate) cell: Option<&'a RunBox>,
+    /// m/s².
+    pub(crate) gravity: Vector,
+    /// s.
+    pub(crate) step: f64,
+    pub(crate) number: u64,
+}
+
+/// The motion of all spheres in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moved {
+    /// Largest speed, m/s.
+    pub(crate) fastest: f64,
+    /// Whether a sphere has left the box, and is to be removed.
+    pub(crate) leaves: bool,
+}
+
+/// Adds up the forces on each sphere in one order, and moves it: spheres in the order of their numbers, then
+/// walls, then bodies.
+///
+/// # Errors
+/// The sphere with the lowest number that has no place any more, or that has left the box.
+pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, GrainError> {
+    let share = balls.share;
+    let chunks = balls.list.par_chunks_mut(CHUNK).zip(balls.drives.par_chunks_mut(CHUNK));
+    // Empty without clumps.
+    let mut pushes: Vec<&mut [[Vector; 2]]> = balls.pushes.chunks_mut(CHUNK).collect();
+    pushes.resize_with(balls.kinds.len().div_ceil(CHUNK), Default::default);
+    let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).zip(pushes).enumerate();
+    let parts: Vec<Result<Moved, (u32, GrainError)>> = chunks
+        .map(|(chunk, (((balls, drives), kinds), pushes))| {
+            move_chunk(chunk * CHUNK, (balls, drives), (kinds, pushes), (share, of))
+        })
+        .collect();
+    let mut all = Moved::default();
+    let mut first: Option<(u32, GrainError)> = None;
+    for part in parts {
+        match part {
+            Ok(moved) => {
+                all.fastest = all.fastest.max(moved.fastest);
+                all.leaves |= moved.leaves;
+            }
+            Err((number, error)) => {
+                if first.as_ref().is_none_or(|(lowest, _)| number < *lowest) {
+                    first = Some((number, error));
+                }
+            }
+        }
+    }
+    first.map_or(Ok(all), |(_, error)| Err(error))
+}
+
+fn move_chunk(
+    begin: usize,
+    (balls, drives): (&mut [Ball], &mut [Drive]),
+    (kinds, pushes): (&[BallKind], &mut [[Vector; 2]]),
+    (share, of): (f64, Moving<'_>),
+) -> Result<Moved, (u32, GrainError)> {
+    let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
+    let mut moved = Moved::default();
+    let mut fastest = 0.0_f64;
+    let mut lost: Option<(u32, GrainError)> = None;
+    for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
+        let place = begin + k;
+        let [mut force, mut moment] = sums(of.lists, place, ball.radius, drive);
+        while outer.first().is_some_and(|outer| outer.place as usize == place) {
+            force = plus(force, outer[0].force);
+            moment = plus(moment, outer[0].moment);
+            drive.dissipated += outer[0].dissipated;
+            drive.external += outer[0].external;
+            outer = &outer[1..];
+        }
+        if kind.clump != ALONE {
+            // Its clump moves it.
+            pushes[k] = [force, moment];
+            continue;
+        }
+        if kind.held {
+            drive.external -= of.step * (dot(force, ball.velocity) + dot(moment, ball.spin));
+        }
+        advance(ball, drive, *kind, (force, moment), (share, of));
+        fastest = fastest.max(dot(drive.velocity, drive.velocity));
+        let error = if ball.position.iter().all(|x| x.abs() < FARTHEST) {
+            match of.cell.and_then(|cell| cell.outside(ball.position)) {
+                Some(Outside::Stop) => GrainError::Outside { sphere: ball.number, step: of.number },
+                leaves => {
+                    moved.leaves |= leaves.is_some();
+                    continue;
+                }
+            }
+        } else {
+            GrainError::Lost { sphere: ball.number as usize, step: of.number }
+        };
+        if lost.as_ref().is_none_or(|(lowest, _)| ball.number < *lowest) {
+            lost = Some((ball.number, error));
+        }
+    }
+    moved.fastest = fastest.sqrt();
+    lost.map_or(Ok(moved), Err)
+}
+
+/// Force, N, and moment, N m, of all spheres on one. Adds the energy that its contacts have dissipated to its
+/// sum.
+#[inline]
+fn sums(lists: &Lists, place: usize, radius: f64, drive: &mut Drive) -> [Vector; 2] {
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    let incidents = lists.first_incident[place] as usize..lists.first_incident[place + 1] as usize;
+    for &incident in &lists.incidents[incidents] {
+        let slot = incident as usize / 2;
+        let acted = lists.acted[slot];
+        if acted == APART {
+            continue;
+        }
+        let acting = &lists.acting[acted as usize];
+        let arm = radius - 0.5 * acting.overlap;
+        moment = plus(moment, times(arm, acting.torque));
+        if incident & 1 == 0 {
+            force = plus(force, acting.force);
+            drive.dissipated += acting.dissipated;
+        } else {
+            force = minus(force, acting.force);
+        }
+        if let Some(rolling) = lists.rolling.get(slot) {
+            let sign = if incident & 1 == 0 { 1.0 } else { -1.0 };
+            moment = plus(moment, times(sign, rolling.moment));
+        }
+        if let Some(work) = lists.stretched.get(slot)
+            && incident & 1 == 0
+        {
+            drive.external += work;
+        }
+    }
+    [force, moment]
+}
+
+/// Moves a sphere under a force, N, and a moment, N m, for a step.
+#[inline]
+fn advance(
+    ball: &mut Ball,
+    drive: &mut Drive,
+    kind: BallKind,
+    (force, moment): (Vector, Vector),
+    (share, of): (f64, Moving<'_>),
+) {
+    let half = 0.5 * of.step;
+    if !kind.held {
+        let mut acceleration = plus(times(1.0 / ball.mass, force), of.gravity);
+        if let Some(cell) = of.cell {
+            // The velocity is that over the motion of the box, which takes the sphere along.
+            let rates = cell.rates();
+            let v = ball.velocity;
+            let slowing = [rates[0] * v[0], rates[1] * v[1], rates[2] * v[2]];
+            acceleration = minus(acceleration, slowing);
+            drive.external -= of.step * ball.mass * dot(v, slowing);
+        }
+        let turning = times(1.0 / (share * ball.mass * ball.radius * ball.radius), moment);
+        drive.velocity = plus(drive.velocity, times(of.step, acceleration));
+        drive.spin = plus(drive.spin, times(of.step, turning));
+        ball.velocity = plus(drive.velocity, times(half, acceleration));
+        ball.spin = plus(drive.spin, times(half, turning));
+    }
+    let mut velocity = drive.velocity;
+    if let Some(cell) = of.cell {
+        velocity = plus(velocity, cell.drift(ball.position));
+    }
+    ball.position = plus(ball.position, times(of.step, velocity));
+    if let Some(cell) = of.cell {
+        ball.position = cell.wrapped(ball.position);
+    }
+}

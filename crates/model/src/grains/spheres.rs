@@ -1,0 +1,147 @@
+//! Spheres of `[[grains]]`: packings, places and files.
+
+use fdem_io::numbers::brief;
+use fdem_simulation::grains::{
+    ClosedSurface, PackAmount, PackError, PackRegion, PackRequest, SphereSizes, pack,
+};
+
+use crate::bodies::mesh_file;
+use crate::shapes::{holes, packing};
+use crate::text::fault::Problem;
+use crate::text::file::{GrainRadius, GrainRegion, Grains, Vector};
+use crate::text::included::Load;
+
+/// Centres and radii of spheres, m. Discs have z = 0.
+pub(crate) type Balls = Vec<([f64; 3], f64)>;
+
+/// The spheres of a table.
+pub(crate) struct PlacedSpheres {
+    pub(crate) balls: Balls,
+    /// Share of their region that they fill; `None` without a region.
+    pub(crate) fraction: Option<f64>,
+    /// Notes on their file.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Radii as packings have them.
+pub(crate) fn sizes(radius: &GrainRadius) -> SphereSizes {
+    match radius {
+        GrainRadius::Equal(radius) => SphereSizes::Equal(*radius),
+        GrainRadius::Uniform(range) => SphereSizes::Uniform(*range),
+        GrainRadius::Normal(of) => SphereSizes::Normal { mean: of.mean, deviation: of.deviation },
+        GrainRadius::Grading(curve) => SphereSizes::Grading(curve.clone()),
+    }
+}
+
+/// A vector in space; in two dimensions z is 0.
+pub(crate) fn in_space(vector: &Vector) -> [f64; 3] {
+    [0, 1, 2].map(|axis| vector.0.get(axis).copied().unwrap_or(0.0))
+}
+
+/// The spheres of a table whose places do not depend on others: those at points, and those of a file. `None`
+/// for packings. The table has been checked.
+pub(crate) fn given(
+    grains: &Grains,
+    discs: bool,
+    load: &mut Load<'_>,
+) -> Result<Option<PlacedSpheres>, Problem> {
+    let title = format!("[[grains]] \"{}\"", grains.name);
+    if let (Some(at), Some(radius)) = (&grains.at, &grains.radius) {
+        let radii = sizes(radius).draw(at.len(), discs, grains.seed);
+        let balls = at.iter().map(in_space).zip(radii).collect();
+        return Ok(Some(PlacedSpheres { balls, fraction: None, notes: Vec::new() }));
+    }
+    let Some(name) = &grains.file else { return Ok(None) };
+    let problem = |message: String| Problem::new("file", format!("{title}: {message}"));
+    let bytes = load(name).map_err(|why| problem(format!("cannot read {name}: {why}")))?;
+    let by = grains.translate.as_ref().map_or([0.0; 3], in_space);
+    let moved = |centre: [f64; 3]| [0, 1, 2].map(|axis| centre[axis] + by[axis]);
+    let (balls, notes): (Balls, Vec<String>) = if discs {
+        let (balls, notes) = packing::read_flat(&bytes, name, grains.scale).map_err(problem)?;
+        (balls.into_iter().map(|([x, y], radius)| (moved([x, y, 0.0]), radius)).collect(), notes)
+    } else {
+        let (balls, notes) = packing::read_space(&bytes, name, grains.scale).map_err(problem)?;
+        (balls.into_iter().map(|(centre, radius)| (moved(centre), radius)).collect(), notes)
+    };
+    if balls.is_empty() {
+        return Err(problem(format!("{name} has no spheres")));
+    }
+    let notes = notes.into_iter().map(|note| format!("{title}: {note}")).collect();
+    Ok(Some(PlacedSpheres { balls, fraction: None, notes }))
+}
+
+/// The spheres of a table at random places that the others leave free. The table has been checked.
+pub(crate) fn packed(
+    grains: &Grains,
+    discs: bool,
+    others: &[([f64; 3], f64)],
+    load: &mut Load<'_>,
+) -> Result<PlacedSpheres, Problem> {
+    let title = format!("[[grains]] \"{}\"", grains.name);
+    let key = grains.amounts().first().copied().unwrap_or("name");
+    let (Some(within), Some(radius)) = (&grains.within, &grains.radius) else {
+        return Err(Problem::new(key, format!("{title} has no region or no radius")));
+    };
+    let amount = match (grains.count, grains.fraction) {
+        (Some(count), _) => PackAmount::Count(count),
+        (None, fraction) => PackAmount::Fraction(fraction.unwrap_or(0.0)),
+    };
+    let region = region(within, grains, load)
+        .map_err(|problem| Problem { message: format!("{title}: {}", problem.message), ..problem })?;
+    let sizes = sizes(radius);
+    let [least, _] = sizes.range();
+    let request = PackRequest { region, discs, sizes, amount, gap: grains.gap, seed: grains.seed, others };
+    match pack(request, 0) {
+        Ok(packed) => Ok(PlacedSpheres {
+            balls: packed.positions.into_iter().zip(packed.radii).collect(),
+            fraction: Some(packed.fraction),
+            notes: Vec::new(),
+        }),
+        Err(error) => {
+            let noun = if discs { "disc" } else { "sphere" };
+            let (key, help) = match &error {
+                PackError::TooDense { .. } => {
+                    (key, "take fewer or smaller ones, or a larger region".to_owned())
+                }
+                PackError::TooMany { .. } => (key, format!("the smallest radius is {} m", brief(least))),
+                PackError::TooLarge { .. } | PackError::Sizes(_) => {
+                    ("radius", "take smaller ones, or a larger region".to_owned())
+                }
+                PackError::Empty => (key, format!("one {noun} fills more of the region than that")),
+                PackError::NoRegion => ("within", "make the region larger".to_owned()),
+                PackError::Search(_) => ("name", "make the region smaller, or the radii larger".to_owned()),
+            };
+            Err(Problem { help: Some(help), ..Problem::new(key, format!("{title}: {error}")) })
+        }
+    }
+}
+
+/// The region of a packing.
+fn region(within: &GrainRegion, grains: &Grains, load: &mut Load<'_>) -> Result<PackRegion, Problem> {
+    if let Some(of) = within.disc.as_ref().or(within.ball.as_ref()) {
+        return Ok(PackRegion::Ball { centre: in_space(&of.centre), radius: of.radius });
+    }
+    if let Some(of) = &within.cylinder {
+        return Ok(PackRegion::Cylinder { from: of.from, to: of.to, radius: of.radius });
+    }
+    if let Some(name) = &within.surface {
+        let key = "within.surface";
+        let triangles = mesh_file::triangles(load, name, grains.scale.unwrap_or(1.0))
+            .map_err(|problem| Problem { key: key.to_owned(), ..problem })?;
+        if holes::words(&triangles).is_some() {
+            let help = "close its holes in the program that made it".to_owned();
+            let message = format!("{name} is no closed surface, and has no inside");
+            return Err(Problem { help: Some(help), ..Problem::new(key, message) });
+        }
+        return Ok(PackRegion::Inside(Box::new(ClosedSurface::new(triangles))));
+    }
+    let [low, high] = [&within.min, &within.max].map(|corner| corner.as_ref().map_or([0.0; 3], in_space));
+    Ok(PackRegion::Box { low, high })
+}
+
+/// A place in messages.
+pub(crate) fn place(at: [f64; 3], discs: bool) -> String {
+    let axes = if discs { 2 } else { 3 };
+    let numbers: Vec<String> = at[..axes].iter().map(|x| brief(*x)).collect();
+    format!("[{}]", numbers.join(", "))
+}

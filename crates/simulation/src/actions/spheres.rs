@@ -1,0 +1,157 @@
+//! Spheres and walls: their contacts with each other and with the surface of the bodies.
+//!
+//! Spheres move in a run of their own, [`GrainRun`], which takes its step where the forces on bodies are
+//! added up: the spheres see the surface at the positions of the step, as contacts of bodies do, and return
+//! forces on its points. These forces do no external work. The balance has all energies of the spheres, and
+//! so the work between spheres and bodies counts once.
+
+mod surface;
+
+use fdem_grains::{GrainModel, GrainRun, GrainState, Surface};
+use serde::{Deserialize, Serialize};
+
+use crate::action::{Acting, Action, Scene};
+use crate::actions::spheres::surface::BodySurface;
+use crate::energy::{Account, Ledger};
+use crate::error::{ModelError, Stop};
+use crate::model::Model;
+use crate::rotation::lowered;
+use crate::simplex::Simplex;
+use crate::sum::Sum;
+use crate::team::Team;
+use crate::topology::Topology;
+use crate::vector::Point;
+
+/// The spheres and walls of a model; none of them if it has none.
+#[derive(Debug, Default)]
+pub(crate) struct SphereAction<const D: usize> {
+    run: Option<GrainRun>,
+    surface: BodySurface<D>,
+    /// Potential energy of the weight at the beginning of the run, without the factor of gravity, J; `None`
+    /// before the first step.
+    weight: Option<f64>,
+}
+
+/// The state of spheres, from which their run is continued.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub(crate) struct SavedSpheres<const D: usize> {
+    run: GrainState,
+    weight: Option<f64>,
+    /// Codes of the corners on the surface, with the velocities of their nodes one step earlier, m/s.
+    surface: Vec<(u32, Point<D>)>,
+}
+
+impl<const D: usize> SavedSpheres<D> {
+    /// The same spheres on other bodies. `number`: the new number of an element; `None` for one that is no
+    /// more.
+    pub(crate) fn renumbered<const N: usize>(mut self, number: impl Fn(u32) -> Option<u32>) -> Self {
+        let code = |code: u32| Some(number(code / N as u32)? * N as u32 + code % N as u32);
+        self.surface.retain_mut(|of| code(of.0).inspect(|&now| of.0 = now).is_some());
+        self
+    }
+}
+
+impl<const D: usize> SphereAction<D> {
+    /// The spheres of a model, which move with its time step, s.
+    pub(crate) fn new<const N: usize>(
+        model: &Model<D, N>,
+        step: f64,
+        team: &Team,
+    ) -> Result<Self, ModelError> {
+        let Some(grains) = &model.grains else { return Ok(Self::default()) };
+        let run = on_team(GrainModel { step: Some(step), ..grains.clone() }, team)?;
+        Ok(Self { run: Some(run), ..Self::default() })
+    }
+
+    /// The run of the spheres, if there are any.
+    pub(crate) fn run(&self) -> Option<&GrainRun> {
+        self.run.as_ref()
+    }
+
+    /// The state, from which [`SphereAction::restore`] continues.
+    pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Option<SavedSpheres<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let coded = |(corner, before)| (topology.code_of_corner(corner), before);
+        let surface = self.surface.motion().map(coded).collect();
+        Some(SavedSpheres { run: self.run.as_ref()?.state(), weight: self.weight, surface })
+    }
+
+    /// Continues from a state of the same spheres.
+    pub(crate) fn restore<const N: usize>(
+        &mut self,
+        saved: SavedSpheres<D>,
+        topology: &Topology<D, N>,
+    ) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let Some(run) = &mut self.run else { return Ok(()) };
+        run.take(saved.run)?;
+        self.weight = saved.weight;
+        let known = |(code, before)| Some((topology.corner(code)?, before));
+        self.surface.set_motion(saved.surface.into_iter().filter_map(known));
+        Ok(())
+    }
+}
+
+/// A run of spheres on the threads of a team.
+fn on_team(model: GrainModel, team: &Team) -> Result<GrainRun, ModelError> {
+    Ok(match team.pool() {
+        Some(pool) => GrainRun::on_pool(model, pool)?,
+        None => GrainRun::new(model, 1)?,
+    })
+}
+
+impl<const D: usize, const N: usize> Action<D, N> for SphereAction<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn act(&mut self, acting: &mut Acting<'_, D, N>) {
+        let Self { run: Some(run), surface, weight } = self else { return };
+        let Scene { model, time, .. } = acting.scene;
+        let gravity = model.grains.as_ref().map_or([0.0; 3], |grains| grains.gravity);
+        let factor = model.gravity_schedule.factor(time);
+        if weight.is_none() {
+            *weight = Some(run.energies().weight);
+        }
+        run.set_gravity(gravity.map(|g| factor * g));
+        // Spheres alone have no bodies to look at.
+        if model.mesh.elements.is_empty() {
+            if let Err(error) = run.advance(1) {
+                acting.fail(Stop::Grains(error));
+            }
+            return;
+        }
+        surface.update(&acting.scene);
+        let BodySurface { points, velocities, facets, materials, .. } = &*surface;
+        if let Err(error) = run.step_on(&Surface { points, velocities, facets, materials }) {
+            acting.fail(Stop::Grains(error));
+            return;
+        }
+        for &(point, force) in run.surface_forces() {
+            let corners = surface.corners_of(point);
+            let share = 1.0 / corners.len() as f64;
+            let force = lowered(force.map(|f| share * f));
+            for corner in corners {
+                acting.add_force(corner, force);
+            }
+        }
+    }
+
+    fn add_energies(&self, _scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
+        let Some(run) = &self.run else { return };
+        let energies = run.energies();
+        let fallen = self.weight.map_or(0.0, |initial| initial - energies.weight);
+        for (account, energy) in [
+            (Account::Kinetic, energies.kinetic + energies.rotational),
+            (Account::Contact, energies.elastic),
+            (Account::Damping, energies.dissipated),
+            (Account::External, energies.external + fallen),
+        ] {
+            ledger.add(account, &Sum::from(energy));
+        }
+    }
+}
