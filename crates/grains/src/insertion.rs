@@ -220,8 +220,8 @@ mod tests {
         let mut placed = vec![stone];
         for (sphere, &radius) in rain.radii.iter().enumerate() {
             let Some(place) = rain.place(sphere, 3, &taken) else { continue };
-            for axis in 0..3 {
-                assert!(place[axis] - radius >= 0.0 && place[axis] + radius <= rain.region[1][axis]);
+            for (along, end) in place.into_iter().zip(rain.region[1]) {
+                assert!(along - radius >= 0.0 && along + radius <= end);
             }
             assert!(place[2] - radius >= 0.03 - 1e-15);
             for &(other, size) in &placed {

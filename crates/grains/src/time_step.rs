@@ -89,7 +89,9 @@ impl GrainModel {
             match &wall.shape {
                 WallShape::Plane { point, .. } => visit(*point),
                 WallShape::Tube { axis, .. } | WallShape::Cone { axis, .. } => {
-                    axis.iter().for_each(|&place| visit(place));
+                    for &place in axis {
+                        visit(place);
+                    }
                 }
                 WallShape::Disc { centre, .. } => visit(*centre),
                 WallShape::Mesh { triangles } => triangles.iter().flatten().for_each(|&place| visit(place)),

@@ -34,9 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(&folder)?;
     let start = Instant::now();
     if is_flat {
-        flat(&folder, side, count)?
+        flat(&folder, side, count)?;
     } else {
-        space(&folder, side, count)?
+        space(&folder, side, count)?;
     }
     eprintln!("{:8.3} s", start.elapsed().as_secs_f64());
     Ok(())
@@ -74,8 +74,8 @@ fn spheres(layers: [usize; 3], share: f64) -> SphereColumns {
     found.discs = (rows == 1).then_some(0.01);
     touching(&mut found, layers);
     let forces = found.contacts.iter().fold(vec![[0.0; 3]; found.positions.len()], |mut forces, contact| {
-        for axis in 0..3 {
-            forces[contact.sphere as usize][axis] += contact.force[axis];
+        for (sum, part) in forces[contact.sphere as usize].iter_mut().zip(contact.force) {
+            *sum += part;
         }
         forces
     });

@@ -210,10 +210,8 @@ impl fmt::Display for ModelError {
                 write!(out, "elements {a}, {b} and {c} have one edge or face in common, two can")
             }
             Self::SharedNode { node, bodies: [a, b] } => {
-                write!(
-                    out,
-                    "node {node} belongs to bodies {a} and {b}: bodies share no nodes, except on joints of joint sets"
-                )
+                let rule = "bodies share no nodes, except on joints of joint sets";
+                write!(out, "node {node} belongs to bodies {a} and {b}: {rule}")
             }
             Self::NotOuter { boundary, facet } => match facet[..] {
                 [a, b] => {

@@ -9,6 +9,7 @@ import math
 import os
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,8 @@ ARGUMENTS = [
     "--no-sandbox",
     "--disable-dev-shm-usage",
 ]
+# How long a page may take on a busy machine, s.
+PATIENCE = 120
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 
 
@@ -84,20 +87,18 @@ class Watched:
 
     def until(self, condition):
         """Waits for what the page says of its state. The page allows no scripts but its own: it cannot wait itself."""
-        for _ in range(600):
-            if condition(self.state()):
-                return
+        end = time.monotonic() + PATIENCE
+        while not condition(self.state()):
+            assert time.monotonic() < end, self.state()
             self.page.wait_for_timeout(20)
-        raise AssertionError(self.state())
 
     def drawn(self, condition):
         """Waits until the canvas is as it should be, and returns its picture."""
-        for _ in range(100):
-            seen = self.pixels()
-            if condition(seen):
-                return seen
+        end = time.monotonic() + PATIENCE
+        while not condition(seen := self.pixels()):
+            assert time.monotonic() < end, "the canvas is not as it should be"
             self.page.wait_for_timeout(50)
-        raise AssertionError("the canvas is not as it should be")
+        return seen
 
     def arrived(self, frame):
         """The frame is shown."""

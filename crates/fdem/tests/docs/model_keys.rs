@@ -105,6 +105,8 @@ fn description(value: &Value) -> String {
 }
 
 fn resolved<'a>(schema: &'a Value, value: &'a Value) -> &'a Value {
+    // A table that may be missing is one of itself and nothing.
+    let value = value.get("anyOf").map_or(value, |choices| &choices[0]);
     match value.get("$ref").and_then(Value::as_str) {
         Some(path) => &schema["$defs"][path.rsplit('/').next().unwrap()],
         None => value,

@@ -87,7 +87,7 @@ struct PackLists {
 }
 
 impl PackLists {
-    /// PackLists of both spheres of each couple.
+    /// The lists of both spheres of each couple.
     fn of(couples: &[fdem_contact::Couple], count: usize) -> Self {
         let mut first = vec![0_u32; count + 1];
         for couple in couples {

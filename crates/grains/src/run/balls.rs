@@ -175,7 +175,9 @@ impl Balls {
         self.list.clear();
         self.drives.clear();
         self.kinds.clear();
-        saved.into_iter().for_each(|of| self.push(of));
+        for of in saved {
+            self.push(of);
+        }
         self.find_places();
     }
 

@@ -25,7 +25,7 @@ pub(crate) struct Memory {
 /// Memory of contacts with rolling friction, and their moment on the first sphere, N m.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rolling {
-    pub(crate) rolling: Vector,
+    pub(crate) spring: Vector,
     pub(crate) twisting: f64,
     pub(crate) moment: Vector,
 }
@@ -142,7 +142,7 @@ impl Lists {
     /// The memory of a couple.
     pub(crate) fn history(&self, slot: usize) -> ContactHistory {
         let Memory { tangential, contact } = self.memories[slot];
-        let Rolling { rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
+        let Rolling { spring: rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
         ContactHistory { tangential, contact, rolling, twisting }
     }
 
@@ -225,7 +225,7 @@ impl Lists {
                 let ContactHistory { tangential, contact, rolling, twisting } = history;
                 self.memories[slot] = Memory { tangential, contact };
                 if let Some(of_slot) = self.rolling.get_mut(slot) {
-                    *of_slot = Rolling { rolling, twisting, moment: [0.0; 3] };
+                    *of_slot = Rolling { spring: rolling, twisting, moment: [0.0; 3] };
                 }
             }
         }

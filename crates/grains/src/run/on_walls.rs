@@ -133,8 +133,8 @@ impl OnWalls {
             let (own, more) = rest.split_at(rest.partition_point(|touch| touch.wall <= number));
             rest = more;
             let near = &self.near[number as usize];
-            let chunks: Vec<Result<(Vec<WallTouch>, Vec<Outer>), GrainError>> =
-                near.par_chunks(CHUNK).map(|near| on_wall(of, (number, wall), near, own)).collect();
+            let found = near.par_chunks(CHUNK).map(|near| on_wall(of, (number, wall), near, own));
+            let chunks: Vec<_> = found.collect();
             let mut sums = [[0.0; 3]; 2];
             let centre = wall.rotation.map_or([0.0; 3], |rotation| rotation.through);
             for chunk in chunks {

@@ -90,10 +90,7 @@ fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
 
 /// Takes the front of a list, or nothing of an empty one.
 fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let count = count.min(list.len());
-    let (front, rest) = std::mem::take(list).split_at_mut(count);
-    *list = rest;
-    front
+    list.split_off_mut(..count).unwrap_or_default()
 }
 
 impl Part<'_> {
@@ -179,7 +176,7 @@ impl Part<'_> {
         put(&mut batch.tangential, lane, memory.tangential);
         batch.contact[lane] = memory.contact;
         if let Some(rolling) = self.rolling.get(slot) {
-            put(&mut batch.rolling, lane, rolling.rolling);
+            put(&mut batch.rolling, lane, rolling.spring);
             batch.twisting[lane] = rolling.twisting;
         }
     }
@@ -201,7 +198,7 @@ impl Part<'_> {
             };
             if rolls {
                 self.rolling[slot] = Rolling {
-                    rolling: at(&batch.rolling, lane),
+                    spring: at(&batch.rolling, lane),
                     twisting: batch.twisting[lane],
                     moment: at(&batch.moment, lane),
                 };
@@ -239,7 +236,7 @@ impl Part<'_> {
 
     fn history(&self, slot: usize) -> ContactHistory {
         let Memory { tangential, contact } = self.memories[slot];
-        let Rolling { rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
+        let Rolling { spring: rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
         ContactHistory { tangential, contact, rolling, twisting }
     }
 
@@ -248,7 +245,7 @@ impl Part<'_> {
         let ContactHistory { tangential, contact, rolling, twisting } = history;
         self.memories[slot] = Memory { tangential, contact };
         if let Some(of_slot) = self.rolling.get_mut(slot) {
-            *of_slot = Rolling { rolling, twisting, moment };
+            *of_slot = Rolling { spring: rolling, twisting, moment };
         }
         if let Some(work) = self.stretched.get_mut(slot) {
             *work = 0.0;
@@ -275,7 +272,7 @@ impl Part<'_> {
         let normal = if distance > 0.0 { times(1.0 / distance, apart) } else { [1.0, 0.0, 0.0] };
         let arms =
             plus(times(one.radius - 0.5 * overlap, one.spin), times(two.radius - 0.5 * overlap, two.spin));
-        let rates = of.cell.map_or([0.0; 3], |cell| cell.rates());
+        let rates = of.cell.map_or([0.0; 3], RunBox::rates);
         let drift = [rates[0] * apart[0], rates[1] * apart[1], rates[2] * apart[2]];
         let velocity = plus(plus(minus(one.velocity, two.velocity), drift), cross(normal, arms));
         let inertia = |ball: &Ball| (of.balls.share + 1.0) * ball.mass * ball.radius * ball.radius;

@@ -59,7 +59,7 @@ struct RunPage<'a> {
     /// Fields and their ranges.
     ranges: Vec<(Field, Range)>,
     /// Further fields with separate numbers.
-    numbered: &'a [&'a Quantity],
+    numbered: &'a [&'static Quantity],
     /// A picture of the last frame as PNG, for browsers that cannot show the view.
     preview: Option<Vec<u8>>,
     /// The text below the view.
@@ -187,11 +187,9 @@ fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     })
 }
 
-fn options(selected: Field, numbered: &[&Quantity]) -> String {
+fn options(selected: Field, numbered: &[&'static Quantity]) -> String {
     let mut options = String::new();
-    for Quantity { key, name, .. } in
-        of_elements().map(|field| field.quantity()).chain(numbered.iter().copied())
-    {
+    for Quantity { key, name, .. } in of_elements().map(Field::quantity).chain(numbered.iter().copied()) {
         let selected = if *key == selected.key() { " selected" } else { "" };
         // Writing to a string does not fail.
         let _ = write!(options, "<option value=\"{key}\"{selected}>{name}</option>");

@@ -245,13 +245,13 @@ impl Palette {
         let mut colours = vec![white, NO_VALUE];
         colours.extend(fading(ink, 32));
         colours.extend(CRACKS.iter().flat_map(|(_, colour)| fading(*colour, 4)));
-        if !field.is_continuous() {
-            colours.extend((0..8).flat_map(|number| fading(numbered_colour(number), 4)));
-        } else {
+        if field.is_continuous() {
             colours.extend((0..128).map(|k| colour::at(field.ramp(), f64::from(k) / 127.0)));
             colours.extend(field.ramp().iter().flat_map(|&colour| fading(colour, 4).take(3)));
             // Spheres may have the colours of their groups.
             colours.extend(NUMBERED.iter().flat_map(|&colour| fading(colour, 2)));
+        } else {
+            colours.extend((0..8).flat_map(|number| fading(numbered_colour(number), 4)));
         }
         Self::of(colours)
     }
@@ -281,10 +281,10 @@ impl Palette {
                 colours.extend((0..steps).map(|k| colour::mix(crack, [255; 3], k as f64 / steps as f64)));
             }
         } else {
-            let of_field: Vec<Rgb> = if !field.is_continuous() {
-                NUMBERED.to_vec()
-            } else {
+            let of_field: Vec<Rgb> = if field.is_continuous() {
                 (0..34).map(|k| colour::at(field.ramp(), f64::from(k) / 33.0)).collect()
+            } else {
+                NUMBERED.to_vec()
             };
             let steps = 204 / of_field.len();
             let all = of_field.iter().copied().chain([NO_VALUE]);

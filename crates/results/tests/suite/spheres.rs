@@ -76,9 +76,9 @@ fn with_body(spheres: SphereColumns) -> (Snapshot<3, 4>, Shell) {
 }
 
 fn pixels(file: &[u8]) -> (usize, Vec<[u8; 3]>) {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut pixels).expect("pixels");
     (info.width as usize, pixels.as_chunks().0.to_vec())
 }
 
@@ -187,10 +187,7 @@ fn programs_read_the_values_of_spheres() {
     assert_eq!(values("sphere", "coordination"), QuantityValues::Whole(vec![1, 1, 1]));
     assert_eq!(values("sphere contact", "couple"), QuantityValues::Whole(vec![2, 5, 9, 0]));
     assert_eq!(values("sphere contact", "kind"), QuantityValues::Whole(vec![0, 1]));
-    assert_eq!(
-        values("wall", "force"),
-        QuantityValues::Real(vec![0.0, 0.0, -10.0].iter().map(|x| x + 0.0).collect())
-    );
+    assert_eq!(values("wall", "force"), QuantityValues::Real(vec![0.0, 0.0, -10.0]));
 }
 
 /// Discs are drawn without any mesh, as circles of their sizes, and by the colours of the field.
@@ -275,7 +272,9 @@ fn animations_of_spheres_move() {
     let frames =
         [spheres(None), moved].map(|spheres| SpaceFrame::new(&space(spheres), &Shell::default()).unwrap());
     let mut film = SpaceAnimation::new(pictures(&frames, Field::VELOCITY), Some(300), 10);
-    frames.iter().for_each(|frame| film.push(frame).unwrap());
+    for frame in &frames {
+        film.push(frame).unwrap();
+    }
     let gif = film.finish().unwrap();
     assert!(gif.starts_with(b"GIF89a") && gif.len() > 2000);
     let frames = [Frame::new(&plane(spheres(Some(0.1)))).unwrap()];

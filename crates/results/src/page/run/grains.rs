@@ -1,5 +1,7 @@
 //! The part of a page with the spheres and walls of a run.
 
+use std::fmt::Write;
+
 use serde_json::{Value, json};
 
 use crate::fields::field::{Field, SPHERE_SCALES};
@@ -23,20 +25,19 @@ impl GrainPart {
     /// Returns the part for a series of frames; `None` if no frame has spheres or walls. `field`: by which
     /// spheres are initially coloured if they have values of it; `range`: the range of a field.
     pub(super) fn new<'a>(
-        frames: impl Iterator<Item = &'a GrainFrame> + Clone,
+        frames: impl Iterator<Item = &'a GrainFrame>,
         field: Field,
         range: impl Fn(Field) -> Range,
     ) -> Option<Self> {
-        let last = frames.clone().filter(|frame| !frame.is_empty()).last()?;
+        let last = frames.filter(|frame| !frame.is_empty()).last()?;
         let [one, many] = if last.discs { ["disc", "discs"] } else { ["sphere", "spheres"] };
         let first = if field.of_spheres().is_some() { field } else { Field::VELOCITY };
         let fields = || Field::ALL.into_iter().filter(|field| field.of_spheres().is_some());
-        let options: String = fields()
-            .map(|field| {
-                let selected = if field == first { " selected" } else { "" };
-                format!("<option value=\"{}\"{selected}>{}</option>", field.key(), name(field))
-            })
-            .collect();
+        let mut options = String::new();
+        for field in fields() {
+            let selected = if field == first { " selected" } else { "" };
+            let _ = write!(options, "<option value=\"{}\"{selected}>{}</option>", field.key(), name(field));
+        }
         let controls = CONTROLS
             .replace("{{many}}", if last.discs { "Discs" } else { "Spheres" })
             .replace("{{lower}}", many)
