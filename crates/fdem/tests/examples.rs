@@ -10,7 +10,7 @@ use std::process::Command;
 use rayon::prelude::*;
 use serde_json::Value;
 
-/// Elements times steps of a reduced run: about a second.
+/// Elements and spheres times steps of a reduced run: about a second.
 const WORK: f64 = 1e6;
 
 /// The models in two and in three dimensions, with different names.
@@ -68,6 +68,10 @@ fn every_example_runs_and_leaves_all_results() {
         let (file, results) = (format!("{name}.toml"), folder.path().join(format!("{name}_results")));
         let model = fs::read_to_string(&path).unwrap();
         fs::write(folder.path().join(&file), &model).unwrap();
+        let surface = path.with_extension("stl");
+        if surface.exists() {
+            fs::copy(&surface, folder.path().join(surface.file_name().unwrap())).unwrap();
+        }
         let preflight: Value =
             serde_json::from_str(&fdem(folder.path(), &["check", &file, "--json"])).unwrap();
         // Two examples take seconds, because they are fast and coarse, which the check says.
@@ -79,7 +83,9 @@ fn every_example_runs_and_leaves_all_results() {
             assert!(fast && expected, "{name}: {said}");
         }
 
-        let steps = WORK / preflight["quality"]["elements"].as_f64().unwrap();
+        let count = |number: &Value| number.as_f64().unwrap();
+        let elements = count(&preflight["quality"]["elements"]);
+        let steps = WORK / (elements + count(&preflight["spheres"]));
         let end = preflight["step"].as_f64().unwrap() * steps.round();
         let shorter = with(&with(&model, "end_time", &format!("{end:e}")), "frames", "3");
         fs::write(folder.path().join(&file), shorter).unwrap();
@@ -95,10 +101,6 @@ fn every_example_runs_and_leaves_all_results() {
             "model.toml",
             "checkpoint",
             "history.csv",
-            "results.pvd",
-            "cracks.pvd",
-            "damaged_joints.pvd",
-            "contacts.pvd",
             "picture.png",
             "report.html",
             "run.log",
@@ -108,10 +110,19 @@ fn every_example_runs_and_leaves_all_results() {
         ]
         .map(str::to_owned)
         .to_vec();
-        expected.extend((0..=3).flat_map(|k| {
-            [".vtu", "_cracks.vtp", "_damaged_joints.vtp", "_contacts.vtp"]
-                .map(|end| format!("frames/{k:05}{end}"))
-        }));
+        let mut series = Vec::new();
+        if elements > 0.0 {
+            series.extend([("results", ".vtu"), ("cracks", "_cracks.vtp")]);
+            series.extend([("damaged_joints", "_damaged_joints.vtp"), ("contacts", "_contacts.vtp")]);
+        }
+        if model.contains("[[grains]]") {
+            series.extend([("spheres", "_spheres.vtp"), ("sphere_contacts", "_sphere_contacts.vtp")]);
+            series.push(("walls", "_walls.vtp"));
+        }
+        for (name, end) in series {
+            expected.push(format!("{name}.pvd"));
+            expected.extend((0..=3).map(|k| format!("frames/{k:05}{end}")));
+        }
         if model.contains("animate = true") {
             expected.push("animation.gif".to_owned());
         }

@@ -379,7 +379,7 @@ impl GrainRun {
         self.change()?;
         // Both of two spheres may have moved, and a box that grows brings them together.
         let rate = self.cell.map_or(0.0, |cell| cell.rates().into_iter().map(f64::abs).fold(0.0, f64::max));
-        let drift = 2.0 * rate * self.largest();
+        let drift = if rate > 0.0 { 2.0 * rate * self.largest() } else { 0.0 };
         self.spare -= self.time_step * (2.0 * self.moved.fastest + 2.0 * drift);
         if self.spare < 0.0 {
             let remembered = self.lists.remember(&self.balls);

@@ -13,16 +13,26 @@ pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
         return print(&TEMPLATES.iter().map(line).collect::<String>());
     }
     let path = &arguments.name;
-    if !arguments.force && path.symlink_metadata().is_ok() {
+    let template = template(arguments.template.as_deref(), arguments.space)?;
+    let mut files = vec![(path.clone(), template.text.as_bytes())];
+    files.extend(template.file.map(|(name, bytes)| (path.with_file_name(name), bytes)));
+    if let Some((path, _)) =
+        files.iter().find(|(path, _)| !arguments.force && path.symlink_metadata().is_ok())
+    {
         return Err(Failure::writing(path, "it is there already; --force replaces it"));
     }
-    let text = template(arguments.template.as_deref(), arguments.space)?.text;
-    let mut output = Output::open(Some(path))?;
-    output.write(|out| out.write_all(text.as_bytes()))?;
-    output.commit()?;
-    // The file is written: an error of standard error is ignored.
-    let name = display_name(path);
-    let _ = writeln!(std::io::stderr(), "wrote {name}; next: fdem check {name}");
+    let mut outputs = Vec::new();
+    for (path, bytes) in &files {
+        let mut output = Output::open(Some(path))?;
+        output.write(|out| out.write_all(bytes))?;
+        outputs.push(output);
+    }
+    for output in outputs {
+        output.commit()?;
+    }
+    // The files are written: an error of standard error is ignored.
+    let names: Vec<String> = files.iter().map(|(path, _)| display_name(path)).collect();
+    let _ = writeln!(std::io::stderr(), "wrote {}; next: fdem check {}", names.join(" and "), names[0]);
     Ok(())
 }
 

@@ -411,9 +411,17 @@ where
         drawn?;
         let place = display_name(&self.folder.path(""));
         match end {
-            End::Finished => print(&format!(
-                "results are in {place}: report.html for a browser, results.pvd for ParaView, history.csv, plots\n"
-            )),
+            End::Finished => {
+                let model = &self.course.prepared.model;
+                let collections = match (model.mesh.elements.is_empty(), model.grains.is_some()) {
+                    (true, _) => "spheres.pvd",
+                    (false, true) => "results.pvd and spheres.pvd",
+                    (false, false) => "results.pvd",
+                };
+                print(&format!(
+                    "results are in {place}: report.html for a browser, {collections} for ParaView, history.csv, plots\n"
+                ))
+            }
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
                     "interrupted after step {}; `fdem resume {place}` continues the run",

@@ -6,6 +6,8 @@ use fdem_model::{STARTER, STARTER_3D};
 pub(crate) struct Template {
     pub(crate) name: &'static str,
     pub(crate) text: &'static str,
+    /// A file that the model reads: its name and its bytes.
+    pub(crate) file: Option<(&'static str, &'static [u8])>,
 }
 
 impl Template {
@@ -19,13 +21,16 @@ impl Template {
 /// Most of them are copies of examples, which the package of this crate cannot reach: a test compares them.
 macro_rules! template {
     ($name:literal) => {
-        Template { name: $name, text: include_str!(concat!("templates/", $name, ".toml")) }
+        Template { name: $name, text: include_str!(concat!("templates/", $name, ".toml")), file: None }
+    };
+    ($name:literal, $file:literal) => {
+        Template { file: Some(($file, include_bytes!(concat!("templates/", $file)))), ..template!($name) }
     };
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 24] = [
-    Template { name: "starter", text: STARTER },
+pub(crate) const TEMPLATES: [Template; 27] = [
+    Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
     template!("borehole"),
@@ -42,11 +47,14 @@ pub(crate) const TEMPLATES: [Template; 24] = [
     template!("sliding_block"),
     template!("three_point_bending"),
     template!("tunnel"),
-    Template { name: "starter_3d", text: STARTER_3D },
+    Template { name: "starter_3d", text: STARTER_3D, file: None },
     template!("brazilian_disc_3d"),
     template!("compression_3d"),
     template!("crushed_ball_3d"),
+    template!("funnel_3d", "funnel.stl"),
+    template!("gravel_cushion_3d"),
     template!("impact_3d"),
     template!("pillar_3d"),
+    template!("rotating_drum_3d"),
     template!("stairs_3d"),
 ];

@@ -46,12 +46,11 @@ impl RunBox {
     #[inline]
     pub(crate) fn shortest(&self, apart: Vector) -> Vector {
         let along = |axis: usize| {
-            let (length, half) = (self.lengths[axis], 0.5 * self.lengths[axis]);
-            match self.domain.periodic[axis] {
-                true if apart[axis] > half => apart[axis] - length,
-                true if apart[axis] < -half => apart[axis] + length,
-                _ => apart[axis],
-            }
+            let length = self.lengths[axis];
+            // Along an axis that does not repeat nothing is far.
+            let half = if self.domain.periodic[axis] { 0.5 * length } else { f64::INFINITY };
+            let [back, forth] = [apart[axis] > half, apart[axis] < -half];
+            apart[axis] - if back { length } else { 0.0 } + if forth { length } else { 0.0 }
         };
         [along(0), along(1), along(2)]
     }

@@ -49,8 +49,9 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
     pushes.resize_with(balls.kinds.len().div_ceil(CHUNK), Default::default);
     let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).zip(pushes).enumerate();
     let parts: Vec<Result<Moved, (u32, GrainError)>> = chunks
-        .map(|(chunk, (((balls, drives), kinds), pushes))| {
-            move_chunk(chunk * CHUNK, (balls, drives), (kinds, pushes), (share, of))
+        .map_init(OfChunk::default, |touching, (chunk, (((balls, drives), kinds), pushes))| {
+            touching.fill(of.lists, chunk * CHUNK, balls.len());
+            move_chunk((chunk * CHUNK, touching), (balls, drives), (kinds, pushes), (share, of))
         })
         .collect();
     let mut all = Moved::default();
@@ -72,7 +73,7 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
 }
 
 fn move_chunk(
-    begin: usize,
+    (begin, touching): (usize, &OfChunk),
     (balls, drives): (&mut [Ball], &mut [Drive]),
     (kinds, pushes): (&[BallKind], &mut [[Vector; 2]]),
     (share, of): (f64, Moving<'_>),
@@ -83,7 +84,7 @@ fn move_chunk(
     let mut lost: Option<(u32, GrainError)> = None;
     for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
         let place = begin + k;
-        let [mut force, mut moment] = sums(of.lists, place, ball.radius, drive);
+        let [mut force, mut moment] = sums(of.lists, touching.of(k), ball.radius, drive);
         while outer.first().is_some_and(|outer| outer.place as usize == place) {
             force = plus(force, outer[0].force);
             moment = plus(moment, outer[0].moment);
@@ -120,35 +121,67 @@ fn move_chunk(
     lost.map_or(Ok(moved), Err)
 }
 
+/// A contact of a sphere: where its action is, twice, and 1 more where the sphere is the second; and its slot.
+#[derive(Clone, Copy, Default)]
+struct Touching {
+    acted: u32,
+    slot: u32,
+}
+
+/// The contacts of the spheres of a chunk.
+#[derive(Default)]
+struct OfChunk {
+    list: Vec<Touching>,
+    /// Where those of each sphere end.
+    ends: Vec<u32>,
+}
+
+impl OfChunk {
+    /// Lists the contacts of `count` spheres from a place on. There is no branch for a candidate that does not
+    /// touch, because it would be guessed wrong half of the time.
+    fn fill(&mut self, lists: &Lists, begin: usize, count: usize) {
+        let first = &lists.first_incident[begin..=begin + count];
+        let most = (first[count] - first[0]) as usize;
+        // One place more, which is written last and not used.
+        self.list.resize(self.list.len().max(most + 1), Touching::default());
+        self.ends.clear();
+        let mut found = 0;
+        for range in first.windows(2) {
+            for &incident in &lists.incidents[range[0] as usize..range[1] as usize] {
+                let slot = incident / 2;
+                let acted = lists.acted[slot as usize];
+                self.list[found] = Touching { acted: acted.wrapping_mul(2) | incident & 1, slot };
+                found += usize::from(acted != APART);
+            }
+            self.ends.push(found as u32);
+        }
+    }
+
+    /// Those of the sphere at a place in the chunk.
+    fn of(&self, k: usize) -> &[Touching] {
+        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
+        &self.list[begin as usize..self.ends[k] as usize]
+    }
+}
+
 /// Force, N, and moment, N m, of all spheres on one. Adds the energy that its contacts have dissipated to its
 /// sum.
 #[inline]
-fn sums(lists: &Lists, place: usize, radius: f64, drive: &mut Drive) -> [Vector; 2] {
+fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) -> [Vector; 2] {
     let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-    let incidents = lists.first_incident[place] as usize..lists.first_incident[place + 1] as usize;
-    for &incident in &lists.incidents[incidents] {
-        let slot = incident as usize / 2;
-        let acted = lists.acted[slot];
-        if acted == APART {
-            continue;
-        }
-        let acting = &lists.acting[acted as usize];
+    for of in touching {
+        let acting = &lists.acting[of.acted as usize / 2];
+        let is_first = of.acted & 1 == 0;
+        let sign = if is_first { 1.0 } else { -1.0 };
         let arm = radius - 0.5 * acting.overlap;
         moment = plus(moment, times(arm, acting.torque));
-        if incident & 1 == 0 {
-            force = plus(force, acting.force);
-            drive.dissipated += acting.dissipated;
-        } else {
-            force = minus(force, acting.force);
-        }
-        if let Some(rolling) = lists.rolling.get(slot) {
-            let sign = if incident & 1 == 0 { 1.0 } else { -1.0 };
+        force = plus(force, times(sign, acting.force));
+        drive.dissipated += if is_first { acting.dissipated } else { 0.0 };
+        if let Some(rolling) = lists.rolling.get(of.slot as usize) {
             moment = plus(moment, times(sign, rolling.moment));
         }
-        if let Some(work) = lists.stretched.get(slot)
-            && incident & 1 == 0
-        {
-            drive.external += work;
+        if let Some(work) = lists.stretched.get(of.slot as usize) {
+            drive.external += if is_first { *work } else { 0.0 };
         }
     }
     [force, moment]

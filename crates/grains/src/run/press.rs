@@ -51,9 +51,9 @@ pub(crate) fn press(of: Pressing<'_>, lists: &mut Lists) -> Result<(), GrainErro
     let done: Vec<Result<(), GrainError>> = parts
         .into_par_iter()
         .map_init(
-            || vec![Batch::default(); of.laws.list.len()],
-            |batches, part| {
-                if periodic { part.press::<true>(of, batches) } else { part.press::<false>(of, batches) }
+            || Scratch { batches: vec![Batch::default(); of.laws.list.len()], couples: Vec::new() },
+            |scratch, part| {
+                if periodic { part.press::<true>(of, scratch) } else { part.press::<false>(of, scratch) }
             },
         )
         .collect();
@@ -93,47 +93,51 @@ fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     list.split_off_mut(..count).unwrap_or_default()
 }
 
+/// What a thread keeps from chunk to chunk.
+struct Scratch {
+    /// A batch for each law.
+    batches: Vec<Batch>,
+    couples: Vec<Listed>,
+}
+
+/// A couple whose contact is computed: its slot in the part, and the place of its first sphere in the chunk.
+#[derive(Clone, Copy, Default)]
+struct Listed {
+    slot: u32,
+    first: u32,
+}
+
 impl Part<'_> {
     fn press<const PERIODIC: bool>(
         mut self,
         of: Pressing<'_>,
-        batches: &mut [Batch],
+        scratch: &mut Scratch,
     ) -> Result<(), GrainError> {
+        let Scratch { batches, couples } = scratch;
         let list = &of.balls.list;
-        let base = self.starts[0];
-        for k in 0..self.starts.len() - 1 {
-            let ball = &list[self.begin + k];
-            for slot in (self.starts[k] - base) as usize..(self.starts[k + 1] - base) as usize {
-                let other = &list[self.others[slot] as usize];
-                let mut apart = minus(ball.position, other.position);
-                if let (true, Some(cell)) = (PERIODIC, of.cell) {
-                    apart = cell.shortest(apart);
-                }
-                let (square, sum) = (dot(apart, apart), ball.radius + other.radius);
-                if square >= sum * sum && self.acted[slot] == APART {
-                    continue;
-                }
-                // The contact is the same whichever of the two has the lower place.
-                let (apart, one, two) = if ball.number < other.number {
-                    (apart, ball, other)
-                } else {
-                    (times(-1.0, apart), other, ball)
-                };
-                let number = of.laws.number([one.material, two.material])?;
-                let law = &of.laws.list[number];
-                if law.sticks() {
-                    self.stick(of, slot, law, (apart, [one, two]));
-                    continue;
-                }
-                if square >= sum * sum {
-                    self.part(slot, law, [one, two]);
-                    continue;
-                }
-                let batch = &mut batches[number];
-                self.gather::<PERIODIC>(batch, slot, (apart, square), [one, two], of.cell);
-                if batch.count == LANES {
-                    self.finish::<PERIODIC>(of, batch, law);
-                }
+        let count = self.list::<PERIODIC>(of, couples);
+        for &Listed { slot, first } in &couples[..count] {
+            let slot = slot as usize;
+            let pair = [&list[self.begin + first as usize], &list[self.others[slot] as usize]];
+            // The contact is the same whichever of the two has the lower place. No branch: it would be random.
+            let swapped = usize::from(pair[0].number > pair[1].number);
+            let [one, two] = [pair[swapped], pair[1 - swapped]];
+            let apart = apart::<PERIODIC>(of.cell, one, two);
+            let (square, sum) = (dot(apart, apart), one.radius + two.radius);
+            let number = of.laws.number([one.material, two.material])?;
+            let law = &of.laws.list[number];
+            if law.sticks() {
+                self.stick(of, slot, law, (apart, [one, two]));
+                continue;
+            }
+            if square >= sum * sum {
+                self.part(slot, law, [one, two]);
+                continue;
+            }
+            let batch = &mut batches[number];
+            self.gather::<PERIODIC>(batch, slot, (apart, square), [one, two], of.cell);
+            if batch.count == LANES {
+                self.finish::<PERIODIC>(of, batch, law);
             }
         }
         for (batch, law) in batches.iter_mut().zip(&of.laws.list) {
@@ -142,6 +146,29 @@ impl Part<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Lists the couples that touch and those that have touched. Returns how many.
+    ///
+    /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often, and
+    /// would keep the processor from loading the spheres ahead of it.
+    fn list<const PERIODIC: bool>(&self, of: Pressing<'_>, couples: &mut Vec<Listed>) -> usize {
+        let list = &of.balls.list;
+        let base = self.starts[0];
+        // One place more, which is written last and not used.
+        couples.resize(couples.len().max(self.others.len() + 1), Listed::default());
+        let mut count = 0;
+        for (first, ends) in self.starts.windows(2).enumerate() {
+            let ball = &list[self.begin + first];
+            for slot in (ends[0] - base) as usize..(ends[1] - base) as usize {
+                let other = &list[self.others[slot] as usize];
+                let apart = apart::<PERIODIC>(of.cell, ball, other);
+                let sum = ball.radius + other.radius;
+                couples[count] = Listed { slot: slot as u32, first: first as u32 };
+                count += usize::from((dot(apart, apart) < sum * sum) | (self.acted[slot] != APART));
+            }
+        }
+        count
     }
 
     /// Puts a contact into the next lane of a batch.
@@ -293,6 +320,16 @@ impl Part<'_> {
         if let (Some(work), Some(cell)) = (self.stretched.get_mut(slot), of.cell) {
             *work = stretch(cell, push.force, apart, of.step);
         }
+    }
+}
+
+/// From the second sphere, or its nearest image, to the first, m.
+#[inline]
+fn apart<const PERIODIC: bool>(cell: Option<&RunBox>, one: &Ball, two: &Ball) -> [f64; 3] {
+    let apart = minus(one.position, two.position);
+    match cell {
+        Some(cell) if PERIODIC => cell.shortest(apart),
+        _ => apart,
     }
 }
 
