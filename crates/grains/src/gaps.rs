@@ -154,7 +154,7 @@ mod tests {
             (WallShape::Mesh { triangles: vec![triangle] }, [0.25, 0.25, -0.5], 0.5),
             (WallShape::Mesh { triangles: vec![segment] }, [4.0, 4.0, 0.0], 5.0),
         ] {
-            let (number, share) = worst_on_wall(&shape, &[[50.0, 0.0, 50.0], point], &[0.0, 6.0]).unwrap();
+            let (number, share) = worst_on_wall(&shape, &[[0.0, 0.0, 50.0], point], &[0.0, 6.0]).unwrap();
             assert_eq!(number, 1);
             assert!((share - (6.0 - distance) / 6.0).abs() < 1e-15, "{shape:?} {point:?}");
         }

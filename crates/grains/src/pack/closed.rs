@@ -227,7 +227,8 @@ mod tests {
             assert_eq!(cube.contains(point), is_inside, "{point:?}");
         }
         let mut nearest = f64::INFINITY;
-        cube.near([0.5, 0.5, 0.8], &mut |at| nearest = nearest.min((at[2] - 0.8).abs()));
+        let point = [0.5, 0.5, 0.8];
+        cube.near(point, &mut |at| nearest = nearest.min(dot(minus(at, point), minus(at, point)).sqrt()));
         assert!((nearest - 0.2).abs() < 1e-15);
     }
 }

@@ -23,7 +23,7 @@ fn refusal(change: impl FnOnce(&mut Model)) -> String {
 #[test]
 fn models_that_cannot_be_say_why() {
     assert_eq!(refusal(|_| ()), "accepted");
-    assert_eq!(refusal(|m| m.mesh.elements.clear()), "the mesh has no elements");
+    assert_eq!(refusal(|m| m.mesh.elements.clear()), "the model has no elements and no spheres");
     assert_eq!(
         refusal(|m| m.materials[0].density = -1.0),
         "material 'granite': density is -1, it must be positive"
