@@ -121,7 +121,8 @@ fn move_chunk(
     lost.map_or(Ok(moved), Err)
 }
 
-/// A contact of a sphere: where its action is, twice, and 1 more where the sphere is the second; and its slot.
+/// A contact of a sphere: where its action is, twice, and 1 more where the sphere is the second; and its
+/// slot.
 #[derive(Clone, Copy, Default)]
 struct Touching {
     acted: u32,
@@ -137,8 +138,8 @@ struct OfChunk {
 }
 
 impl OfChunk {
-    /// Lists the contacts of `count` spheres from a place on. There is no branch for a candidate that does not
-    /// touch, because it would be guessed wrong half of the time.
+    /// Lists the contacts of `count` spheres from a place on. There is no branch for a candidate that does
+    /// not touch, because it would be guessed wrong half of the time.
     fn fill(&mut self, lists: &Lists, begin: usize, count: usize) {
         let first = &lists.first_incident[begin..=begin + count];
         let most = (first[count] - first[0]) as usize;

@@ -93,7 +93,7 @@ fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     list.split_off_mut(..count).unwrap_or_default()
 }
 
-/// What a thread keeps from chunk to chunk.
+/// Memory that a thread uses for one chunk after the other.
 struct Scratch {
     /// A batch for each law.
     batches: Vec<Batch>,
@@ -119,7 +119,8 @@ impl Part<'_> {
         for &Listed { slot, first } in &couples[..count] {
             let slot = slot as usize;
             let pair = [&list[self.begin + first as usize], &list[self.others[slot] as usize]];
-            // The contact is the same whichever of the two has the lower place. No branch: it would be random.
+            // The contact is the same whichever of the two has the lower place. No branch: it would be
+            // random.
             let swapped = usize::from(pair[0].number > pair[1].number);
             let [one, two] = [pair[swapped], pair[1 - swapped]];
             let apart = apart::<PERIODIC>(of.cell, one, two);
@@ -150,8 +151,8 @@ impl Part<'_> {
 
     /// Lists the couples that touch and those that have touched. Returns how many.
     ///
-    /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often, and
-    /// would keep the processor from loading the spheres ahead of it.
+    /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often,
+    /// and would keep the processor from loading the spheres ahead of it.
     fn list<const PERIODIC: bool>(&self, of: Pressing<'_>, couples: &mut Vec<Listed>) -> usize {
         let list = &of.balls.list;
         let base = self.starts[0];

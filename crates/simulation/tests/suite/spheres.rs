@@ -350,8 +350,8 @@ where
 
 #[test]
 fn a_fan_of_spheres_breaks_a_plate_with_the_same_bits() {
-    // 1.1e-3 to 1.6e-3, with a half and a quarter of the step too: where joints open under a sphere, its contacts
-    // change at once.
+    // 1.1e-3 to 1.6e-3, with a half and a quarter of the step too: where joints open under a sphere, its
+    // contacts change at once.
     breaks_with_the_same_bits(&fan(), 600, 2e-3);
 }
 
