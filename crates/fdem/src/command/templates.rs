@@ -29,7 +29,7 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 27] = [
+pub(crate) const TEMPLATES: [Template; 28] = [
     Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
@@ -57,4 +57,5 @@ pub(crate) const TEMPLATES: [Template; 27] = [
     template!("pillar_3d"),
     template!("rotating_drum_3d"),
     template!("stairs_3d"),
+    template!("triaxial_3d"),
 ];
