@@ -49,7 +49,7 @@ use crate::run::on_facet::SurfaceMotion;
 use crate::run::on_meshes::{OnMeshes, force_and_moment};
 use crate::run::on_surface::{OnSurface, OnSurfacesOf};
 use crate::run::on_walls::{OnWalls, OnWallsOf, Outer};
-use crate::run::press::{Pressing, press};
+use crate::run::press::{Pressing, Spot, fill_spots, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
@@ -98,6 +98,7 @@ pub struct GrainRun {
     laws: Laws,
     balls: Balls,
     lists: Lists,
+    spots: Vec<Spot>,
     finder: Finder,
     cell: Option<RunBox>,
     on_walls: OnWalls,
@@ -160,6 +161,7 @@ impl GrainRun {
             laws: Laws::new(&model),
             balls: Balls::new(&model),
             lists: Lists::default(),
+            spots: Vec::new(),
             finder,
             cell,
             on_walls: OnWalls::new(model.walls.len()),
@@ -387,7 +389,9 @@ impl GrainRun {
         }
         let (laws, simd, step) = (&self.laws, self.simd, self.time_step);
         let cell = self.cell.as_ref();
-        press(Pressing { balls: &self.balls, laws, cell, simd, step }, &mut self.lists)?;
+        fill_spots(&mut self.spots, &self.balls);
+        let (balls, spots) = (&self.balls, self.spots.as_slice());
+        press(Pressing { balls, spots, laws, cell, simd, step }, &mut self.lists)?;
         self.outer.clear();
         let of =
             OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };

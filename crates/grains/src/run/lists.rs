@@ -15,6 +15,9 @@ pub(crate) const CHUNK: usize = 512;
 /// The place of the action of a couple that does not touch.
 pub(crate) const APART: u32 = u32::MAX;
 
+/// The bit of the other sphere of a couple that has the lower number: it is the first of the two.
+pub(crate) const IS_FIRST: u32 = 1 << 31;
+
 /// Memory that all contacts have, as in [`ContactHistory`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Memory {
@@ -50,6 +53,7 @@ pub(crate) struct Acting {
 pub(crate) struct Lists {
     /// Where the couples of each place begin.
     pub(crate) first: Vec<u32>,
+    /// The place of the other sphere of each couple, and the bit [`IS_FIRST`].
     pub(crate) other: Vec<u32>,
     pub(crate) memories: Vec<Memory>,
     /// Empty without rolling friction.
@@ -129,7 +133,7 @@ impl Lists {
         for place in 0..self.first.len().saturating_sub(1) {
             for slot in self.first[place] as usize..self.first[place + 1] as usize {
                 if self.memories[slot].contact > 0.0 {
-                    let numbers = [place, self.other[slot] as usize].map(|place| balls.list[place].number);
+                    let numbers = [place, self.place(slot) as usize].map(|place| balls.list[place].number);
                     let pair = if numbers[0] < numbers[1] { numbers } else { [numbers[1], numbers[0]] };
                     contacts.push((pair, self.history(slot)));
                 }
@@ -146,11 +150,16 @@ impl Lists {
         ContactHistory { tangential, contact, rolling, twisting }
     }
 
+    /// The place of the sphere of a couple that has the higher one.
+    fn place(&self, slot: usize) -> u32 {
+        self.other[slot] & !IS_FIRST
+    }
+
     /// The other place of a couple.
     pub(crate) fn partner(&self, place: u32, slot: u32) -> u32 {
         let own = self.first[place as usize]..self.first[place as usize + 1];
         if own.contains(&slot) {
-            self.other[slot as usize]
+            self.place(slot as usize)
         } else {
             self.first.partition_point(|&begin| begin <= slot) as u32 - 1
         }
@@ -180,7 +189,8 @@ impl Lists {
         let mut other = vec![0_u32; couples.len()];
         for [low, high] in &couples {
             let slot = &mut next[*low as usize];
-            other[*slot as usize] = *high;
+            let is_first = balls.list[*high as usize].number < balls.list[*low as usize].number;
+            other[*slot as usize] = *high | if is_first { IS_FIRST } else { 0 };
             *slot += 1;
         }
         (self.first, self.other) = (first, other);
@@ -219,7 +229,7 @@ impl Lists {
         self.rolling.resize(if rolls { self.other.len() } else { 0 }, Rolling::default());
         for (place, ball) in balls.list.iter().enumerate() {
             for slot in self.first[place] as usize..self.first[place + 1] as usize {
-                let Some(history) = known([ball.number, balls.list[self.other[slot] as usize].number]) else {
+                let Some(history) = known([ball.number, balls.list[self.place(slot) as usize].number]) else {
                     continue;
                 };
                 let ContactHistory { tangential, contact, rolling, twisting } = history;
@@ -240,7 +250,7 @@ impl Lists {
             first[place + 1] += ends[1] - ends[0];
         }
         for &other in &self.other {
-            first[other as usize + 1] += 1;
+            first[(other & !IS_FIRST) as usize + 1] += 1;
         }
         (0..count).for_each(|place| first[place + 1] += first[place]);
         let mut next = first.clone();
@@ -249,7 +259,7 @@ impl Lists {
         for place in 0..count {
             let number = balls.list[place].number;
             for slot in self.first[place]..self.first[place + 1] {
-                let other = self.other[slot as usize] as usize;
+                let other = self.place(slot as usize) as usize;
                 let partner = balls.list[other].number;
                 for (end, of, is_second) in
                     [(place, partner, number > partner), (other, number, number < partner)]

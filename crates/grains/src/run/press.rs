@@ -9,7 +9,7 @@ use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, LANES, at, compute, put};
 use crate::run::cell::RunBox;
 use crate::run::laws::Laws;
-use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling};
+use crate::run::lists::{APART, Acting, CHUNK, IS_FIRST, Lists, Memory, Rolling};
 use crate::vector::{cross, dot, minus, plus, times};
 
 /// Radius of a contact that has ended in the last step.
@@ -19,6 +19,7 @@ const PARTED: f64 = -1.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pressing<'a> {
     pub(crate) balls: &'a Balls,
+    pub(crate) spots: &'a [Spot],
     pub(crate) laws: &'a Laws,
     pub(crate) cell: Option<&'a RunBox>,
     pub(crate) simd: Simd,
@@ -100,11 +101,25 @@ struct Scratch {
     couples: Vec<Listed>,
 }
 
-/// A couple whose contact is computed: its slot in the part, and the place of its first sphere in the chunk.
+/// A couple whose contact is computed: its slot in the part, and the places of its two spheres.
 #[derive(Clone, Copy, Default)]
 struct Listed {
     slot: u32,
-    first: u32,
+    pair: [u32; 2],
+}
+
+/// A sphere as the test of candidates sees it: half of a cache line, because many are read.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Spot {
+    position: [f64; 3],
+    radius: f64,
+}
+
+/// Fills the spots of all spheres.
+pub(crate) fn fill_spots(spots: &mut Vec<Spot>, balls: &Balls) {
+    let list = balls.list.par_iter().with_min_len(CHUNK);
+    list.map(|ball| Spot { position: ball.position, radius: ball.radius }).collect_into_vec(spots);
 }
 
 impl Part<'_> {
@@ -116,14 +131,10 @@ impl Part<'_> {
         let Scratch { batches, couples } = scratch;
         let list = &of.balls.list;
         let count = self.list::<PERIODIC>(of, couples);
-        for &Listed { slot, first } in &couples[..count] {
+        for &Listed { slot, pair } in &couples[..count] {
             let slot = slot as usize;
-            let pair = [&list[self.begin + first as usize], &list[self.others[slot] as usize]];
-            // The contact is the same whichever of the two has the lower place. No branch: it would be
-            // random.
-            let swapped = usize::from(pair[0].number > pair[1].number);
-            let [one, two] = [pair[swapped], pair[1 - swapped]];
-            let apart = apart::<PERIODIC>(of.cell, one, two);
+            let [one, two] = pair.map(|place| &list[place as usize]);
+            let apart = apart::<PERIODIC>(of.cell, one.position, two.position);
             let (square, sum) = (dot(apart, apart), one.radius + two.radius);
             let number = of.laws.number([one.material, two.material])?;
             let law = &of.laws.list[number];
@@ -154,18 +165,24 @@ impl Part<'_> {
     /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often,
     /// and would keep the processor from loading the spheres ahead of it.
     fn list<const PERIODIC: bool>(&self, of: Pressing<'_>, couples: &mut Vec<Listed>) -> usize {
-        let list = &of.balls.list;
+        let spots = of.spots;
         let base = self.starts[0];
         // One place more, which is written last and not used.
         couples.resize(couples.len().max(self.others.len() + 1), Listed::default());
         let mut count = 0;
-        for (first, ends) in self.starts.windows(2).enumerate() {
-            let ball = &list[self.begin + first];
+        for (place, ends) in (self.begin..).zip(self.starts.windows(2)) {
+            let spot = spots[place];
             for slot in (ends[0] - base) as usize..(ends[1] - base) as usize {
-                let other = &list[self.others[slot] as usize];
-                let apart = apart::<PERIODIC>(of.cell, ball, other);
-                let sum = ball.radius + other.radius;
-                couples[count] = Listed { slot: slot as u32, first: first as u32 };
+                let other = self.others[slot] & !IS_FIRST;
+                let its = &spots[other as usize];
+                let apart = apart::<PERIODIC>(of.cell, spot.position, its.position);
+                let sum = spot.radius + its.radius;
+                // The contact is the same whichever of the two has the lower place.
+                let is_first = (self.others[slot] / IS_FIRST) as usize;
+                let listed = &mut couples[count];
+                listed.slot = slot as u32;
+                listed.pair[is_first] = place as u32;
+                listed.pair[1 - is_first] = other;
                 count += usize::from((dot(apart, apart) < sum * sum) | (self.acted[slot] != APART));
             }
         }
@@ -326,8 +343,8 @@ impl Part<'_> {
 
 /// From the second sphere, or its nearest image, to the first, m.
 #[inline]
-fn apart<const PERIODIC: bool>(cell: Option<&RunBox>, one: &Ball, two: &Ball) -> [f64; 3] {
-    let apart = minus(one.position, two.position);
+fn apart<const PERIODIC: bool>(cell: Option<&RunBox>, one: [f64; 3], two: [f64; 3]) -> [f64; 3] {
+    let apart = minus(one, two);
     match cell {
         Some(cell) if PERIODIC => cell.shortest(apart),
         _ => apart,
