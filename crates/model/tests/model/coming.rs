@@ -365,7 +365,7 @@ fn clumps_have_the_radius_of_their_volume() {
         &["a solid fraction of 0.5", "cannot be reached", "packed by the spheres around them"],
     );
     refused(
-        &large.replace("radius = 0.02\n", "radius = 0.2\n"),
+        &large.replace("radius = 0.02\n", "radius = 0.12\n"),
         "radius",
         &["has no room", "the sphere around a clump"],
     );
