@@ -17,8 +17,8 @@
 //!
 //! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
 //! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `clump_shape`, `error`, `insertion`, `model`,
-//! `clump_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`, `gaps`, `run`; the front page of
-//! `run` lists the files below it.
+//! `clump_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`,
+//! `gaps`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod clump;

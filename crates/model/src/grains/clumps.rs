@@ -2,7 +2,6 @@
 
 use fdem_simulation::grains::{ClumpShape, random_turns};
 
-use crate::grains::spheres::in_space;
 use crate::text::file::{ClumpOrientation, Grains, ModelFile};
 
 /// A clump: place of the origin of its shape, m, rotation, a vector whose length is the angle, rad, and scale.
@@ -16,7 +15,7 @@ pub(crate) struct PlacedClump {
 /// The shape of the clumps of a table; `None` for single spheres. `discs`: their thickness, m.
 pub(crate) fn shape(grains: &Grains, discs: Option<f64>) -> Option<ClumpShape> {
     let clump = grains.clump.as_ref()?;
-    let centres = clump.iter().map(|sphere| in_space(&sphere.at)).collect();
+    let centres = clump.iter().map(|sphere| sphere.at.in_space()).collect();
     Some(ClumpShape::new(centres, clump.iter().map(|sphere| sphere.radius).collect(), discs))
 }
 

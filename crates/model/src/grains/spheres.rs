@@ -54,7 +54,7 @@ fn scaled(sizes: SphereSizes, factor: f64) -> SphereSizes {
 
 /// A vector in space; in two dimensions z is 0.
 pub(crate) fn in_space(vector: &Vector) -> [f64; 3] {
-    [0, 1, 2].map(|axis| vector.0.get(axis).copied().unwrap_or(0.0))
+    vector.in_space()
 }
 
 /// The spheres of a table whose places do not depend on others: those at points, and those of a file. `None`

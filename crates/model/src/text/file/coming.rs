@@ -92,7 +92,7 @@ pub struct BoxRegion {
 }
 
 impl BoxRegion {
-    /// Its dimensions.
+    /// Number of its dimensions: 2 or 3.
     pub(crate) fn dimensions(&self) -> u8 {
         if self.min.0.len() == 3 { 3 } else { 2 }
     }
