@@ -70,12 +70,12 @@ impl ClumpShape {
         let mut is_found: Vec<bool> = (0..self.centres.len()).map(|sphere| sphere == 0).collect();
         let mut open: Vec<usize> = (0..self.centres.len().min(1)).collect();
         while let Some(from) = open.pop() {
-            for other in 0..self.centres.len() {
+            for (other, found) in is_found.iter_mut().enumerate() {
                 let apart = minus(self.centres[other], self.centres[from]);
                 // Spheres that touch may miss each other by rounding.
                 let reach = (1.0 + 1e-9) * (self.radii[from] + self.radii[other]);
-                if !is_found[other] && dot(apart, apart) <= reach * reach {
-                    is_found[other] = true;
+                if !*found && dot(apart, apart) <= reach * reach {
+                    *found = true;
                     open.push(other);
                 }
             }
@@ -224,9 +224,9 @@ mod tests {
             let turned = turns.iter().map(|&turn| applied(&matrix(turned_by(UNTURNED, turn)), unit));
             let sums =
                 turned.fold([[0.0; 3]; 2], |[one, two], of| [plus(one, of), plus(two, of.map(|x| x * x))]);
-            for k in 0..3 {
-                near(sums[0][k] / 4000.0, 0.0, 0.04);
-                near(sums[1][k] / 4000.0, 1.0 / 3.0, 0.03);
+            for (sum, of_squares) in sums[0].into_iter().zip(sums[1]) {
+                near(sum / 4000.0, 0.0, 0.04);
+                near(of_squares / 4000.0, 1.0 / 3.0, 0.03);
             }
         }
         assert!(random_turns(10, true, 1).iter().all(|turn| turn[..2] == [0.0; 2]));
