@@ -4,7 +4,8 @@ use fdem_simulation::grains::{ClumpShape, random_turns};
 
 use crate::text::file::{ClumpOrientation, Grains, ModelFile};
 
-/// A clump: place of the origin of its shape, m, rotation, a vector whose length is the angle, rad, and scale.
+/// A clump: place of the origin of its shape, m, rotation, a vector whose length is the angle, rad, and
+/// scale.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedClump {
     pub(crate) at: [f64; 3],
