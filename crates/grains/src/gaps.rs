@@ -2,28 +2,39 @@
 
 use fdem_contact::{Detector, Elements, Search};
 
+use crate::clump::Clump;
 use crate::pack::closed::ClosedSurface;
 use crate::vector::{Vector, dot, length, minus, plus, times};
 use crate::wall::WallShape;
 
 /// The pair of spheres that overlap the most: their numbers, and the depth over the smaller radius; `None`
-/// without overlaps.
+/// without overlaps. Spheres of one of these clumps may overlap.
 ///
 /// # Errors
 /// The reason why the search failed.
 pub fn worst_overlap(
     positions: &[[f64; 3]],
     radii: &[f64],
+    clumps: &[Clump],
     threads: usize,
 ) -> Result<Option<([u32; 2], f64)>, String> {
     let elements = Elements::spheres_with_radii(positions, radii).map_err(|error| error.to_string())?;
     let mut detector = Detector::new().with_threads(threads).map_err(|error| error.to_string())?;
+    let mut clump_of: Vec<Option<usize>> = vec![None; radii.len()];
+    for (number, clump) in clumps.iter().enumerate() {
+        for &sphere in &clump.spheres {
+            clump_of[sphere as usize] = Some(number);
+        }
+    }
     let mut couples = Vec::new();
     detector.couples(&elements, &mut couples).map_err(|error| error.to_string())?;
     let mut worst: Option<([u32; 2], f64)> = None;
     for couple in couples {
         let pair = [couple.i.min(couple.j), couple.i.max(couple.j)];
         let [a, b] = pair.map(|of| of as usize);
+        if clump_of[a].is_some() && clump_of[a] == clump_of[b] {
+            continue;
+        }
         let depth = radii[a] + radii[b] - length(minus(positions[b], positions[a]));
         let share = depth / radii[a].min(radii[b]);
         // Equal overlaps are those of the first pair, whatever the order of the search is.

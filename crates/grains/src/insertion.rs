@@ -47,10 +47,13 @@ pub struct Removal {
 }
 
 impl Insertion {
-    /// Number of spheres that are due at a time, s.
-    pub(crate) fn due(&self, time: f64) -> usize {
+    /// Number of spheres that are due at a time, s: this many have come in then if all have found a place.
+    pub fn due(&self, time: f64) -> usize {
         if time < self.from {
             return 0;
+        }
+        if self.rate == f64::INFINITY {
+            return self.radii.len();
         }
         // The conversion ends at the largest number.
         let due = ((time - self.from) * self.rate).floor() as usize;
@@ -208,7 +211,8 @@ mod tests {
     fn spheres_are_due_from_the_beginning_at_their_rate() {
         let rain = rain(vec![0.1; 5], 2.0);
         assert_eq!([0.9, 1.0, 1.4, 1.5, 2.0, 100.0].map(|time| rain.due(time)), [0, 1, 1, 2, 3, 5]);
-        assert_eq!(super::tests::rain(vec![0.1; 5], f64::INFINITY).due(1.1), 5);
+        let at_once = super::tests::rain(vec![0.1; 5], f64::INFINITY);
+        assert_eq!([0.9, 1.0, 1.1].map(|time| at_once.due(time)), [0, 5, 5]);
     }
 
     #[test]

@@ -5,9 +5,10 @@
 //! |---|---|
 //! | the force of a contact | `src/law.rs`; damping: `src/restitution.rs`, adhesion: `src/adhesion.rs` |
 //! | the shape or the motion of a wall | `src/wall.rs`; walls that keep up a force: `src/servo.rs` |
-//! | clumps | `src/clump.rs`: mass and inertia, `src/clump_checks.rs`, `src/run/clumps.rs`: motion, `src/rotation.rs` |
+//! | clumps | `src/clump.rs`: mass and inertia, `src/clump_shape.rs`: many of one shape, `src/clump_checks.rs`, `src/run/clumps.rs`: motion, `src/rotation.rs` |
 //! | contacts with triangles and segments | `src/sheets.rs`: how many; `src/run/on_facet.rs`: forces and histories of one sphere; `src/run/on_surface.rs`: lists, threads, sums; `src/run/on_meshes.rs`: walls that are meshes |
 //! | geometry of facets | `src/facet.rs`, `src/ridges.rs`: neighbours, `src/tree.rs`: facets near a place |
+//! | spheres that come in and boxes that remove them | `src/insertion.rs`, their ranges: `src/insertion_checks.rs` |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
 //! | packings: random places, sizes of spheres, regions | `src/pack.rs` and the files below `src/pack` |
 //! | overlaps at the beginning | `src/gaps.rs` |
@@ -15,19 +16,21 @@
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
-//! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `error`, `insertion`, `model`, `clump_checks`,
-//! `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`, `gaps`, `run`; the front page of
-//! `run` lists the files below it.
+//! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `clump_shape`, `error`, `insertion`, `model`,
+//! `clump_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`,
+//! `gaps`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod clump;
 mod clump_checks;
+mod clump_shape;
 mod columns;
 mod domain;
 mod error;
 mod facet;
 mod gaps;
 mod insertion;
+mod insertion_checks;
 mod law;
 mod material;
 mod model;
@@ -45,6 +48,7 @@ mod vector;
 mod wall;
 
 pub use clump::{Clump, ClumpInertia};
+pub use clump_shape::{ClumpShape, random_turns};
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
 pub use domain::{Domain, Outside};
 pub use error::GrainError;

@@ -134,6 +134,7 @@ impl GrainModel {
             )?;
         }
         self.check_clumps()?;
+        self.check_insertions()?;
         if let Some(step) = self.step {
             within(|| "the model".to_owned(), "time step", step, step > 0.0, "above 0")?;
         }

@@ -378,6 +378,12 @@ impl GrainRun {
         }
         self.walls.clear();
         self.walls.extend(placed(&self.model.walls, &self.servos, time));
+        // Spheres that come in keep off surfaces where these are now.
+        self.on_meshes.place(&self.model.walls, &self.servos, time);
+        match surface {
+            Some(surface) => self.on_bodies.place(surface.points, surface.facets),
+            None => self.on_bodies.leave(),
+        }
         self.change()?;
         // Both of two spheres may have moved, and a box that grows brings them together.
         let rate = self.cell.map_or(0.0, |cell| cell.rates().into_iter().map(f64::abs).fold(0.0, f64::max));
@@ -419,24 +425,18 @@ impl GrainRun {
         Ok(())
     }
 
-    /// Computes the contacts with meshes and bodies.
+    /// Computes the contacts with meshes and bodies, which are in their places.
     fn press_on_surfaces(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
-        let time = self.time();
         // In a box spheres are moved by its lengths, too.
         let is_far = self.cell.is_some() || std::mem::take(&mut self.is_arranged);
         let moved = if is_far { f64::INFINITY } else { self.time_step * self.moved.fastest };
-        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, servos, gone, .. } =
-            self;
+        let Self { balls, laws, outer, on_meshes, on_bodies, on_walls, model, walls, gone, .. } = self;
         let of = OnSurfacesOf { balls, laws, moved, step: self.time_step };
-        on_meshes.press(of, (&model.walls, walls), (servos, time), outer)?;
+        on_meshes.press(of, (&model.walls, walls), outer)?;
         for (wall, totals) in on_meshes.totals() {
             on_walls.forces[wall] = force_and_moment(totals, &walls[wall]);
         }
-        let Some(surface) = surface else {
-            on_bodies.leave();
-            return Ok(());
-        };
-        on_bodies.place(surface.points, surface.facets);
+        let Some(surface) = surface else { return Ok(()) };
         on_bodies.press(of, (SurfaceMotion::Points(surface.velocities), surface.materials), None, outer)?;
         gone.on_bodies += on_bodies.totals.work;
         Ok(())
@@ -556,7 +556,12 @@ impl GrainRun {
                 .iter()
                 .copied()
                 .fold(self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max), f64::max);
-            let spheres = self.balls.list.iter().map(|ball| (ball.position, ball.radius));
+            // Spheres reach into the region across sides that repeat, too.
+            let spheres = self.balls.list.iter().flat_map(|ball| {
+                let images = self.cell.as_ref().map(|cell| cell.images(ball.position));
+                let alone = images.is_none().then_some(ball.position);
+                images.into_iter().flatten().chain(alone).map(|place| (place, ball.radius))
+            });
             let is_clear = |centre, radius| {
                 self.on_meshes.is_clear(centre, radius) && self.on_bodies.is_clear(centre, radius)
             };

@@ -52,7 +52,7 @@
 //! | bounds on numbers, size and memory before meshing | `src/shapes/limits.rs`, `src/shapes/distant.rs`, `src/bodies/sizes.rs`, `src/shapes/extent.rs` |
 //! | shapes of bodies, and their meshes | `src/bodies/build.rs`; flat: `src/bodies/plane.rs`, `src/shapes/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/bodies/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs` |
 //! | smaller elements near places | `src/shapes/refine.rs`, `crates/mesh/src/grading.rs` |
-//! | spheres and walls: tables, packings, surfaces of pairs, overlaps | `src/text/file/grains.rs`, `src/grains/assemble.rs` and the files beside it; packings: `crates/grains/src/pack.rs` |
+//! | spheres and walls: tables, packings, surfaces of pairs, overlaps | `src/text/file/grains.rs`, `src/text/file/coming.rs`, `src/grains/assemble.rs` and the files beside it; packings: `crates/grains/src/pack.rs` |
 //! | materials of bodies | `src/bodies/materials.rs` |
 //! | joint sets: keys and laws, lines, files of lines | `src/joints/sets.rs`, `src/joints/lines.rs`, `src/joints/polylines.rs` |
 //! | joint sets in space: polygons, files of polygons | `src/joints/planes.rs`, `src/joints/polygons.rs` |
@@ -94,9 +94,9 @@ pub use fdem_mesh::Quality;
 pub use output::curves::columns;
 pub use prepare::{prepare, prepare_any, prepare_any_with, prepare_coarse, prepare_within};
 pub use prepared::{
-    AnyPrepared, Bound, Checkpoint, Entered, Group, Joints, Origin, OutputSettings, Prepared, PreparedBody,
-    PreparedHistory, PreparedServo, PreparedSpheres, PreparedStage, PreparedUntil, Quantity, Reached, Scaled,
-    SphereGroup, open_from_start,
+    AnyPrepared, Bound, Checkpoint, ComingSpheres, Entered, Group, Joints, Origin, OutputSettings, Prepared,
+    PreparedBody, PreparedHistory, PreparedRemoval, PreparedServo, PreparedSpheres, PreparedStage,
+    PreparedUntil, Quantity, Reached, Scaled, SphereGroup, open_from_start,
 };
 pub use stages::present::Present;
 pub use text::document::{number, toml_tree, whole};

@@ -542,6 +542,8 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
     for (table, names) in [
         ("body", names(&file.body, |body| &body.name)),
         ("grains", names(&file.grains, |grains| &grains.name)),
+        ("insertion", names(&file.insertion, |insertion| &insertion.name)),
+        ("delete", names(&file.delete, |removal| &removal.name)),
         ("wall", names(&file.wall, |wall| &wall.name)),
         ("material", names(&file.material, |material| &material.name)),
         ("joint_set", names(&file.joint_set, |set| &set.name)),

@@ -4,6 +4,7 @@
 //! - `mistakes`: every kind of error, with its line, its key and the suggestion.
 //! - `bonds`: joint sets between bodies.
 //! - `cavities`: pressures in holes and cracks, schedules of loads.
+//! - `coming`: spheres that come in and boxes that remove them, clumps.
 //! - `grains`: spheres and walls.
 //! - `ground`: the surface of ground at rest.
 //! - `joint_sets`: joints in the mesh, and their laws.
@@ -32,6 +33,8 @@ mod anisotropy;
 mod bonds;
 #[path = "model/cavities.rs"]
 mod cavities;
+#[path = "model/coming.rs"]
+mod coming;
 #[path = "model/examples.rs"]
 mod examples;
 #[path = "model/grains.rs"]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the usual order; below each the tables in its keys.
-const ORDER: [(&str, &[&str]); 18] = [
+const ORDER: [(&str, &[&str]); 20] = [
     ("model", &["mass_scaling"]),
     (
         "body",
@@ -28,7 +28,9 @@ const ORDER: [(&str, &[&str]); 18] = [
             "Refine",
         ],
     ),
-    ("grains", &["grains_within", "round_region", "normal_radius"]),
+    ("grains", &["grains_within", "round_region", "normal_radius", "clump_sphere"]),
+    ("insertion", &["box_within"]),
+    ("delete", &[]),
     ("wall", &["wall_plane", "wall_tube", "wall_circle", "wall_cone", "wall_disc", "wall_box", "wall_servo"]),
     ("spheres", &[]),
     ("domain", &[]),

@@ -72,7 +72,7 @@ impl SphereSizes {
     }
 
     /// The mean volume of the spheres, m³, or the mean area of discs, m².
-    pub(crate) fn mean_measure(&self, discs: bool) -> f64 {
+    pub fn mean_measure(&self, discs: bool) -> f64 {
         let parts = self.parts(discs);
         let share = |part: usize| (part as f64 + 0.5) / PARTS as f64;
         let sum: f64 = (0..PARTS).map(|part| measure(self.quantile(share(part), &parts, discs), discs)).sum();

@@ -69,6 +69,22 @@ impl RunBox {
         [along(0), along(1), along(2)]
     }
 
+    /// A point and its images by a length of the box along each axis that repeats.
+    pub(crate) fn images(&self, point: Vector) -> impl Iterator<Item = Vector> + use<> {
+        let (lengths, repeats) = (self.lengths, self.domain.periodic);
+        (0..27).filter_map(move |number: u32| {
+            // 0, 1 and 2 stand for none, one back and one forth along an axis.
+            let by = [number % 3, number / 3 % 3, number / 9];
+            let along = |axis: usize| match by[axis] {
+                0 => point[axis],
+                1 => point[axis] - lengths[axis],
+                _ => point[axis] + lengths[axis],
+            };
+            let is_image = (0..3).all(|axis| by[axis] == 0 || repeats[axis]);
+            is_image.then(|| [along(0), along(1), along(2)])
+        })
+    }
+
     /// Velocity with which the box moves a point along, m/s.
     #[inline]
     pub(crate) fn drift(&self, point: Vector) -> Vector {

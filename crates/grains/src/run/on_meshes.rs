@@ -103,8 +103,15 @@ impl OnMeshes {
         Self { list: walls.iter().enumerate().filter_map(mesh).collect() }
     }
 
-    /// Computes the contacts of a step at a time, s, and adds their actions to `outer`. `walls`: at the
-    /// beginning, `placed`: where they are.
+    /// Puts all meshes where they are at a time, s.
+    pub(crate) fn place(&mut self, walls: &[Wall], servos: &[ServoMotion], time: f64) {
+        for mesh in &mut self.list {
+            mesh.place(&walls[mesh.wall], &servos[mesh.wall], time);
+        }
+    }
+
+    /// Computes the contacts of a step with meshes in their places, and adds their actions to `outer`.
+    /// `walls`: at the beginning, `placed`: where they are.
     ///
     /// # Errors
     /// [`GrainError::UnknownSurfaces`] if two materials touch that have no law.
@@ -112,12 +119,10 @@ impl OnMeshes {
         &mut self,
         of: OnSurfacesOf<'_>,
         (walls, placed): (&[Wall], &[Wall]),
-        (servos, time): (&[ServoMotion], f64),
         outer: &mut Vec<Outer>,
     ) -> Result<(), GrainError> {
         for mesh in &mut self.list {
             let wall = &walls[mesh.wall];
-            mesh.place(wall, &servos[mesh.wall], time);
             let motion = SurfaceMotion::Wall(&placed[mesh.wall]);
             let direction = wall.servo.map(|servo| servo.unit());
             mesh.on.press(of, (motion, &[wall.material]), direction, outer)?;
@@ -151,8 +156,7 @@ impl OnMeshes {
         }
     }
 
-    /// Whether a sphere, by its centre, m, and its radius, m, touches no mesh where these were in the last
-    /// step.
+    /// Whether a sphere, by its centre, m, and its radius, m, touches no mesh in its place.
     pub(crate) fn is_clear(&self, centre: Vector, radius: f64) -> bool {
         self.list.iter().all(|mesh| mesh.on.is_clear(centre, radius))
     }

@@ -126,9 +126,11 @@ fn spheres_that_are_there_have_their_room() {
     packed.positions.push(others[0].0);
     packed.radii.push(others[0].1);
     assert!(least_gap(&packed, 3) >= 0.0);
-    assert_eq!(worst_overlap(&packed.positions, &packed.radii, 1), Ok(None));
+    assert_eq!(worst_overlap(&packed.positions, &packed.radii, &[], 1), Ok(None));
     packed.positions[3] = [0.4, 0.5, 0.5];
-    let (pair, share) = worst_overlap(&packed.positions, &packed.radii, 1).unwrap().unwrap();
+    let (pair, share) = worst_overlap(&packed.positions, &packed.radii, &[], 1).unwrap().unwrap();
+    let clump = Clump { spheres: pair.to_vec(), ..Clump::default() };
+    assert_eq!(worst_overlap(&packed.positions, &packed.radii, &[clump], 1), Ok(None));
     assert_eq!(pair, [3, packed.radii.len() as u32 - 1]);
     assert!((share - 0.13 / 0.03).abs() < 1e-9, "{share}");
 }

@@ -132,3 +132,83 @@ fn wrong_models_are_refused() {
     let stop = run.advance(3000).expect_err("they touch");
     assert_eq!(stop.to_string(), "materials 0 and 0 may touch, and have no surfaces in common");
 }
+
+/// Spheres at a side that repeats reach into the region of an insertion at the other side.
+#[test]
+fn spheres_that_come_in_keep_off_images() {
+    let side = 0.1;
+    let place = |k: u32| [0.0, 0.02 * f64::from(k % 5) + 0.01, 0.02 * f64::from(k / 5) + 0.01];
+    let rain = Insertion {
+        name: "rain".to_owned(),
+        region: [[0.0; 3], [side; 3]],
+        radii: vec![0.004; 150],
+        from: 0.0,
+        rate: f64::INFINITY,
+        velocity: [0.0; 3],
+        spin: [0.0; 3],
+        material: 0,
+        group: 0,
+        seed: 3,
+    };
+    let domain = Domain {
+        low: [0.0; 3],
+        high: [side; 3],
+        periodic: [true; 3],
+        strain_rates: [0.0; 3],
+        outside: Outside::Stop,
+    };
+    let model = GrainModel {
+        spheres: Spheres {
+            positions: (0..25).map(place).collect(),
+            radii: vec![0.0095; 25],
+            ..Spheres::default()
+        },
+        materials: vec![material(1e7, 0.25, 2500.0)],
+        surfaces: vec![Surfaces::smooth([0, 0])],
+        insertions: vec![rain],
+        domain: Some(domain),
+        ..GrainModel::default()
+    };
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    assert_eq!(run.count(), 175);
+    for later in 25..175 {
+        for first in 0..later {
+            let reach = if first < 25 { 0.0135 } else { 0.008 };
+            let square: f64 = (0..3)
+                .map(|axis| {
+                    let apart = (run.position(later)[axis] - run.position(first)[axis]).abs();
+                    apart.min(side - apart).powi(2)
+                })
+                .sum();
+            assert!(square.sqrt() > reach - 1e-9, "{first} {later}");
+        }
+    }
+}
+
+#[test]
+fn wrong_insertions_are_refused() {
+    let rain = Insertion {
+        name: "rain".to_owned(),
+        region: [[0.0; 3], [1.0; 3]],
+        radii: vec![0.1],
+        from: 0.0,
+        rate: 1.0,
+        velocity: [0.0; 3],
+        spin: [0.0; 3],
+        material: 0,
+        group: 0,
+        seed: 1,
+    };
+    let error = |rain: Insertion| {
+        let model = GrainModel { insertions: vec![rain], ..tube(1) };
+        model.check().expect_err("it is wrong").to_string()
+    };
+    assert!(error(Insertion { rate: 0.0, ..rain.clone() }).contains("rate"));
+    assert!(error(Insertion { material: 7, ..rain.clone() }).contains("insertion rain"));
+    assert!(error(Insertion { radii: vec![0.6], ..rain.clone() }).contains("extent of its region"));
+    assert!(error(Insertion { from: f64::NAN, ..rain }).contains("time of its beginning"));
+    let hole = Removal { name: "hole".to_owned(), region: [[0.0; 3], [1.0; 3]], times: [2.0, 1.0] };
+    let model = GrainModel { removals: vec![hole], ..tube(1) };
+    assert!(model.check().expect_err("it ends before it begins").to_string().contains("removal hole"));
+}

@@ -215,7 +215,9 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
     }
     let spare = "remove it, or set optional = true";
     let of_spheres = |name: &str| {
-        file.grains.iter().any(|of| of.material == name) || file.wall.iter().any(|of| of.material == name)
+        file.grains.iter().any(|of| of.material == name)
+            || file.insertion.iter().any(|of| of.material == name)
+            || file.wall.iter().any(|of| of.material == name)
     };
     for (index, material) in file.material.iter().enumerate() {
         let in_a_stage = |stage: &Stage| stage.materials.values().any(|name| *name == material.name);

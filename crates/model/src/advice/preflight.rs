@@ -17,7 +17,9 @@ use crate::advice::overlaps;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
-use crate::prepared::{Joints, Prepared, Scaled, SphereGroup, counted};
+use crate::prepared::{
+    ComingSpheres, Joints, Prepared, PreparedRemoval, PreparedSpheres, Scaled, SphereGroup, counted,
+};
 use crate::text::library::FromLibrary;
 
 /// Costs of an element.
@@ -53,6 +55,9 @@ const MEASURED_SHARE: u64 = 100;
 const MEASURED_LEAST: u64 = 10;
 const MEASURED_MOST: u64 = 2000;
 const PATIENCE: Duration = Duration::from_millis(250);
+
+/// Times at which spheres that have come in are counted.
+const TIMES: u32 = 64;
 
 /// Memory of the program without a model, including its drawing code, bytes.
 const PROGRAM: f64 = 28e6;
@@ -117,12 +122,21 @@ pub struct Preflight {
     /// Number of spheres.
     #[serde(skip_serializing_if = "is_zero")]
     pub spheres: usize,
+    /// Number of spheres that come in until the end time.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub spheres_to_come: usize,
     /// Number of walls.
     #[serde(skip_serializing_if = "is_zero")]
     pub walls: usize,
     /// The spheres of each `[[grains]]` table.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sphere_groups: Vec<SphereGroup>,
+    /// The spheres of each `[[insertion]]` table.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub insertions: Vec<ComingSpheres>,
+    /// The boxes of the `[[delete]]` tables.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub removals: Vec<PreparedRemoval>,
     /// Joints of each joint set in the mesh.
     pub joint_sets: Vec<Joints>,
     /// Lines about the mesh files of bodies, as [`Prepared::about_files`].
@@ -208,7 +222,7 @@ impl Preflight {
         let critical = Critical::from(run.critical_step());
         let (step, steps) = steps(prepared, critical.step)?;
         let is_of_later = is_in_stages && step < 0.99 * model.time.safety * critical.step;
-        let pace = Pace::of(run, steps, model);
+        let pace = Pace::of(run, steps, prepared);
         let mut warnings = prepared.warnings.clone();
         if step > critical.step {
             warnings.push(format!(
@@ -246,6 +260,8 @@ impl Preflight {
             warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
         }
         warnings.extend(scaling::advice(prepared, step));
+        let PreparedSpheres { groups: sphere_groups, insertions, removals, .. } =
+            prepared.spheres.clone().unwrap_or_default();
         Ok(Self {
             title: prepared.title.clone(),
             bodies: prepared.bodies.len(),
@@ -253,7 +269,10 @@ impl Preflight {
             quality: prepared.quality.clone(),
             spheres: model.grains.as_ref().map_or(0, |grains| grains.spheres.positions.len()),
             walls: model.grains.as_ref().map_or(0, |grains| grains.walls.len()),
-            sphere_groups: prepared.spheres.as_ref().map_or_else(Vec::new, |of| of.groups.clone()),
+            spheres_to_come: insertions.iter().map(|of| of.by_end).sum(),
+            sphere_groups,
+            insertions,
+            removals,
             joint_sets: prepared.joint_sets.clone(),
             softer_by_joints: compliance::softer(model),
             about_files: prepared.about_files.clone(),
@@ -347,16 +366,22 @@ struct Pace {
 impl Pace {
     /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first
     /// step on; the cost of breaking is estimated.
-    fn of<const D: usize, const N: usize>(mut run: Simulation<D, N>, steps: u64, model: &Model<D, N>) -> Self
+    fn of<const D: usize, const N: usize>(
+        mut run: Simulation<D, N>,
+        steps: u64,
+        prepared: &Prepared<D, N>,
+    ) -> Self
     where
         [[f64; D]; N]: Dimensions<D, N>,
     {
+        let model = &prepared.model;
         let expected = sum(model, |_| WHOLE.seconds);
         let more = match model.fracture.insertion {
             Insertion::Adaptive => sum(model, |cost| cost.seconds) - expected,
             Insertion::Intrinsic => 0.0,
         };
         let wanted = measured(steps);
+        let at_first = run.counts().spheres;
         // The first step detects couples; few others do. A model that fails in the first step has no later
         // step either.
         let mut times = Vec::new();
@@ -389,7 +414,8 @@ impl Pace {
         };
         // Other work of the machine makes some steps longer, so their mean is not the one to take.
         times.sort_unstable_by(f64::total_cmp);
-        let whole = times[times.len() / 2];
+        let later = to_come(prepared) - run.counts().spheres.saturating_sub(at_first) as f64;
+        let whole = times[times.len() / 2] + later.max(0.0) * SPHERE.seconds;
         Self { whole, breaking: whole + slower * more }
     }
 }
@@ -408,9 +434,21 @@ fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost)
     (0..).zip(&model.mesh.materials).map(of).sum()
 }
 
-/// A cost of a sphere, times the number of spheres.
+/// A cost of a sphere, times the number of spheres with those to come.
 fn of_spheres<const D: usize, const N: usize>(model: &Model<D, N>, cost: f64) -> f64 {
-    model.grains.as_ref().map_or(0.0, |grains| cost * grains.spheres.positions.len() as f64)
+    let Some(grains) = &model.grains else { return 0.0 };
+    let coming: usize = grains.insertions.iter().map(|of| of.radii.len()).sum();
+    cost * (grains.spheres.positions.len() + coming) as f64
+}
+
+/// Number of spheres that have come in, as the mean over the time of a run.
+fn to_come<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> f64 {
+    let insertions = prepared.model.grains.iter().flat_map(|grains| &grains.insertions);
+    let mean = |number: u32| {
+        let time = (f64::from(number) + 0.5) / f64::from(TIMES) * prepared.end_time;
+        insertions.clone().map(|of| of.due(time) as f64).sum::<f64>()
+    };
+    (0..TIMES).map(mean).sum::<f64>() / f64::from(TIMES)
 }
 
 /// Whether a count is left out of the JSON.
@@ -444,10 +482,8 @@ impl fmt::Display for Preflight {
         if !self.title.is_empty() {
             writeln!(out, "title            {}", self.title)?;
         }
-        if self.spheres + self.walls > 0 {
-            let [spheres, walls] = [(self.spheres, "sphere"), (self.walls, "wall")].map(in_plural);
-            writeln!(out, "grains           {spheres}, {walls}")?;
-            self.sphere_groups.iter().try_for_each(|group| writeln!(out, "                 {group}"))?;
+        if self.spheres + self.walls + self.insertions.len() > 0 {
+            self.write_spheres(out)?;
         }
         if quality.elements > 0 {
             self.write_mesh(out)?;
@@ -493,12 +529,31 @@ impl Preflight {
     /// A sphere by its number, with its group.
     fn sphere_in_words(&self, sphere: u32) -> String {
         let mut before = 0;
-        let group = self.sphere_groups.iter().find(|group| {
-            before += group.count;
+        let groups = self.sphere_groups.iter().map(|of| (&of.name, of.count));
+        let coming = self.insertions.iter().map(|of| (&of.name, of.count));
+        let group = groups.chain(coming).find(|(_, count)| {
+            before += count;
             (sphere as usize) < before
         });
-        let group = group.map_or_else(String::new, |group| format!(" of {}", group.name));
-        format!("sphere {sphere}{group}")
+        match group {
+            // It has no number before it comes in.
+            Some((name, _)) if sphere as usize >= self.spheres => format!("a sphere of {name}, to come"),
+            Some((name, _)) => format!("sphere {sphere} of {name}"),
+            None => format!("sphere {sphere}"),
+        }
+    }
+
+    /// Writes the lines about spheres and walls.
+    fn write_spheres(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [spheres, walls] = [(self.spheres, "sphere"), (self.walls, "wall")].map(in_plural);
+        let coming = match self.spheres_to_come {
+            0 => String::new(),
+            count => format!(", {} to come", grouped(count as u64)),
+        };
+        writeln!(out, "grains           {spheres}{coming}, {walls}")?;
+        self.sphere_groups.iter().try_for_each(|group| writeln!(out, "                 {group}"))?;
+        self.insertions.iter().try_for_each(|of| writeln!(out, "                 {of}"))?;
+        self.removals.iter().try_for_each(|of| writeln!(out, "                 {of}"))
     }
 
     /// Writes the lines about bodies and their mesh.

@@ -44,7 +44,8 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
 /// The dimensions of a model: those that it says, or that its bodies have. If a file that would determine
 /// them cannot be read, vectors and supports determine them.
 pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
-    let of_spheres = || file.grains.iter().find_map(Grains::dimensions);
+    let of_insertions = || file.insertion.first().map(|of| of.within.dimensions());
+    let of_spheres = || file.grains.iter().find_map(Grains::dimensions).or_else(of_insertions);
     let of_walls = || file.wall.iter().find_map(Wall::dimensions);
     let of_bodies = || file.body.iter().find_map(of_body::dimensions);
     let told = || of_bodies().or_else(of_spheres).or_else(of_walls);

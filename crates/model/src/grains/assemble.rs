@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use fdem_mesh::Corners;
 use fdem_simulation::Material;
-use fdem_simulation::grains::{Domain, ForceLaw, GrainModel, Outside, Spheres};
+use fdem_simulation::grains::{Clump, ClumpShape, Domain, ForceLaw, GrainModel, Outside, Wall};
 
 use crate::grains::overlaps::Beginning;
-use crate::grains::spheres::{self, Balls, in_space};
-use crate::grains::{surfaces, walls};
+use crate::grains::spheres::{self, Balls, PlacedSpheres, in_space};
+use crate::grains::{clumps, coming, surfaces, walls};
 use crate::prepared::{PreparedSpheres, SphereGroup};
 use crate::shapes::placed::Placed;
 use crate::text::document::{Document, Table};
@@ -37,43 +37,61 @@ pub(crate) fn assemble<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Corners<D, N>,
 {
-    if file.grains.is_empty() {
+    if !file.has_spheres() {
         return None;
     }
     let known = faults.len();
     let discs = D == 2;
-    let groups = groups(file, document, discs, load, faults);
-    let mut all = Vec::new();
-    for (index, wall) in file.wall.iter().enumerate() {
-        match walls::wall(file, wall, discs, load) {
-            Ok(wall) => all.push(wall),
-            Err(problem) => faults.push(fault(document, Table::of("wall", index), problem)),
-        }
-    }
+    let shapes: Vec<Option<ClumpShape>> = file
+        .grains
+        .iter()
+        .map(|grains| clumps::shape(grains, discs.then_some(file.model.thickness)))
+        .collect();
+    let groups = groups(file, document, (discs, &shapes), load, faults);
+    let all = walls_of(file, document, discs, load, faults);
     let surfaces = surfaces::surfaces(file, document, faults);
     if faults.len() > known {
         return None;
     }
     let mut notes = surfaces::without_effect(file, &surfaces);
     let mut prepared = PreparedSpheres {
-        groups: Vec::new(),
         walls: file.wall.iter().map(|wall| wall.name.clone()).collect(),
         discs,
+        ..PreparedSpheres::default()
     };
-    let mut spheres = Spheres::default();
+    let number = |name: &str| file.material.iter().position(|of| of.name == name).unwrap_or(0);
+    let mut model = GrainModel::default();
     for (index, (table, group)) in file.grains.iter().zip(groups.into_iter().flatten()).enumerate() {
-        let material = file.material.iter().position(|of| of.name == table.material).unwrap_or(0);
+        let material = number(&table.material);
         let density = materials[material].density;
-        prepared.groups.push(summary(file, table, (&group.balls, group.fraction), density, discs));
+        let begin = model.clumps.len();
+        let numbers = [material as u32, index as u32];
+        add(&mut model, table, &group, (shapes[index].as_ref(), density), numbers);
+        prepared.groups.push(summary(file, table, (&group, &model.clumps[begin..]), density, discs));
         notes.extend(group.notes);
-        add(&mut spheres, table, &group.balls, [material as u32, index as u32]);
     }
-    let beginning = Beginning { spheres: &spheres, groups: &prepared.groups, discs, document };
+    for (index, table) in file.insertion.iter().enumerate() {
+        let material = number(&table.material);
+        let numbers = [material as u32, (file.grains.len() + index) as u32];
+        match coming::insertion(file, table, discs, (materials[material].density, numbers)) {
+            Ok((insertion, coming)) => {
+                model.insertions.push(insertion);
+                prepared.insertions.push(coming);
+            }
+            Err(problem) => faults.push(fault(document, Table::of("insertion", index), problem)),
+        }
+    }
+    (model.removals, prepared.removals) = file.delete.iter().map(coming::removal).unzip();
+    notes.extend(coming::without_effect(file));
+    notes.extend(clumps::in_pieces(file, &shapes));
+    let (spheres, clumps, insertions) = (&model.spheres, &model.clumps, &model.insertions);
+    let beginning = Beginning { spheres, clumps, insertions, groups: &prepared.groups, discs, document };
     beginning.among_spheres(faults);
     beginning.on_walls(&all, faults);
     beginning.in_bodies(placed, faults);
+    beginning.without_room(&all, faults);
+    let groups = file.grains.iter().map(|grains| &grains.name);
     let model = GrainModel {
-        spheres,
         walls: all,
         materials: surfaces::materials(materials),
         surfaces,
@@ -82,36 +100,55 @@ where
             Gravity::Vector(gravity) => in_space(gravity),
             Gravity::None(_) => [0.0; 3],
         },
-        groups: file.grains.iter().map(|grains| grains.name.clone()).collect(),
+        groups: groups.chain(file.insertion.iter().map(|of| &of.name)).cloned().collect(),
         discs: discs.then_some(file.model.thickness),
         domain: file.domain.as_ref().map(domain),
         step: match file.model.time_step {
             TimeStep::Seconds(step) => Some(step),
             TimeStep::Auto(_) => None,
         },
-        ..GrainModel::default()
+        ..model
     };
     if faults.len() == known
         && let Err(error) = model.check()
     {
-        let span = document.value(Table::of("grains", 0), "name");
+        let table = if file.grains.is_empty() { "insertion" } else { "grains" };
+        let span = document.value(Table::of(table, 0), "name");
         faults.push(Fault::at(span, format!("the spheres cannot be simulated: {error}")));
     }
     Some(Assembled { model, prepared, notes })
+}
+
+/// The walls of all tables without faults.
+fn walls_of(
+    file: &ModelFile,
+    document: &Document<'_>,
+    discs: bool,
+    load: &mut Load<'_>,
+    faults: &mut Vec<Fault>,
+) -> Vec<Wall> {
+    let mut all = Vec::new();
+    for (index, wall) in file.wall.iter().enumerate() {
+        match walls::wall(file, wall, discs, load) {
+            Ok(wall) => all.push(wall),
+            Err(problem) => faults.push(fault(document, Table::of("wall", index), problem)),
+        }
+    }
+    all
 }
 
 /// The spheres of all tables; `None` for those with faults. Packings leave room for all others.
 fn groups(
     file: &ModelFile,
     document: &Document<'_>,
-    discs: bool,
+    (discs, shapes): (bool, &[Option<ClumpShape>]),
     load: &mut Load<'_>,
     faults: &mut Vec<Fault>,
-) -> Vec<Option<spheres::PlacedSpheres>> {
+) -> Vec<Option<PlacedSpheres>> {
     let mut groups = Vec::new();
     let mut others: Balls = Vec::new();
     for (index, grains) in file.grains.iter().enumerate() {
-        let group = spheres::given(grains, discs, load).unwrap_or_else(|problem| {
+        let group = spheres::given(grains, (discs, shapes[index].as_ref()), load).unwrap_or_else(|problem| {
             faults.push(fault(document, Table::of("grains", index), problem));
             None
         });
@@ -122,7 +159,7 @@ fn groups(
         if groups[index].is_some() || grains.within.is_none() {
             continue;
         }
-        match spheres::packed(grains, discs, &others, load) {
+        match spheres::packed(grains, (discs, shapes[index].as_ref()), &others, load) {
             Ok(group) => {
                 others.extend_from_slice(&group.balls);
                 groups[index] = Some(group);
@@ -137,11 +174,33 @@ fn fault(document: &Document<'_>, table: Table, problem: Problem) -> Fault {
     Fault::at(document.value(table, &problem.key), problem.message).maybe_help(problem.help)
 }
 
-/// Adds the spheres of a table. `[material, group]`: their numbers.
-fn add(spheres: &mut Spheres, table: &file::Grains, balls: &Balls, [material, group]: [u32; 2]) {
-    let velocity = table.velocity.as_ref().map_or([0.0; 3], in_space);
-    let spin = table.spin.map_or([0.0; 3], file::Spin::vector);
-    for &(centre, radius) in balls {
+/// Adds the spheres and clumps of a table. `[material, group]`: their numbers; `shape`: of clumps.
+fn add(
+    model: &mut GrainModel,
+    table: &file::Grains,
+    placed: &PlacedSpheres,
+    (shape, density): (Option<&ClumpShape>, f64),
+    [material, group]: [u32; 2],
+) {
+    let own = table.velocity.as_ref().map_or([0.0; 3], in_space);
+    let own_spin = table.spin.map_or([0.0; 3], file::Spin::vector);
+    // The spheres of a clump have its motion.
+    let (velocity, spin) = if shape.is_some() { ([0.0; 3], [0.0; 3]) } else { (own, own_spin) };
+    let GrainModel { spheres, clumps, .. } = model;
+    let first = spheres.positions.len() as u32;
+    if let Some(shape) = shape {
+        let count = shape.count() as u32;
+        for (number, of) in (0..).zip(&placed.clumps) {
+            let begin = first + number * count;
+            clumps.push(Clump {
+                spheres: (begin..begin + count).collect(),
+                velocity: own,
+                spin: own_spin,
+                inertia: Some(shape.inertia(of.at, of.turn, of.scale, density)),
+            });
+        }
+    }
+    for &(centre, radius) in &placed.balls {
         spheres.positions.push(centre);
         spheres.radii.push(radius);
         spheres.velocities.push(velocity);
@@ -156,11 +215,11 @@ fn add(spheres: &mut Spheres, table: &file::Grains, balls: &Balls, [material, gr
 fn summary(
     file: &ModelFile,
     table: &file::Grains,
-    (balls, fraction): (&Balls, Option<f64>),
+    (placed, clumps): (&PlacedSpheres, &[Clump]),
     density: f64,
     discs: bool,
 ) -> SphereGroup {
-    let radii = || balls.iter().map(|ball| ball.1);
+    let radii = || placed.balls.iter().map(|ball| ball.1);
     let volume = |radius: f64| {
         if discs {
             PI * radius * radius * file.model.thickness
@@ -170,10 +229,15 @@ fn summary(
     };
     SphereGroup {
         name: table.name.clone(),
-        count: balls.len(),
+        count: placed.balls.len(),
+        clumps: clumps.len(),
         radii: [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)],
-        mass: density * radii().map(volume).sum::<f64>(),
-        fraction,
+        mass: if clumps.is_empty() {
+            density * radii().map(volume).sum::<f64>()
+        } else {
+            clumps.iter().filter_map(|clump| clump.inertia).map(|of| of.mass).sum()
+        },
+        fraction: placed.fraction,
     }
 }
 

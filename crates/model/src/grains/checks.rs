@@ -3,23 +3,26 @@
 use fdem_simulation::grains::SphereSizes;
 
 use crate::bodies::materials;
-use crate::grains::spheres::sizes;
-use crate::grains::wall_checks;
+use crate::grains::spheres::{sizes, spin_fault};
+use crate::grains::{coming_checks, wall_checks};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{Domain, DomainAxis, GrainRadius, GrainRegion, Grains, ModelFile, SphereLaw, Spin};
+use crate::text::file::{
+    ClumpOrientation, Domain, DomainAxis, GrainRadius, GrainRegion, Grains, ModelFile, SphereLaw,
+};
 
 /// Checks all tables of spheres and walls.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
     let is_named = |table| document.has(Table::one(table), "");
-    if !is_named("body") && !is_named("grains") {
+    let are_spheres = is_named("grains") || is_named("insertion");
+    if !is_named("body") && !are_spheres {
         let end = document.root().span().end;
-        let message = "the file lacks the key \"body\" (Bodies), and has no [[grains]]";
-        faults.push(Fault::at(end..end, message).label("needs a [[body]] or [[grains]]"));
+        let message = "the file lacks the key \"body\" (Bodies), and has no [[grains]] and no [[insertion]]";
+        faults.push(Fault::at(end..end, message).label("needs a [[body]], [[grains]] or an [[insertion]]"));
     }
-    if file.grains.is_empty() {
-        for table in ["wall", "spheres", "domain"] {
-            if is_named(table) && !is_named("grains") {
+    if !file.has_spheres() {
+        for table in ["wall", "spheres", "domain", "delete"] {
+            if is_named(table) && !are_spheres {
                 let message = format!("\"{table}\" is for spheres, and there are no [[grains]]");
                 faults.push(Fault::at(document.key(Table::one(table), ""), message).label("no effect"));
             }
@@ -36,7 +39,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         place.region(faults);
         place.radius(faults);
         place.motion(faults);
+        place.clump(file, faults);
     }
+    coming_checks::check(file, document, dimensions, faults);
     wall_checks::check(file, document, dimensions, faults);
     check_law(file, document, faults);
     if let Some(domain) = &file.domain {
@@ -85,10 +90,12 @@ impl GrainPlace<'_> {
             }
         };
         let is_packed = ["count", "fraction"].contains(&amount);
+        let is_clump = grains.clump.is_some();
         let has = |key: &str| self.document.has(self.table, key);
         let keys = [
             ("within", grains.within.is_some(), is_packed, is_packed),
-            ("radius", grains.radius.is_some(), amount != "file", amount != "file"),
+            ("radius", grains.radius.is_some(), amount != "file", amount != "file" && !is_clump),
+            ("clump", is_clump, amount != "file", false),
             ("gap", has("gap"), is_packed, false),
             ("seed", has("seed"), amount != "file", false),
             ("translate", grains.translate.is_some(), amount == "file", false),
@@ -161,14 +168,36 @@ impl GrainPlace<'_> {
     /// The spin has the form that the dimensions require.
     fn motion(&self, faults: &mut Vec<Fault>) {
         let Some(spin) = self.grains.spin else { return };
-        if matches!(spin, Spin::Plane(_)) != (self.dimensions == 2) {
+        faults.extend(spin_fault(spin, self.dimensions, self.document.value(self.table, "spin")));
+    }
+
+    /// The keys of clumps go together, fit the dimensions and the domain.
+    fn clump(&self, file: &ModelFile, faults: &mut Vec<Fault>) {
+        let (grains, title) = (self.grains, self.title());
+        if let (Some(_), None) = (grains.orientation, &grains.clump) {
+            let message = format!("{title}: \"orientation\" goes with clump");
+            faults.push(self.at_key("orientation", message).label("without clump"));
+            return;
+        }
+        let grows = file.domain.as_ref().and_then(|domain| domain.strain_rate.as_ref());
+        if grains.clump.is_some() && grows.is_some_and(|rates| rates.0.iter().any(|rate| *rate != 0.0)) {
+            let message = format!("{title}: clumps cannot follow a [domain] with a strain_rate");
+            let fault = self.at_key("clump", message).label("does not follow the domain");
+            faults.push(fault.help("take strain_rate out, or write single spheres"));
+        }
+        let is_right = match grains.orientation {
+            None | Some(ClumpOrientation::Random(_)) => true,
+            Some(ClumpOrientation::Plane(_)) => self.dimensions == 2,
+            Some(ClumpOrientation::Space(_)) => self.dimensions == 3,
+        };
+        if !is_right {
             let help = if self.dimensions == 2 {
-                "write one number: degrees per second, counter-clockwise"
+                "write \"random\", or one number: degrees, counter-clockwise"
             } else {
-                "write [x, y, z]: the axis, as long as the degrees per second about it"
+                "write \"random\", or [x, y, z]: the axis, as long as the degrees about it"
             };
-            let span = self.document.value(self.table, "spin");
-            let message = format!("\"spin\" of spheres in {} dimensions", self.dimensions);
+            let span = self.document.value(self.table, "orientation");
+            let message = format!("\"orientation\" of clumps in {} dimensions", self.dimensions);
             faults.push(Fault::at(span, message).label("is not of this form").help(help));
         }
     }
@@ -273,8 +302,10 @@ pub(crate) fn lengths(file: &ModelFile, d: usize) -> Vec<(Table, String, usize, 
         let table = Table::of("grains", index);
         let within = grains.within.as_ref();
         let wrong = grains.at.iter().flatten().find(|point| point.0.len() != d);
+        let of_clump = grains.clump.iter().flatten().map(|sphere| &sphere.at).find(|at| at.0.len() != d);
         for (key, vector) in [
             ("at", wrong),
+            ("clump", of_clump),
             ("translate", grains.translate.as_ref()),
             ("velocity", grains.velocity.as_ref()),
             ("within.min", within.and_then(|within| within.min.as_ref())),
@@ -285,6 +316,7 @@ pub(crate) fn lengths(file: &ModelFile, d: usize) -> Vec<(Table, String, usize, 
             lengths.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
         }
     }
+    lengths.extend(coming_checks::lengths(file, d));
     lengths.extend(wall_checks::lengths(file, d));
     if let Some(domain) = &file.domain {
         let table = Table::one("domain");

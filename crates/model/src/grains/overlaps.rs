@@ -2,7 +2,9 @@
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
-use fdem_simulation::grains::{Spheres, Wall, spheres_in_box, worst_in_body, worst_on_wall, worst_overlap};
+use fdem_simulation::grains::{
+    Clump, Insertion, Spheres, Wall, WallShape, spheres_in_box, worst_in_body, worst_on_wall, worst_overlap,
+};
 
 use crate::grains::spheres::place;
 use crate::prepared::SphereGroup;
@@ -14,9 +16,14 @@ use crate::text::fault::Fault;
 /// under pressure.
 const ACCEPTED: f64 = 0.05;
 
+/// Places along an axis at which regions of insertions are looked at.
+const PLACES: usize = 9;
+
 /// Spheres at the beginning, and their groups.
 pub(crate) struct Beginning<'a> {
     pub(crate) spheres: &'a Spheres,
+    pub(crate) clumps: &'a [Clump],
+    pub(crate) insertions: &'a [Insertion],
     pub(crate) groups: &'a [SphereGroup],
     pub(crate) discs: bool,
     pub(crate) document: &'a Document<'a>,
@@ -43,7 +50,7 @@ impl Beginning<'_> {
 
     /// Reports the deepest overlap of two spheres.
     pub(crate) fn among_spheres(&self, faults: &mut Vec<Fault>) {
-        match worst_overlap(&self.spheres.positions, &self.spheres.radii, 0) {
+        match worst_overlap(&self.spheres.positions, &self.spheres.radii, self.clumps, 0) {
             Ok(Some(([first, second], share))) if share > ACCEPTED => {
                 let smaller = [first, second]
                     .map(|of| self.spheres.radii[of as usize])
@@ -103,6 +110,7 @@ impl Beginning<'_> {
             let corner =
                 |of: [f64; D], without: f64| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(without));
             let limits = [corner(low, f64::NEG_INFINITY), corner(high, f64::INFINITY)];
+            self.coming_into(body, limits, faults);
             let near = spheres_in_box(limits, positions, radii);
             if near.is_empty() {
                 continue;
@@ -123,6 +131,85 @@ impl Beginning<'_> {
                 format!("{words} overlaps the body \"{name}\" by {} of its radius", percent(share))
             };
             faults.push(self.fault(sphere, message, "move the body or the spheres"));
+        }
+    }
+}
+
+impl Beginning<'_> {
+    /// Places in the region of an insertion for the centres of its largest spheres: a grid.
+    fn places(&self, of: &Insertion) -> Vec<[f64; 3]> {
+        let largest = of.radii.iter().copied().fold(0.0, f64::max);
+        let [low, high] = of.region;
+        let along = |axis: usize, place: usize| {
+            let share = place as f64 / (PLACES - 1) as f64;
+            low[axis] + largest + share * (high[axis] - low[axis] - 2.0 * largest)
+        };
+        let layers = if self.discs { 1 } else { PLACES };
+        (0..PLACES * PLACES * layers)
+            .map(|k| {
+                let [i, j, l] = [k % PLACES, k / PLACES % PLACES, k / (PLACES * PLACES)];
+                [along(0, i), along(1, j), if self.discs { 0.0 } else { along(2, l) }]
+            })
+            .collect()
+    }
+
+    /// Reports insertions whose region reaches into a body. `limits`: of the body, m.
+    fn coming_into<const D: usize, const N: usize>(
+        &self,
+        body: &Placed<D, N>,
+        limits: [[f64; 3]; 2],
+        faults: &mut Vec<Fault>,
+    ) where
+        [[f64; D]; N]: Corners<D, N>,
+    {
+        for (index, of) in self.insertions.iter().enumerate() {
+            let places = self.places(of);
+            let near = spheres_in_box(limits, &places, &vec![0.0; places.len()]);
+            if near.is_empty() {
+                continue;
+            }
+            let centres: Vec<[f64; 3]> =
+                near.iter().map(|&place| standing::<D>(places[place as usize])).collect();
+            let smallest = of.radii.iter().copied().fold(f64::MAX, f64::min);
+            let worst = worst_in_body(surface(body, smallest), &centres, &vec![smallest; centres.len()]);
+            if worst.is_some_and(|(_, share)| share > 1.0) {
+                let message = format!(
+                    "[[insertion]] \"{}\": its region reaches into the body \"{}\", where spheres would come in",
+                    of.name, body.name
+                );
+                let span = self.document.key(Table::of("insertion", index), "within");
+                faults.push(
+                    Fault::at(span, message)
+                        .label("reaches into a body")
+                        .help("make the region smaller, or move it or the body"),
+                );
+            }
+        }
+    }
+
+    /// Reports insertions whose spheres find no place beside walls that stay: they would wait forever.
+    pub(crate) fn without_room(&self, walls: &[Wall], faults: &mut Vec<Fault>) {
+        let stays = |wall: &&Wall| {
+            let is_simple = !matches!(wall.shape, WallShape::Mesh { .. });
+            let is_still = wall.velocity == [0.0; 3] && wall.rotation.is_none() && wall.path.is_empty();
+            is_simple && is_still && wall.servo.is_none()
+        };
+        for (index, of) in self.insertions.iter().enumerate() {
+            let least = of.radii.iter().copied().fold(f64::MAX, f64::min);
+            let mut places = self.places(of);
+            for wall in walls.iter().filter(stays) {
+                places.retain(|&place| worst_on_wall(&wall.shape, &[place], &[least]).is_none());
+                if places.is_empty() {
+                    let message = format!(
+                        "[[insertion]] \"{}\": its spheres find no place beside [[wall]] \"{}\"",
+                        of.name, wall.name
+                    );
+                    let span = self.document.key(Table::of("insertion", index), "within");
+                    let help = "move the region or the wall; the normal of a plane points to the spheres";
+                    faults.push(Fault::at(span, message).label("no free place").help(help));
+                    break;
+                }
+            }
         }
     }
 }

@@ -97,7 +97,8 @@ pub(crate) fn without_effect(file: &ModelFile, surfaces: &[Surfaces]) -> Vec<Str
 
 /// Names of the materials of spheres, and of all that spheres may touch.
 fn touching(file: &ModelFile) -> (BTreeSet<&str>, BTreeSet<&str>) {
-    let of_spheres: BTreeSet<&str> = file.grains.iter().map(|grains| grains.material.as_str()).collect();
+    let mut of_spheres: BTreeSet<&str> = file.grains.iter().map(|grains| grains.material.as_str()).collect();
+    of_spheres.extend(file.insertion.iter().map(|insertion| insertion.material.as_str()));
     let mut of_partners = of_spheres.clone();
     of_partners.extend(file.wall.iter().map(|wall| wall.material.as_str()));
     for body in &file.body {

@@ -114,13 +114,13 @@ pub(crate) fn check(file: &ModelFile, index: usize, document: &Document<'_>, fau
                 .help(suggestion(name, &names, "[[wall]]")),
         );
     }
-    if history.grains && file.grains.is_empty() {
+    if history.grains && !file.has_spheres() {
         faults.push(
             Fault::at(
                 document.key(table, "grains"),
                 format!("[[history]] \"{}\": there are no spheres", history.name),
             )
-            .label("no [[grains]]"),
+            .label("no [[grains]] or [[insertion]]"),
         );
     }
     for (place, name) in history.contact_force.iter().flatten().enumerate() {

@@ -4,6 +4,7 @@
 mod body;
 mod joint_set;
 mod boundary;
+mod coming;
 mod condition;
 mod grains;
 mod ground;
@@ -26,10 +27,12 @@ pub use body::{
     Polyhedron, Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
+pub use coming::{BoxRegion, SphereInsertion, SphereRemoval};
 pub use condition::{Servo, Until};
 pub use grains::{
-    Domain, DomainAxis, GrainRadius, GrainRegion, Grains, NormalRadius, OutsideWord, RoundRegion, SphereLaw,
-    SphereOptions, Wall, WallBox, WallCircle, WallCone, WallDisc, WallPlane, WallServo, WallTube,
+    ClumpOrientation, ClumpSphere, Domain, DomainAxis, GrainRadius, GrainRegion, Grains, NormalRadius,
+    OutsideWord, RoundRegion, SphereLaw, SphereOptions, Wall, WallBox, WallCircle, WallCone, WallDisc,
+    WallPlane, WallServo, WallTube,
 };
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
@@ -56,13 +59,19 @@ pub struct ModelFile {
     pub parameters: BTreeMap<String, Parameter>,
     /// Settings of the model as a whole.
     pub model: General,
-    /// Bodies. Each is meshed separately; bodies touch, but share no nodes. A model has a body or
-    /// `[[grains]]`.
+    /// Bodies. Each is meshed separately; bodies touch, but share no nodes. A model has a body,
+    /// `[[grains]]` or an `[[insertion]]`.
     #[serde(default)]
     pub body: Vec<Body>,
     /// Spheres, in two dimensions discs.
     #[serde(default)]
     pub grains: Vec<Grains>,
+    /// Spheres that come in during the run.
+    #[serde(default)]
+    pub insertion: Vec<SphereInsertion>,
+    /// Boxes in which spheres are removed.
+    #[serde(default)]
+    pub delete: Vec<SphereRemoval>,
     /// Walls that spheres touch.
     #[serde(default)]
     pub wall: Vec<Wall>,
@@ -109,10 +118,12 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 17] = [
+    pub(crate) const TABLES: [&str; 19] = [
         "model",
         "body",
         "grains",
+        "insertion",
+        "delete",
         "wall",
         "spheres",
         "domain",
@@ -128,6 +139,11 @@ impl ModelFile {
         "history",
         "curve",
     ];
+
+    /// Whether there are spheres, at the beginning or later.
+    pub(crate) fn has_spheres(&self) -> bool {
+        !self.grains.is_empty() || !self.insertion.is_empty()
+    }
 }
 
 /// One file, or several.

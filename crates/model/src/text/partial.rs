@@ -15,7 +15,7 @@ use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{
     Body, Boundary, Curve, Domain, General, Grains, History, Initial, Interface, JointSet, Material,
-    ModelFile, Output, SHAPES, SphereOptions, Stage, Wall,
+    ModelFile, Output, SHAPES, SphereInsertion, SphereOptions, SphereRemoval, Stage, Wall,
 };
 
 /// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
@@ -69,6 +69,13 @@ impl Partial {
             let material = grains.get("material").filter(|name| name.is_str()).cloned();
             vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
         });
+        reader.list::<SphereInsertion>(&mut root, "insertion", |insertion| {
+            let material = insertion.get("material").filter(|name| name.is_str()).cloned();
+            let mut instead = vec![("material", material.unwrap_or_else(|| NAMELESS.into()))];
+            instead.extend([("within", unit_box(insertion)), ("radius", 0.1.into())]);
+            instead
+        });
+        reader.list::<SphereRemoval>(&mut root, "delete", |of| vec![("within", unit_box(of))]);
         reader.list::<Wall>(&mut root, "wall", |wall| {
             let material = wall.get("material").filter(|name| name.is_str()).cloned();
             vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
@@ -90,7 +97,8 @@ impl Partial {
             );
         }
         for list in ["material", "body"] {
-            let is_needed = list == "material" || !root.contains_key("grains");
+            let has_spheres = root.contains_key("grains") || root.contains_key("insertion");
+            let is_needed = list == "material" || !has_spheres;
             if !root.contains_key(list) && is_needed {
                 reader.nameless.push(list);
                 root.insert(list.to_owned(), Value::Array(Vec::new()));
@@ -123,6 +131,14 @@ impl Partial {
 /// `Document::read`.
 fn value_as<T: DeserializeOwned>(value: &Value) -> Option<T> {
     T::deserialize(ValueDeserializer::parse(&value.to_string()).ok()?).ok()
+}
+
+/// A box with the dimensions that the `within` of a table seems to have.
+fn unit_box(table: &Toml) -> Value {
+    let corner = |key: &str| table.get("within")?.get(key)?.as_array().map(Vec::len);
+    let dimensions = corner("min").or_else(|| corner("max")).unwrap_or(2).clamp(2, 3);
+    let all = |x: f64| Value::Array(vec![x.into(); dimensions]);
+    [("min".to_owned(), all(0.0)), ("max".to_owned(), all(1.0))].into_iter().collect::<Toml>().into()
 }
 
 /// Whether a body, or its outline, has a shape in three dimensions.

@@ -142,6 +142,20 @@ impl<'s> Checker<'s> {
             self.faults.push(fault.help("spheres and walls are there in all stages"));
             return None;
         }
+        if name.starts_with("[[insertion]]") && ["stage", "stages"].contains(&word) {
+            self.faults.push(fault.help("spheres come in at a time of the run: write from = …, in seconds"));
+            return None;
+        }
+        if name.starts_with("[[delete]]") && ["stage", "stages"].contains(&word) {
+            self.faults
+                .push(fault.help("write from = … and until = …, in seconds from the start of the run"));
+            return None;
+        }
+        let is_box = keys == ["max", "min"] || keys == ["min", "max"];
+        if is_box && ["disc", "cylinder", "ball", "surface", "box", "sphere"].contains(&word) {
+            self.faults.push(fault.help("this region is a box: write { min = […], max = […] }"));
+            return None;
+        }
         if let Some(help) = properties.and_then(|properties| self.inner(word, properties, siblings)) {
             self.faults.push(fault.help(help));
             return None;

@@ -1,7 +1,10 @@
 //! Spheres and walls, alone and with bodies.
 
 use crate::common::*;
-use fdem_simulation::grains::{GrainMaterial, GrainModel, GrainRun, Spheres, Surfaces, Wall, WallRotation};
+use fdem_simulation::grains::{
+    GrainMaterial, GrainModel, GrainRun, Insertion as SphereInsertion, Removal, Spheres, Surfaces, Wall,
+    WallRotation, WallShape,
+};
 use fdem_simulation::*;
 
 /// Granite as spheres have it.
@@ -384,4 +387,58 @@ fn spheres_go_on_in_the_next_stage() {
         assert!(if gone == 0 { speed < -3.0 } else { speed > 0.5 }, "{gone}: {speed}");
         assert!(later.energies().error().abs() < 1e-3, "{:?}", later.energies());
     }
+}
+
+/// Spheres that come in before and after a checkpoint, and a box that removes some, beside a wall that moves
+/// and a block.
+#[test]
+fn spheres_come_in_with_the_same_bits_after_a_checkpoint() {
+    let rain = SphereInsertion {
+        name: "rain".to_owned(),
+        region: [[-0.05, -0.05, 0.06], [0.05, 0.05, 0.12]],
+        radii: (0..60).map(|k| 0.004 + 2e-5 * f64::from(k)).collect(),
+        from: 0.0,
+        rate: 500.0,
+        velocity: [0.0, 0.0, -1.0],
+        spin: [0.0, 10.0, 0.0],
+        material: 0,
+        group: 0,
+        seed: 5,
+    };
+    let tray = WallShape::Mesh { triangles: vec![[[-0.2, -0.2, 0.09], [0.2, -0.2, 0.09], [0.0, 0.2, 0.09]]] };
+    let hole = Removal {
+        name: "hole".to_owned(),
+        region: [[-0.1, -0.1, -0.1], [0.0, 0.1, 0.04]],
+        times: [0.04, f64::INFINITY],
+    };
+    let rising = Wall { velocity: [0.0, 0.0, 0.5], ..Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0) };
+    let grains = GrainModel {
+        spheres: Spheres::default(),
+        walls: vec![Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0), Wall { shape: tray, ..rising }],
+        insertions: vec![rain],
+        removals: vec![hole],
+        groups: vec!["rain".to_owned()],
+        ..heap()
+    };
+    let model = || alone(grains.clone());
+    let mut whole = Simulation::new(model(), 1).expect("spheres to come are a model");
+    assert_eq!(whole.counts().spheres, 0);
+    let until = |run: &mut Simulation<3, 4>, time: f64| {
+        let steps = ((time - run.time()) / run.time_step()).ceil() as u64;
+        run.advance(steps).expect("steps");
+    };
+    until(&mut whole, 0.05);
+    let early = whole.counts().spheres;
+    assert!((10..25).contains(&early), "{early}");
+    let state = whole.state();
+    until(&mut whole, 0.2);
+    let late = whole.snapshot().spheres;
+    // All have come in, and some have been removed.
+    assert_eq!(late.numbers.last(), Some(&59));
+    assert!((20..60).contains(&late.numbers.len()), "{}", late.numbers.len());
+    let mut resumed = Simulation::resume(model(), state, 3).expect("a state of this model");
+    until(&mut resumed, 0.2);
+    assert_eq!(whole.snapshot(), resumed.snapshot());
+    assert_eq!(whole.energies(), resumed.energies());
+    assert!(whole.energies().error().abs() < 5e-3, "{:?}", whole.energies());
 }

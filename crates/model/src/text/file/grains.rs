@@ -28,7 +28,7 @@ pub struct Grains {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "x-unit" = "1"))]
     pub fraction: Option<f64>,
-    /// Centres [x, y] or [x, y, z], m.
+    /// Centres [x, y] or [x, y, z], m; of clumps, the places of the origin of their frame.
     #[serde(default)]
     #[schemars(length(min = 1))]
     #[schemars(extend("x-unit" = "m"))]
@@ -53,9 +53,23 @@ pub struct Grains {
     pub within: Option<GrainRegion>,
     /// Radius, m: a number; [least, most], all equally frequent; { mean = …, deviation = … }, a normal
     /// distribution, cut off at 3 deviations from the mean; or a grading curve [[radius, share], …], with the
-    /// share of the mass of all smaller spheres, which is linear between the entries and ends with 1.
+    /// share of the mass of all smaller spheres, which is linear between the entries and ends with 1. Of
+    /// clumps: that of the sphere of the same volume, of clumps of discs that of the disc of the same area.
+    /// Default of clumps: they are as large as `clump` says.
     #[serde(default)]
     pub radius: Option<GrainRadius>,
+    /// Clumps instead of single spheres: spheres that may overlap and move together as one rigid body. Each
+    /// is { at = [x, y, z], radius = r } in a frame of the clump, and all clumps have this shape. Mass and
+    /// moments of inertia are those of the union of the spheres. `count` and `fraction` count clumps and
+    /// their volume, and pack them by the spheres around them.
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub clump: Option<Vec<ClumpSphere>>,
+    /// Orientation of clumps: "random", a different one for each; or one for all, degrees: a number in two
+    /// dimensions, counter-clockwise; [x, y, z] in three, about that axis. Default: "random".
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "deg"))]
+    pub orientation: Option<ClumpOrientation>,
     /// Least distance between two spheres, and between spheres and the sides of the region, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
@@ -68,7 +82,8 @@ pub struct Grains {
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Option<Vector>,
     /// Angular velocity at the start, degrees per second: a number in two dimensions, counter-clockwise; [x,
-    /// y, z] in three, about that axis. Each sphere turns about its centre. Default: none.
+    /// y, z] in three, about that axis. Each sphere turns about its centre, each clump about its centre of
+    /// mass. Default: none.
     #[serde(default)]
     #[schemars(extend("x-unit" = "deg/s"))]
     pub spin: Option<Spin>,
@@ -76,6 +91,39 @@ pub struct Grains {
     /// they are: a rough floor. Default: false.
     #[serde(default)]
     pub fixed: bool,
+}
+
+/// A sphere of a clump, in two dimensions a disc.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "clump_sphere")]
+pub struct ClumpSphere {
+    /// Centre [x, y] or [x, y, z] in the frame of the clump, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub at: Vector,
+    /// Radius, m.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub radius: f64,
+}
+
+/// Orientation of clumps.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ClumpOrientation {
+    /// Each has a random one.
+    Random(RandomWord),
+    /// All are turned by this angle, counter-clockwise in the plane.
+    Plane(f64),
+    /// All are turned about this axis, by its length.
+    Space([f64; 3]),
+}
+
+/// The word "random".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RandomWord {
+    /// Random ones.
+    Random,
 }
 
 /// A region that spheres fill: `min` and `max`, or one of the other keys.
@@ -428,7 +476,8 @@ impl Grains {
             if of == 0 { of_corner() } else { Some(of) }
         };
         let of_places = || self.at.as_ref()?.first().map(of_point);
-        self.within.as_ref().and_then(of_region).or_else(of_places)
+        let of_clumps = || self.clump.as_ref()?.first().map(|of| of_point(&of.at));
+        self.within.as_ref().and_then(of_region).or_else(of_places).or_else(of_clumps)
     }
 }
 

@@ -9,6 +9,11 @@ use serde::Deserialize;
 pub struct Vector(#[schemars(length(min = 2, max = 3))] pub Vec<f64>);
 
 impl Vector {
+    /// The vector in space; in two dimensions z is 0.
+    pub(crate) fn in_space(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.0.get(axis).copied().unwrap_or(0.0))
+    }
+
     /// The components; zeros if their number is another one, which is a fault that has been found before.
     pub(crate) fn components<const D: usize>(&self) -> [f64; D] {
         self.0.as_slice().try_into().unwrap_or([0.0; D])
