@@ -269,7 +269,7 @@ fn every_template_is_its_example() {
     let mut copies = 0;
     for entry in fs::read_dir(root().join(templates)).unwrap() {
         let file = entry.unwrap().file_name().into_string().unwrap();
-        if !file.ends_with(".toml") {
+        if Path::new(&file).extension().is_none_or(|end| end != "toml") {
             let [copy, original] =
                 [templates, "examples/space"].map(|folder| fs::read(root().join(folder).join(&file)));
             assert!(copy.unwrap() == original.unwrap(), "{file} is not that of the example");

@@ -197,10 +197,8 @@ impl fmt::Display for ModelError {
                 )
             }
             Self::Area { element, area } => {
-                write!(
-                    out,
-                    "element {element} has an area, or volume, of {area:e}: its nodes are in the wrong order"
-                )
+                let rule = "its nodes are in the wrong order";
+                write!(out, "element {element} has an area, or volume, of {area:e}: {rule}")
             }
             Self::LooseNode { node } => write!(out, "node {node} belongs to no element"),
             Self::Folded { elements: [a, b] } => {

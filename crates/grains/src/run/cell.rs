@@ -12,6 +12,29 @@ pub(crate) struct RunBox {
     pub(crate) lengths: Vector,
 }
 
+/// The lengths of a box by which its spheres repeat, m: 0 along other axes, along which no half is too far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Repeats {
+    lengths: Vector,
+    halves: Vector,
+}
+
+impl Repeats {
+    /// No sphere repeats.
+    pub(crate) const NONE: Self = Self { lengths: [0.0; 3], halves: [f64::INFINITY; 3] };
+
+    /// A vector between two spheres, or the one between the first and the nearest image of the second.
+    #[inline]
+    pub(crate) fn shortest(&self, apart: Vector) -> Vector {
+        let along = |axis: usize| {
+            let [back, forth] = [apart[axis] > self.halves[axis], apart[axis] < -self.halves[axis]];
+            let length = self.lengths[axis];
+            apart[axis] - if back { length } else { 0.0 } + if forth { length } else { 0.0 }
+        };
+        [along(0), along(1), along(2)]
+    }
+}
+
 impl RunBox {
     pub(crate) fn new(domain: Domain) -> Self {
         let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3] };
@@ -42,17 +65,17 @@ impl RunBox {
         self.domain.strain_rates
     }
 
+    /// The lengths by which spheres repeat.
+    pub(crate) fn repeats(&self) -> Repeats {
+        let of =
+            |axis: usize, other: f64| if self.domain.periodic[axis] { self.lengths[axis] } else { other };
+        let half = |axis: usize| 0.5 * of(axis, f64::INFINITY);
+        Repeats { lengths: [0, 1, 2].map(|axis| of(axis, 0.0)), halves: [half(0), half(1), half(2)] }
+    }
+
     /// A vector between two spheres, or the one between the first and the nearest image of the second.
-    #[inline]
     pub(crate) fn shortest(&self, apart: Vector) -> Vector {
-        let along = |axis: usize| {
-            let length = self.lengths[axis];
-            // Along an axis that does not repeat nothing is far.
-            let half = if self.domain.periodic[axis] { 0.5 * length } else { f64::INFINITY };
-            let [back, forth] = [apart[axis] > half, apart[axis] < -half];
-            apart[axis] - if back { length } else { 0.0 } + if forth { length } else { 0.0 }
-        };
-        [along(0), along(1), along(2)]
+        self.repeats().shortest(apart)
     }
 
     /// A point, moved by a length of the box along each axis that repeats and on which it is outside.

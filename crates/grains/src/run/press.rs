@@ -7,7 +7,7 @@ use crate::error::GrainError;
 use crate::law::{ContactHistory, Meeting, PairLaw};
 use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, LANES, at, compute, put};
-use crate::run::cell::RunBox;
+use crate::run::cell::{Repeats, RunBox};
 use crate::run::laws::Laws;
 use crate::run::lists::{APART, Acting, CHUNK, IS_FIRST, Lists, Memory, Rolling};
 use crate::vector::{cross, dot, minus, plus, times};
@@ -90,6 +90,7 @@ fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
 }
 
 /// Takes the front of a list, or nothing of an empty one.
+#[allow(clippy::mut_mut, reason = "the list that is left replaces the list")]
 fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     list.split_off_mut(..count).unwrap_or_default()
 }
@@ -130,11 +131,12 @@ impl Part<'_> {
     ) -> Result<(), GrainError> {
         let Scratch { batches, couples } = scratch;
         let list = &of.balls.list;
-        let count = self.list::<PERIODIC>(of, couples);
+        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
+        let count = self.list::<PERIODIC>(of.spots, repeats, couples);
         for &Listed { slot, pair } in &couples[..count] {
             let slot = slot as usize;
             let [one, two] = pair.map(|place| &list[place as usize]);
-            let apart = apart::<PERIODIC>(of.cell, one.position, two.position);
+            let apart = apart::<PERIODIC>(repeats, one.position, two.position);
             let (square, sum) = (dot(apart, apart), one.radius + two.radius);
             let number = of.laws.number([one.material, two.material])?;
             let law = &of.laws.list[number];
@@ -164,8 +166,12 @@ impl Part<'_> {
     ///
     /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often,
     /// and would keep the processor from loading the spheres ahead of it.
-    fn list<const PERIODIC: bool>(&self, of: Pressing<'_>, couples: &mut Vec<Listed>) -> usize {
-        let spots = of.spots;
+    fn list<const PERIODIC: bool>(
+        &self,
+        spots: &[Spot],
+        repeats: Repeats,
+        couples: &mut Vec<Listed>,
+    ) -> usize {
         let base = self.starts[0];
         // One place more, which is written last and not used.
         couples.resize(couples.len().max(self.others.len() + 1), Listed::default());
@@ -175,7 +181,7 @@ impl Part<'_> {
             for slot in (ends[0] - base) as usize..(ends[1] - base) as usize {
                 let other = self.others[slot] & !IS_FIRST;
                 let its = &spots[other as usize];
-                let apart = apart::<PERIODIC>(of.cell, spot.position, its.position);
+                let apart = apart::<PERIODIC>(repeats, spot.position, its.position);
                 let sum = spot.radius + its.radius;
                 // The contact is the same whichever of the two has the lower place.
                 let is_first = (self.others[slot] / IS_FIRST) as usize;
@@ -183,7 +189,7 @@ impl Part<'_> {
                 listed.slot = slot as u32;
                 listed.pair[is_first] = place as u32;
                 listed.pair[1 - is_first] = other;
-                count += usize::from((dot(apart, apart) < sum * sum) | (self.acted[slot] != APART));
+                count += usize::from(dot(apart, apart) < sum * sum) | usize::from(self.acted[slot] != APART);
             }
         }
         count
@@ -343,12 +349,9 @@ impl Part<'_> {
 
 /// From the second sphere, or its nearest image, to the first, m.
 #[inline]
-fn apart<const PERIODIC: bool>(cell: Option<&RunBox>, one: [f64; 3], two: [f64; 3]) -> [f64; 3] {
+fn apart<const PERIODIC: bool>(repeats: Repeats, one: [f64; 3], two: [f64; 3]) -> [f64; 3] {
     let apart = minus(one, two);
-    match cell {
-        Some(cell) if PERIODIC => cell.shortest(apart),
-        _ => apart,
-    }
+    if PERIODIC { repeats.shortest(apart) } else { apart }
 }
 
 /// Work of a growing box on a couple, J.
