@@ -41,7 +41,7 @@ pub(crate) fn write(path: &Path, place: Place, spheres: &Spheres) -> Result<(), 
     Ok(std::fs::write(path, text)?)
 }
 
-/// Reads the spheres of a file that [`write`] has written.
+/// Reads the spheres of a file that [`write()`] has written.
 ///
 /// # Errors
 /// The file cannot be read, or a line is not as `write` writes it.
