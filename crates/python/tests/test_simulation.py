@@ -417,6 +417,7 @@ def test_every_field_of_the_table_is_an_array(tables):
     run = fdem.Simulation(fdem.Model(**tables), threads=1)
     run.advance()
     rows = {"node": len(run.positions), "element": len(run.elements), "joint": len(run.joints["damage"]), "contact": len(run.contacts["elements"])}
+    rows |= {"sphere": 0, "sphere contact": 0, "wall": 0}
     for field in fdem.fields():
         if field.dimensions not in (None, run.dimensions):
             with pytest.raises(ValueError, match=f"there is no field '{field.key}' at"):
@@ -441,7 +442,7 @@ def test_every_field_of_the_table_is_an_array(tables):
         run.field("heat")
     with pytest.raises(ValueError, match="there is no field 'damage' at \"node\": displacement, velocity, reaction"):
         run.field("damage", at="node")
-    with pytest.raises(ValueError, match="at must be one of 'node', 'element', 'joint', 'contact', not 'edge'"):
+    with pytest.raises(ValueError, match="at must be one of 'node', 'element', 'joint', 'contact', 'sphere', 'sphere contact', 'wall', not 'edge'"):
         fdem.fields("edge")
 
 
@@ -498,7 +499,7 @@ def test_spheres_are_arrays():
     sand = {"name": "sand", "material": "steel", "at": [[0, 0, 1.0], [0.2, 0, 1.0]], "radius": 0.05, "velocity": [0, 0, -1.0]}
     stone = {"name": "stone", "material": "steel", "at": [[1.0, 0, 0.0999]], "radius": 0.1}
     floor = {"name": "floor", "material": "steel", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
-    model = fdem.Model(model={"end_time": 1e-4}, material=[STEEL], grains=[sand, stone], wall=[floor])
+    model = fdem.Model(model={"end_time": 1e-4}, material=[STEEL | {"restitution": 0.5}], grains=[sand, stone], wall=[floor])
     run = fdem.Simulation(model)
     run.advance(3)
     spheres = run.spheres
