@@ -21,7 +21,8 @@ pub struct ClumpShape {
     radii: Vec<f64>,
     /// Thickness of discs, m.
     discs: Option<f64>,
-    /// Of the shape as it is, with a density of 1; of discs with a thickness of 1.
+    /// Mass, centre and moments of inertia of the unscaled shape with a density of 1. Discs have a thickness
+    /// of 1.
     unit: ClumpInertia,
     /// A sphere around all: centre and radius, m.
     around: (Vector, f64),
@@ -31,7 +32,7 @@ impl ClumpShape {
     /// A shape of spheres, or of discs with a thickness, m, by their centres and radii, m.
     ///
     /// # Cost
-    /// That of [`ClumpInertia::of_spheres`].
+    /// The same as the cost of [`ClumpInertia::of_spheres`].
     pub fn new(centres: Vec<[f64; 3]>, radii: Vec<f64>, discs: Option<f64>) -> Self {
         let unit = match discs {
             Some(_) => ClumpInertia::of_discs(&centres, &radii, 1.0, 1.0),

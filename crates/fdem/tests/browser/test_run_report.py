@@ -26,7 +26,7 @@ ARGUMENTS = [
     "--no-sandbox",
     "--disable-dev-shm-usage",
 ]
-# How long a page may take on a busy machine, s.
+# Longest wait for a change of the page, s; a busy machine needs most of it.
 PATIENCE = 120
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 

@@ -121,8 +121,8 @@ fn move_chunk(
     lost.map_or(Ok(moved), Err)
 }
 
-/// A contact of a sphere: where its action is, twice, and 1 more where the sphere is the second; and its
-/// slot.
+/// A contact of a sphere. `acted` is twice the place of its action, and 1 more if the sphere is the second;
+/// `slot` is the place of the couple.
 #[derive(Clone, Copy, Default)]
 struct Touching {
     acted: u32,
@@ -133,7 +133,7 @@ struct Touching {
 #[derive(Default)]
 struct OfChunk {
     list: Vec<Touching>,
-    /// Where those of each sphere end.
+    /// End of the contacts of each sphere in `list`.
     ends: Vec<u32>,
 }
 
@@ -158,7 +158,7 @@ impl OfChunk {
         }
     }
 
-    /// Those of the sphere at a place in the chunk.
+    /// Returns the contacts of sphere `k` of the chunk.
     fn of(&self, k: usize) -> &[Touching] {
         let begin = if k == 0 { 0 } else { self.ends[k - 1] };
         &self.list[begin as usize..self.ends[k] as usize]
