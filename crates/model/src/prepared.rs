@@ -20,6 +20,7 @@ pub use added_mass::Scaled;
 pub(crate) use added_mass::counted;
 pub use conditions::{Bound, PreparedServo, PreparedUntil, Reached};
 pub use entered::{Entered, Origin};
+pub(crate) use grains::is_zero;
 pub use grains::{ComingSpheres, PreparedRemoval, PreparedSpheres, SphereGroup};
 pub use joints::{Joints, open_from_start};
 pub use output::{Checkpoint, OutputSettings, PreparedHistory, Quantity};

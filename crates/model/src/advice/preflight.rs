@@ -18,7 +18,7 @@ use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::{
-    ComingSpheres, Joints, Prepared, PreparedRemoval, PreparedSpheres, Scaled, SphereGroup, counted,
+    ComingSpheres, Joints, Prepared, PreparedRemoval, PreparedSpheres, Scaled, SphereGroup, counted, is_zero,
 };
 use crate::text::library::FromLibrary;
 
@@ -449,12 +449,6 @@ fn to_come<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> f64 {
         insertions.clone().map(|of| of.due(time) as f64).sum::<f64>()
     };
     (0..TIMES).map(mean).sum::<f64>() / f64::from(TIMES)
-}
-
-/// Whether a count is left out of the JSON.
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// Memory for the report beside the simulation of `steps` steps, bytes: all frames, of which those of large

@@ -1,15 +1,11 @@
 //! Checks `[[grains]]`, `[spheres]` and `[domain]` before anything is meshed.
 
-use fdem_simulation::grains::SphereSizes;
-
 use crate::bodies::materials;
-use crate::grains::spheres::{sizes, spin_fault};
+use crate::grains::spheres::{radius_fault, spin_fault};
 use crate::grains::{coming_checks, wall_checks};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{
-    ClumpOrientation, Domain, DomainAxis, GrainRadius, GrainRegion, Grains, ModelFile, SphereLaw,
-};
+use crate::text::file::{ClumpOrientation, Domain, DomainAxis, GrainRegion, Grains, ModelFile, SphereLaw};
 
 /// Checks all tables of spheres and walls.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -152,17 +148,7 @@ impl GrainPlace<'_> {
     /// The radii are possible.
     fn radius(&self, faults: &mut Vec<Fault>) {
         let Some(radius) = &self.grains.radius else { return };
-        let sizes: SphereSizes = sizes(radius);
-        if let Some(why) = sizes.fault() {
-            let span = self.document.value(self.table, "radius");
-            let fault = Fault::at(span, format!("{}: {why}", self.title())).label("these radii");
-            faults.push(match radius {
-                GrainRadius::Grading(_) => fault.help(
-                    "a grading curve is [[radius, share], …], such as [[0.005, 0], [0.01, 0.4], [0.02, 1]]",
-                ),
-                _ => fault,
-            });
-        }
+        faults.extend(radius_fault(radius, &self.title(), self.document.value(self.table, "radius")));
     }
 
     /// The spin has the form that the dimensions require.

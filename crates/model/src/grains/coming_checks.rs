@@ -3,10 +3,10 @@
 use fdem_io::numbers::brief;
 
 use crate::bodies::materials;
-use crate::grains::spheres::{sizes, spin_fault};
+use crate::grains::spheres::{radius_fault, sizes, spin_fault};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{BoxRegion, Domain, GrainRadius, ModelFile, SphereInsertion};
+use crate::text::file::{BoxRegion, Domain, ModelFile, SphereInsertion};
 
 /// Checks all insertions and all boxes that remove spheres.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -106,14 +106,8 @@ impl ComingPlace<'_> {
         let is_flat = flat(within, &title, (self.document, self.table), faults);
         let sizes = sizes(&self.insertion.radius);
         let span = self.document.value(self.table, "radius");
-        if let Some(why) = sizes.fault() {
-            let fault = Fault::at(span, format!("{title}: {why}")).label("these radii");
-            faults.push(match self.insertion.radius {
-                GrainRadius::Grading(_) => fault.help(
-                    "a grading curve is [[radius, share], …], such as [[0.005, 0], [0.01, 0.4], [0.02, 1]]",
-                ),
-                _ => fault,
-            });
+        if let Some(fault) = radius_fault(&self.insertion.radius, &title, span.clone()) {
+            faults.push(fault);
             return;
         }
         let [_, largest] = sizes.range();

@@ -213,6 +213,17 @@ fn region(within: &GrainRegion, grains: &Grains, load: &mut Load<'_>) -> Result<
     Ok(PackRegion::Box { low, high })
 }
 
+/// The fault of radii that are impossible. `title`: of their table.
+pub(crate) fn radius_fault(radius: &GrainRadius, title: &str, span: Range<usize>) -> Option<Fault> {
+    let why = sizes(radius).fault()?;
+    let fault = Fault::at(span, format!("{title}: {why}")).label("these radii");
+    Some(match radius {
+        GrainRadius::Grading(_) => fault
+            .help("a grading curve is [[radius, share], …], such as [[0.005, 0], [0.01, 0.4], [0.02, 1]]"),
+        _ => fault,
+    })
+}
+
 /// The fault of a spin whose form does not fit the dimensions.
 pub(crate) fn spin_fault(spin: Spin, dimensions: u8, span: Range<usize>) -> Option<Fault> {
     if matches!(spin, Spin::Plane(_)) == (dimensions == 2) {

@@ -28,7 +28,7 @@ pub struct SphereGroup {
     /// Number of spheres.
     pub count: usize,
     /// Number of clumps that they form; 0 of single spheres.
-    #[serde(skip_serializing_if = "is_none")]
+    #[serde(skip_serializing_if = "is_zero")]
     pub clumps: usize,
     /// Smallest and largest radius, m.
     pub radii: [f64; 2],
@@ -68,9 +68,9 @@ pub struct PreparedRemoval {
     pub until: Option<f64>,
 }
 
-/// Whether a number is left out of the JSON.
+/// Whether a count is left out of the JSON.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_none(count: &usize) -> bool {
+pub(crate) fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
