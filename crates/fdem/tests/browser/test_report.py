@@ -18,6 +18,9 @@ from playwright.sync_api import expect, sync_playwright
 
 from canvas import KEPT, picture
 
+# A slow machine draws a frame in seconds; by default an expectation waits for five.
+expect.set_options(timeout=120_000)
+
 FDEM = os.environ.get("FDEM", "fdem")
 ROOT = Path(__file__).resolve().parents[4]
 EXAMPLES = ROOT / "examples"
