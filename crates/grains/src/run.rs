@@ -18,7 +18,9 @@ pub(crate) mod cell;
 pub(crate) mod clumps;
 pub(crate) mod energies;
 pub(crate) mod laws;
+pub(crate) mod level;
 pub(crate) mod lists;
+pub(crate) mod marks;
 pub(crate) mod motion;
 pub(crate) mod on_facet;
 pub(crate) mod on_meshes;
@@ -49,7 +51,7 @@ use crate::run::on_facet::SurfaceMotion;
 use crate::run::on_meshes::{OnMeshes, force_and_moment};
 use crate::run::on_surface::{OnSurface, OnSurfacesOf};
 use crate::run::on_walls::{OnWalls, OnWallsOf, Outer};
-use crate::run::press::{Pressing, Spot, fill_spots, press};
+use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
@@ -98,7 +100,6 @@ pub struct GrainRun {
     laws: Laws,
     balls: Balls,
     lists: Lists,
-    spots: Vec<Spot>,
     finder: Finder,
     cell: Option<RunBox>,
     on_walls: OnWalls,
@@ -113,8 +114,7 @@ pub struct GrainRun {
     next: u32,
     placed: Vec<u32>,
     moved: Moved,
-    /// How far spheres can still move until others might touch, m, and how many searches there were.
-    spare: f64,
+    /// Number of searches so far.
     searches: u64,
     /// Whether spheres have had other places in memory since the last step.
     is_arranged: bool,
@@ -161,7 +161,6 @@ impl GrainRun {
             laws: Laws::new(&model),
             balls: Balls::new(&model),
             lists: Lists::default(),
-            spots: Vec::new(),
             finder,
             cell,
             on_walls: OnWalls::new(model.walls.len()),
@@ -175,7 +174,6 @@ impl GrainRun {
             next: count,
             placed: vec![0; model.insertions.len()],
             moved: Moved::default(),
-            spare: 0.0,
             searches: 0,
             is_arranged: true,
             step: 0,
@@ -388,16 +386,14 @@ impl GrainRun {
         // Both of two spheres may have moved, and a box that grows brings them together.
         let rate = self.cell.map_or(0.0, |cell| cell.rates().into_iter().map(f64::abs).fold(0.0, f64::max));
         let drift = if rate > 0.0 { 2.0 * rate * self.largest() } else { 0.0 };
-        self.spare -= self.time_step * (2.0 * self.moved.fastest + 2.0 * drift);
-        if self.spare < 0.0 {
+        self.lists.travel += self.time_step * (2.0 * self.moved.spread + 2.0 * drift);
+        if self.lists.travel > self.lists.skin {
             let remembered = self.lists.remember(&self.balls);
             self.search(&remembered)?;
         }
         let (laws, simd, step) = (&self.laws, self.simd, self.time_step);
         let cell = self.cell.as_ref();
-        fill_spots(&mut self.spots, &self.balls);
-        let (balls, spots) = (&self.balls, self.spots.as_slice());
-        press(Pressing { balls, spots, laws, cell, simd, step }, &mut self.lists)?;
+        press(Pressing { balls: &self.balls, laws, cell, simd, step }, &mut self.lists)?;
         self.outer.clear();
         let of =
             OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };
@@ -411,6 +407,8 @@ impl GrainRun {
             lists: &self.lists,
             outer: &self.outer,
             cell,
+            simd,
+            stream: self.lists.stream,
             gravity: self.model.gravity,
             step,
             number: self.step,
@@ -419,6 +417,7 @@ impl GrainRun {
         if !self.clumps.is_empty() {
             let moved = self.clumps.advance(&mut self.balls, moving)?;
             self.moved.fastest = self.moved.fastest.max(moved.fastest);
+            self.moved.spread = self.moved.spread.max(moved.spread);
             self.moved.leaves |= moved.leaves;
         }
         self.step += 1;
@@ -474,7 +473,9 @@ impl GrainRun {
         let gap = skin + self.laws.reach(0.5 * self.largest());
         let Self { balls, finder, cell, laws, lists, .. } = self;
         lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
-        self.spare = skin;
+        self.lists.skin = skin;
+        self.lists.lone = self.laws.lone(&self.balls.list);
+        self.lists.stream = self.balls.mean_velocity();
         self.clumps.find(&self.balls);
         self.on_walls.renew();
         self.is_arranged = true;

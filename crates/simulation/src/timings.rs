@@ -13,6 +13,8 @@ pub struct Timings {
     pub detection: Duration,
     /// Forces of contacts.
     pub contact: Duration,
+    /// Spheres: all parts of their step.
+    pub spheres: Duration,
     /// Loads and motion.
     pub integration: Duration,
     /// Messages to other ranks, and waiting for theirs.

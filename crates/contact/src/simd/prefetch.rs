@@ -28,8 +28,10 @@ pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
 pub fn value<V>(value: &V) {
     lines(std::slice::from_ref(value), 0, 1);
     // It may begin within a cache line, and so end within one more.
-    let last = size_of::<V>().saturating_sub(1);
-    hint::<false>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(last));
+    if (LINE - align_of::<V>().min(LINE) + size_of::<V>()).div_ceil(LINE) > size_of::<V>().div_ceil(LINE) {
+        let last = size_of::<V>() - 1;
+        hint::<false>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(last));
+    }
 }
 
 /// Size of a cache line in bytes.

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::{GrainModel, Spheres, mass};
 use crate::run::order::along_curve;
-use crate::vector::Vector;
+use crate::vector::{Vector, plus, times};
 
 /// A sphere as its contacts see it, at the time of its position.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
+#[repr(C, align(32))]
 pub(crate) struct Ball {
     /// m.
     pub(crate) position: Vector,
@@ -196,6 +196,15 @@ impl Balls {
         let positions: Vec<Vector> = self.list.iter().map(|ball| ball.position).collect();
         let order: Vec<usize> = along_curve(&positions).into_iter().map(|place| place as usize).collect();
         self.arrange(&order);
+    }
+
+    /// Mean velocity, m/s.
+    pub(crate) fn mean_velocity(&self) -> Vector {
+        let mut sum = [0.0; 3];
+        for &place in &self.places {
+            sum = plus(sum, self.drives[place as usize].velocity);
+        }
+        times(1.0 / self.places.len().max(1) as f64, sum)
     }
 
     /// Keeps the spheres of these places, in this order.

@@ -1,8 +1,7 @@
 //! Contacts of two spheres side by side, computed with vector instructions.
 //!
 //! The law is that of [`law`](crate::law) without adhesion, written for one contact without branches, in a
-//! loop over the contacts of a batch. It is compiled for each set of instructions; all of them do the same
-//! operations on each contact, so that the bits are the same.
+//! loop over the contacts of a batch. It is compiled for each set of instructions ([`level`](super::level)).
 
 #![allow(clippy::inline_always, reason = "the loop must end up in the function that is compiled for it")]
 #![allow(clippy::needless_range_loop, reason = "a lane is a place in many lists")]
@@ -11,6 +10,10 @@ use fdem_contact::Simd;
 
 use crate::law::PairLaw;
 use crate::material::ForceLaw;
+use crate::run::balls::Ball;
+use crate::run::cell::Repeats;
+use crate::run::level::Level;
+use crate::run::lists::{Memory, Rolling};
 use crate::vector::{Vector, across, cross, dot, minus, plus, times};
 
 /// Contacts in a batch.
@@ -20,90 +23,234 @@ pub(crate) const LANES: usize = 8;
 type Lane = [f64; LANES];
 /// A vector of each contact.
 type Vectors = [Lane; 3];
+/// Three numbers of a vector and another one, of four contacts.
+type Rows = [[f64; 4]; 4];
 
-/// The contacts of a batch. Those of lanes that are not in use are computed and thrown away.
-#[derive(Clone, Debug)]
+/// The couples of a batch. Lanes that are not in use compute the first one, too; that is thrown away, and so is
+/// what comes of couples that do not touch.
+#[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Batch {
     /// Number of lanes in use.
     pub(crate) count: usize,
     /// Where each contact belongs.
     pub(crate) slots: [u32; LANES],
+    /// Places of the first and the second sphere of each contact.
+    places: [[u32; LANES]; 2],
+    balls: [Columns; 2],
     /// From the second sphere to the first, m, and the square of that distance, m².
-    pub(crate) apart: Vectors,
-    pub(crate) square: Lane,
-    /// Velocity of the first over that of the second, m/s, and angular velocities of both, rad/s.
-    pub(crate) velocity: Vectors,
-    pub(crate) spins: [Vectors; 2],
-    /// Radii, m, and masses, kg.
-    pub(crate) radii: [Lane; 2],
-    pub(crate) masses: [Lane; 2],
+    apart: Vectors,
+    square: Lane,
+    /// Velocity of the first over that of the second, m/s.
+    velocity: Vectors,
     /// Memory of the contact, as in [`ContactHistory`](crate::ContactHistory).
-    pub(crate) tangential: Vectors,
-    pub(crate) contact: Lane,
-    pub(crate) rolling: Vectors,
-    pub(crate) twisting: Lane,
+    tangential: Vectors,
+    contact: Lane,
+    rolling: Vectors,
+    twisting: Lane,
     /// Force on the first, N.
-    pub(crate) force: Vectors,
+    force: Vectors,
     /// The moments on the two are this times the distance of the contact from their centres, N.
-    pub(crate) torque: Vectors,
+    torque: Vectors,
     /// Moment of rolling and twisting on the first, N m.
-    pub(crate) moment: Vectors,
+    moment: Vectors,
     /// m.
-    pub(crate) overlap: Lane,
+    overlap: Lane,
     /// Energy that the step dissipates, J.
-    pub(crate) dissipated: Lane,
+    dissipated: Lane,
 }
 
-impl Default for Batch {
-    /// Lanes of spheres that are side by side, so that no number of unused ones becomes slow to compute with.
-    fn default() -> Self {
-        let none = [[0.0; LANES]; 3];
-        Self {
-            count: 0,
-            slots: [0; LANES],
-            apart: [[1.0; LANES], [0.0; LANES], [0.0; LANES]],
-            square: [1.0; LANES],
-            velocity: none,
-            spins: [none; 2],
-            radii: [[1.0; LANES]; 2],
-            masses: [[1.0; LANES]; 2],
-            tangential: none,
-            contact: [0.0; LANES],
-            rolling: none,
-            twisting: [0.0; LANES],
-            force: none,
-            torque: none,
-            moment: none,
-            overlap: [0.0; LANES],
-            dissipated: [0.0; LANES],
+/// Spheres, as in [`Ball`].
+#[derive(Clone, Debug, Default)]
+struct Columns {
+    position: Vectors,
+    radius: Lane,
+    velocity: Vectors,
+    mass: Lane,
+    spin: Vectors,
+}
+
+/// What the contacts of a batch have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Common<'a> {
+    pub(crate) balls: &'a [Ball],
+    pub(crate) law: &'a PairLaw,
+    pub(crate) repeats: Repeats,
+    /// Rates at which the box grows, 1/s.
+    pub(crate) rates: Vector,
+    pub(crate) simd: Simd,
+    /// s.
+    pub(crate) step: f64,
+    /// Moment of inertia over mass and square of the radius.
+    pub(crate) share: f64,
+}
+
+impl Batch {
+    /// Takes a contact into the next lane: the place of its memory, and those of its spheres.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, slot: u32, places: [u32; 2]) {
+        let lane = self.count;
+        self.slots[lane] = slot;
+        (self.places[0][lane], self.places[1][lane]) = (places[0], places[1]);
+        self.count += 1;
+    }
+
+    /// Computes the forces of all contacts after a step, and continues their histories.
+    #[inline(always)]
+    pub(crate) fn compute<L: Level, const PERIODIC: bool>(
+        &mut self,
+        of: Common<'_>,
+        memories: &[Memory],
+        rolling: &[Rolling],
+    ) {
+        for lane in self.count..LANES {
+            self.slots[lane] = self.slots[0];
+            (self.places[0][lane], self.places[1][lane]) = (self.places[0][0], self.places[1][0]);
         }
+        for side in 0..2 {
+            let balls = self.places[side].map(|place| &of.balls[place as usize]);
+            let to = &mut self.balls[side];
+            let of_position = balls.map(|ball| row(ball.position, ball.radius));
+            columns::<L>(of_position, &mut to.position, &mut to.radius);
+            let of_velocity = balls.map(|ball| row(ball.velocity, ball.mass));
+            columns::<L>(of_velocity, &mut to.velocity, &mut to.mass);
+            columns::<L>(balls.map(|ball| row(ball.spin, 0.0)), &mut to.spin, &mut [0.0; LANES]);
+        }
+        let memory = self.slots.map(|slot| &memories[slot as usize]);
+        let of_memory = memory.map(|memory| row(memory.tangential, memory.contact));
+        columns::<L>(of_memory, &mut self.tangential, &mut self.contact);
+        if of.law.rolls() {
+            for lane in 0..LANES {
+                let rolling = &rolling[self.slots[lane] as usize];
+                put(&mut self.rolling, lane, rolling.spring);
+                self.twisting[lane] = rolling.twisting;
+            }
+        }
+        for lane in 0..LANES {
+            self.meet::<PERIODIC>(lane, of);
+        }
+        compute(of.simd, of.law, self, of.step, of.share);
+    }
+
+    /// Places and velocities of the two spheres of a contact against each other.
+    #[inline(always)]
+    fn meet<const PERIODIC: bool>(&mut self, lane: usize, of: Common<'_>) {
+        let [one, two] = &self.balls;
+        let apart = minus(at(&one.position, lane), at(&two.position, lane));
+        let apart = if PERIODIC { of.repeats.shortest(apart) } else { apart };
+        let mut velocity = minus(at(&one.velocity, lane), at(&two.velocity, lane));
+        if PERIODIC {
+            let rates = of.rates;
+            velocity = plus(velocity, [rates[0] * apart[0], rates[1] * apart[1], rates[2] * apart[2]]);
+        }
+        let square = dot(apart, apart);
+        // Spheres at one point have no normal: any will do.
+        let is_one = square == 0.0;
+        put(&mut self.apart, lane, either(is_one, [1e-150, 0.0, 0.0], apart));
+        self.square[lane] = if is_one { 1e-300 } else { square };
+        put(&mut self.velocity, lane, velocity);
+    }
+
+    /// Memories, forces and torques of four contacts from a lane on, as rows: three numbers of a vector and the
+    /// radius of the contact, the energy that is dissipated, the overlap.
+    #[inline(always)]
+    pub(crate) fn rows<L: Level, const FIRST: usize>(&self) -> (Rows, Rows, Rows) {
+        (
+            rows::<L, FIRST>(&self.tangential, &self.contact),
+            rows::<L, FIRST>(&self.force, &self.dissipated),
+            rows::<L, FIRST>(&self.torque, &self.overlap),
+        )
+    }
+
+    /// Gaps between the spheres of four lanes from one on, m; negative where they touch.
+    #[inline(always)]
+    pub(crate) fn gaps<const FIRST: usize>(&self) -> [f64; 4] {
+        let mut gaps = [0.0; 4];
+        for k in 0..4 {
+            let [one, two] = [&self.balls[0], &self.balls[1]].map(|balls| balls.radius[FIRST + k]);
+            let (square, sum) = (self.square[FIRST + k], one + two);
+            let gap = larger(square.sqrt() - sum, 0.0);
+            gaps[k] = if square < sum * sum { -1.0 } else { gap };
+        }
+        gaps
+    }
+
+    /// Reduced radius of the spheres of a lane, m.
+    pub(crate) fn radius(&self, lane: usize) -> f64 {
+        let [one, two] = [self.balls[0].radius[lane], self.balls[1].radius[lane]];
+        one * two / (one + two)
+    }
+
+    /// Memory of the rolling of a contact.
+    #[inline(always)]
+    pub(crate) fn rolled(&self, lane: usize) -> Rolling {
+        Rolling {
+            spring: at(&self.rolling, lane),
+            twisting: self.twisting[lane],
+            moment: at(&self.moment, lane),
+        }
+    }
+
+    /// Force on the first sphere of a contact, N, and from the second to it, m.
+    #[inline(always)]
+    pub(crate) fn stretched(&self, lane: usize) -> [Vector; 2] {
+        [at(&self.force, lane), at(&self.apart, lane)]
     }
 }
 
 #[inline(always)]
-pub(crate) fn put(to: &mut Vectors, lane: usize, vector: Vector) {
+fn row([x, y, z]: Vector, number: f64) -> [f64; 4] {
+    [x, y, z, number]
+}
+
+/// Turns rows of all lanes into lists of their numbers.
+#[inline(always)]
+fn columns<L: Level>(rows: [[f64; 4]; LANES], vectors: &mut Vectors, numbers: &mut Lane) {
+    for half in [0, 4] {
+        let [x, y, z, number] = L::columns([rows[half], rows[half + 1], rows[half + 2], rows[half + 3]]);
+        vectors[0][half..half + 4].copy_from_slice(&x);
+        vectors[1][half..half + 4].copy_from_slice(&y);
+        vectors[2][half..half + 4].copy_from_slice(&z);
+        numbers[half..half + 4].copy_from_slice(&number);
+    }
+}
+
+/// Turns lists of the numbers of four lanes, from one on, into rows.
+#[inline(always)]
+fn rows<L: Level, const FIRST: usize>([x, y, z]: &Vectors, number: &Lane) -> Rows {
+    L::columns([four::<FIRST>(x), four::<FIRST>(y), four::<FIRST>(z), four::<FIRST>(number)])
+}
+
+#[inline(always)]
+fn four<const FIRST: usize>(list: &Lane) -> [f64; 4] {
+    [list[FIRST], list[FIRST + 1], list[FIRST + 2], list[FIRST + 3]]
+}
+
+#[inline(always)]
+fn put(to: &mut Vectors, lane: usize, vector: Vector) {
     for axis in 0..3 {
         to[axis][lane] = vector[axis];
     }
 }
 
 #[inline(always)]
-pub(crate) fn at(of: &Vectors, lane: usize) -> Vector {
+fn at(of: &Vectors, lane: usize) -> Vector {
     [of[0][lane], of[1][lane], of[2][lane]]
 }
 
-/// Computes the forces of all contacts of a batch after a step, s, and continues their histories. `share`:
-/// moment of inertia over mass and square of the radius.
+/// Computes the law. It is a function of its own, in which the compiler knows that nothing else changes the batch:
+/// without that it makes no vectors of the lanes.
 #[allow(unsafe_code, reason = "it is compiled for vector instructions")]
-pub(crate) fn compute(simd: Simd, law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
+fn compute(simd: Simd, law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
     #[cfg(target_arch = "x86_64")]
+    #[inline(never)]
     #[target_feature(enable = "avx2")]
     fn avx2(law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
         by_law(law, batch, step, share);
     }
 
     #[cfg(target_arch = "x86_64")]
+    #[inline(never)]
     #[target_feature(enable = "avx512f,avx512vl")]
     fn avx512(law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
         by_law(law, batch, step, share);
@@ -166,17 +313,16 @@ fn one<const HERTZ: bool, const SLIPS: bool, const ROLLS: bool>(
 ) {
     let distance = batch.square[lane].sqrt();
     let normal = times(1.0 / distance, at(&batch.apart, lane));
-    let [one, two] = [batch.radii[0][lane], batch.radii[1][lane]];
-    let [first, second] = [batch.masses[0][lane], batch.masses[1][lane]];
+    let [one, two] = [batch.balls[0].radius[lane], batch.balls[1].radius[lane]];
+    let [first, second] = [batch.balls[0].mass[lane], batch.balls[1].mass[lane]];
     let overlap = one + two - distance;
     let [near, far] = [one - 0.5 * overlap, two - 0.5 * overlap];
-    let [spin, other] = [at(&batch.spins[0], lane), at(&batch.spins[1], lane)];
+    let [spin, other] = [at(&batch.balls[0].spin, lane), at(&batch.balls[1].spin, lane)];
     let arms = plus(times(near, spin), times(far, other));
     let velocity = plus(at(&batch.velocity, lane), cross(normal, arms));
     let approach = -dot(velocity, normal);
     let (radius, mass) = (one * two / (one + two), first * second / (first + second));
-    // Lanes that are not in use may be apart.
-    let contact = larger(radius * overlap, 0.0).sqrt();
+    let contact = (radius * overlap).sqrt();
     let (elastic, stiffness) = if HERTZ {
         (4.0 / 3.0 * law.young * contact * overlap, 2.0 * law.young * contact)
     } else {

@@ -1,5 +1,7 @@
 //! The box of a run at one time.
 
+#![allow(clippy::inline_always, reason = "what is compiled for vector instructions must be inlined")]
+
 use crate::domain::{Domain, Outside};
 use crate::vector::Vector;
 
@@ -65,6 +67,12 @@ impl RunBox {
         self.domain.strain_rates
     }
 
+    /// Whether its sides grow or shrink.
+    #[inline(always)]
+    pub(crate) fn grows(&self) -> bool {
+        self.domain.strain_rates != [0.0; 3]
+    }
+
     /// The lengths by which spheres repeat.
     pub(crate) fn repeats(&self) -> Repeats {
         let of =
@@ -79,7 +87,7 @@ impl RunBox {
     }
 
     /// A point, moved by a length of the box along each axis that repeats and on which it is outside.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn wrapped(&self, point: Vector) -> Vector {
         let along = |axis: usize| {
             let out = point[axis] - self.low[axis];
@@ -109,7 +117,7 @@ impl RunBox {
     }
 
     /// Velocity with which the box moves a point along, m/s.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn drift(&self, point: Vector) -> Vector {
         let along = |axis: usize| {
             self.domain.strain_rates[axis] * (point[axis] - self.low[axis] - 0.5 * self.lengths[axis])
@@ -118,7 +126,7 @@ impl RunBox {
     }
 
     /// The fate of a sphere at this point, if it is outside along an axis that does not repeat.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn outside(&self, point: Vector) -> Option<Outside> {
         let is_out = |axis: usize| {
             let out = point[axis] - self.low[axis];

@@ -171,6 +171,7 @@ impl Clumps {
                 follow(turned, arm, (balls, place), of);
                 let drive = &balls.drives[place];
                 moved.fastest = moved.fastest.max(length(drive.velocity));
+                moved.spread = moved.spread.max(length(minus(drive.velocity, of.stream)));
                 match error_of(&balls.list[place], of) {
                     Ok(leaves) => moved.leaves |= leaves,
                     Err(error) if first.as_ref().is_none_or(|(lowest, _)| number < *lowest) => {
@@ -348,7 +349,16 @@ mod tests {
             removed: false,
         };
         let lists = crate::run::lists::Lists::default();
-        let of = Moving { lists: &lists, outer: &[], cell: None, gravity: [0.0; 3], step: 1e-3, number: 0 };
+        let of = Moving {
+            lists: &lists,
+            outer: &[],
+            cell: None,
+            simd: fdem_contact::Simd::best(),
+            stream: [0.0; 3],
+            gravity: [0.0; 3],
+            step: 1e-3,
+            number: 0,
+        };
         let energy = |motion: &ClumpMotion| dot(motion.now[2], motion.now[1]);
         let (begin, size) = (energy(&motion), length(momentum));
         let mut flips = Vec::new();

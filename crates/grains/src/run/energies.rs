@@ -111,7 +111,7 @@ fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
             if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
                 continue;
             }
-            let other = lists.partner(place, slot as u32);
+            let other = lists.pairs[slot][1];
             debug_assert!(number(other) > ball.number, "the first has the lower number");
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);

@@ -3,6 +3,7 @@
 use crate::error::GrainError;
 use crate::law::PairLaw;
 use crate::model::GrainModel;
+use crate::run::balls::Ball;
 
 /// A pair without a law.
 const UNKNOWN: u16 = u16::MAX;
@@ -26,6 +27,13 @@ impl Laws {
             laws.list.push(PairLaw::new(model.law, [&model.materials[a], &model.materials[b]], surfaces));
         }
         laws
+    }
+
+    /// Number of the law of all pairs of these spheres, if they have one only.
+    pub(crate) fn lone(&self, balls: &[Ball]) -> Option<usize> {
+        let material = balls.first()?.material;
+        let is_lone = balls.iter().all(|ball| ball.material == material);
+        if is_lone { self.number([material; 2]).ok() } else { None }
     }
 
     /// Number of the law of two materials.

@@ -7,6 +7,7 @@ use crate::error::GrainError;
 use crate::law::ContactHistory;
 use crate::run::balls::{ALONE, Balls};
 use crate::run::cell::RunBox;
+use crate::run::marks::Marks;
 use crate::vector::Vector;
 
 /// Spheres that one thread computes at a time.
@@ -15,11 +16,9 @@ pub(crate) const CHUNK: usize = 512;
 /// The place of the action of a couple that does not touch.
 pub(crate) const APART: u32 = u32::MAX;
 
-/// The bit of the other sphere of a couple that has the lower number: it is the first of the two.
-pub(crate) const IS_FIRST: u32 = 1 << 31;
-
 /// Memory that all contacts have, as in [`ContactHistory`].
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
 pub(crate) struct Memory {
     pub(crate) tangential: Vector,
     pub(crate) contact: f64,
@@ -36,16 +35,16 @@ pub(crate) struct Rolling {
 /// The action of a couple on its spheres. The first sphere is the one with the
 /// lower number.
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(crate) struct Acting {
     /// On the first, N; the opposite acts on the second.
     pub(crate) force: Vector,
+    /// Energy that the step has dissipated, J.
+    pub(crate) dissipated: f64,
     /// The moments on the two, over the distances of the contact from their centres, N.
     pub(crate) torque: Vector,
     /// m.
     pub(crate) overlap: f64,
-    /// Energy that the step has dissipated, J.
-    pub(crate) dissipated: f64,
 }
 
 /// The couples of each sphere, by places: each couple belongs to the lower place.
@@ -53,11 +52,22 @@ pub(crate) struct Acting {
 pub(crate) struct Lists {
     /// Where the couples of each place begin.
     pub(crate) first: Vec<u32>,
-    /// The place of the other sphere of each couple, and the bit [`IS_FIRST`].
-    pub(crate) other: Vec<u32>,
+    /// The places of the two spheres of each couple; the first is the one with the lower number.
+    pub(crate) pairs: Vec<[u32; 2]>,
     pub(crate) memories: Vec<Memory>,
     /// Empty without rolling friction.
     pub(crate) rolling: Vec<Rolling>,
+    /// Number of the law of all couples, if they have one only.
+    pub(crate) lone: Option<usize>,
+    /// How far, m, spheres may have moved before each couple may touch; it is not looked at until then.
+    pub(crate) due: Vec<f32>,
+    /// The most that two spheres can have moved against each other since the couples were found, m.
+    pub(crate) travel: f64,
+    /// The most that they may move until others might touch, m.
+    pub(crate) skin: f64,
+    /// The mean velocity of the spheres when the couples were found, m/s: what moves along with it changes no
+    /// distance.
+    pub(crate) stream: Vector,
     /// Where the action of each couple is in `acting`, or [`APART`].
     pub(crate) acted: Vec<u32>,
     /// Actions, packed at the beginning of the part of each chunk: those of couples that do not touch are not
@@ -70,6 +80,10 @@ pub(crate) struct Lists {
     /// Couples in ascending order of the other sphere's number: twice the slot, and 1 more where the sphere
     /// is the second.
     pub(crate) incidents: Vec<u32>,
+    /// Where each couple is in `incidents`: of its first and of its second sphere.
+    pub(crate) incident: Vec<[u32; 2]>,
+    /// The incidents of couples that have an action.
+    pub(crate) touching: Marks,
 }
 
 /// Contacts that touch, with their memory: pairs of numbers, ascending.
@@ -133,8 +147,7 @@ impl Lists {
         for place in 0..self.first.len().saturating_sub(1) {
             for slot in self.first[place] as usize..self.first[place + 1] as usize {
                 if self.memories[slot].contact > 0.0 {
-                    let numbers = [place, self.place(slot) as usize].map(|place| balls.list[place].number);
-                    let pair = if numbers[0] < numbers[1] { numbers } else { [numbers[1], numbers[0]] };
+                    let pair = self.pairs[slot].map(|place| balls.list[place as usize].number);
                     contacts.push((pair, self.history(slot)));
                 }
             }
@@ -148,21 +161,6 @@ impl Lists {
         let Memory { tangential, contact } = self.memories[slot];
         let Rolling { spring: rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
         ContactHistory { tangential, contact, rolling, twisting }
-    }
-
-    /// The place of the sphere of a couple that has the higher one.
-    fn place(&self, slot: usize) -> u32 {
-        self.other[slot] & !IS_FIRST
-    }
-
-    /// The other place of a couple.
-    pub(crate) fn partner(&self, place: u32, slot: u32) -> u32 {
-        let own = self.first[place as usize]..self.first[place as usize + 1];
-        if own.contains(&slot) {
-            self.place(slot as usize)
-        } else {
-            self.first.partition_point(|&begin| begin <= slot) as u32 - 1
-        }
     }
 
     /// Finds the couples whose surfaces are at most `gap` apart, m, and gives them their memory.
@@ -186,23 +184,24 @@ impl Lists {
         }
         (0..count).for_each(|place| first[place + 1] += first[place]);
         let mut next = first.clone();
-        let mut other = vec![0_u32; couples.len()];
-        for [low, high] in &couples {
-            let slot = &mut next[*low as usize];
-            let is_first = balls.list[*high as usize].number < balls.list[*low as usize].number;
-            other[*slot as usize] = *high | if is_first { IS_FIRST } else { 0 };
+        let mut pairs = vec![[0_u32; 2]; couples.len()];
+        for &[low, high] in &couples {
+            let slot = &mut next[low as usize];
+            let is_first = balls.list[low as usize].number < balls.list[high as usize].number;
+            pairs[*slot as usize] = if is_first { [low, high] } else { [high, low] };
             *slot += 1;
         }
-        (self.first, self.other) = (first, other);
+        (self.first, self.pairs) = (first, pairs);
         self.remind(balls, remembered, rolls);
+        (self.travel, self.due) = (0.0, vec![f32::NEG_INFINITY; self.pairs.len()]);
         self.acting.clear();
-        self.acting.resize(self.other.len(), Acting::default());
+        self.acting.resize(self.pairs.len(), Acting::default());
         self.acted.clear();
         let places = (0..).zip(&self.memories);
         self.acted.extend(places.map(|(slot, memory)| if memory.contact == 0.0 { APART } else { slot }));
         self.stretched.clear();
         if cell.is_some_and(|cell| cell.rates() != [0.0; 3]) {
-            self.stretched.resize(self.other.len(), 0.0);
+            self.stretched.resize(self.pairs.len(), 0.0);
         }
         self.find_incidents(balls);
         Ok(())
@@ -217,26 +216,23 @@ impl Lists {
         }
         (0..last).for_each(|number| begins[number + 1] += begins[number]);
         let known = |pair: [u32; 2]| {
-            let lower = pair[0].min(pair[1]) as usize;
-            let higher = pair[0].max(pair[1]);
+            let lower = pair[0] as usize;
             let range = if lower < last { begins[lower]..begins[lower + 1] } else { 0..0 };
             let of_lower = &remembered[range.start as usize..range.end as usize];
-            of_lower.iter().find(|([_, number], _)| *number == higher).map(|(_, history)| *history)
+            of_lower.iter().find(|([_, number], _)| *number == pair[1]).map(|(_, history)| *history)
         };
         self.memories.clear();
-        self.memories.resize(self.other.len(), Memory::default());
+        self.memories.resize(self.pairs.len(), Memory::default());
         self.rolling.clear();
-        self.rolling.resize(if rolls { self.other.len() } else { 0 }, Rolling::default());
-        for (place, ball) in balls.list.iter().enumerate() {
-            for slot in self.first[place] as usize..self.first[place + 1] as usize {
-                let Some(history) = known([ball.number, balls.list[self.place(slot) as usize].number]) else {
-                    continue;
-                };
-                let ContactHistory { tangential, contact, rolling, twisting } = history;
-                self.memories[slot] = Memory { tangential, contact };
-                if let Some(of_slot) = self.rolling.get_mut(slot) {
-                    *of_slot = Rolling { spring: rolling, twisting, moment: [0.0; 3] };
-                }
+        self.rolling.resize(if rolls { self.pairs.len() } else { 0 }, Rolling::default());
+        for (slot, pair) in self.pairs.iter().enumerate() {
+            let Some(history) = known(pair.map(|place| balls.list[place as usize].number)) else {
+                continue;
+            };
+            let ContactHistory { tangential, contact, rolling, twisting } = history;
+            self.memories[slot] = Memory { tangential, contact };
+            if let Some(of_slot) = self.rolling.get_mut(slot) {
+                *of_slot = Rolling { spring: rolling, twisting, moment: [0.0; 3] };
             }
         }
     }
@@ -246,27 +242,19 @@ impl Lists {
     fn find_incidents(&mut self, balls: &Balls) {
         let count = balls.list.len();
         let mut first = vec![0_u32; count + 1];
-        for (place, ends) in self.first.windows(2).enumerate() {
-            first[place + 1] += ends[1] - ends[0];
-        }
-        for &other in &self.other {
-            first[(other & !IS_FIRST) as usize + 1] += 1;
+        for place in self.pairs.as_flattened() {
+            first[*place as usize + 1] += 1;
         }
         (0..count).for_each(|place| first[place + 1] += first[place]);
         let mut next = first.clone();
         // With the number of the other sphere.
-        let mut incidents = vec![(0_u32, 0_u32); 2 * self.other.len()];
-        for place in 0..count {
-            let number = balls.list[place].number;
-            for slot in self.first[place]..self.first[place + 1] {
-                let other = self.place(slot as usize) as usize;
-                let partner = balls.list[other].number;
-                for (end, of, is_second) in
-                    [(place, partner, number > partner), (other, number, number < partner)]
-                {
-                    incidents[next[end] as usize] = (of, 2 * slot + u32::from(is_second));
-                    next[end] += 1;
-                }
+        let mut incidents = vec![(0_u32, 0_u32); 2 * self.pairs.len()];
+        for (slot, pair) in (0..).zip(&self.pairs) {
+            for (is_second, place) in [(0, pair[0]), (1, pair[1])] {
+                let other = balls.list[pair[1 - is_second as usize] as usize].number;
+                let index = &mut next[place as usize];
+                incidents[*index as usize] = (other, 2 * slot + is_second);
+                *index += 1;
             }
         }
         let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
@@ -285,5 +273,15 @@ impl Lists {
         self.first_incident = first;
         self.incidents.clear();
         self.incidents.extend(incidents.into_iter().map(|(_, incident)| incident));
+        self.incident.clear();
+        self.incident.resize(self.pairs.len(), [0; 2]);
+        self.touching = Marks::new(self.incidents.len());
+        for (index, &incident) in (0..).zip(&self.incidents) {
+            let slot = incident as usize / 2;
+            self.incident[slot][incident as usize % 2] = index;
+            if self.acted[slot] != APART {
+                self.touching.add(index);
+            }
+        }
     }
 }

@@ -1,14 +1,21 @@
 //! The motion of the spheres in a step.
 
+#![allow(clippy::inline_always, reason = "what is compiled for vector instructions must be inlined")]
+
+use fdem_contact::{Simd, prefetch};
 use rayon::prelude::*;
 
 use crate::domain::Outside;
 use crate::error::GrainError;
 use crate::run::balls::{ALONE, Ball, BallKind, Balls, Drive};
 use crate::run::cell::RunBox;
-use crate::run::lists::{APART, CHUNK, Lists};
+use crate::run::level::{self, Level, Work};
+use crate::run::lists::{CHUNK, Lists};
 use crate::run::on_walls::Outer;
 use crate::vector::{Vector, dot, minus, plus, times};
+
+/// Number of spheres whose actions are prefetched together.
+const BLOCK: usize = 64;
 
 /// A sphere farther away than this is lost, m.
 pub(crate) const FARTHEST: f64 = 1e30;
@@ -20,6 +27,9 @@ pub(crate) struct Moving<'a> {
     /// Contacts with walls and bodies, by places.
     pub(crate) outer: &'a [Outer],
     pub(crate) cell: Option<&'a RunBox>,
+    pub(crate) simd: Simd,
+    /// The velocity with which most spheres go, m/s.
+    pub(crate) stream: Vector,
     /// m/s².
     pub(crate) gravity: Vector,
     /// s.
@@ -32,6 +42,8 @@ pub(crate) struct Moving<'a> {
 pub(crate) struct Moved {
     /// Largest speed, m/s.
     pub(crate) fastest: f64,
+    /// Largest speed against the stream, m/s.
+    pub(crate) spread: f64,
     /// Whether a sphere has left the box, and is to be removed.
     pub(crate) leaves: bool,
 }
@@ -49,9 +61,11 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
     pushes.resize_with(balls.kinds.len().div_ceil(CHUNK), Default::default);
     let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).zip(pushes).enumerate();
     let parts: Vec<Result<Moved, (u32, GrainError)>> = chunks
-        .map_init(OfChunk::default, |touching, (chunk, (((balls, drives), kinds), pushes))| {
-            touching.fill(of.lists, chunk * CHUNK, balls.len());
-            move_chunk((chunk * CHUNK, touching), (balls, drives), (kinds, pushes), (share, of))
+        .map_init(OfBlock::default, |touching, (chunk, (((balls, drives), kinds), pushes))| {
+            level::run(
+                of.simd,
+                MoveChunk { begin: chunk * CHUNK, touching, balls, drives, kinds, pushes, share, of },
+            )
         })
         .collect();
     let mut all = Moved::default();
@@ -60,6 +74,7 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
         match part {
             Ok(moved) => {
                 all.fastest = all.fastest.max(moved.fastest);
+                all.spread = all.spread.max(moved.spread);
                 all.leaves |= moved.leaves;
             }
             Err((number, error)) => {
@@ -72,19 +87,46 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
     first.map_or(Ok(all), |(_, error)| Err(error))
 }
 
+/// The motion of the spheres of a chunk, as work.
+struct MoveChunk<'a, 'b> {
+    begin: usize,
+    touching: &'b mut OfBlock,
+    balls: &'a mut [Ball],
+    drives: &'a mut [Drive],
+    kinds: &'a [BallKind],
+    pushes: &'a mut [[Vector; 2]],
+    share: f64,
+    of: Moving<'a>,
+}
+
+impl Work for MoveChunk<'_, '_> {
+    type Done = Result<Moved, (u32, GrainError)>;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Self::Done {
+        let Self { begin, touching, balls, drives, kinds, pushes, share, of } = self;
+        move_chunk((begin, touching), (balls, drives), (kinds, pushes), (share, of))
+    }
+}
+
+#[inline(always)]
 fn move_chunk(
-    (begin, touching): (usize, &OfChunk),
+    (begin, touching): (usize, &mut OfBlock),
     (balls, drives): (&mut [Ball], &mut [Drive]),
     (kinds, pushes): (&[BallKind], &mut [[Vector; 2]]),
     (share, of): (f64, Moving<'_>),
 ) -> Result<Moved, (u32, GrainError)> {
     let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
     let mut moved = Moved::default();
-    let mut fastest = 0.0_f64;
+    let (mut fastest, mut spread) = (0.0_f64, 0.0_f64);
     let mut lost: Option<(u32, GrainError)> = None;
+    let count = balls.len();
     for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
         let place = begin + k;
-        let [mut force, mut moment] = sums(of.lists, touching.of(k), ball.radius, drive);
+        if k % BLOCK == 0 {
+            touching.fill(of.lists, place, BLOCK.min(count - k));
+        }
+        let [mut force, mut moment] = sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
         while outer.first().is_some_and(|outer| outer.place as usize == place) {
             force = plus(force, outer[0].force);
             moment = plus(moment, outer[0].moment);
@@ -102,6 +144,8 @@ fn move_chunk(
         }
         advance(ball, drive, *kind, (force, moment), (share, of));
         fastest = fastest.max(dot(drive.velocity, drive.velocity));
+        let against = minus(drive.velocity, of.stream);
+        spread = spread.max(dot(against, against));
         let error = if ball.position.iter().all(|x| x.abs() < FARTHEST) {
             match of.cell.and_then(|cell| cell.outside(ball.position)) {
                 Some(Outside::Stop) => GrainError::Outside { sphere: ball.number, step: of.number },
@@ -117,48 +161,46 @@ fn move_chunk(
             lost = Some((ball.number, error));
         }
     }
-    moved.fastest = fastest.sqrt();
+    (moved.fastest, moved.spread) = (fastest.sqrt(), spread.sqrt());
     lost.map_or(Ok(moved), Err)
 }
 
-/// A contact of a sphere. `acted` is twice the place of its action, and 1 more if the sphere is the second;
-/// `slot` is the place of the couple.
-#[derive(Clone, Copy, Default)]
+/// A contact of a sphere: the places of its action and of its couple, and whether the sphere is its second.
+#[derive(Clone, Copy)]
 struct Touching {
     acted: u32,
     slot: u32,
+    is_second: bool,
 }
 
-/// The contacts of the spheres of a chunk.
+/// The contacts of the spheres of a block.
 #[derive(Default)]
-struct OfChunk {
+struct OfBlock {
     list: Vec<Touching>,
     /// End of the contacts of each sphere in `list`.
     ends: Vec<u32>,
 }
 
-impl OfChunk {
-    /// Lists the contacts of `count` spheres from a place on. There is no branch for a candidate that does
-    /// not touch, because it would be guessed wrong half of the time.
+impl OfBlock {
+    /// Lists the contacts of `count` spheres from a place on, and prefetches their actions.
+    #[inline(never)]
     fn fill(&mut self, lists: &Lists, begin: usize, count: usize) {
-        let first = &lists.first_incident[begin..=begin + count];
-        let most = (first[count] - first[0]) as usize;
-        // One place more, which is written last and not used.
-        self.list.resize(self.list.len().max(most + 1), Touching::default());
+        self.list.clear();
         self.ends.clear();
-        let mut found = 0;
-        for range in first.windows(2) {
-            for &incident in &lists.incidents[range[0] as usize..range[1] as usize] {
+        for range in lists.first_incident[begin..=begin + count].windows(2) {
+            lists.touching.within(range[0]..range[1], |index| {
+                let incident = lists.incidents[index as usize];
                 let slot = incident / 2;
                 let acted = lists.acted[slot as usize];
-                self.list[found] = Touching { acted: acted.wrapping_mul(2) | incident & 1, slot };
-                found += usize::from(acted != APART);
-            }
-            self.ends.push(found as u32);
+                prefetch(&lists.acting[acted as usize]);
+                self.list.push(Touching { acted, slot, is_second: incident & 1 == 1 });
+            });
+            self.ends.push(self.list.len() as u32);
         }
     }
 
-    /// Returns the contacts of sphere `k` of the chunk.
+    /// Returns the contacts of sphere `k` of the block.
+    #[inline(always)]
     fn of(&self, k: usize) -> &[Touching] {
         let begin = if k == 0 { 0 } else { self.ends[k - 1] };
         &self.list[begin as usize..self.ends[k] as usize]
@@ -167,29 +209,32 @@ impl OfChunk {
 
 /// Force, N, and moment, N m, of all spheres on one. Adds the energy that its contacts have dissipated to its
 /// sum.
-#[inline]
+#[inline(always)]
 fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) -> [Vector; 2] {
-    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    // Rows of four numbers are one operation of a vector.
+    let (mut pushes, mut moment) = ([0.0, 0.0, 0.0, drive.dissipated], [0.0; 3]);
     for of in touching {
-        let acting = &lists.acting[of.acted as usize / 2];
-        let is_first = of.acted & 1 == 0;
-        let sign = if is_first { 1.0 } else { -1.0 };
-        let arm = radius - 0.5 * acting.overlap;
-        moment = plus(moment, times(arm, acting.torque));
-        force = plus(force, times(sign, acting.force));
-        drive.dissipated += if is_first { acting.dissipated } else { 0.0 };
+        let acting = &lists.acting[of.acted as usize];
+        let (sign, once) = if of.is_second { (-1.0, 0.0) } else { (1.0, 1.0) };
+        let [x, y, z] = acting.force;
+        let push = [x, y, z, acting.dissipated];
+        let scale = [sign, sign, sign, once];
+        pushes = [0, 1, 2, 3].map(|k: usize| pushes[k] + scale[k] * push[k]);
+        moment = plus(moment, times(radius - 0.5 * acting.overlap, acting.torque));
         if let Some(rolling) = lists.rolling.get(of.slot as usize) {
             moment = plus(moment, times(sign, rolling.moment));
         }
         if let Some(work) = lists.stretched.get(of.slot as usize) {
-            drive.external += if is_first { *work } else { 0.0 };
+            drive.external += once * work;
         }
     }
-    [force, moment]
+    let [x, y, z, dissipated] = pushes;
+    drive.dissipated = dissipated;
+    [[x, y, z], moment]
 }
 
 /// Moves a sphere under a force, N, and a moment, N m, for a step.
-#[inline]
+#[inline(always)]
 fn advance(
     ball: &mut Ball,
     drive: &mut Drive,
@@ -200,7 +245,7 @@ fn advance(
     let half = 0.5 * of.step;
     if !kind.held {
         let mut acceleration = plus(times(1.0 / ball.mass, force), of.gravity);
-        if let Some(cell) = of.cell {
+        if let Some(cell) = of.cell.filter(|cell| cell.grows()) {
             // The velocity is that over the motion of the box, which takes the sphere along.
             let rates = cell.rates();
             let v = ball.velocity;
@@ -215,7 +260,7 @@ fn advance(
         ball.spin = plus(drive.spin, times(half, turning));
     }
     let mut velocity = drive.velocity;
-    if let Some(cell) = of.cell {
+    if let Some(cell) = of.cell.filter(|cell| cell.grows()) {
         velocity = plus(velocity, cell.drift(ball.position));
     }
     ball.position = plus(ball.position, times(of.step, velocity));

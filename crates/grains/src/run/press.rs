@@ -1,16 +1,23 @@
 //! The forces of all contacts of two spheres.
 
-use fdem_contact::Simd;
+#![allow(clippy::inline_always, reason = "what is compiled for vector instructions must be inlined")]
+
+use fdem_contact::{Simd, prefetch};
 use rayon::prelude::*;
 
 use crate::error::GrainError;
 use crate::law::{ContactHistory, Meeting, PairLaw};
 use crate::run::balls::{Ball, Balls};
-use crate::run::batch::{Batch, LANES, at, compute, put};
+use crate::run::batch::{Batch, Common, LANES};
 use crate::run::cell::{Repeats, RunBox};
 use crate::run::laws::Laws;
-use crate::run::lists::{APART, Acting, CHUNK, IS_FIRST, Lists, Memory, Rolling};
+use crate::run::level::{self, Level, Work};
+use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling};
+use crate::run::marks::Marks;
 use crate::vector::{cross, dot, minus, plus, times};
+
+/// Number of batches ahead whose spheres are prefetched.
+const AHEAD: usize = 2;
 
 /// Radius of a contact that has ended in the last step.
 const PARTED: f64 = -1.0;
@@ -19,7 +26,6 @@ const PARTED: f64 = -1.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pressing<'a> {
     pub(crate) balls: &'a Balls,
-    pub(crate) spots: &'a [Spot],
     pub(crate) laws: &'a Laws,
     pub(crate) cell: Option<&'a RunBox>,
     pub(crate) simd: Simd,
@@ -29,17 +35,22 @@ pub(crate) struct Pressing<'a> {
 
 /// The couples of the places of one chunk.
 struct Part<'a> {
-    /// The first place, and where the couples of each place begin.
-    begin: usize,
-    starts: &'a [u32],
-    others: &'a [u32],
+    /// The first slot among those of all chunks.
+    begin: u32,
+    pairs: &'a [[u32; 2]],
+    incident: &'a [[u32; 2]],
+    touching: &'a Marks,
+    lone: Option<usize>,
     memories: &'a mut [Memory],
     rolling: &'a mut [Rolling],
+    due: &'a mut [f32],
     acted: &'a mut [u32],
     acting: &'a mut [Acting],
     /// Number of actions so far.
     used: usize,
     stretched: &'a mut [f64],
+    travel: f64,
+    skin: f64,
 }
 
 /// Computes all contacts of two spheres.
@@ -52,38 +63,61 @@ pub(crate) fn press(of: Pressing<'_>, lists: &mut Lists) -> Result<(), GrainErro
     let done: Vec<Result<(), GrainError>> = parts
         .into_par_iter()
         .map_init(
-            || Scratch { batches: vec![Batch::default(); of.laws.list.len()], couples: Vec::new() },
+            || Scratch { batches: vec![Batch::default(); of.laws.list.len()], slots: Vec::new() },
             |scratch, part| {
-                if periodic { part.press::<true>(of, scratch) } else { part.press::<false>(of, scratch) }
+                if periodic {
+                    level::run(of.simd, Press::<true> { part, of, scratch })
+                } else {
+                    level::run(of.simd, Press::<false> { part, of, scratch })
+                }
             },
         )
         .collect();
     done.into_iter().collect()
 }
 
+/// The contacts of a chunk, as work.
+struct Press<'a, 'b, const PERIODIC: bool> {
+    part: Part<'a>,
+    of: Pressing<'a>,
+    scratch: &'b mut Scratch,
+}
+
+impl<const PERIODIC: bool> Work for Press<'_, '_, PERIODIC> {
+    type Done = Result<(), GrainError>;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Self::Done {
+        self.part.press::<L, PERIODIC>(self.of, self.scratch)
+    }
+}
+
 /// Divides the couples into chunks of places.
 fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
-    let Lists { first, other, memories, rolling, acted, acting, stretched, .. } = lists;
+    let Lists { first, pairs, incident, touching, lone, travel, skin, .. } = lists;
+    let (mut memories, mut rolling) = (&mut lists.memories[..], &mut lists.rolling[..]);
+    let (mut due, mut acted) = (&mut lists.due[..], &mut lists.acted[..]);
+    let (mut acting, mut stretched) = (&mut lists.acting[..], &mut lists.stretched[..]);
     let count = first.len() - 1;
-    let (mut others, mut memories, mut acting) = (&other[..], &mut memories[..], &mut acting[..]);
-    let (mut rolling, mut stretched) = (&mut rolling[..], &mut stretched[..]);
-    let mut acted = &mut acted[..];
     let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
     for begin in (0..count).step_by(CHUNK) {
-        let starts = &first[begin..=(begin + CHUNK).min(count)];
-        let slots = (starts[starts.len() - 1] - starts[0]) as usize;
-        let own;
-        (own, others) = others.split_at(slots);
+        let own = first[begin] as usize..first[(begin + CHUNK).min(count)] as usize;
+        let slots = own.len();
         parts.push(Part {
-            begin,
-            starts,
-            others: own,
+            begin: own.start as u32,
+            pairs: &pairs[own.clone()],
+            incident: &incident[own],
+            touching,
+            lone: *lone,
             memories: front(&mut memories, slots),
             rolling: front(&mut rolling, slots),
+            due: front(&mut due, slots),
             acted: front(&mut acted, slots),
             acting: front(&mut acting, slots),
             used: 0,
             stretched: front(&mut stretched, slots),
+            travel: *travel,
+            skin: *skin,
         });
     }
     parts
@@ -99,190 +133,189 @@ fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 struct Scratch {
     /// A batch for each law.
     batches: Vec<Batch>,
-    couples: Vec<Listed>,
-}
-
-/// A couple whose contact is computed: its slot in the part, and the places of its two spheres.
-#[derive(Clone, Copy, Default)]
-struct Listed {
-    slot: u32,
-    pair: [u32; 2],
-}
-
-/// A sphere as the test of candidates sees it: half of a cache line, because many are read.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub(crate) struct Spot {
-    position: [f64; 3],
-    radius: f64,
-}
-
-/// Fills the spots of all spheres.
-pub(crate) fn fill_spots(spots: &mut Vec<Spot>, balls: &Balls) {
-    let list = balls.list.par_iter().with_min_len(CHUNK);
-    list.map(|ball| Spot { position: ball.position, radius: ball.radius }).collect_into_vec(spots);
+    slots: Vec<u32>,
 }
 
 impl Part<'_> {
-    fn press<const PERIODIC: bool>(
+    #[inline(always)]
+    fn press<L: Level, const PERIODIC: bool>(
         mut self,
         of: Pressing<'_>,
         scratch: &mut Scratch,
     ) -> Result<(), GrainError> {
-        let Scratch { batches, couples } = scratch;
-        let list = &of.balls.list;
-        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
-        let count = self.list::<PERIODIC>(of.spots, repeats, couples);
-        for &Listed { slot, pair } in &couples[..count] {
-            let slot = slot as usize;
-            let [one, two] = pair.map(|place| &list[place as usize]);
-            let apart = apart::<PERIODIC>(repeats, one.position, two.position);
-            let (square, sum) = (dot(apart, apart), one.radius + two.radius);
-            let number = of.laws.number([one.material, two.material])?;
-            let law = &of.laws.list[number];
-            if law.sticks() {
-                self.stick(of, slot, law, (apart, [one, two]));
+        let Scratch { batches, slots } = scratch;
+        // An error may have left some.
+        batches.iter_mut().for_each(|batch| batch.count = 0);
+        let count = self.list(slots);
+        let slots = &slots[..count];
+        let lone = self.lone.filter(|&number| !of.laws.list[number].sticks());
+        for (k, group) in slots.chunks(LANES).enumerate() {
+            for &slot in slots.iter().skip(LANES * (k + AHEAD)).take(LANES) {
+                for place in self.pairs[slot as usize] {
+                    prefetch(&of.balls.list[place as usize]);
+                }
+                prefetch(&self.memories[slot as usize]);
+            }
+            if let Some(number) = lone {
+                let batch = &mut batches[number];
+                for &slot in group {
+                    batch.take(slot, self.pairs[slot as usize]);
+                }
+                self.finish::<L, PERIODIC>(of, batch, &of.laws.list[number]);
                 continue;
             }
-            if square >= sum * sum {
-                self.part(slot, law, [one, two]);
-                continue;
-            }
-            let batch = &mut batches[number];
-            self.gather::<PERIODIC>(batch, slot, (apart, square), [one, two], of.cell);
-            if batch.count == LANES {
-                self.finish::<PERIODIC>(of, batch, law);
+            for &slot in group {
+                let Some(number) = self.sort::<PERIODIC>(of, slot as usize)? else { continue };
+                let batch = &mut batches[number];
+                batch.take(slot, self.pairs[slot as usize]);
+                if batch.count == LANES {
+                    self.finish::<L, PERIODIC>(of, batch, &of.laws.list[number]);
+                }
             }
         }
         for (batch, law) in batches.iter_mut().zip(&of.laws.list) {
             if batch.count > 0 {
-                self.finish::<PERIODIC>(of, batch, law);
+                self.finish::<L, PERIODIC>(of, batch, law);
             }
         }
         Ok(())
     }
 
-    /// Lists the couples that touch and those that have touched. Returns how many.
+    /// The number of the law of a couple, if it is computed in batches. Others are computed here.
+    fn sort<const PERIODIC: bool>(
+        &mut self,
+        of: Pressing<'_>,
+        slot: usize,
+    ) -> Result<Option<usize>, GrainError> {
+        let [one, two] = self.pairs[slot].map(|place| &of.balls.list[place as usize]);
+        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
+        let apart = apart::<PERIODIC>(repeats, one.position, two.position);
+        let (square, sum) = (dot(apart, apart), one.radius + two.radius);
+        if square >= sum * sum && self.memories[slot].contact == 0.0 {
+            self.due[slot] = self.due_of(square.sqrt() - sum);
+            return Ok(None);
+        }
+        let number = of.laws.number([one.material, two.material])?;
+        let law = &of.laws.list[number];
+        if !law.sticks() {
+            return Ok(Some(number));
+        }
+        self.stick(of, slot, law, (apart, [one, two]));
+        Ok(None)
+    }
+
+    /// Lists the couples that may touch. Returns how many.
     ///
-    /// About half of the candidates touch, in no order: a branch for each would be guessed wrong as often,
+    /// Those that may are mixed with those that cannot, in no order: a branch for each would be guessed wrong,
     /// and would keep the processor from loading the spheres ahead of it.
-    fn list<const PERIODIC: bool>(
-        &self,
-        spots: &[Spot],
-        repeats: Repeats,
-        couples: &mut Vec<Listed>,
-    ) -> usize {
-        let base = self.starts[0];
+    #[inline(always)]
+    fn list(&self, slots: &mut Vec<u32>) -> usize {
         // One place more, which is written last and not used.
-        couples.resize(couples.len().max(self.others.len() + 1), Listed::default());
+        slots.resize(slots.len().max(self.due.len() + 1), 0);
+        let travel = self.travel as f32;
         let mut count = 0;
-        for (place, ends) in (self.begin..).zip(self.starts.windows(2)) {
-            let spot = spots[place];
-            for slot in (ends[0] - base) as usize..(ends[1] - base) as usize {
-                let other = self.others[slot] & !IS_FIRST;
-                let its = &spots[other as usize];
-                let apart = apart::<PERIODIC>(repeats, spot.position, its.position);
-                let sum = spot.radius + its.radius;
-                // The contact is the same whichever of the two has the lower place.
-                let is_first = (self.others[slot] / IS_FIRST) as usize;
-                let listed = &mut couples[count];
-                listed.slot = slot as u32;
-                listed.pair[is_first] = place as u32;
-                listed.pair[1 - is_first] = other;
-                count += usize::from(dot(apart, apart) < sum * sum) | usize::from(self.acted[slot] != APART);
-            }
+        let slots = slots.as_mut_slice();
+        for (slot, &due) in (0..).zip(&*self.due) {
+            slots[count] = slot;
+            count += usize::from(due <= travel);
         }
         count
     }
 
-    /// Puts a contact into the next lane of a batch.
-    #[inline]
-    fn gather<const PERIODIC: bool>(
-        &mut self,
-        batch: &mut Batch,
-        slot: usize,
-        (apart, square): ([f64; 3], f64),
-        [one, two]: [&Ball; 2],
-        cell: Option<&RunBox>,
-    ) {
-        let lane = batch.count;
-        batch.count += 1;
-        batch.slots[lane] = slot as u32;
-        self.act(slot);
-        // Spheres at one point have no normal: any will do.
-        let (apart, square) = if square > 0.0 { (apart, square) } else { ([1e-150, 0.0, 0.0], 1e-300) };
-        put(&mut batch.apart, lane, apart);
-        batch.square[lane] = square;
-        let mut velocity = minus(one.velocity, two.velocity);
-        if let (true, Some(cell)) = (PERIODIC, cell) {
-            let rates = cell.rates();
-            velocity = plus(velocity, [rates[0] * apart[0], rates[1] * apart[1], rates[2] * apart[2]]);
-        }
-        put(&mut batch.velocity, lane, velocity);
-        put(&mut batch.spins[0], lane, one.spin);
-        put(&mut batch.spins[1], lane, two.spin);
-        (batch.radii[0][lane], batch.radii[1][lane]) = (one.radius, two.radius);
-        (batch.masses[0][lane], batch.masses[1][lane]) = (one.mass, two.mass);
-        let memory = &self.memories[slot];
-        put(&mut batch.tangential, lane, memory.tangential);
-        batch.contact[lane] = memory.contact;
-        if let Some(rolling) = self.rolling.get(slot) {
-            put(&mut batch.rolling, lane, rolling.spring);
-            batch.twisting[lane] = rolling.twisting;
-        }
-    }
-
     /// Computes a batch, and writes the results to their slots.
-    #[inline]
-    fn finish<const PERIODIC: bool>(&mut self, of: Pressing<'_>, batch: &mut Batch, law: &PairLaw) {
-        compute(of.simd, law, batch, of.step, of.balls.share);
-        let rolls = law.rolls();
-        for lane in 0..batch.count {
-            let slot = batch.slots[lane] as usize;
-            self.memories[slot] =
-                Memory { tangential: at(&batch.tangential, lane), contact: batch.contact[lane] };
-            self.acting[(self.acted[slot] - self.starts[0]) as usize] = Acting {
-                force: at(&batch.force, lane),
-                torque: at(&batch.torque, lane),
-                overlap: batch.overlap[lane],
-                dissipated: batch.dissipated[lane],
-            };
-            if rolls {
-                self.rolling[slot] = Rolling {
-                    spring: at(&batch.rolling, lane),
-                    twisting: batch.twisting[lane],
-                    moment: at(&batch.moment, lane),
-                };
-            }
-            if let (true, Some(work), Some(cell)) = (PERIODIC, self.stretched.get_mut(slot), of.cell) {
-                *work = stretch(cell, at(&batch.force, lane), at(&batch.apart, lane), of.step);
-            }
-        }
+    #[inline(always)]
+    fn finish<L: Level, const PERIODIC: bool>(&mut self, of: Pressing<'_>, batch: &mut Batch, law: &PairLaw) {
+        let common = Common {
+            balls: &of.balls.list,
+            law,
+            repeats: of.cell.map_or(Repeats::NONE, RunBox::repeats),
+            rates: of.cell.map_or([0.0; 3], RunBox::rates),
+            simd: of.simd,
+            step: of.step,
+            share: of.balls.share,
+        };
+        batch.compute::<L, PERIODIC>(common, self.memories, self.rolling);
+        self.write::<L, PERIODIC, 0>(of, batch, law);
+        self.write::<L, PERIODIC, 4>(of, batch, law);
         batch.count = 0;
     }
 
+    /// Writes the results of four lanes of a batch, from `FIRST` on, to their slots.
+    #[inline(always)]
+    fn write<L: Level, const PERIODIC: bool, const FIRST: usize>(
+        &mut self,
+        of: Pressing<'_>,
+        batch: &Batch,
+        law: &PairLaw,
+    ) {
+        let (memories, pushes, torques) = batch.rows::<L, FIRST>();
+        let gaps = batch.gaps::<FIRST>();
+        for k in 0..4.min(batch.count.saturating_sub(FIRST)) {
+            let lane = FIRST + k;
+            let slot = batch.slots[lane] as usize;
+            if gaps[k] >= 0.0 {
+                if self.memories[slot].contact == 0.0 {
+                    self.due[slot] = self.due_of(gaps[k]);
+                } else {
+                    self.part(slot, law, batch.radius(lane));
+                }
+                continue;
+            }
+            let place = self.act(slot);
+            let [tangential @ .., contact] = memories[k];
+            let ([force @ .., dissipated], [torque @ .., overlap]) = (pushes[k], torques[k]);
+            self.memories[slot] = Memory { tangential, contact };
+            self.acting[place] = Acting { force, dissipated, torque, overlap };
+            if let Some(rolling) = self.rolling.get_mut(slot) {
+                *rolling = batch.rolled(lane);
+            }
+            if let (true, Some(work), Some(cell)) = (PERIODIC, self.stretched.get_mut(slot), of.cell) {
+                let [force, apart] = batch.stretched(lane);
+                *work = stretch(cell, force, apart, of.step);
+            }
+        }
+    }
+
     /// Gives a couple the next place for its action.
-    #[inline]
+    #[inline(always)]
     fn act(&mut self, slot: usize) -> usize {
         let place = self.used;
-        self.acted[slot] = self.starts[0] + place as u32;
+        if self.acted[slot] == APART {
+            self.begin(slot);
+        }
+        self.acted[slot] = self.begin + place as u32;
         self.used += 1;
         place
     }
 
-    /// Ends a contact. The energy of its springs is lost in this step; in the next one it has no action.
+    /// Has a couple looked at in each step, and its spheres add up its action.
     #[cold]
-    fn part(&mut self, slot: usize, law: &PairLaw, [one, two]: [&Ball; 2]) {
+    fn begin(&mut self, slot: usize) {
+        self.due[slot] = f32::NEG_INFINITY;
+        self.incident[slot].into_iter().for_each(|incident| self.touching.add(incident));
+    }
+
+    /// Ends a contact. The energy of its springs is lost in this step; in the next one it has no action.
+    /// `radius`: the reduced one, m.
+    #[cold]
+    fn part(&mut self, slot: usize, law: &PairLaw, radius: f64) {
         let history = self.history(slot);
         self.set(slot, ContactHistory::default(), [0.0; 3]);
         if history.contact > 0.0 {
-            let radius = one.radius * two.radius / (one.radius + two.radius);
             let place = self.act(slot);
             self.acting[place] = Acting { dissipated: law.lost(radius, &history), ..Acting::default() };
             self.memories[slot].contact = PARTED;
         } else {
             self.acted[slot] = APART;
+            self.incident[slot].into_iter().for_each(|incident| self.touching.remove(incident));
         }
+    }
+
+    /// How far spheres will have moved, m, when two of them with this gap, m, may touch; a little less, because
+    /// numbers are rounded.
+    #[inline]
+    fn due_of(&self, gap: f64) -> f32 {
+        ((self.travel + gap) * (1.0 - 1e-6) - 1e-6 * self.skin) as f32
     }
 
     fn history(&self, slot: usize) -> ContactHistory {
@@ -317,7 +350,9 @@ impl Part<'_> {
         let radius = one.radius * two.radius / (one.radius + two.radius);
         let mut history = self.history(slot);
         if !law.touches(overlap, radius, &history) {
-            self.part(slot, law, [one, two]);
+            if history.contact != 0.0 {
+                self.part(slot, law, radius);
+            }
             return;
         }
         let normal = if distance > 0.0 { times(1.0 / distance, apart) } else { [1.0, 0.0, 0.0] };

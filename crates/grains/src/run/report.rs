@@ -22,7 +22,7 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&RunBox>, step:
                 continue;
             }
             let acting = &lists.acting[lists.acted[slot] as usize];
-            let other = lists.partner(place, slot as u32) as usize;
+            let other = lists.pairs[slot][1] as usize;
             // Where the spheres were in that step.
             let position =
                 |place: usize| minus(balls.list[place].position, times(step, balls.drives[place].velocity));

@@ -41,7 +41,7 @@ const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
 const BREAKING: Cost = Cost { seconds: 240e-9, bytes: 2000.0 };
 
 /// Costs of a sphere with the contacts that it has in a packing, on average three.
-const SPHERE: Cost = Cost { seconds: 100e-9, bytes: 1200.0 };
+const SPHERE: Cost = Cost { seconds: 250e-9, bytes: 1200.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
@@ -415,7 +415,9 @@ impl Pace {
         // Other work of the machine makes some steps longer, so their mean is not the one to take.
         times.sort_unstable_by(f64::total_cmp);
         let later = to_come(prepared) - run.counts().spheres.saturating_sub(at_first) as f64;
-        let whole = times[times.len() / 2] + later.max(0.0) * SPHERE.seconds;
+        // Spheres that do not touch yet take less time than they will.
+        let packed = (at_first as f64 + to_come(prepared)) * SPHERE.seconds;
+        let whole = (times[times.len() / 2] + later.max(0.0) * SPHERE.seconds).max(packed);
         Self { whole, breaking: whole + slower * more }
     }
 }

@@ -7,6 +7,8 @@
 
 mod surface;
 
+use std::time::Duration;
+
 use fdem_grains::{GrainModel, GrainRun, GrainState, Surface};
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,7 @@ use crate::rotation::lowered;
 use crate::simplex::Simplex;
 use crate::sum::Sum;
 use crate::team::Team;
+use crate::timings::Clock;
 use crate::topology::Topology;
 use crate::vector::Point;
 
@@ -30,6 +33,8 @@ pub(crate) struct SphereAction<const D: usize> {
     /// Potential energy of the weight at the beginning of the run, without the factor of gravity, J; `None`
     /// before the first step.
     weight: Option<f64>,
+    /// Time that the spheres have taken.
+    pub(crate) spent: Duration,
 }
 
 /// The state of spheres, from which their run is continued.
@@ -110,7 +115,8 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
-        let Self { run: Some(run), surface, weight } = self else { return };
+        let Self { run: Some(run), surface, weight, spent } = self else { return };
+        let mut clock = Clock::new();
         let Scene { model, time, .. } = acting.scene;
         let gravity = model.grains.as_ref().map_or([0.0; 3], |grains| grains.gravity);
         let factor = model.gravity_schedule.factor(time);
@@ -123,6 +129,7 @@ where
             if let Err(error) = run.advance(1) {
                 acting.fail(Stop::Grains(error));
             }
+            clock.read(spent);
             return;
         }
         surface.update(&acting.scene);
@@ -139,6 +146,7 @@ where
                 acting.add_force(corner, force);
             }
         }
+        clock.read(spent);
     }
 
     fn add_energies(&self, _scene: &Scene<'_, D, N>, ledger: &mut Ledger) {

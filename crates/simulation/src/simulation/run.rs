@@ -138,6 +138,8 @@ pub struct Counts {
     pub spheres: usize,
     /// Contacts of spheres with each other, with walls and with bodies.
     pub sphere_contacts: usize,
+    /// Spheres that are due to come in, and find no room.
+    pub waiting_spheres: usize,
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -386,6 +388,7 @@ where
             nodes: self.solid().node_count(),
             spheres: self.actions.spheres.run().map_or(0, GrainRun::count),
             sphere_contacts: self.actions.spheres.run().map_or(0, GrainRun::contact_count),
+            waiting_spheres: self.actions.spheres.run().map_or(0, GrainRun::waiting),
         }
     }
 
@@ -397,7 +400,8 @@ where
 
     /// Computing time so far, by parts of the steps.
     pub fn timings(&self) -> Timings {
-        self.timings
+        let spheres = self.actions.spheres.spent;
+        Timings { spheres, integration: self.timings.integration.saturating_sub(spheres), ..self.timings }
     }
 
     /// Number of threads.

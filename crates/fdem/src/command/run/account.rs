@@ -6,8 +6,8 @@ use fdem_simulation::Timings;
 use serde::{Deserialize, Serialize};
 
 /// Parts of a step, in their order.
-pub(crate) const PARTS: [&str; 6] =
-    ["bulk", "joints", "detection", "contact force", "integration", "messages"];
+pub(crate) const PARTS: [&str; 7] =
+    ["bulk", "joints", "detection", "contact force", "spheres", "integration", "messages"];
 
 /// Times and numbers summed over all parts of a run. A checkpoint stores them, because a simulation counts
 /// only from its own creation.
@@ -42,9 +42,10 @@ impl Account {
     /// Adds the times and the detections of a simulation since its creation, with the wall-clock time and the
     /// time of the results since then.
     pub(crate) fn and(&self, timings: Timings, detections: u64, clock: Duration, spent: &Spent) -> Self {
-        let Timings { bulk, joints, detection, contact, integration, messages } = timings;
+        let Timings { bulk, joints, detection, contact, spheres, integration, messages } = timings;
+        let times = [bulk, joints, detection, contact, spheres, integration, messages];
         let mut parts = self.parts;
-        for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration, messages]) {
+        for (sum, time) in parts.iter_mut().zip(times) {
             *sum += time.as_secs_f64();
         }
         Self {

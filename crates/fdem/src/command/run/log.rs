@@ -186,6 +186,7 @@ where
         "nodes": counts.nodes,
         "spheres": counts.spheres,
         "sphere_contacts": counts.sphere_contacts,
+        "waiting_spheres": counts.waiting_spheres,
         "steps": run.steps(),
         "time_step": run.time_step(),
         "time": run.time(),

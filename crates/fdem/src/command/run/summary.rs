@@ -29,8 +29,8 @@ where
     let shares: Vec<String> = PARTS
         .iter()
         .zip(account.parts)
-        // One process sends no messages.
-        .filter(|(name, seconds)| **name != "messages" || *seconds > 0.0)
+        // One process sends no messages, and a model may have no spheres or nothing else.
+        .filter(|(_, seconds)| *seconds > 0.0)
         .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
         .collect();
     let cracks: Vec<String> = ["tension", "shear", "both"]
@@ -71,6 +71,10 @@ where
             1,
             ("spheres", format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"))),
         );
+    }
+    if counts.waiting_spheres > 0 {
+        let waiting = counted(counts.waiting_spheres as u64, "sphere");
+        facts.push(("waiting", format!("{waiting} of insertions, which found no room")));
     }
     facts.extend(open.map(|open| ("open joints", open)));
     if elements > 0 {
