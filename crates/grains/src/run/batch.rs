@@ -26,8 +26,8 @@ type Vectors = [Lane; 3];
 /// Three numbers of a vector and another one, of four contacts.
 type Rows = [[f64; 4]; 4];
 
-/// The couples of a batch. Lanes that are not in use compute the first one, too; that is thrown away, and so is
-/// what comes of couples that do not touch.
+/// The couples of a batch. Lanes that are not in use compute the first one, too. Results of these lanes and
+/// of couples that do not touch are thrown away.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Batch {
@@ -70,7 +70,7 @@ struct Columns {
     spin: Vectors,
 }
 
-/// What the contacts of a batch have in common.
+/// The numbers that all contacts of a batch have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Common<'a> {
     pub(crate) balls: &'a [Ball],
@@ -151,8 +151,8 @@ impl Batch {
         put(&mut self.velocity, lane, velocity);
     }
 
-    /// Memories, forces and torques of four contacts from a lane on, as rows: three numbers of a vector and the
-    /// radius of the contact, the energy that is dissipated, the overlap.
+    /// Memories, forces and torques of four contacts from a lane on, as rows: three numbers of a vector, and
+    /// the radius of the contact, the energy that is dissipated, the overlap.
     #[inline(always)]
     pub(crate) fn rows<L: Level, const FIRST: usize>(&self) -> (Rows, Rows, Rows) {
         (
@@ -238,8 +238,8 @@ fn at(of: &Vectors, lane: usize) -> Vector {
     [of[0][lane], of[1][lane], of[2][lane]]
 }
 
-/// Computes the law. It is a function of its own, in which the compiler knows that nothing else changes the batch:
-/// without that it makes no vectors of the lanes.
+/// Computes the law. It is a function of its own, in which the compiler knows that nothing else changes the
+/// batch: without that it makes no vectors of the lanes.
 #[allow(unsafe_code, reason = "it is compiled for vector instructions")]
 fn compute(simd: Simd, law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
     #[cfg(target_arch = "x86_64")]

@@ -1,5 +1,5 @@
-//! Work that is compiled for each set of vector instructions. All of them do the same operations on each number,
-//! so that the bits are the same.
+//! Work that is compiled for each set of vector instructions. All of them do the same operations on each
+//! number, so that the bits are the same.
 
 #![allow(clippy::inline_always, reason = "the work must end up in the function that is compiled for it")]
 
@@ -66,7 +66,7 @@ impl Level for Avx2 {
     fn columns(rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
         use std::arch::x86_64::{__m256d, _mm256_permute2f128_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd};
         use std::mem::transmute;
-        // SAFETY: only work that is compiled for AVX2 comes here; four numbers and a vector have the same bytes.
+        // SAFETY: only work that is compiled for AVX2 comes here; four numbers are the bytes of a vector.
         unsafe {
             let [a, b, c, d]: [__m256d; 4] = transmute(rows);
             let (low, high) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));

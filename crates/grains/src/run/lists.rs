@@ -65,8 +65,7 @@ pub(crate) struct Lists {
     pub(crate) travel: f64,
     /// The most that they may move until others might touch, m.
     pub(crate) skin: f64,
-    /// The mean velocity of the spheres when the couples were found, m/s: what moves along with it changes no
-    /// distance.
+    /// The mean velocity of the spheres when the couples were found, m/s. Motion with it changes no distance.
     pub(crate) stream: Vector,
     /// Where the action of each couple is in `acting`, or [`APART`].
     pub(crate) acted: Vec<u32>,

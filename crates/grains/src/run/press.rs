@@ -206,8 +206,8 @@ impl Part<'_> {
 
     /// Lists the couples that may touch. Returns how many.
     ///
-    /// Those that may are mixed with those that cannot, in no order: a branch for each would be guessed wrong,
-    /// and would keep the processor from loading the spheres ahead of it.
+    /// Those that may are mixed with those that cannot, in no order: a branch for each would be guessed
+    /// wrong, and would keep the processor from loading the spheres ahead of it.
     #[inline(always)]
     fn list(&self, slots: &mut Vec<u32>) -> usize {
         // One place more, which is written last and not used.
@@ -311,8 +311,8 @@ impl Part<'_> {
         }
     }
 
-    /// How far spheres will have moved, m, when two of them with this gap, m, may touch; a little less, because
-    /// numbers are rounded.
+    /// How far spheres will have moved, m, when two of them with this gap, m, may touch; a little less,
+    /// because numbers are rounded.
     #[inline]
     fn due_of(&self, gap: f64) -> f32 {
         ((self.travel + gap) * (1.0 - 1e-6) - 1e-6 * self.skin) as f32
