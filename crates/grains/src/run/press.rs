@@ -145,7 +145,9 @@ impl Part<'_> {
     ) -> Result<(), GrainError> {
         let Scratch { batches, slots } = scratch;
         // An error may have left some.
-        batches.iter_mut().for_each(|batch| batch.count = 0);
+        for batch in batches.iter_mut() {
+            batch.count = 0;
+        }
         let count = self.list(slots);
         let slots = &slots[..count];
         let lone = self.lone.filter(|&number| !of.laws.list[number].sticks());
@@ -292,7 +294,9 @@ impl Part<'_> {
     #[cold]
     fn begin(&mut self, slot: usize) {
         self.due[slot] = f32::NEG_INFINITY;
-        self.incident[slot].into_iter().for_each(|incident| self.touching.add(incident));
+        for incident in self.incident[slot] {
+            self.touching.add(incident);
+        }
     }
 
     /// Ends a contact. The energy of its springs is lost in this step; in the next one it has no action.
@@ -307,7 +311,9 @@ impl Part<'_> {
             self.memories[slot].contact = PARTED;
         } else {
             self.acted[slot] = APART;
-            self.incident[slot].into_iter().for_each(|incident| self.touching.remove(incident));
+            for incident in self.incident[slot] {
+                self.touching.remove(incident);
+            }
         }
     }
 
