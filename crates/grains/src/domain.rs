@@ -14,8 +14,23 @@ pub struct Domain {
     /// Rates at which its sides grow about its centre, 1/s, relative to their present lengths. The spheres
     /// move along with it.
     pub strain_rates: [f64; 3],
+    /// Pressures that it keeps up by growing and shrinking along axes that repeat.
+    pub servo: Option<BoxServo>,
     /// The fate of a sphere whose centre leaves the box along an axis that does not repeat.
     pub outside: Outside,
+}
+
+/// Pressures that a periodic box keeps up.
+///
+/// The pressure along an axis is the sum of force times distance of the centres along it, over all contacts
+/// of spheres with each other, over the volume of the box (Love and Weber); motion of the spheres has no part
+/// in it. The spheres move along with the box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoxServo {
+    /// Pa, along the axes that have one; they repeat, and have a strain rate of 0.
+    pub pressures: [Option<f64>; 3],
+    /// The largest rate at which a side grows or shrinks, 1/s, relative to its length.
+    pub largest_rate: f64,
 }
 
 /// The fate of a sphere that leaves the box.

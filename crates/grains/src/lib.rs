@@ -14,11 +14,13 @@
 //! | overlaps at the beginning | `src/gaps.rs` |
 //! | the time step | `src/time_step.rs` |
 //! | the course of a step, neighbours, threads, states that are saved | `src/run.rs`; walls in it: `src/run/on_walls.rs` |
+//! | the box and its servo | `src/domain.rs`, its ranges: `src/domain_checks.rs`; `src/run/cell.rs`, `src/run/box_servo.rs` |
+//! | vector instructions | `src/run/level.rs`; the law in them: `src/run/batch.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
 //! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `clump_shape`, `error`, `insertion`, `model`,
-//! `clump_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`, `surface`, `pack`,
-//! `gaps`, `run`; the front page of `run` lists the files below it.
+//! `clump_checks`, `domain_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`,
+//! `surface`, `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod clump;
@@ -26,6 +28,7 @@ mod clump_checks;
 mod clump_shape;
 mod columns;
 mod domain;
+mod domain_checks;
 mod error;
 mod facet;
 mod gaps;
@@ -50,7 +53,7 @@ mod wall;
 pub use clump::{Clump, ClumpInertia};
 pub use clump_shape::{ClumpShape, random_turns};
 pub use columns::{GrainContact, GrainPartner, SphereColumns};
-pub use domain::{Domain, Outside};
+pub use domain::{BoxServo, Domain, Outside};
 pub use error::GrainError;
 pub use gaps::{spheres_in_box, worst_in_body, worst_on_wall, worst_overlap};
 pub use insertion::{Insertion, Removal};

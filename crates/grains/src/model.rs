@@ -133,6 +133,7 @@ impl GrainModel {
                 "at least 0",
             )?;
         }
+        self.check_box()?;
         self.check_clumps()?;
         self.check_insertions()?;
         if let Some(step) = self.step {

@@ -5,7 +5,8 @@
 //! 1. Spheres that come in, and couples of spheres that may touch, when any has moved far enough
 //!    ([`lists`]). The spheres are then arranged in memory along a curve through space.
 //! 2. Forces of all couples that touch, each once, in batches ([`press`], [`batch`]), and those with walls
-//!    ([`on_walls`]; of triangles: [`on_meshes`]) and bodies ([`on_surface`], [`on_facet`]).
+//!    ([`on_walls`]; of triangles: [`on_meshes`]) and bodies ([`on_surface`], [`on_facet`]). Then servos move
+//!    walls and the box ([`box_servo`]).
 //! 3. Motion: each sphere adds up the forces of its contacts in the order of the numbers of the other
 //!    spheres, those of walls after that, and moves ([`motion`]). Velocities are half a step behind
 //!    positions; contacts see them at the positions, by the accelerations of the last step.
@@ -14,6 +15,7 @@
 
 pub(crate) mod balls;
 pub(crate) mod batch;
+pub(crate) mod box_servo;
 pub(crate) mod cell;
 pub(crate) mod clumps;
 pub(crate) mod energies;
@@ -41,6 +43,7 @@ use crate::insertion::Taken;
 use crate::material::ForceLaw;
 use crate::model::{GrainModel, Spheres};
 use crate::run::balls::{ALONE, Balls};
+use crate::run::box_servo::virial;
 use crate::run::cell::RunBox;
 use crate::run::clumps::Clumps;
 use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
@@ -226,6 +229,10 @@ impl GrainRun {
         self.on_bodies.take(state.on_bodies);
         self.on_bodies.was_there = state.has_bodies;
         self.servos = state.servos;
+        if let Some(cell) = &mut self.cell {
+            cell.motion = state.cell;
+            cell.grow(state.step as f64 * self.time_step);
+        }
         self.search(&state.contacts)
     }
 
@@ -243,6 +250,7 @@ impl GrainRun {
             on_bodies: self.on_bodies.saved(),
             has_bodies: self.on_bodies.was_there,
             servos: self.servos.clone(),
+            cell: self.cell.map(|cell| cell.motion).unwrap_or_default(),
             gone: self.gone,
             clumps: self.clumps.saved(),
         }
@@ -302,6 +310,17 @@ impl GrainRun {
     /// the origin if it does not turn.
     pub fn wall_moment(&self, wall: usize) -> [f64; 3] {
         self.on_walls.forces[wall][1]
+    }
+
+    /// Lengths of the box in the last step, m, and the pressure along each axis in it, Pa; `None` without a
+    /// box.
+    ///
+    /// # Cost
+    /// A pass over all contacts.
+    pub fn box_pressure(&self) -> Option<[[f64; 3]; 2]> {
+        let cell = self.cell.as_ref()?;
+        let work = virial(&self.balls, &self.lists, &self.laws, cell).work;
+        Some([cell.lengths, times(1.0 / cell.lengths.iter().product::<f64>(), work)])
     }
 
     /// Displacement of a wall now, m, without that of its rotation.
@@ -400,6 +419,7 @@ impl GrainRun {
         self.on_walls.press(of, &mut self.outer)?;
         self.press_on_surfaces(surface)?;
         self.follow_servos();
+        self.follow_box();
         let cell = self.cell.as_ref();
         // Those of one sphere stay in their order: by walls.
         self.outer.sort_by_key(|outer| outer.place);
@@ -459,6 +479,19 @@ impl GrainRun {
             let force = self.on_walls.forces[number][0];
             servo.follow(&mut self.servos[number], force, answer, self.time_step);
         }
+    }
+
+    /// Lets the box follow its servo, and counts its work on the spheres: up to the positions of the step
+    /// with the rates before, and from there on with those after.
+    fn follow_box(&mut self) {
+        let Some(cell) = &mut self.cell else { return };
+        let Some(servo) = cell.servo() else { return };
+        let virial = virial(&self.balls, &self.lists, &self.laws, cell);
+        let half = -0.5 * self.time_step;
+        self.gone.external += cell.motion.later + half * dot(cell.rates(), virial.work);
+        let volume = cell.lengths.iter().product();
+        servo.follow(&mut cell.motion, &virial, volume, self.time_step);
+        cell.motion.later = half * dot(cell.rates(), virial.work);
     }
 
     /// Finds the couples that may touch. `remembered`: contacts that touch.

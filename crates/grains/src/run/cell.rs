@@ -2,8 +2,21 @@
 
 #![allow(clippy::inline_always, reason = "what is compiled for vector instructions must be inlined")]
 
-use crate::domain::{Domain, Outside};
-use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
+
+use crate::domain::{BoxServo, Domain, Outside};
+use crate::vector::{Vector, plus};
+
+/// How a servo has moved the sides of its box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BoxMotion {
+    /// Logarithms of the lengths over those at the beginning.
+    pub(crate) strains: Vector,
+    /// 1/s.
+    pub(crate) rates: Vector,
+    /// Work on the spheres in the second half of the last step, J.
+    pub(crate) later: f64,
+}
 
 /// A box whose sides grow.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +25,8 @@ pub(crate) struct RunBox {
     pub(crate) low: Vector,
     /// Lengths of the sides, m.
     pub(crate) lengths: Vector,
+    /// Of its servo.
+    pub(crate) motion: BoxMotion,
 }
 
 /// The lengths of a box by which its spheres repeat, m: 0 along other axes, along which no half is too far.
@@ -39,16 +54,16 @@ impl Repeats {
 
 impl RunBox {
     pub(crate) fn new(domain: Domain) -> Self {
-        let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3] };
+        let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3], motion: BoxMotion::default() };
         cell.grow(0.0);
         cell
     }
 
     /// The box at a time, s: its centre stays.
     pub(crate) fn grow(&mut self, time: f64) {
-        let Domain { low, high, strain_rates, .. } = &self.domain;
+        let Domain { low, high, strain_rates, .. } = self.domain;
         for axis in 0..3 {
-            let factor = libm::exp(strain_rates[axis] * time);
+            let factor = libm::exp(strain_rates[axis] * time + self.motion.strains[axis]);
             let (centre, half) = (0.5 * (low[axis] + high[axis]), 0.5 * (high[axis] - low[axis]) * factor);
             (self.low[axis], self.lengths[axis]) = (centre - half, 2.0 * half);
         }
@@ -64,13 +79,17 @@ impl RunBox {
 
     /// Rates at which the sides grow, 1/s.
     pub(crate) fn rates(&self) -> Vector {
-        self.domain.strain_rates
+        plus(self.domain.strain_rates, self.motion.rates)
     }
 
     /// Whether its sides grow or shrink.
     #[inline(always)]
     pub(crate) fn grows(&self) -> bool {
-        self.domain.strain_rates != [0.0; 3]
+        self.domain.strain_rates != [0.0; 3] || self.domain.servo.is_some()
+    }
+
+    pub(crate) fn servo(&self) -> Option<BoxServo> {
+        self.domain.servo
     }
 
     /// The lengths by which spheres repeat.
@@ -119,9 +138,8 @@ impl RunBox {
     /// Velocity with which the box moves a point along, m/s.
     #[inline(always)]
     pub(crate) fn drift(&self, point: Vector) -> Vector {
-        let along = |axis: usize| {
-            self.domain.strain_rates[axis] * (point[axis] - self.low[axis] - 0.5 * self.lengths[axis])
-        };
+        let rates = self.rates();
+        let along = |axis: usize| rates[axis] * (point[axis] - self.low[axis] - 0.5 * self.lengths[axis]);
         [along(0), along(1), along(2)]
     }
 

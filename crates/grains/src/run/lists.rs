@@ -72,7 +72,7 @@ pub(crate) struct Lists {
     /// Actions, packed at the beginning of the part of each chunk: those of couples that do not touch are not
     /// read.
     pub(crate) acting: Vec<Acting>,
-    /// Work of the box on each couple in the step, J; empty if the box does not grow.
+    /// Work of the box on each couple in the step, J; empty if the box does not grow, or has a servo.
     pub(crate) stretched: Vec<f64>,
     /// Where the couples of each place, as the lower or the higher one, begin in `incidents`.
     pub(crate) first_incident: Vec<u32>,
@@ -199,7 +199,7 @@ impl Lists {
         let places = (0..).zip(&self.memories);
         self.acted.extend(places.map(|(slot, memory)| if memory.contact == 0.0 { APART } else { slot }));
         self.stretched.clear();
-        if cell.is_some_and(|cell| cell.rates() != [0.0; 3]) {
+        if cell.is_some_and(|cell| cell.grows() && cell.servo().is_none()) {
             self.stretched.resize(self.pairs.len(), 0.0);
         }
         self.find_incidents(balls);

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::run::balls::SavedBall;
+use crate::run::cell::BoxMotion;
 use crate::run::clumps::ClumpMotion;
 use crate::run::energies::Gone;
 use crate::run::lists::Remembered;
@@ -27,6 +28,7 @@ pub struct GrainState {
     pub(crate) on_bodies: OnFacets,
     pub(crate) has_bodies: bool,
     pub(crate) servos: Vec<ServoMotion>,
+    pub(crate) cell: BoxMotion,
     pub(crate) gone: Gone,
     pub(crate) clumps: Vec<ClumpMotion>,
 }

@@ -4,6 +4,8 @@
 
 mod common;
 
+/// Boxes that keep up a pressure.
+mod boxes;
 /// Clumps of spheres.
 mod clumps;
 
@@ -11,8 +13,8 @@ mod clumps;
 mod facets;
 /// The eight tests of Chung and Ooi (2011), and others with analytic answers.
 mod impacts;
-/// Rolling friction, adhesion.
 mod packings;
+/// Rolling friction, adhesion.
 mod rolling;
 /// States, threads, models that are refused.
 mod runs;

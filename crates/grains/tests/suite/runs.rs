@@ -80,6 +80,7 @@ fn each_contact_of_a_fast_gas_is_found() {
             high: [side; 3],
             periodic: [true; 3],
             strain_rates: [0.0; 3],
+            servo: None,
             outside: Outside::Stop,
         }),
         materials: vec![material(1e8, 0.25, 2500.0)],
@@ -241,6 +242,7 @@ fn spheres_that_come_in_keep_off_images() {
         high: [side; 3],
         periodic: [true; 3],
         strain_rates: [0.0; 3],
+        servo: None,
         outside: Outside::Stop,
     };
     let model = GrainModel {

@@ -260,6 +260,7 @@ fn domain(of: &file::Domain) -> Domain {
         high: axes.map(|(axis, _)| component(high, axis, f64::INFINITY)),
         periodic: axes.map(|(_, axis)| of.periodic.contains(&axis)),
         strain_rates: of.strain_rate.as_ref().map_or([0.0; 3], in_space),
+        servo: None,
         outside: match of.outside {
             OutsideWord::Stop => Outside::Stop,
             OutsideWord::Delete => Outside::Delete,

@@ -1,0 +1,126 @@
+use crate::common::*;
+use fdem_grains::*;
+
+/// Spheres on a lattice with gaps, which move in all directions, in a box that repeats along all axes.
+fn gas(servo: BoxServo, strain_rates: [f64; 3]) -> GrainModel {
+    let side = 0.011;
+    let mut random = 7_u64;
+    let mut number = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let cells: Vec<[f64; 3]> =
+        (0..343).map(|k| [k % 7, k / 7 % 7, k / 49].map(|x| side * (f64::from(x) + 0.5))).collect();
+    GrainModel {
+        spheres: Spheres {
+            radii: cells.iter().map(|_| 0.004 + 0.001 * number()).collect(),
+            velocities: cells.iter().map(|_| [0.0; 3].map(|_: f64| 0.4 * (number() - 0.5))).collect(),
+            positions: cells,
+            ..Spheres::default()
+        },
+        domain: Some(Domain {
+            low: [0.0; 3],
+            high: [7.0 * side; 3],
+            periodic: [true; 3],
+            strain_rates,
+            servo: Some(servo),
+            outside: Outside::Stop,
+        }),
+        materials: vec![material(1e7, 0.25, 2500.0)],
+        surfaces: vec![Surfaces { friction: 0.4, restitution: 0.4, ..Surfaces::smooth([0, 0]) }],
+        // With eight contacts a sphere the dashpots need less than a fifth of the time of a Rayleigh wave.
+        step: Some(2e-5),
+        ..GrainModel::default()
+    }
+}
+
+const CONFINED: BoxServo = BoxServo { pressures: [Some(2e4); 3], largest_rate: 2.0 };
+
+/// The pressure is reached along all axes and kept, the spheres come to rest, and the energies balance.
+#[test]
+fn a_box_keeps_its_pressure() {
+    let mut run = GrainRun::new(gas(CONFINED, [0.0; 3]), 1).expect("a model");
+    let begin = run.energies();
+    let total = |of: &GrainEnergies| of.kinetic + of.rotational + of.elastic + of.weight + of.dissipated;
+    run.advance((0.4 / run.time_step()) as u64).expect("steps");
+    let mut farthest = 0.0_f64;
+    for _ in 0..100 {
+        run.advance(17).expect("steps");
+        let [_, pressures] = run.box_pressure().expect("a box");
+        farthest = pressures.into_iter().fold(farthest, |most, p| most.max((p / 2e4 - 1.0).abs()));
+    }
+    let end = run.energies();
+    assert!(farthest < 0.005, "{farthest}");
+    assert!(end.kinetic < 1e-3 * end.elastic, "{end:?}");
+    let supplied = end.external - begin.external;
+    let error = (total(&end) - total(&begin) - supplied) / supplied;
+    assert!(error.abs() < 1e-3, "{error:e} {begin:?} {end:?}");
+}
+
+/// A triaxial test without walls: along one axis the box shrinks at a rate, along the others it keeps up
+/// its pressure.
+#[test]
+fn a_triaxial_test_has_the_strength_of_its_friction() {
+    let mut run = GrainRun::new(gas(CONFINED, [0.0; 3]), 1).expect("a model");
+    run.advance((0.3 / run.time_step()) as u64).expect("steps");
+    let [lengths, _] = run.box_pressure().expect("a box");
+    let mut model = gas(CONFINED, [0.0, 0.0, -0.3]);
+    let domain = model.domain.as_mut().expect("a box");
+    let centre = 0.5 * (domain.high[0] - domain.low[0]);
+    (domain.low, domain.high) =
+        (lengths.map(|side| centre - 0.5 * side), lengths.map(|side| centre + 0.5 * side));
+    domain.servo = Some(BoxServo { pressures: [Some(2e4), Some(2e4), None], largest_rate: 2.0 });
+    model.spheres.positions = (0..343).map(|sphere| run.position(sphere)).collect();
+    model.spheres.velocities.clear();
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    let (mut ratios, mut farthest) = (Vec::new(), 0.0_f64);
+    for _ in 0..(0.008 / run.time_step()) as u64 {
+        run.advance(100).expect("steps");
+        if run.time() > 0.1 {
+            let [_, p] = run.box_pressure().expect("a box");
+            ratios.push(2.0 * p[2] / (p[0] + p[1]));
+            farthest = farthest.max((p[0] / 2e4 - 1.0).abs()).max((p[1] / 2e4 - 1.0).abs());
+        }
+    }
+    let largest = ratios.iter().copied().fold(0.0, f64::max);
+    assert!(farthest < 0.005, "{farthest}");
+    // A loose packing, with friction of 0.4: angles of friction of 17 to 34 degrees.
+    assert!((1.83..3.54).contains(&largest), "{largest}");
+}
+
+#[test]
+fn threads_and_states_change_no_bit() {
+    let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
+    let model =
+        || gas(BoxServo { pressures: [Some(2e4), None, Some(1e4)], largest_rate: 3.0 }, [0.0, -0.5, 0.0]);
+    let mut whole = GrainRun::new(model(), 1).expect("a model");
+    whole.advance(9000).expect("steps");
+    let saved = bytes(&whole);
+    whole.advance(1000).expect("steps");
+    assert!(whole.contact_count() > 300, "{}", whole.contact_count());
+    for threads in [1, 2] {
+        let mut again = GrainRun::new(model(), threads).expect("a model");
+        again.advance(10_000).expect("steps");
+        assert!(bytes(&again) == bytes(&whole), "{threads}");
+        let state = postcard::from_bytes(&saved).expect("a state");
+        let mut resumed = GrainRun::resume(model(), state, threads).expect("the same model");
+        resumed.advance(1000).expect("steps");
+        assert!(bytes(&resumed) == bytes(&whole), "{threads}");
+    }
+}
+
+#[test]
+fn wrong_servos_are_refused() {
+    let refused = |servo: BoxServo, rates: [f64; 3]| {
+        GrainRun::new(gas(servo, rates), 1).expect_err("a wrong servo").to_string()
+    };
+    let still = BoxServo { largest_rate: 0.0, ..CONFINED };
+    assert_eq!(refused(still, [0.0; 3]), "the servo of the box: largest rate is 0e0, and must be above 0");
+    let twice = refused(CONFINED, [0.0, 0.1, 0.0]);
+    assert!(
+        twice.starts_with("the servo of the box along y: pressure is 2e4, and must be at least 0"),
+        "{twice}"
+    );
+    let pulled = BoxServo { pressures: [Some(-1.0), None, None], ..CONFINED };
+    assert!(refused(pulled, [0.0; 3]).contains("along x: pressure is -1e0"));
+}
