@@ -69,7 +69,7 @@ impl GrainModel {
             if inverse(&moments).is_none() {
                 return wrong("its moments of inertia are not those of a body");
             }
-            if self.domain.is_some_and(|domain| domain.strain_rates != [0.0; 3] || domain.servo.is_some()) {
+            if self.domain.is_some_and(|domain| domain.grows()) {
                 return wrong("the box grows, and clumps cannot follow it");
             }
         }

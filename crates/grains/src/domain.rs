@@ -20,6 +20,14 @@ pub struct Domain {
     pub outside: Outside,
 }
 
+impl Domain {
+    /// Whether its sides grow or shrink.
+    #[inline]
+    pub(crate) fn grows(&self) -> bool {
+        self.strain_rates != [0.0; 3] || self.servo.is_some()
+    }
+}
+
 /// Pressures that a periodic box keeps up.
 ///
 /// The pressure along an axis is the sum of force times distance of the centres along it, over all contacts

@@ -435,10 +435,7 @@ impl GrainRun {
         };
         self.moved = move_all(&mut self.balls, moving)?;
         if !self.clumps.is_empty() {
-            let moved = self.clumps.advance(&mut self.balls, moving)?;
-            self.moved.fastest = self.moved.fastest.max(moved.fastest);
-            self.moved.spread = self.moved.spread.max(moved.spread);
-            self.moved.leaves |= moved.leaves;
+            self.moved = self.moved.and(self.clumps.advance(&mut self.balls, moving)?);
         }
         self.step += 1;
         Ok(())

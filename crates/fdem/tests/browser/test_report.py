@@ -18,8 +18,9 @@ from playwright.sync_api import expect, sync_playwright
 
 from canvas import KEPT, picture
 
-# A slow machine draws a frame in seconds; by default an expectation waits for five.
-expect.set_options(timeout=120_000)
+# Longest wait for a change of the page, ms. A slow machine draws a frame in seconds; by default an expectation waits for five.
+PATIENCE = 120_000
+expect.set_options(timeout=PATIENCE)
 
 FDEM = os.environ.get("FDEM", "fdem")
 ROOT = Path(__file__).resolve().parents[4]
@@ -102,7 +103,7 @@ class Watched:
     def __init__(self, browser, path, script=None, **options):
         self.context = browser.new_context(viewport={"width": 1360, "height": 900}, **options)
         self.page = self.context.new_page()
-        self.page.set_default_timeout(120_000)
+        self.page.set_default_timeout(PATIENCE)
         self.requests, self.complaints = [], []
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") else None)

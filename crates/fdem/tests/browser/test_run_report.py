@@ -65,7 +65,7 @@ class Watched:
     def __init__(self, browser, path, script=None, **options):
         self.context = browser.new_context(viewport={"width": 1360, "height": 960}, **options)
         self.page = self.context.new_page()
-        self.page.set_default_timeout(120_000)
+        self.page.set_default_timeout(1000 * PATIENCE)
         self.requests, self.complaints = [], []
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") else None)

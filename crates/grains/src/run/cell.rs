@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::domain::{BoxServo, Domain, Outside};
 use crate::vector::{Vector, plus};
 
-/// How a servo has moved the sides of its box.
+/// The motion of the sides of a box by its servo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BoxMotion {
     /// Logarithms of the lengths over those at the beginning.
@@ -25,7 +25,7 @@ pub(crate) struct RunBox {
     pub(crate) low: Vector,
     /// Lengths of the sides, m.
     pub(crate) lengths: Vector,
-    /// Of its servo.
+    /// The part of the motion of its sides that its servo causes.
     pub(crate) motion: BoxMotion,
 }
 
@@ -85,7 +85,7 @@ impl RunBox {
     /// Whether its sides grow or shrink.
     #[inline(always)]
     pub(crate) fn grows(&self) -> bool {
-        self.domain.strain_rates != [0.0; 3] || self.domain.servo.is_some()
+        self.domain.grows()
     }
 
     pub(crate) fn servo(&self) -> Option<BoxServo> {

@@ -32,6 +32,13 @@ pub(crate) struct Rolling {
     pub(crate) moment: Vector,
 }
 
+/// The history of a contact.
+pub(crate) fn history(memory: Memory, rolling: Option<&Rolling>) -> ContactHistory {
+    let Memory { tangential, contact } = memory;
+    let Rolling { spring: rolling, twisting, .. } = rolling.copied().unwrap_or_default();
+    ContactHistory { tangential, contact, rolling, twisting }
+}
+
 /// The action of a couple on its spheres. The first sphere is the one with the
 /// lower number.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,7 +66,7 @@ pub(crate) struct Lists {
     pub(crate) rolling: Vec<Rolling>,
     /// Number of the law of all couples, if they have one only.
     pub(crate) lone: Option<usize>,
-    /// How far, m, spheres may have moved before each couple may touch; it is not looked at until then.
+    /// The travel, m, after which the spheres of each couple may touch. Until then the step skips the couple.
     pub(crate) due: Vec<f32>,
     /// The most that two spheres can have moved against each other since the couples were found, m.
     pub(crate) travel: f64,
@@ -157,9 +164,7 @@ impl Lists {
 
     /// The memory of a couple.
     pub(crate) fn history(&self, slot: usize) -> ContactHistory {
-        let Memory { tangential, contact } = self.memories[slot];
-        let Rolling { spring: rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
-        ContactHistory { tangential, contact, rolling, twisting }
+        history(self.memories[slot], self.rolling.get(slot))
     }
 
     /// Finds the couples whose surfaces are at most `gap` apart, m, and gives them their memory.

@@ -48,6 +48,17 @@ pub(crate) struct Moved {
     pub(crate) leaves: bool,
 }
 
+impl Moved {
+    /// The motion of these spheres and others.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            fastest: self.fastest.max(other.fastest),
+            spread: self.spread.max(other.spread),
+            leaves: self.leaves | other.leaves,
+        }
+    }
+}
+
 /// Adds up the forces on each sphere in one order, and moves it: spheres in the order of their numbers, then
 /// walls, then bodies.
 ///
@@ -72,11 +83,7 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
     let mut first: Option<(u32, GrainError)> = None;
     for part in parts {
         match part {
-            Ok(moved) => {
-                all.fastest = all.fastest.max(moved.fastest);
-                all.spread = all.spread.max(moved.spread);
-                all.leaves |= moved.leaves;
-            }
+            Ok(moved) => all = all.and(moved),
             Err((number, error)) => {
                 if first.as_ref().is_none_or(|(lowest, _)| number < *lowest) {
                     first = Some((number, error));
@@ -105,64 +112,54 @@ impl Work for MoveChunk<'_, '_> {
     #[inline(always)]
     fn run<L: Level>(self) -> Self::Done {
         let Self { begin, touching, balls, drives, kinds, pushes, share, of } = self;
-        move_chunk((begin, touching), (balls, drives), (kinds, pushes), (share, of))
-    }
-}
-
-#[inline(always)]
-fn move_chunk(
-    (begin, touching): (usize, &mut OfBlock),
-    (balls, drives): (&mut [Ball], &mut [Drive]),
-    (kinds, pushes): (&[BallKind], &mut [[Vector; 2]]),
-    (share, of): (f64, Moving<'_>),
-) -> Result<Moved, (u32, GrainError)> {
-    let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
-    let mut moved = Moved::default();
-    let (mut fastest, mut spread) = (0.0_f64, 0.0_f64);
-    let mut lost: Option<(u32, GrainError)> = None;
-    let count = balls.len();
-    for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
-        let place = begin + k;
-        if k % BLOCK == 0 {
-            touching.fill(of.lists, place, BLOCK.min(count - k));
-        }
-        let [mut force, mut moment] = sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
-        while outer.first().is_some_and(|outer| outer.place as usize == place) {
-            force = plus(force, outer[0].force);
-            moment = plus(moment, outer[0].moment);
-            drive.dissipated += outer[0].dissipated;
-            drive.external += outer[0].external;
-            outer = &outer[1..];
-        }
-        if kind.clump != ALONE {
-            // Its clump moves it.
-            pushes[k] = [force, moment];
-            continue;
-        }
-        if kind.held {
-            drive.external -= of.step * (dot(force, ball.velocity) + dot(moment, ball.spin));
-        }
-        advance(ball, drive, *kind, (force, moment), (share, of));
-        fastest = fastest.max(dot(drive.velocity, drive.velocity));
-        let against = minus(drive.velocity, of.stream);
-        spread = spread.max(dot(against, against));
-        let error = if ball.position.iter().all(|x| x.abs() < FARTHEST) {
-            match of.cell.and_then(|cell| cell.outside(ball.position)) {
-                Some(Outside::Stop) => GrainError::Outside { sphere: ball.number, step: of.number },
-                leaves => {
-                    moved.leaves |= leaves.is_some();
-                    continue;
-                }
+        let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
+        let mut moved = Moved::default();
+        let (mut fastest, mut spread) = (0.0_f64, 0.0_f64);
+        let mut lost: Option<(u32, GrainError)> = None;
+        let count = balls.len();
+        for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
+            let place = begin + k;
+            if k % BLOCK == 0 {
+                touching.fill(of.lists, place, BLOCK.min(count - k));
             }
-        } else {
-            GrainError::Lost { sphere: ball.number as usize, step: of.number }
-        };
-        if lost.as_ref().is_none_or(|(lowest, _)| ball.number < *lowest) {
-            lost = Some((ball.number, error));
+            let [mut force, mut moment] = sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
+            while outer.first().is_some_and(|outer| outer.place as usize == place) {
+                force = plus(force, outer[0].force);
+                moment = plus(moment, outer[0].moment);
+                drive.dissipated += outer[0].dissipated;
+                drive.external += outer[0].external;
+                outer = &outer[1..];
+            }
+            if kind.clump != ALONE {
+                // Its clump moves it.
+                pushes[k] = [force, moment];
+                continue;
+            }
+            if kind.held {
+                drive.external -= of.step * (dot(force, ball.velocity) + dot(moment, ball.spin));
+            }
+            advance(ball, drive, *kind, (force, moment), (share, of));
+            fastest = fastest.max(dot(drive.velocity, drive.velocity));
+            let against = minus(drive.velocity, of.stream);
+            spread = spread.max(dot(against, against));
+            let error = if ball.position.iter().all(|x| x.abs() < FARTHEST) {
+                match of.cell.and_then(|cell| cell.outside(ball.position)) {
+                    Some(Outside::Stop) => GrainError::Outside { sphere: ball.number, step: of.number },
+                    leaves => {
+                        moved.leaves |= leaves.is_some();
+                        continue;
+                    }
+                }
+            } else {
+                GrainError::Lost { sphere: ball.number as usize, step: of.number }
+            };
+            if lost.as_ref().is_none_or(|(lowest, _)| ball.number < *lowest) {
+                lost = Some((ball.number, error));
+            }
         }
+        (moved.fastest, moved.spread) = (fastest.sqrt(), spread.sqrt());
+        lost.map_or(Ok(moved), Err)
     }
-    (moved.fastest, moved.spread) = (fastest.sqrt(), spread.sqrt());
-    lost.map_or(Ok(moved), Err)
 }
 
 /// A contact of a sphere: the places of its action and of its couple, and whether the sphere is its second.

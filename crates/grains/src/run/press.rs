@@ -12,7 +12,7 @@ use crate::run::batch::{Batch, Common, LANES};
 use crate::run::cell::{Repeats, RunBox};
 use crate::run::laws::Laws;
 use crate::run::level::{self, Level, Work};
-use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling};
+use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling, history};
 use crate::run::marks::Marks;
 use crate::vector::{cross, dot, minus, plus, times};
 
@@ -36,7 +36,7 @@ pub(crate) struct Pressing<'a> {
 /// The couples of the places of one chunk.
 struct Part<'a> {
     /// The first slot among those of all chunks.
-    begin: u32,
+    first_slot: u32,
     pairs: &'a [[u32; 2]],
     incident: &'a [[u32; 2]],
     touching: &'a Marks,
@@ -104,7 +104,7 @@ fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
         let own = first[begin] as usize..first[(begin + CHUNK).min(count)] as usize;
         let slots = own.len();
         parts.push(Part {
-            begin: own.start as u32,
+            first_slot: own.start as u32,
             pairs: &pairs[own.clone()],
             incident: &incident[own],
             touching,
@@ -208,8 +208,8 @@ impl Part<'_> {
 
     /// Lists the couples that may touch. Returns how many.
     ///
-    /// Those that may are mixed with those that cannot, in no order: a branch for each would be guessed
-    /// wrong, and would keep the processor from loading the spheres ahead of it.
+    /// Couples that may touch and others are mixed. The processor would guess a branch for each couple wrong,
+    /// and would not load the spheres ahead of it.
     #[inline(always)]
     fn list(&self, slots: &mut Vec<u32>) -> usize {
         // One place more, which is written last and not used.
@@ -285,7 +285,7 @@ impl Part<'_> {
         if self.acted[slot] == APART {
             self.begin(slot);
         }
-        self.acted[slot] = self.begin + place as u32;
+        self.acted[slot] = self.first_slot + place as u32;
         self.used += 1;
         place
     }
@@ -317,17 +317,15 @@ impl Part<'_> {
         }
     }
 
-    /// How far spheres will have moved, m, when two of them with this gap, m, may touch; a little less,
-    /// because numbers are rounded.
+    /// The travel, m, after which two spheres with this gap, m, may touch. It is rounded down,
+    /// by more than the rounding of positions.
     #[inline]
     fn due_of(&self, gap: f64) -> f32 {
         ((self.travel + gap) * (1.0 - 1e-6) - 1e-6 * self.skin) as f32
     }
 
     fn history(&self, slot: usize) -> ContactHistory {
-        let Memory { tangential, contact } = self.memories[slot];
-        let Rolling { spring: rolling, twisting, .. } = self.rolling.get(slot).copied().unwrap_or_default();
-        ContactHistory { tangential, contact, rolling, twisting }
+        history(self.memories[slot], self.rolling.get(slot))
     }
 
     /// Sets the memory of a couple, and its moment of rolling, N m.

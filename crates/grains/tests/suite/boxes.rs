@@ -4,11 +4,7 @@ use fdem_grains::*;
 /// Spheres on a lattice with gaps, which move in all directions, in a box that repeats along all axes.
 fn gas(servo: BoxServo, strain_rates: [f64; 3]) -> GrainModel {
     let side = 0.011;
-    let mut random = 7_u64;
-    let mut number = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (random >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut number = random(7);
     let cells: Vec<[f64; 3]> =
         (0..343).map(|k| [k % 7, k / 7 % 7, k / 49].map(|x| side * (f64::from(x) + 0.5))).collect();
     GrainModel {
@@ -18,14 +14,7 @@ fn gas(servo: BoxServo, strain_rates: [f64; 3]) -> GrainModel {
             positions: cells,
             ..Spheres::default()
         },
-        domain: Some(Domain {
-            low: [0.0; 3],
-            high: [7.0 * side; 3],
-            periodic: [true; 3],
-            strain_rates,
-            servo: Some(servo),
-            outside: Outside::Stop,
-        }),
+        domain: Some(Domain { strain_rates, servo: Some(servo), ..cube(7.0 * side) }),
         materials: vec![material(1e7, 0.25, 2500.0)],
         surfaces: vec![Surfaces { friction: 0.4, restitution: 0.4, ..Surfaces::smooth([0, 0]) }],
         // With eight contacts a sphere the dashpots need less than a fifth of the time of a Rayleigh wave.
@@ -90,7 +79,6 @@ fn a_triaxial_test_has_the_strength_of_its_friction() {
 
 #[test]
 fn threads_and_states_change_no_bit() {
-    let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
     let model =
         || gas(BoxServo { pressures: [Some(2e4), None, Some(1e4)], largest_rate: 3.0 }, [0.0, -0.5, 0.0]);
     let mut whole = GrainRun::new(model(), 1).expect("a model");

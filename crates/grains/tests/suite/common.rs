@@ -45,3 +45,28 @@ pub(crate) fn bounce(model: GrainModel) -> (GrainRun, f64, f64, f64) {
     }
     (run, force, overlap, time)
 }
+
+/// Numbers from 0 to 1, always the same for a seed.
+pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A box with one side, m, which repeats along all axes.
+pub(crate) fn cube(side: f64) -> Domain {
+    Domain {
+        low: [0.0; 3],
+        high: [side; 3],
+        periodic: [true; 3],
+        strain_rates: [0.0; 3],
+        servo: None,
+        outside: Outside::Stop,
+    }
+}
+
+/// The state of a run.
+pub(crate) fn bytes(run: &GrainRun) -> Vec<u8> {
+    postcard::to_allocvec(&run.state()).expect("bytes")
+}

@@ -42,7 +42,6 @@ fn tube(count: usize) -> GrainModel {
 
 #[test]
 fn threads_and_states_change_no_bit() {
-    let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
     let mut whole = GrainRun::new(tube(2000), 1).expect("a model");
     whole.advance(1500).expect("steps");
     let saved = bytes(&whole);
@@ -63,11 +62,7 @@ fn threads_and_states_change_no_bit() {
 /// box whose spheres also move fast against each other, and whose sizes differ by a factor of four.
 #[test]
 fn each_contact_of_a_fast_gas_is_found() {
-    let mut random = 1_u64;
-    let mut number = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (random >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut number = random(1);
     let cells = (0..512).map(|k| [k % 8, k / 8 % 8, k / 64].map(|x| 0.01 * (f64::from(x) + 0.5)));
     let positions: Vec<[f64; 3]> = cells.collect();
     let radii: Vec<f64> = positions.iter().map(|_| 0.0012 + 0.0035 * number()).collect();
@@ -75,14 +70,7 @@ fn each_contact_of_a_fast_gas_is_found() {
     let velocities = positions.iter().map(|_| [30.0, 0.0, 0.0].map(|v| v + 8.0 * (number() - 0.5))).collect();
     let model = GrainModel {
         spheres: Spheres { positions, radii: radii.clone(), velocities, ..Spheres::default() },
-        domain: Some(Domain {
-            low: [0.0; 3],
-            high: [side; 3],
-            periodic: [true; 3],
-            strain_rates: [0.0; 3],
-            servo: None,
-            outside: Outside::Stop,
-        }),
+        domain: Some(cube(side)),
         materials: vec![material(1e8, 0.25, 2500.0)],
         surfaces: vec![Surfaces { friction: 0.3, restitution: 0.9, ..Surfaces::smooth([0, 0]) }],
         ..GrainModel::default()
@@ -123,7 +111,6 @@ fn other(of: &GrainContact) -> usize {
 /// All vector instructions give the bits of the plain ones.
 #[test]
 fn levels_change_no_bit() {
-    let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
     let [hertz, hooke] = [ForceLaw::HertzMindlin, ForceLaw::Hooke { normal: 2000.0, tangential: 2.0 / 7.0 }];
     for law in [hertz, hooke] {
         for friction in [0.0, 0.5] {
@@ -237,14 +224,6 @@ fn spheres_that_come_in_keep_off_images() {
         group: 0,
         seed: 3,
     };
-    let domain = Domain {
-        low: [0.0; 3],
-        high: [side; 3],
-        periodic: [true; 3],
-        strain_rates: [0.0; 3],
-        servo: None,
-        outside: Outside::Stop,
-    };
     let model = GrainModel {
         spheres: Spheres {
             positions: (0..25).map(place).collect(),
@@ -254,7 +233,7 @@ fn spheres_that_come_in_keep_off_images() {
         materials: vec![material(1e7, 0.25, 2500.0)],
         surfaces: vec![Surfaces::smooth([0, 0])],
         insertions: vec![rain],
-        domain: Some(domain),
+        domain: Some(cube(side)),
         ..GrainModel::default()
     };
     let mut run = GrainRun::new(model, 1).expect("a model");

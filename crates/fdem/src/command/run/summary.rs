@@ -29,7 +29,7 @@ where
     let shares: Vec<String> = PARTS
         .iter()
         .zip(account.parts)
-        // One process sends no messages, and a model may have no spheres or nothing else.
+        // Parts that the model does not have take no time: messages of one process, spheres, joints.
         .filter(|(_, seconds)| *seconds > 0.0)
         .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
         .collect();
