@@ -14,6 +14,8 @@ pub struct Domain {
     /// Rates at which its sides grow about its centre, 1/s, relative to their present lengths. The spheres
     /// move along with it.
     pub strain_rates: [f64; 3],
+    /// Time from which they grow at these rates, s.
+    pub strain_from: f64,
     /// Pressures that it keeps up by growing and shrinking along axes that repeat.
     pub servo: Option<BoxServo>,
     /// The fate of a sphere whose centre leaves the box along an axis that does not repeat.
@@ -35,7 +37,8 @@ impl Domain {
 /// in it. The spheres move along with the box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxServo {
-    /// Pa, along the axes that have one; they repeat, and have a strain rate of 0.
+    /// Pa, along the axes that have one; they repeat. Where a side has a strain rate, too, its pressure is kept
+    /// up until [`Domain::strain_from`].
     pub pressures: [Option<f64>; 3],
     /// The largest rate at which a side grows or shrinks, 1/s, relative to its length.
     pub largest_rate: f64,

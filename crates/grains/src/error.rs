@@ -58,6 +58,18 @@ pub enum GrainError {
         /// The step.
         step: u64,
     },
+    /// The step is too long for the springs and dashpots across the contacts of a sphere, which would turn to
+    /// and fro ever faster.
+    Unstable {
+        /// The sphere.
+        sphere: u32,
+        /// Its contacts that do not slide.
+        contacts: usize,
+        /// The step, s.
+        step: f64,
+        /// A step that is stable, s.
+        longest: f64,
+    },
     /// A sphere has left the box along an axis that does not repeat.
     Outside {
         /// The sphere.
@@ -94,6 +106,11 @@ impl fmt::Display for GrainError {
             Self::Lost { sphere, step } => {
                 write!(out, "sphere {sphere} has no place after step {step}: take a shorter step")
             }
+            Self::Unstable { sphere, contacts, step, longest } => write!(
+                out,
+                "the step of {step:.1e} s is too long for sphere {sphere}, which touches {contacts} others: take at \
+                 most {longest:.1e} s"
+            ),
             Self::Outside { sphere, step } => write!(out, "sphere {sphere} has left the box in step {step}"),
             Self::Box { axis, length, least } => write!(
                 out,

@@ -19,6 +19,7 @@ mod reduced;
 use crate::adhesion;
 use crate::material::{ForceLaw, GrainMaterial, Surfaces};
 use crate::restitution::damping_ratio;
+use crate::servo::Answer;
 use crate::vector::{Vector, across, cross, dot, length, minus, plus, times};
 
 /// The memory of a contact from step to step.
@@ -140,6 +141,26 @@ impl PairLaw {
         match self.law {
             ForceLaw::HertzMindlin => 8.0 * self.shear * contact,
             ForceLaw::Hooke { normal, tangential } => normal * tangential,
+        }
+    }
+
+    /// Stiffness, N/m, and dashpot, N s/m, along the normal of a contact of a mass, kg.
+    pub(crate) fn answer(&self, history: &ContactHistory, mass: f64) -> Answer {
+        let stiffness = self.stiffness(history.contact);
+        Answer { stiffness, damping: self.damping * (stiffness * mass).sqrt() }
+    }
+
+    /// Stiffness, N/m, and dashpot, N s/m, across the normal of a contact of a mass, kg.
+    pub(crate) fn answer_across(&self, history: &ContactHistory, mass: f64) -> Answer {
+        let stiffness = self.tangential_stiffness(history.contact);
+        Answer { stiffness, damping: self.damping * (stiffness * mass).sqrt() }
+    }
+
+    /// Radius of the contact of two bodies without adhesion with this reduced radius, m, under a force, N.
+    pub(crate) fn contact_under(&self, force: f64, radius: f64) -> f64 {
+        match self.law {
+            ForceLaw::HertzMindlin => libm::cbrt(0.75 * force * radius / self.young),
+            ForceLaw::Hooke { normal, .. } => (radius * force / normal).sqrt(),
         }
     }
 

@@ -31,6 +31,7 @@ pub(crate) mod on_walls;
 pub(crate) mod order;
 pub(crate) mod press;
 pub(crate) mod report;
+pub(crate) mod stability;
 pub(crate) mod state;
 
 use std::sync::Arc;
@@ -69,6 +70,9 @@ const ARRANGE: u64 = 8;
 
 /// Steps after which spheres come in and are removed.
 const CHANGE: u64 = 32;
+
+/// Number of steps from one look at the stability of the step to the next one.
+const STABLE: u64 = 64;
 
 /// A run of spheres.
 ///
@@ -413,6 +417,9 @@ impl GrainRun {
         let (laws, simd, step) = (&self.laws, self.simd, self.time_step);
         let cell = self.cell.as_ref();
         press(Pressing { balls: &self.balls, laws, cell, simd, step }, &mut self.lists)?;
+        if self.step.is_multiple_of(STABLE) {
+            stability::check(&self.balls, &self.lists, laws, step)?;
+        }
         self.outer.clear();
         let of =
             OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };
@@ -487,7 +494,8 @@ impl GrainRun {
         let half = -0.5 * self.time_step;
         self.gone.external += cell.motion.later + half * dot(cell.rates(), virial.work);
         let volume = cell.lengths.iter().product();
-        servo.follow(&mut cell.motion, &virial, volume, self.time_step);
+        let own = cell.strain_rates();
+        servo.follow((&mut cell.motion, own), &virial, volume, self.time_step);
         cell.motion.later = half * dot(cell.rates(), virial.work);
     }
 

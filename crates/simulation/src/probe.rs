@@ -148,7 +148,8 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
         wall: u32,
     },
     /// Number, coordination, solid fraction, kinetic energy, J, mean stress, Pa, tension positive,
-    /// `[xx, yy, zz, xy, yz, xz]`, and fabric of the spheres whose centres are in a region.
+    /// `[xx, yy, zz, xy, yz, xz]`, and fabric of the spheres whose centres are in a region, and the lengths of
+    /// its sides, m: the third is the thickness of discs.
     ///
     /// Contacts are those at the beginning of the last step. The coordination is their mean number for each
     /// of these spheres, with walls and bodies. The stress is `Σ r f / V` over the contacts of these spheres
@@ -157,7 +158,7 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// that of the velocities half a step before the positions, with rotations.
     Spheres {
         /// A box, by its lowest and its highest corner, m; in the plane without its third axis. `None` for
-        /// the box around all spheres.
+        /// the box around all spheres; along axes that repeat it is one period.
         region: Option<[[f64; 3]; 2]>,
     },
 }

@@ -139,6 +139,7 @@ fn chute(scale: f64) -> Domain {
         high: [scale * CHUTE[0], scale * CHUTE[1], 4.0 * CHUTE[2]],
         periodic: [true, true, false],
         strain_rates: [0.0; 3],
+        strain_from: 0.0,
         servo: None,
         outside: Outside::Stop,
     }

@@ -29,7 +29,7 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 28] = [
+pub(crate) const TEMPLATES: [Template; 29] = [
     Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
@@ -54,6 +54,7 @@ pub(crate) const TEMPLATES: [Template; 28] = [
     template!("funnel_3d", "funnel.stl"),
     template!("gravel_cushion_3d"),
     template!("impact_3d"),
+    template!("periodic_triaxial_3d"),
     template!("pillar_3d"),
     template!("rotating_drum_3d"),
     template!("stairs_3d"),

@@ -76,12 +76,6 @@ impl PairLaw {
         of(overlap) - pass.filter(|&overlap| overlap > 0.0).map_or(0.0, of)
     }
 
-    /// Stiffness, N/m, and dashpot, N s/m, along the normal of a contact of a mass, kg.
-    pub(crate) fn answer(&self, history: &ContactHistory, mass: f64) -> Answer {
-        let stiffness = self.stiffness(history.contact);
-        Answer { stiffness, damping: self.damping * (stiffness * mass).sqrt() }
-    }
-
     /// Elastic force at the overlap of a pass, N; 0 without one.
     pub(crate) fn pass_force(&self, overlap: Option<f64>, radius: f64) -> f64 {
         self.pass(overlap, radius).1

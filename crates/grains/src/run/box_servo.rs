@@ -77,10 +77,20 @@ impl BoxServo {
     ///
     /// A rate is the one for which springs and dashpots of the contacts change the pressure by the wanted
     /// amount, as that of the servo of a wall: `GAIN V (found - wanted) = K u dt + C (u - u before)`. Without
-    /// contacts it is the largest.
-    pub(crate) fn follow(&self, motion: &mut BoxMotion, virial: &Virial, volume: f64, step: f64) {
+    /// contacts it is the largest. A side with a rate of its own, 1/s, has no other.
+    pub(crate) fn follow(
+        &self,
+        (motion, own): (&mut BoxMotion, Vector),
+        virial: &Virial,
+        volume: f64,
+        step: f64,
+    ) {
         for axis in 0..3 {
             let Some(pressure) = self.pressures[axis] else { continue };
+            if own[axis] != 0.0 {
+                motion.rates[axis] = 0.0;
+                continue;
+            }
             let excess = virial.work[axis] - pressure * volume;
             let change = GAIN * excess + virial.damping[axis] * motion.rates[axis];
             let answer = virial.stiffness[axis] * step + virial.damping[axis];

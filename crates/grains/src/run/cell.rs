@@ -27,6 +27,8 @@ pub(crate) struct RunBox {
     pub(crate) lengths: Vector,
     /// The part of the motion of its sides that its servo causes.
     pub(crate) motion: BoxMotion,
+    /// Whether the time has come from which its sides have strain rates.
+    is_strained: bool,
 }
 
 /// The lengths of a box by which its spheres repeat, m: 0 along other axes, along which no half is too far.
@@ -54,16 +56,24 @@ impl Repeats {
 
 impl RunBox {
     pub(crate) fn new(domain: Domain) -> Self {
-        let mut cell = Self { domain, low: domain.low, lengths: [0.0; 3], motion: BoxMotion::default() };
+        let mut cell = Self {
+            domain,
+            low: domain.low,
+            lengths: [0.0; 3],
+            motion: BoxMotion::default(),
+            is_strained: false,
+        };
         cell.grow(0.0);
         cell
     }
 
     /// The box at a time, s: its centre stays.
     pub(crate) fn grow(&mut self, time: f64) {
-        let Domain { low, high, strain_rates, .. } = self.domain;
+        let Domain { low, high, strain_rates, strain_from, .. } = self.domain;
+        self.is_strained = time >= strain_from;
+        let strained = (time - strain_from).max(0.0);
         for axis in 0..3 {
-            let factor = libm::exp(strain_rates[axis] * time + self.motion.strains[axis]);
+            let factor = libm::exp(strain_rates[axis] * strained + self.motion.strains[axis]);
             let (centre, half) = (0.5 * (low[axis] + high[axis]), 0.5 * (high[axis] - low[axis]) * factor);
             (self.low[axis], self.lengths[axis]) = (centre - half, 2.0 * half);
         }
@@ -79,7 +89,13 @@ impl RunBox {
 
     /// Rates at which the sides grow, 1/s.
     pub(crate) fn rates(&self) -> Vector {
-        plus(self.domain.strain_rates, self.motion.rates)
+        plus(self.strain_rates(), self.motion.rates)
+    }
+
+    /// The rates that it has by itself at this time, 1/s.
+    #[inline(always)]
+    pub(crate) fn strain_rates(&self) -> Vector {
+        if self.is_strained { self.domain.strain_rates } else { [0.0; 3] }
     }
 
     /// Whether its sides grow or shrink.

@@ -17,10 +17,20 @@ fn gas(servo: BoxServo, strain_rates: [f64; 3]) -> GrainModel {
         domain: Some(Domain { strain_rates, servo: Some(servo), ..cube(7.0 * side) }),
         materials: vec![material(1e7, 0.25, 2500.0)],
         surfaces: vec![Surfaces { friction: 0.4, restitution: 0.4, ..Surfaces::smooth([0, 0]) }],
-        // With eight contacts a sphere the dashpots need less than a fifth of the time of a Rayleigh wave.
-        step: Some(2e-5),
         ..GrainModel::default()
     }
+}
+
+/// A third of the time step of a Rayleigh wave keeps a dense packing stable; the whole of it does not.
+#[test]
+fn a_step_that_is_too_long_for_many_contacts_is_refused() {
+    let model = GrainModel { step: Some(5e-5), ..gas(CONFINED, [0.0; 3]) };
+    assert!(GrainModel { step: None, ..model.clone() }.safe_step() < 3e-5);
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    let error = run.advance(10_000).expect_err("too long a step");
+    assert!(matches!(error, GrainError::Unstable { contacts: 4..=12, .. }), "{error}");
+    let message = error.to_string();
+    assert!(message.starts_with("the step of 5.0e-5 s is too long for sphere "), "{message}");
 }
 
 const CONFINED: BoxServo = BoxServo { pressures: [Some(2e4); 3], largest_rate: 2.0 };

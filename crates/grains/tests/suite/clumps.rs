@@ -169,7 +169,7 @@ fn rods_that_fall_into_a_tube_keep_the_balance_of_energy() {
 fn threads_and_states_change_no_bit_of_clumps() {
     let bytes = |run: &GrainRun| postcard::to_allocvec(&run.state()).expect("bytes");
     let mut whole = GrainRun::new(rods(120), 1).expect("a model");
-    whole.advance(2000).expect("steps");
+    whole.advance(3000).expect("steps");
     let saved = bytes(&whole);
     whole.advance(1000).expect("steps");
     assert!(whole.contacts().len() > 50, "{}", whole.contacts().len());

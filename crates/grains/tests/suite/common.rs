@@ -61,6 +61,7 @@ pub(crate) fn cube(side: f64) -> Domain {
         high: [side; 3],
         periodic: [true; 3],
         strain_rates: [0.0; 3],
+        strain_from: 0.0,
         servo: None,
         outside: Outside::Stop,
     }

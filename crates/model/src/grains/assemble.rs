@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use fdem_mesh::Corners;
 use fdem_simulation::Material;
-use fdem_simulation::grains::{Clump, ClumpShape, Domain, ForceLaw, GrainModel, Outside, Wall};
+use fdem_simulation::grains::{BoxServo, Clump, ClumpShape, Domain, ForceLaw, GrainModel, Outside, Wall};
 
 use crate::grains::overlaps::Beginning;
 use crate::grains::spheres::{self, Balls, PlacedSpheres, in_space};
@@ -260,7 +260,8 @@ fn domain(of: &file::Domain) -> Domain {
         high: axes.map(|(axis, _)| component(high, axis, f64::INFINITY)),
         periodic: axes.map(|(_, axis)| of.periodic.contains(&axis)),
         strain_rates: of.strain_rate.as_ref().map_or([0.0; 3], in_space),
-        servo: None,
+        strain_from: of.strain_from,
+        servo: of.servo.map(|servo| BoxServo { pressures: servo.pressures(), largest_rate: servo.rate }),
         outside: match of.outside {
             OutsideWord::Stop => Outside::Stop,
             OutsideWord::Delete => Outside::Delete,

@@ -5,7 +5,9 @@ use crate::grains::spheres::{radius_fault, spin_fault};
 use crate::grains::{coming_checks, wall_checks};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
-use crate::text::file::{ClumpOrientation, Domain, DomainAxis, GrainRegion, Grains, ModelFile, SphereLaw};
+use crate::text::file::{
+    ClumpOrientation, Domain, DomainAxis, DomainServo, GrainRegion, Grains, ModelFile, SphereLaw,
+};
 
 /// Checks all tables of spheres and walls.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -165,11 +167,15 @@ impl GrainPlace<'_> {
             faults.push(self.at_key("orientation", message).label("without clump"));
             return;
         }
-        let grows = file.domain.as_ref().and_then(|domain| domain.strain_rate.as_ref());
-        if grains.clump.is_some() && grows.is_some_and(|rates| rates.0.iter().any(|rate| *rate != 0.0)) {
-            let message = format!("{title}: clumps cannot follow a [domain] with a strain_rate");
-            let fault = self.at_key("clump", message).label("does not follow the domain");
-            faults.push(fault.help("take strain_rate out, or write single spheres"));
+        let rates = file.domain.as_ref().and_then(|domain| domain.strain_rate.as_ref());
+        let is_strained = rates.is_some_and(|rates| rates.0.iter().any(|rate| *rate != 0.0));
+        let has_servo = file.domain.as_ref().is_some_and(|domain| domain.servo.is_some());
+        for (key, grows) in [("strain_rate", is_strained), ("servo", has_servo)] {
+            if grains.clump.is_some() && grows {
+                let message = format!("{title}: clumps cannot follow a [domain] with a {key}");
+                let fault = self.at_key("clump", message).label("does not follow the domain");
+                faults.push(fault.help(format!("take {key} out, or write single spheres")));
+            }
         }
         let is_right = match grains.orientation {
             None | Some(ClumpOrientation::Random(_)) => true,
@@ -277,6 +283,44 @@ fn check_domain(file: &ModelFile, domain: &Domain, document: &Document<'_>, faul
             .label("0 here")
             .help(format!("add \"{name}\" to periodic, or move walls")),
         );
+    }
+    if let Some(servo) = &domain.servo {
+        check_servo(domain, servo, document, faults);
+    }
+}
+
+/// The servo of a domain has pressures, along axes that repeat and have no strain rate at the same time.
+fn check_servo(domain: &Domain, servo: &DomainServo, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    let table = Table::one("domain");
+    let pressures = servo.pressures();
+    if pressures == [None; 3] {
+        faults.push(
+            Fault::at(document.key(table, "servo"), "the servo of the domain has no pressure")
+                .label("no effect")
+                .help(
+                    "write servo = { x = …, y = …, z = …, rate = … }, with a pressure along one axis or more",
+                ),
+        );
+    }
+    let axes = [("x", DomainAxis::X), ("y", DomainAxis::Y), ("z", DomainAxis::Z)];
+    for ((axis, (name, word)), _) in
+        axes.into_iter().enumerate().zip(pressures).filter(|(_, of)| of.is_some())
+    {
+        let at = document.key(table, &format!("servo.{name}"));
+        if !domain.periodic.contains(&word) {
+            let message =
+                format!("the domain does not repeat along {name}, and cannot keep up a pressure there");
+            let fault = Fault::at(at.clone(), message).label("does not repeat");
+            faults.push(fault.help(format!("add \"{name}\" to periodic, or give a wall a servo")));
+        }
+        let rate = domain.strain_rate.as_ref().and_then(|rates| rates.0.get(axis)).copied().unwrap_or(0.0);
+        if rate != 0.0 && domain.strain_from == 0.0 {
+            let message =
+                format!("the domain has a pressure and a strain rate along {name} at the same time");
+            let fault = Fault::at(at, message).label("or the rate of strain_rate");
+            faults
+                .push(fault.help("give strain_from, the time at which the strain rate follows the pressure"));
+        }
     }
 }
 

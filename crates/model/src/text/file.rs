@@ -30,9 +30,9 @@ pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
 pub use coming::{BoxRegion, SphereInsertion, SphereRemoval};
 pub use condition::{Servo, Until};
 pub use grains::{
-    ClumpOrientation, ClumpSphere, Domain, DomainAxis, GrainRadius, GrainRegion, Grains, NormalRadius,
-    OutsideWord, RoundRegion, SphereLaw, SphereOptions, Wall, WallBox, WallCircle, WallCone, WallDisc,
-    WallPlane, WallServo, WallTube,
+    ClumpOrientation, ClumpSphere, Domain, DomainAxis, DomainServo, GrainRadius, GrainRegion, Grains,
+    NormalRadius, OutsideWord, RoundRegion, SphereLaw, SphereOptions, Wall, WallBox, WallCircle, WallCone,
+    WallDisc, WallPlane, WallServo, WallTube,
 };
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;

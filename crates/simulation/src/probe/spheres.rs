@@ -23,7 +23,7 @@ pub(super) const WALL: [(&str, &str); 9] = [
 ];
 
 /// Names and units of the means over spheres.
-pub(super) const SPHERES: [(&str, &str); 16] = [
+pub(super) const SPHERES: [(&str, &str); 19] = [
     ("spheres", "1"),
     ("coordination", "1"),
     ("solid_fraction", "1"),
@@ -40,18 +40,23 @@ pub(super) const SPHERES: [(&str, &str); 16] = [
     ("fabric_xy", "1"),
     ("fabric_yz", "1"),
     ("fabric_xz", "1"),
+    ("lx", "m"),
+    ("ly", "m"),
+    ("lz", "m"),
 ];
 
 /// Number of sums over spheres: number of spheres and of their contacts, volume of the spheres, kinetic
-/// energy, stress times volume, sum of `n n` over the contacts, and volume of the region.
-pub(super) const SUMS: usize = SPHERES.len() + 1;
+/// energy, stress times volume, sum of `n n` over the contacts, and sides of the region.
+pub(super) const SUMS: usize = SPHERES.len();
 
 /// The means over spheres from their sums.
 pub(super) fn means(sums: &[f64]) -> Vec<f64> {
-    let [count, contacts, volume, kinetic, .., region] = *sums else { return Vec::new() };
+    let [count, contacts, volume, kinetic, .., x, y, z] = *sums else { return Vec::new() };
+    let region = x * y * z;
     let stress = sums[4..10].iter().map(|sum| sum / region);
     let fabric = sums[10..16].iter().map(|sum| sum / contacts);
-    [count, contacts / count, volume / region, kinetic].into_iter().chain(stress).chain(fabric).collect()
+    let first = [count, contacts / count, volume / region, kinetic];
+    first.into_iter().chain(stress).chain(fabric).chain([x, y, z]).collect()
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -69,15 +74,17 @@ where
     }
 
     /// Visits sums over the spheres whose centres are in a region, a box by its lowest and its highest
-    /// corner, m; `None` for the box around all spheres.
+    /// corner, m; `None` for the box around all spheres, and along axes that repeat for their period.
     pub(super) fn visit_spheres(&self, region: Option<[Point<3>; 2]>, mut visit: impl FnMut(&[f64; SUMS])) {
         let Some(run) = self.actions.spheres.run() else { return };
         let columns = run.columns();
         let [low, high] = region.unwrap_or_else(|| around(&columns));
         let axes = 0..if columns.discs.is_some() { 2 } else { 3 };
-        let sizes = axes.clone().map(|axis| high[axis] - low[axis]);
         let mut sums = [0.0; SUMS];
-        sums[SUMS - 1] = sizes.product::<f64>() * columns.discs.unwrap_or(1.0);
+        for axis in 0..3 {
+            let side = if axes.contains(&axis) { Some(high[axis] - low[axis]) } else { columns.discs };
+            sums[SUMS - 3 + axis] = side.unwrap_or(1.0);
+        }
         visit(&sums);
         let inside: Vec<bool> = columns
             .positions
@@ -105,7 +112,7 @@ where
                 GrainPartner::Wall(_) | GrainPartner::Facet(_) => [Some((contact.sphere, 1.0)), None],
             };
             for (sphere, sign) in ends.into_iter().flatten().filter(|of| inside[of.0 as usize]) {
-                let arm = minus(contact.place, columns.positions[sphere as usize]);
+                let arm = nearest(minus(contact.place, columns.positions[sphere as usize]), columns.period);
                 let force = contact.force.map(|f| sign * f);
                 let size = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
                 let mut sums = [0.0; SUMS];
@@ -129,5 +136,19 @@ fn around(columns: &SphereColumns) -> [Point<3>; 2] {
             corners[1][axis] = corners[1][axis].max(centre[axis] + radius);
         }
     }
+    let [low, lengths] = columns.period.unwrap_or([[0.0; 3], [f64::INFINITY; 3]]);
+    for axis in (0..3).filter(|&axis| lengths[axis].is_finite()) {
+        (corners[0][axis], corners[1][axis]) = (low[axis], low[axis] + lengths[axis]);
+    }
     corners
+}
+
+/// A vector to the nearest image of a point in a box: its lowest corner and lengths, m.
+fn nearest(apart: Point<3>, period: Option<[Point<3>; 2]>) -> Point<3> {
+    let Some([_, lengths]) = period else { return apart };
+    let along = |axis: usize| {
+        let periods = (apart[axis] / lengths[axis]).round();
+        if periods == 0.0 { apart[axis] } else { apart[axis] - periods * lengths[axis] }
+    };
+    [along(0), along(1), along(2)]
 }

@@ -152,6 +152,48 @@ fn probes_measure_walls_and_spheres() {
     assert!((all[3] / run.energies().kinetic - 1.0).abs() < 0.05, "{} {:?}", all[3], run.energies());
 }
 
+/// The stress of all spheres of a box that repeats is the pressure that its servo keeps up: contacts across its
+/// sides count, with the distance to the nearest image.
+#[test]
+fn the_stress_of_a_periodic_box_is_the_pressure_of_its_servo() {
+    let side = 0.044;
+    let pressures = [Some(4e3), Some(2e3), Some(3e3)];
+    let radii: Vec<f64> = (0..64).map(|k| 0.0048 + 0.0001 * f64::from(k % 7)).collect();
+    let volume = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum::<f64>();
+    let grains = GrainModel {
+        spheres: Spheres {
+            positions: (0..64)
+                .map(|k| [k % 4, k / 4 % 4, k / 16].map(|x| 0.011 * (f64::from(x) + 0.5)))
+                .collect(),
+            radii,
+            ..Spheres::default()
+        },
+        domain: Some(grains::Domain {
+            low: [0.0; 3],
+            high: [side; 3],
+            periodic: [true; 3],
+            strain_rates: [0.0; 3],
+            strain_from: 0.0,
+            servo: Some(grains::BoxServo { pressures, largest_rate: 2.0 }),
+            outside: grains::Outside::Stop,
+        }),
+        surfaces: surfaces(0.4, 0.3),
+        walls: Vec::new(),
+        gravity: [0.0; 3],
+        ..heap()
+    };
+    let mut run = Simulation::new(alone(grains), 1).expect("a model");
+    run.advance((0.5 / run.time_step()) as u64).expect("steps");
+    let [values] = &run.measure(&[Probe::Spheres { region: None }])[..] else { panic!("one probe") };
+    for axis in 0..3 {
+        let wanted = pressures[axis].unwrap_or(0.0);
+        assert!((values[4 + axis] / -wanted - 1.0).abs() < 0.01, "{values:?}");
+    }
+    let [x, y, z] = [values[16], values[17], values[18]];
+    assert!((values[2] * x * y * z / volume - 1.0).abs() < 1e-12, "{values:?}");
+    assert!(x < 0.99 * side && y < 0.99 * side && z < 0.99 * side, "{values:?}");
+}
+
 /// Surfaces of the first material with itself.
 fn surfaces(restitution: f64, friction: f64) -> Vec<Surfaces> {
     vec![Surfaces { restitution, friction, ..Surfaces::smooth([0, 0]) }]

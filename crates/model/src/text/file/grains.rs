@@ -424,10 +424,49 @@ pub struct Domain {
     #[serde(default)]
     #[schemars(extend("x-unit" = "1/s"))]
     pub strain_rate: Option<Vector>,
+    /// Time from which the sides grow at `strain_rate`, s. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "s"))]
+    pub strain_from: f64,
+    /// Pressures that the spheres keep up along axes that repeat: the box grows and shrinks for that. The
+    /// spheres move along. Default: none.
+    #[serde(default)]
+    pub servo: Option<DomainServo>,
     /// The fate of a sphere whose centre leaves the box along other axes: "stop" ends the run with an
     /// error that names it, "delete" removes it. Default: "stop".
     #[serde(default)]
     pub outside: OutsideWord,
+}
+
+/// Pressures that a box keeps up. The pressure along an axis is force times distance of the centres along it,
+/// summed over all contacts of spheres, over the volume of the box.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "domain_servo")]
+pub struct DomainServo {
+    /// Pressure along x, Pa; without it the box keeps its length. An axis with a `strain_rate` keeps its
+    /// pressure up until `strain_from`.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
+    pub x: Option<f64>,
+    /// Pressure along y, Pa.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
+    pub y: Option<f64>,
+    /// Pressure along z, Pa.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "Pa"))]
+    pub z: Option<f64>,
+    /// Largest rate at which a side grows or shrinks, 1/s, relative to its length.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1/s"))]
+    pub rate: f64,
+}
+
+impl DomainServo {
+    /// The pressures along the axes, Pa.
+    pub(crate) fn pressures(&self) -> [Option<f64>; 3] {
+        [self.x, self.y, self.z]
+    }
 }
 
 /// An axis.

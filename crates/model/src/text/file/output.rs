@@ -176,7 +176,8 @@ pub struct History {
     #[serde(default)]
     pub wall: Option<String>,
     /// true: the spheres in the `box`, or all: their number, coordination (contacts of a sphere in the mean),
-    /// solid fraction, kinetic energy, J, mean stress by Love and Weber, Pa, tension positive, and fabric.
+    /// solid fraction, kinetic energy, J, mean stress by Love and Weber, Pa, tension positive, fabric, and the
+    /// sides of the region, m. All spheres of a `[domain]` that repeats are in its box.
     #[serde(default)]
     pub grains: bool,
     /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken,
