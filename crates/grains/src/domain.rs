@@ -37,8 +37,8 @@ impl Domain {
 /// in it. The spheres move along with the box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxServo {
-    /// Pa, along the axes that have one; they repeat. Where a side has a strain rate, too, its pressure is kept
-    /// up until [`Domain::strain_from`].
+    /// Pa, along the axes that have one; they repeat. Where a side has a strain rate, too, its pressure is
+    /// kept up until [`Domain::strain_from`].
     pub pressures: [Option<f64>; 3],
     /// The largest rate at which a side grows or shrinks, 1/s, relative to its length.
     pub largest_rate: f64,

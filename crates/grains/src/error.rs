@@ -63,7 +63,7 @@ pub enum GrainError {
     Unstable {
         /// The sphere.
         sphere: u32,
-        /// Its contacts that do not slide.
+        /// The number of its contacts that do not slide.
         contacts: usize,
         /// The step, s.
         step: f64,

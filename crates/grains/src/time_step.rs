@@ -16,7 +16,7 @@ const FALL: f64 = 0.05;
 /// Contacts of a sphere in a dense packing, for which a step is stable.
 const CONTACTS: f64 = 10.0;
 
-/// What a step must be stable for: the sums over contacts of stiffness, 1/s², and of dashpots, 1/s, over the
+/// Sums over contacts, for which a step must be stable: of stiffness, 1/s², and of dashpots, 1/s, over the
 /// inertia that they move.
 ///
 /// The force across the normal at a step takes the slip of that step with the velocity at its end. For a
@@ -93,9 +93,9 @@ impl GrainModel {
         (RAYLEIGH * wave).min(IMPACT * impact(speed)).min(FALL * impact(fall))
     }
 
-    /// The longest stable step of a sphere of a radius, m, and a material, s, with [`CONTACTS`] spheres like it
-    /// around it. The pressure between them is that under a column of the spheres as high as a fall that ends
-    /// at a speed, m/s, and the one that servos keep up, Pa.
+    /// The longest stable step of a sphere of a radius, m, and a material, s, with [`CONTACTS`] spheres like
+    /// it around it. The pressure between them is that under a column of the spheres as high as a fall that
+    /// ends at a speed, m/s, and the one that servos keep up, Pa.
     ///
     /// The fastest mode is the one in which all turn the same way: contacts slip by twice the radius, and two
     /// thirds of them lie across the axis.

@@ -1,5 +1,6 @@
 //! Quantities that a run records.
 
+pub(crate) mod coarse;
 pub(crate) mod probes;
 pub(crate) mod settings;
 pub(crate) mod curves;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::grains::checks;
-use crate::output::probes;
+use crate::output::{coarse, probes};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{self, Gravity, ModelFile, Side};
@@ -90,6 +90,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         faults.extend(wrong_axis(boundary.rotation.as_ref(), d, document, table));
         flat_boundary(boundary, d, (document, table), faults);
     }
+    vectors.extend(
+        coarse::length(file, d).map(|(table, key, found, wanted)| (table, key.to_owned(), found, wanted)),
+    );
     for (index, history) in file.history.iter().enumerate() {
         let node = history.node.as_ref().map(|node| node.0.len());
         vectors.extend(node.map(|found| (Table::of("history", index), "node".to_owned(), found, d)));

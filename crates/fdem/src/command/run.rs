@@ -8,6 +8,7 @@ mod earlier;
 mod emission;
 mod engine;
 pub(crate) mod folder;
+pub(crate) mod frame_files;
 pub(crate) mod intact;
 mod log;
 mod manifest;

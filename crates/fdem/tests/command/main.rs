@@ -21,6 +21,7 @@
 //! - `earlier`: runs that begin with the end of another one.
 //! - `balance`: the energy balance at the end of a run.
 //! - `runs`: simulations, interrupted and killed.
+//! - `spheres`: files of runs of spheres.
 //! - `series`: files of several frames, each with its box, of any format.
 //! - `sweeps`: many runs of one model.
 //! - `drawings`: pictures, plots and reports.
@@ -52,6 +53,7 @@ mod rigid;
 mod runs;
 mod scaling;
 mod series;
+mod spheres;
 mod stages;
 mod sweeps;
 

@@ -85,9 +85,9 @@ impl BoxServo {
         volume: f64,
         step: f64,
     ) {
-        for axis in 0..3 {
+        for (axis, own) in own.into_iter().enumerate() {
             let Some(pressure) = self.pressures[axis] else { continue };
-            if own[axis] != 0.0 {
+            if own != 0.0 {
                 motion.rates[axis] = 0.0;
                 continue;
             }

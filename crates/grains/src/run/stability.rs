@@ -15,8 +15,8 @@ const NEARLY: f64 = 0.999;
 /// Share of the longest stable step of a sphere among others at rest, beyond which no packing was stable.
 const CERTAIN: f64 = 0.8;
 
-/// Checks that the step is not too long for the springs and dashpots across the contacts of any sphere. Contacts
-/// that slide, and those with walls and bodies, do not count; nor do clumps.
+/// Checks that the step is not too long for the springs and dashpots across the contacts of any sphere.
+/// Contacts that slide, and those with walls and bodies, do not count; nor do clumps.
 ///
 /// # Errors
 /// [`GrainError::Unstable`] with the sphere that needs the shortest step.

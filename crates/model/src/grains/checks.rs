@@ -21,7 +21,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     if !file.has_spheres() {
         for table in ["wall", "spheres", "domain", "delete"] {
             if is_named(table) && !are_spheres {
-                let message = format!("\"{table}\" is for spheres, and there are no [[grains]]");
+                let message =
+                    format!("\"{table}\" is for spheres, and there are no [[grains]] and no [[insertion]]");
                 faults.push(Fault::at(document.key(Table::one(table), ""), message).label("no effect"));
             }
         }

@@ -2,7 +2,7 @@
 
 use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
 
-use crate::output::probes;
+use crate::output::{coarse, probes};
 use crate::prepared::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 use crate::shapes::placed::{self, Placed, is_body};
 use crate::text::document::{Document, Table};
@@ -55,6 +55,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 .label("empty"),
         );
     }
+    coarse::check(file, document, faults);
     for (index, name) in output.fragments.iter().flatten().enumerate() {
         if is_body(file, name) {
             continue;
@@ -137,6 +138,7 @@ pub(crate) fn settings<const D: usize, const N: usize>(
             bodies.map(|body| body as u32).collect()
         }),
         emission: output.acoustic_emission,
+        coarse: output.coarse.as_ref().map(coarse::grid),
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),

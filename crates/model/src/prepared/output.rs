@@ -1,6 +1,6 @@
 //! Settings of the output, and quantities to record over time.
 
-use fdem_results::Field;
+use fdem_results::{CoarseGrid, Field};
 use serde::Serialize;
 
 use crate::text::file::AcousticEmission;
@@ -23,6 +23,8 @@ pub struct OutputSettings {
     pub fragments: Option<Vec<u32>>,
     /// How breaks are put together to events of acoustic emission; `None` if they are not.
     pub emission: Option<AcousticEmission>,
+    /// Grid on which frames show spheres as a continuum; `None` if they do not.
+    pub coarse: Option<CoarseGrid>,
     /// Interval of checkpoints.
     pub checkpoint: Checkpoint,
     /// Time between rows of the history, s.

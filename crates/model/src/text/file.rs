@@ -37,7 +37,7 @@ pub use grains::{
 pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
-pub use output::{AcousticEmission, Animate, Curve, History, Mean, Measured, Output};
+pub use output::{AcousticEmission, Animate, Coarse, Curve, History, Mean, Measured, Output};
 pub use principal::Principal;
 pub use scaling::MassScaling;
 pub use stage::{Release, Stage};

@@ -1,8 +1,9 @@
 //! Spheres and walls: tables that are right, and mistakes with their lines.
 
 use fdem_model::{AnyPrepared, Prepared, prepare_any};
+use fdem_results::CoarseGrid;
 use fdem_simulation::Probe;
-use fdem_simulation::grains::{ForceLaw, GrainModel, WallShape};
+use fdem_simulation::grains::{BoxServo, ForceLaw, GrainModel, WallShape};
 
 /// A model of spheres that is right.
 const HEAP: &str = r#"[model]
@@ -409,6 +410,17 @@ fn laws_and_domains() {
     assert_eq!(of.strain_rates, [0.1, 0.0, 0.0]);
     refused(&domain.replace("[0.1, 0, 0]", "[0.1, 0, 1]"), "strain_rate", &["does not repeat along z"]);
     refused(&domain.replace("1, 1, 2]", "1, -1, 2]"), "box", &["inside out"]);
+    let servo = domain.replace(
+        "outside = \"delete\"",
+        "strain_from = \"20 ms\"\nservo = { x = \"1 kPa\", y = 500, rate = 2 }",
+    );
+    let of = grains(&servo).domain.unwrap();
+    let kept = BoxServo { pressures: [Some(1000.0), Some(500.0), None], largest_rate: 2.0 };
+    assert_eq!((of.servo, of.strain_from), (Some(kept), 0.02));
+    refused(&servo.replace("y = 500", "z = 500"), "z = 500", &["does not repeat along z"]);
+    refused(&servo.replace("y = 500", "y = -1"), "y = -1", &["at least 0"]);
+    refused(&servo.replace("x = \"1 kPa\", y = 500, ", ""), "servo", &["has no pressure"]);
+    refused(&servo.replace("strain_from = \"20 ms\"\n", ""), "x = ", &["at the same time", "strain_from"]);
     let body = "[[body]]\nname = \"b\"\nmaterial = \"steel\"\nmesh_size = 0.5\nbox = { min = [5, 5, 5], max = [6, 6, 6] }\n";
     refused(&format!("{domain}{body}"), "periodic", &["spheres without bodies"]);
 }
@@ -435,6 +447,21 @@ fn histories_of_walls_and_spheres() {
         [Probe::Wall { wall: 0 }, Probe::Spheres { region: Some([[0.0; 3], [1.0; 3]]) }]
     );
     refused(&text.replace("wall = \"floor\"", "wall = \"flor\""), "wall = ", &["did you mean \"floor\"?"]);
+}
+
+#[test]
+fn a_grid_of_a_continuum_is_checked() {
+    let output = |keys: &str| format!("{HEAP}[output]\ncoarse = {{ {keys} }}\n");
+    let text = output("spacing = \"5 mm\", width = 0.01, box = [0, 0, 0, 1, 1, 2]");
+    let region = Some([[0.0; 3], [1.0, 1.0, 2.0]]);
+    assert_eq!(space(&text).output.coarse, Some(CoarseGrid { spacing: 0.005, width: 0.01, region }));
+    refused(&text.replace("\"5 mm\"", "1e-4"), "spacing = ", &["more than 50,000,000 points"]);
+    refused(&text.replace("1, 1, 2]", "1, 2]"), "box = ", &["6"]);
+    refused(&text.replace("1, 1, 2]", "1, -1, 2]"), "box = ", &["inside out"]);
+    refused(&text.replace(", width = 0.01", ""), "coarse", &["width"]);
+    let without =
+        format!("{}[output]\ncoarse = {{ spacing = 1, width = 1, box = [0, 0, 1, 1] }}\n", super::SMALL);
+    refused(&without, "coarse", &["is for spheres"]);
 }
 
 #[test]

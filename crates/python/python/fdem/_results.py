@@ -51,15 +51,18 @@ class Frame:
     Arrays belong to the frame and are read-only.
     """
 
-    def __init__(self, folder: pathlib.Path, time: float, file: str) -> None:
+    def __init__(self, folder: pathlib.Path, time: float, stem: str) -> None:
         self._folder = folder
-        self._file = file
+        self._stem = stem
         self._time = time
         self._read: dict[str, dict[str, dict[str, _Array]]] = {}
 
     def _sections(self, end: str) -> dict[str, dict[str, _Array]]:
         if end not in self._read:
-            self._read[end] = _vtk.read(self._folder / (self._file[: -len(".vtu")] + end))
+            path = self._folder / (self._stem + end)
+            if not path.exists():
+                raise ValueError(f"{path}: the frame has no such file")
+            self._read[end] = _vtk.read(path)
         return self._read[end]
 
     @property
@@ -69,8 +72,9 @@ class Frame:
 
     @property
     def path(self) -> pathlib.Path:
-        """The file of the bodies, for ParaView."""
-        return self._folder / self._file
+        """The file of the bodies, or of the spheres if there are no bodies, for ParaView."""
+        bodies = self._folder / (self._stem + ".vtu")
+        return bodies if bodies.exists() else self._folder / (self._stem + "_spheres.vtp")
 
     @property
     def positions(self) -> _Array:
@@ -103,6 +107,22 @@ class Frame:
         """Contact forces, by the keys of ``fields("contact")``: ``force``, ``elements`` and so on, and the ``position`` of each."""
         sections = self._sections("_contacts.vtp")
         return {"position": sections["Points"]["Points"], **sections.get("PointData", {})}
+
+    @property
+    def spheres(self) -> Mapping[str, _Array]:
+        """Spheres: their ``position``, m, and the arrays of ``spheres.pvd``, such as ``radius`` and ``velocity``."""
+        sections = self._sections("_spheres.vtp")
+        return {"position": sections["Points"]["Points"], **sections.get("PointData", {})}
+
+    @property
+    def sphere_contacts(self) -> Mapping[str, _Array]:
+        """Contacts of spheres: the arrays of ``sphere_contacts.pvd``, such as ``force``."""
+        return self._sections("_sphere_contacts.vtp").get("CellData", {})
+
+    @property
+    def coarse(self) -> Mapping[str, _Array]:
+        """Spheres as a continuum, of runs with ``coarse`` in ``[output]``: ``density``, kg/m³, ``solid_fraction``, ``velocity``, m/s, and ``stress``, Pa, at ``[i, j, k]`` of the grid, whose places are ``x``, ``y`` and ``z``, m."""
+        return _vtk.on_grid(self._folder / (self._stem + "_coarse.vti"), self._sections("_coarse.vti")["PointData"])
 
     def __repr__(self) -> str:
         return f"<fdem.Frame: {self._time:g} s, {self.path}>"
@@ -178,8 +198,11 @@ class Results:
     @property
     def frames(self) -> Frames:
         """The frames so far. Their files are read when an array is asked for."""
-        path = self._folder / "results.pvd"
-        return Frames([Frame(self._folder, *entry) for entry in _vtk.collection(path)] if path.exists() else [])
+        for name, end in ("results.pvd", ".vtu"), ("spheres.pvd", "_spheres.vtp"):
+            path = self._folder / name
+            if path.exists():
+                return Frames([Frame(self._folder, time, file[: -len(end)]) for time, file in _vtk.collection(path)])
+        return Frames([])
 
     @property
     def picture(self) -> Picture:

@@ -37,6 +37,20 @@ def read(path: pathlib.Path) -> dict[str, dict[str, npt.NDArray[Any]]]:
     return sections
 
 
+def on_grid(path: pathlib.Path, arrays: dict[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
+    """The arrays of an image with an index for each axis, and the places of its points along the axes."""
+    content = path.read_bytes()
+    image = ElementTree.fromstring(content[: content.find(b"<AppendedData")] + b"</VTKFile>").find("ImageData")
+    if image is None:
+        raise ValueError(f"{path}: this is no grid")
+    counts = [int(last) + 1 for last in image.attrib["WholeExtent"].split()[1::2]]
+    origin, spacing = ([float(x) for x in image.attrib[name].split()] for name in ("Origin", "Spacing"))
+    places = {axis: origin[k] + spacing[k] * np.arange(counts[k]) for k, axis in enumerate("xyz")}
+    # The first axis is the fastest in the file.
+    values = {name: array.reshape(*counts[::-1], *array.shape[1:]).swapaxes(0, 2) for name, array in arrays.items()}
+    return {**places, **values}
+
+
 def _array(content: bytes, at: int, kind: str) -> npt.NDArray[Any]:
     blocks = int(np.frombuffer(content, "<u8", 3, at)[0])
     sizes = np.frombuffer(content, "<u8", blocks, at + 24)

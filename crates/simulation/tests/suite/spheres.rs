@@ -152,8 +152,8 @@ fn probes_measure_walls_and_spheres() {
     assert!((all[3] / run.energies().kinetic - 1.0).abs() < 0.05, "{} {:?}", all[3], run.energies());
 }
 
-/// The stress of all spheres of a box that repeats is the pressure that its servo keeps up: contacts across its
-/// sides count, with the distance to the nearest image.
+/// The stress of all spheres of a box that repeats is the pressure that its servo keeps up: contacts across
+/// its sides count, with the distance to the nearest image.
 #[test]
 fn the_stress_of_a_periodic_box_is_the_pressure_of_its_servo() {
     let side = 0.044;

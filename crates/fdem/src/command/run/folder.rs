@@ -7,7 +7,7 @@
 //! events.csv            acoustic emission, if it is asked for
 //! fragments.csv         masses, sizes and motion of the fragments when the run ends
 //! results.pvd, cracks.pvd, damaged_joints.pvd, intact_joints.pvd, contacts.pvd, frames/   for ParaView
-//! spheres.pvd, sphere_contacts.pvd, walls.pvd   the same for spheres and walls, in runs that have them
+//! spheres.pvd, sphere_contacts.pvd, walls.pvd, coarse.pvd   the same for spheres and walls
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
@@ -35,6 +35,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::folder_lock::{FolderLock, is_lock};
 use crate::command::memory;
 use crate::command::run::checkpoint::Checkpoint;
+use crate::command::run::frame_files::{FRAMES, FrameFile};
 use crate::command::run::manifest::Manifest;
 use crate::command::run::results::Results;
 use fdem_model::{AnyPrepared, ModelErrors, prepare_any};
@@ -49,7 +50,6 @@ pub(crate) const FRAGMENTS: &str = "fragments.csv";
 pub(crate) const EVENTS: &str = "events.csv";
 pub(crate) const LOG: &str = "run.log";
 pub(crate) const CHECKPOINT: &str = "checkpoint";
-const FRAMES: &str = "frames";
 pub(crate) const INPUTS: &str = "inputs";
 pub(crate) const PLOTS: &str = "plots";
 /// Written last when a run ends.
@@ -58,8 +58,8 @@ pub(crate) const REPORT: &str = "report.html";
 /// Marks a folder as that of a run: this file is written first and never removed.
 pub(crate) const SUMMARY: &str = "run.json";
 
-/// Files that a run makes; `--force` removes them.
-const FILES: [&str; 18] = [
+/// Files that a run makes, besides collections of frames; `--force` removes them.
+const FILES: [&str; 10] = [
     // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
@@ -67,14 +67,6 @@ const FILES: [&str; 18] = [
     FRAGMENTS,
     EVENTS,
     LOG,
-    "results.pvd",
-    "cracks.pvd",
-    "damaged_joints.pvd",
-    "intact_joints.pvd",
-    "contacts.pvd",
-    "spheres.pvd",
-    "sphere_contacts.pvd",
-    "walls.pvd",
     REPORT,
     "animation.gif",
     "picture.png",
@@ -83,7 +75,7 @@ const FILES: [&str; 18] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 16\n";
+const MAGIC: &[u8] = b"fdem checkpoint 17\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]
@@ -174,7 +166,8 @@ impl Folder {
 
     /// Removes the files that a run makes, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
-        FILES.iter().try_for_each(|name| self.remove(name, fs::remove_file))?;
+        let collections = FrameFile::ALL.into_iter().filter_map(FrameFile::collection);
+        FILES.into_iter().chain(collections).try_for_each(|name| self.remove(name, fs::remove_file))?;
         FOLDERS.iter().try_for_each(|name| self.remove(name, fs::remove_dir_all))
     }
 
@@ -246,7 +239,7 @@ impl Folder {
             let number = name.split(['.', '_']).next().and_then(|number| number.parse().ok());
             let is_later = |number: &usize| {
                 *number >= first
-                    && files_of(*number, [true; 2]).any(|file| file == format!("{FRAMES}/{name}"))
+                    && FrameFile::ALL.iter().any(|file| file.of(*number) == format!("{FRAMES}/{name}"))
             };
             if number.is_some_and(|number| is_later(&number)) {
                 fs::remove_file(path.join(&*name)).map_err(failed)?;
@@ -381,77 +374,4 @@ pub(crate) fn has_results(path: &Path) -> Result<bool, Failure> {
 /// Name of the copy of a file that the model names.
 pub(crate) fn input_file(number: usize) -> String {
     format!("{INPUTS}/{number}")
-}
-
-/// Name of the mesh file of a frame.
-pub(crate) fn mesh_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}.vtu")
-}
-
-/// Name of the file of the broken joints of a frame.
-pub(crate) fn cracks_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_cracks.vtp")
-}
-
-/// Name of the file of the joints of a frame that soften and hold.
-pub(crate) fn damaged_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_damaged_joints.vtp")
-}
-
-/// Name of the file of the whole joints of a frame, which runs have on request.
-pub(crate) fn intact_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_intact_joints.vtp")
-}
-
-/// Name of the file of the contact forces of a frame.
-pub(crate) fn contacts_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_contacts.vtp")
-}
-
-/// Returns the name of a file of a frame.
-type FrameFile = fn(usize) -> String;
-
-/// The collection of the whole joints, for runs that have them.
-pub(crate) const INTACT: (&str, FrameFile) = ("intact_joints.pvd", intact_file);
-
-/// Collections of every run that ParaView opens, and the names of their files by frame.
-pub(crate) const COLLECTIONS: [(&str, FrameFile); 4] = [
-    ("results.pvd", mesh_file),
-    ("cracks.pvd", cracks_file),
-    ("damaged_joints.pvd", damaged_file),
-    ("contacts.pvd", contacts_file),
-];
-
-/// Name of the file of the spheres of a frame, in runs with spheres or walls.
-pub(crate) fn spheres_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_spheres.vtp")
-}
-
-/// Name of the file of the contacts of the spheres of a frame.
-pub(crate) fn sphere_contacts_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_sphere_contacts.vtp")
-}
-
-/// Name of the file of the walls of a frame.
-pub(crate) fn walls_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}_walls.vtp")
-}
-
-/// Collections of runs with spheres or walls.
-pub(crate) const OF_SPHERES: [(&str, FrameFile); 3] =
-    [("spheres.pvd", spheres_file), ("sphere_contacts.pvd", sphere_contacts_file), ("walls.pvd", walls_file)];
-
-/// Name of the file of a frame for the report.
-pub(crate) fn packed_file(number: usize) -> String {
-    format!("{FRAMES}/{number:05}.frame")
-}
-
-/// Returns the names of the files of a frame. `more`: whether it has the file of the whole joints, which runs
-/// have on request, and those of spheres and walls, which runs have that have these.
-pub(crate) fn files_of(number: usize, more: [bool; 2]) -> impl Iterator<Item = String> {
-    let [intact, spheres] = more;
-    let always = COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number));
-    let of_spheres = spheres.then_some(OF_SPHERES).into_iter().flatten();
-    let of_spheres = of_spheres.map(move |(_, file_of)| file_of(number));
-    always.chain([packed_file(number)]).chain(intact.then(|| intact_file(number))).chain(of_spheres)
 }

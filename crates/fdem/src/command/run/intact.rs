@@ -7,7 +7,7 @@ use std::path::Path;
 use fdem_io::numbers::grouped;
 
 use crate::command::failure::{Failure, display_name};
-use crate::command::run::folder::{Folder, HISTORY, MODEL, files_of, input_file};
+use crate::command::run::folder::{Folder, HISTORY, MODEL, input_file};
 use crate::command::run::manifest::{Checksum, Hashed, Manifest};
 
 /// Damaged files that a message names.
@@ -33,7 +33,8 @@ impl Intact {
         for (number, record) in manifest.frames.iter().enumerate() {
             // The checkpoint has the state that this frame shows.
             let is_now = number + 1 == manifest.frames.len() && record.step == manifest.step;
-            for (name, checksum) in files_of(number, record.more).zip(&record.files) {
+            for (file, checksum) in &record.files {
+                let name = file.of(number);
                 let Some(why) = difference(&folder.path(&name), *checksum)? else { continue };
                 if is_now {
                     damaged.push(name);

@@ -8,6 +8,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::command::run::frame_files::FrameFile;
+
 /// Length and SHA-256 of a file, or of its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Checksum {
@@ -43,10 +45,7 @@ pub(crate) struct FrameRecord {
     pub(crate) step: u64,
     /// Time, s.
     pub(crate) time: f64,
-    /// Whether it has the file of the whole joints, and those of spheres and walls.
-    pub(crate) more: [bool; 2],
-    /// Its files, in the order of [`files_of`](super::folder::files_of).
-    pub(crate) files: Vec<Checksum>,
+    pub(crate) files: Vec<(FrameFile, Checksum)>,
 }
 
 /// A writer that computes the checksum of all bytes that pass.

@@ -8,9 +8,9 @@ use std::io::{BufWriter, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_results::{
-    Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row, fragment_sizes, plots, pvd,
-    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_intact_joints_vtp,
-    write_sphere_contacts_vtp, write_spheres_vtp, write_vtu, write_walls_vtp,
+    CoarseFields, CoarseGrid, Field, Fragments, History, HistoryWriter, Names, Plot, RANK_PLOTS, Row,
+    fragment_sizes, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp,
+    write_intact_joints_vtp, write_sphere_contacts_vtp, write_spheres_vtp, write_vtu, write_walls_vtp,
 };
 use fdem_simulation::{Forces, Snapshot};
 
@@ -18,11 +18,8 @@ use crate::command::aside::Hold;
 use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::checkpoint::Checkpoint;
-use crate::command::run::folder::{
-    COLLECTIONS, FRAGMENTS, Folder, HISTORY, INTACT, MODEL, OF_SPHERES, PLOTS, REPORT, contacts_file,
-    cracks_file, damaged_file, intact_file, mesh_file, packed_file, sphere_contacts_file, spheres_file,
-    walls_file,
-};
+use crate::command::run::folder::{FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT};
+use crate::command::run::frame_files::FrameFile;
 use crate::command::run::intact::{Intact, Problems};
 use crate::command::run::manifest::{Checksum, FrameRecord, Hashed, Hashing, Manifest};
 use crate::command::run::results::{DrawnRun, Results};
@@ -54,11 +51,10 @@ where
     holds: Option<[Hold; 2]>,
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of
     /// larger frames.
-    shown: [usize; 2],
-    /// Whether frames have files of the joints that are whole.
-    intact_joints: bool,
-    /// Whether frames have files of spheres and walls.
-    spheres: bool,
+    most: [usize; 2],
+    /// The files of each frame.
+    kinds: Vec<FrameFile>,
+    coarse: Option<CoarseGrid>,
     /// Number of frames of the whole run, about.
     expected: usize,
 }
@@ -107,9 +103,9 @@ where
             unsynced: VecDeque::new(),
             collected: 0,
             holds: Some(folder.hold()?),
-            shown: prepared.output.shown,
-            intact_joints: prepared.output.intact_joints,
-            spheres: prepared.model.grains.is_some(),
+            most: prepared.output.shown,
+            kinds: FrameFile::of_run(prepared),
+            coarse: prepared.output.coarse,
             expected: ((prepared.end_time / prepared.output.interval).ceil() as usize).saturating_add(1),
         })
     }
@@ -166,14 +162,15 @@ where
         let Some(record) = self.frames.last() else { return Ok(()) };
         let number = self.frames.len() - 1;
         let files = self.frame_files(number, snapshot, forces)?;
-        for ((name, bytes), checksum) in files.iter().zip(&record.files) {
-            if damaged.contains(name) {
+        for ((file, bytes), (_, checksum)) in files.iter().zip(&record.files) {
+            let name = file.of(number);
+            if damaged.contains(&name) {
                 if Checksum::of(bytes) != *checksum {
                     let mut problems = Problems::default();
-                    problems.add(&self.folder.path(name), "its contents have changed");
+                    problems.add(&self.folder.path(&name), "its contents have changed");
                     return Err(problems.failure(&self.folder));
                 }
-                self.folder.write(name, bytes)?;
+                self.folder.write(&name, bytes)?;
             }
         }
         Ok(())
@@ -195,11 +192,12 @@ where
     pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
         let files = self.frame_files(number, snapshot, forces)?;
-        let more = [self.intact_joints, self.spheres];
-        let mut record = FrameRecord { step: snapshot.step, time: snapshot.time, more, files: Vec::new() };
-        for (name, bytes) in files {
+        let (step, time) = (snapshot.step, snapshot.time);
+        let mut record = FrameRecord { step, time, files: Vec::new() };
+        for (file, bytes) in files {
+            let name = file.of(number);
             self.folder.write_unsynced(&name, &bytes)?;
-            record.files.push(Checksum::of(&bytes));
+            record.files.push((file, Checksum::of(&bytes)));
             self.unsynced.push_back(name);
         }
         self.frames.push(record);
@@ -217,41 +215,39 @@ where
         Ok(())
     }
 
-    /// The files of a frame with their names, in the order of [`files_of`].
+    /// The files of a frame, in the order of [`FrameFile::ALL`].
     fn frame_files(
         &self,
         number: usize,
         snapshot: &Snapshot<D, N>,
         forces: &Forces<D>,
-    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-        // Writing to memory does not fail. An inconsistent snapshot would be a bug.
-        let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
-        let written = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+    ) -> Result<Vec<(FrameFile, Vec<u8>)>, Failure> {
+        let write = |file: FrameFile, out: &mut Vec<u8>| match file {
+            FrameFile::Mesh => write_vtu(out, snapshot, forces, &self.names),
+            FrameFile::Cracks => write_cracks_vtp(out, snapshot),
+            FrameFile::DamagedJoints => write_damaged_joints_vtp(out, snapshot),
+            FrameFile::Contacts => write_contacts_vtp(out, snapshot, forces),
+            FrameFile::IntactJoints => write_intact_joints_vtp(out, snapshot),
+            FrameFile::Spheres => write_spheres_vtp(out, snapshot),
+            FrameFile::SphereContacts => write_sphere_contacts_vtp(out, snapshot),
+            FrameFile::Walls => write_walls_vtp(out, snapshot),
+            FrameFile::Coarse => self.coarse.map_or(Ok(()), |grid| {
+                let fields = CoarseFields::new(&snapshot.spheres, grid).map_err(std::io::Error::other)?;
+                fields.write_vti(out, snapshot.time)
+            }),
+            FrameFile::Packed => {
+                *out = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.most, self.expected)?;
+                Ok(())
+            }
+        };
+        let written = |file: FrameFile| {
             let mut bytes = Vec::new();
-            write(&mut bytes).map_err(|error| fault(&name, error)).map(|()| (name, bytes))
+            // Writing to memory does not fail. An inconsistent snapshot would be a bug.
+            let fault = |error| Failure::writing(&self.folder.path(&file.of(number)), error);
+            write(file, &mut bytes).map_err(fault)?;
+            Ok((file, bytes))
         };
-        let packed = |out: &mut Vec<u8>| {
-            *out = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)?;
-            Ok(())
-        };
-        let mut files = vec![
-            written(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?,
-            written(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?,
-            written(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?,
-            written(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?,
-            written(packed_file(number), &packed)?,
-        ];
-        if self.intact_joints {
-            files.push(written(intact_file(number), &|out| write_intact_joints_vtp(out, snapshot))?);
-        }
-        if self.spheres {
-            files.extend([
-                written(spheres_file(number), &|out| write_spheres_vtp(out, snapshot))?,
-                written(sphere_contacts_file(number), &|out| write_sphere_contacts_vtp(out, snapshot))?,
-                written(walls_file(number), &|out| write_walls_vtp(out, snapshot))?,
-            ]);
-        }
-        Ok(files)
+        self.kinds.iter().copied().map(written).collect()
     }
 
     /// Does a part of the remaining work for the frames that have been written: syncs a file, or puts all
@@ -275,12 +271,13 @@ where
     /// Writes the collections that ParaView opens. The disk has the files that they name.
     fn collect(&mut self) -> Result<(), Failure> {
         self.collected = self.frames.len();
-        let of_spheres = self.spheres.then_some(OF_SPHERES).into_iter().flatten();
-        let collections =
-            COLLECTIONS.into_iter().chain(self.intact_joints.then_some(INTACT)).chain(of_spheres);
-        for (name, file_of) in collections {
-            let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
-            let entries = self.frames.iter().zip(&files).map(|(frame, file)| (frame.time, file.as_str()));
+        for file in &self.kinds {
+            let Some(name) = file.collection() else { continue };
+            let has = |(_, frame): &(usize, &FrameRecord)| frame.files.iter().any(|(of, _)| of == file);
+            let entries = self.frames.iter().enumerate().filter(has);
+            let entries: Vec<(f64, String)> =
+                entries.map(|(number, frame)| (frame.time, file.of(number))).collect();
+            let entries = entries.iter().map(|(time, file)| (*time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;
         }
         Ok(())
@@ -397,7 +394,7 @@ where
     /// Reads the frames for the report. Frames that are too large for a page are samples.
     fn read_frames(&self, done: &Position) -> Result<Vec<<[[f64; D]; N] as Results<D, N>>::Frame>, Failure> {
         let read = |number: usize| {
-            let name = packed_file(number);
+            let name = FrameFile::Packed.of(number);
             let bytes = self.folder.read(&name)?;
             done.fetch_add(1, Ordering::Relaxed);
             <[[f64; D]; N]>::opened(&bytes).map_err(|error| broken(&name, &error))

@@ -44,6 +44,10 @@ pub struct Output {
     /// b-value in the summary. Default: none.
     #[serde(default)]
     pub acoustic_emission: Option<AcousticEmission>,
+    /// Spheres as a continuum: `coarse.pvd` with density, velocity and stress on a grid, in every frame.
+    /// Default: none.
+    #[serde(default)]
+    pub coarse: Option<Coarse>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
@@ -76,6 +80,25 @@ pub struct AcousticEmission {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "s"))]
     pub window: Option<f64>,
+}
+
+/// A grid on which spheres are a continuum: sums over the spheres and their contacts, weighted with a kernel
+/// (Goldhirsch 2010).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "coarse")]
+pub struct Coarse {
+    /// Distance of neighbouring points, m.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub spacing: f64,
+    /// Width of the kernel, m: half of its reach. One to three radii of the spheres show a continuum.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub width: f64,
+    /// The box of the grid [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m.
+    #[serde(rename = "box")]
+    #[schemars(rename = "box", length(min = 4, max = 6))]
+    #[schemars(extend("x-unit" = "m"))]
+    pub limits: Vec<f64>,
 }
 
 /// Whether there is an animation, and its field.
@@ -176,8 +199,8 @@ pub struct History {
     #[serde(default)]
     pub wall: Option<String>,
     /// true: the spheres in the `box`, or all: their number, coordination (contacts of a sphere in the mean),
-    /// solid fraction, kinetic energy, J, mean stress by Love and Weber, Pa, tension positive, fabric, and the
-    /// sides of the region, m. All spheres of a `[domain]` that repeats are in its box.
+    /// solid fraction, kinetic energy, J, mean stress by Love and Weber, Pa, tension positive, fabric, and
+    /// the sides of the region, m. All spheres of a `[domain]` that repeats are in its box.
     #[serde(default)]
     pub grains: bool,
     /// true: length, m, or area, m², of all joints past their strength, whether they soften or are broken,

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use fdem_io::{Table, Values};
 use fdem_simulation::grains::{GrainPartner, SphereColumns};
+use serde::Serialize;
 
 use crate::arrays::each;
 use crate::run::grains::columns::checked;
@@ -29,12 +30,30 @@ const WEIGHTS: [f64; 5] = [
 const MOST_POINTS: usize = 50_000_000;
 
 /// A grid and a width for [`CoarseFields`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CoarseGrid {
     /// Distance of neighbouring points, m.
     pub spacing: f64,
     /// Width of the kernel, m: half of its reach. One to three radii of the spheres show a continuum.
     pub width: f64,
+    /// The lowest and the highest corner of the grid, m; in the plane without its third axis. `None` for a
+    /// grid that reaches as far as the fields of all spheres.
+    pub region: Option<[[f64; 3]; 2]>,
+}
+
+impl CoarseGrid {
+    /// Numbers of points along the axes between two corners, m, as numbers that may be too large. Along axes
+    /// from `axes` on there is one.
+    fn counts(&self, [low, high]: [[f64; 3]; 2], axes: usize) -> [f64; 3] {
+        let wide = |axis: usize| ((high[axis] - low[axis]) / self.spacing * (1.0 + 1e-12)).floor() + 1.0;
+        each(|axis| if axis < axes { wide(axis) } else { 1.0 })
+    }
+
+    /// Whether a grid in this region has more points than fields can have. `axes`: 2 in the plane.
+    pub fn is_too_fine(&self, axes: usize) -> bool {
+        self.region
+            .is_some_and(|region| self.counts(region, axes).iter().product::<f64>() > MOST_POINTS as f64)
+    }
 }
 
 /// Fields of spheres on a regular grid, which satisfy the balances of mass and momentum of a continuum
@@ -50,8 +69,7 @@ pub struct CoarseGrid {
 ///
 /// # Shapes
 /// One entry for each point: x first, then y, then z. Of discs the grid is in the plane, with one layer, and
-/// the values are those of their thickness. Near the faces of a periodic box the images of spheres are
-/// missing.
+/// the values are those of their thickness. In a periodic box the images of spheres count, too.
 ///
 /// # Cost
 /// Time proportional to the spheres and contacts, and to the points in the reach of each.
@@ -121,7 +139,7 @@ impl std::fmt::Display for CoarseError {
 impl std::error::Error for CoarseError {}
 
 impl CoarseFields {
-    /// Computes the fields on a grid around all spheres. Without spheres it has no points.
+    /// Computes the fields on a grid. Without spheres and without a region it has no points.
     ///
     /// # Errors
     /// [`CoarseError`].
@@ -132,23 +150,19 @@ impl CoarseFields {
             }
         }
         checked(spheres).map_err(CoarseError::Snapshot)?;
-        let kernel = Kernel::new(2.0 * grid.width, spheres.discs);
+        let kernel = Kernel::new(2.0 * grid.width, spheres.discs, spheres.period);
         let ends = spheres.contacts.iter().map(|contact| end_of(spheres, contact));
         let bounds = bounds_of(spheres.positions.iter().copied().chain(ends));
-        if spheres.positions.is_empty() || !is_somewhere(&bounds) {
-            return Ok(Self::default());
-        }
-        let axes = kernel.axes;
-        let origin: [f64; 3] = each(|axis| {
-            if axis < axes {
-                ((bounds[axis][0] - kernel.reach) / grid.spacing).floor() * grid.spacing
-            } else {
-                0.0
-            }
+        let around = is_somewhere(&bounds).then(|| {
+            let on_grid = |x: f64, round: fn(f64) -> f64| round(x / grid.spacing) * grid.spacing;
+            [
+                each(|axis| on_grid(bounds[axis][0] - kernel.reach, f64::floor)),
+                each(|axis| on_grid(bounds[axis][1] + kernel.reach, f64::ceil)),
+            ]
         });
-        let wide =
-            |axis: usize| ((bounds[axis][1] + kernel.reach - origin[axis]) / grid.spacing).ceil() + 1.0;
-        let sizes: [f64; 3] = each(|axis| if axis < axes { wide(axis) } else { 1.0 });
+        let Some([low, high]) = grid.region.or(around) else { return Ok(Self::default()) };
+        let origin: [f64; 3] = each(|axis| if axis < kernel.axes { low[axis] } else { 0.0 });
+        let sizes = grid.counts([low, high], kernel.axes);
         if sizes.iter().product::<f64>() > MOST_POINTS as f64 {
             return Err(CoarseError::TooMany { spacing: grid.spacing });
         }
@@ -221,14 +235,29 @@ impl CoarseFields {
         }
     }
 
-    /// Calls `add` for each point in the reach of a line, with its place.
+    /// Calls `add` for each point in the reach of a line or of one of its images, with its place as seen from
+    /// there.
     fn near(
         &mut self,
         ends: [[f64; 3]; 2],
         kernel: &Kernel,
         mut add: impl FnMut(&mut Self, usize, [f64; 3]),
     ) {
-        let (origin, spacing, counts) = (self.origin, self.spacing, self.counts);
+        for shift in kernel.images() {
+            self.near_one(ends, shift, kernel, &mut add);
+        }
+    }
+
+    /// The same for one image, which is so far away, m.
+    fn near_one(
+        &mut self,
+        ends: [[f64; 3]; 2],
+        shift: [f64; 3],
+        kernel: &Kernel,
+        add: &mut impl FnMut(&mut Self, usize, [f64; 3]),
+    ) {
+        let (spacing, counts) = (self.spacing, self.counts);
+        let origin: [f64; 3] = each(|axis| self.origin[axis] - shift[axis]);
         let range = |axis: usize| {
             if axis >= kernel.axes {
                 return 0..1;
@@ -280,16 +309,35 @@ struct Kernel {
     /// Its value at 0 over the thickness of discs, 1/m³.
     top: f64,
     thickness: Option<f64>,
+    /// Lengths of a periodic box, m, infinite along axes that do not repeat.
+    period: [f64; 3],
 }
 
 impl Kernel {
-    fn new(reach: f64, discs: Option<f64>) -> Self {
+    fn new(reach: f64, discs: Option<f64>, period: Option<[[f64; 3]; 2]>) -> Self {
         let pi = std::f64::consts::PI;
         let (axes, top) = match discs {
             Some(thickness) => (2, 5.0 / (pi * reach * reach * thickness)),
             None => (3, 105.0 / (16.0 * pi * reach * reach * reach)),
         };
-        Self { axes, reach, top, thickness: discs }
+        let period = period.map_or([f64::INFINITY; 3], |[_, lengths]| lengths);
+        Self { axes, reach, top, thickness: discs, period }
+    }
+
+    /// The distances of a sphere from itself and its images that may reach into the box, m.
+    fn images(&self) -> impl Iterator<Item = [f64; 3]> + use<> {
+        let period = self.period;
+        let most: [i32; 3] = each(|axis| (2.0 * self.reach / period[axis]).ceil() as i32);
+        let along = |axis: usize| (-most[axis]..=most[axis]).collect::<Vec<i32>>();
+        let [x, y, z] = [along(0), along(1), along(2)];
+        let step =
+            move |axis: usize, number: i32| if number == 0 { 0.0 } else { f64::from(number) * period[axis] };
+        x.into_iter().flat_map(move |i| {
+            let z = z.clone();
+            y.clone()
+                .into_iter()
+                .flat_map(move |j| z.clone().into_iter().map(move |k| [step(0, i), step(1, j), step(2, k)]))
+        })
     }
 
     /// Value at a distance, 1/m³.
@@ -382,7 +430,8 @@ mod tests {
     fn integrals_over_space_are_sums_over_spheres() {
         for discs in [None, Some(0.25)] {
             let spheres = pair(discs);
-            let fields = CoarseFields::new(&spheres, CoarseGrid { spacing: 0.05, width: 0.4 }).unwrap();
+            let fields =
+                CoarseFields::new(&spheres, CoarseGrid { spacing: 0.05, width: 0.4, region: None }).unwrap();
             let cell = discs.map_or(0.05_f64.powi(3), |thickness| 0.05 * 0.05 * thickness);
             let sum = |values: &mut dyn Iterator<Item = f64>| cell * values.sum::<f64>();
             let near = |found: f64, expected: f64, scale: f64| {
@@ -447,7 +496,8 @@ mod tests {
         (spheres.velocities, spheres.spins) = (vec![[0.0, 0.0, 3.0]; count], vec![[0.0; 3]; count]);
         spheres.forces = vec![[0.0; 3]; count];
         (spheres.materials, spheres.groups) = (vec![0; count], vec![0; count]);
-        let fields = CoarseFields::new(&spheres, CoarseGrid { spacing: 0.5, width: 1.25 }).unwrap();
+        let fields =
+            CoarseFields::new(&spheres, CoarseGrid { spacing: 0.5, width: 1.25, region: None }).unwrap();
         let place = [0, 1, 2].map(|axis| ((3.5 - fields.origin[axis]) / 0.5).round() as usize);
         let point = (place[2] * fields.counts[1] + place[1]) * fields.counts[0] + place[0];
         assert!((fields.density[point] / 7.0 - 1.0).abs() < 0.01, "{}", fields.density[point]);
@@ -462,17 +512,45 @@ mod tests {
         assert!(file.starts_with(b"<?xml") && String::from_utf8_lossy(&file).contains("solid_fraction"));
     }
 
+    /// In a periodic box the sums over the grid of the box are those of the spheres, with a contact across
+    /// its corner and images that reach over it.
+    #[test]
+    fn images_fill_a_periodic_box() {
+        let mut spheres = pair(None);
+        spheres.period = Some([[0.0; 3], [2.0; 3]]);
+        spheres.positions = vec![[0.1; 3], [1.8, 1.2, 0.0]];
+        spheres.contacts.truncate(1);
+        spheres.contacts[0].place = [-0.05, -0.35, 0.05];
+        let region = Some([[0.0; 3], [1.95; 3]]);
+        let fields = CoarseFields::new(&spheres, CoarseGrid { spacing: 0.05, width: 0.4, region }).unwrap();
+        assert_eq!(fields.counts, [40; 3]);
+        let sum = |of: &dyn Fn(usize) -> f64| (0..64_000).map(of).sum::<f64>() * 0.05_f64.powi(3);
+        let mass = sum(&|point| fields.density[point]);
+        assert!((mass / 8.0 - 1.0).abs() < 1e-4, "{mass}");
+        // The branch leads from the image of the second sphere to the first.
+        let branch = [0.3, 0.9, 0.1];
+        let mean = |axis: usize| sum(&|k| fields.density[k] * fields.velocity[k][axis].powi(2));
+        for (axis, kinetic) in [8.0, 20.0].into_iter().enumerate() {
+            let expected = -spheres.contacts[0].force[axis] * branch[axis] - (kinetic - mean(axis));
+            let found = sum(&|point| fields.stress[point][axis]);
+            assert!((found - expected).abs() < 0.01, "{axis}: {found} {expected}");
+        }
+    }
+
     #[test]
     fn wrong_lengths_and_huge_grids_are_refused() {
         let spheres = pair(None);
         let error = |spacing, width| {
-            CoarseFields::new(&spheres, CoarseGrid { spacing, width }).unwrap_err().to_string()
+            CoarseFields::new(&spheres, CoarseGrid { spacing, width, region: None }).unwrap_err().to_string()
         };
         assert_eq!(error(0.0, 1.0), "the spacing of coarse graining is 0: it must be above 0 and finite");
         assert!(error(1.0, f64::NAN).starts_with("the width of coarse graining is NaN"));
         assert!(error(1e-6, 1.0).contains("more than 50000000 points"));
-        let none =
-            CoarseFields::new(&SphereColumns::default(), CoarseGrid { spacing: 1.0, width: 1.0 }).unwrap();
+        let none = CoarseFields::new(
+            &SphereColumns::default(),
+            CoarseGrid { spacing: 1.0, width: 1.0, region: None },
+        )
+        .unwrap();
         assert!(none.density.is_empty());
     }
 }
