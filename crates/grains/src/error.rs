@@ -58,6 +58,11 @@ pub enum GrainError {
         /// The step.
         step: u64,
     },
+    /// A sphere that is to come in overlaps another one, a wall or a body.
+    NoRoom {
+        /// Its place among those that are to come in.
+        sphere: usize,
+    },
     /// The step is too long for the springs and dashpots across the contacts of a sphere, which would turn to
     /// and fro ever faster.
     Unstable {
@@ -111,6 +116,9 @@ impl fmt::Display for GrainError {
                 "the step of {step:.1e} s is too long for sphere {sphere}, which touches {contacts} others: take at \
                  most {longest:.1e} s"
             ),
+            Self::NoRoom { sphere } => {
+                write!(out, "sphere {sphere} of those to add overlaps another sphere, a wall or a body")
+            }
             Self::Outside { sphere, step } => write!(out, "sphere {sphere} has left the box in step {step}"),
             Self::Box { axis, length, least } => write!(
                 out,

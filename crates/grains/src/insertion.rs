@@ -150,7 +150,8 @@ impl<'a> Taken<'a> {
         (cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0]
     }
 
-    fn is_free(&self, centre: Vector, radius: f64) -> bool {
+    /// Whether a sphere touches nothing.
+    pub(crate) fn is_free(&self, centre: Vector, radius: f64) -> bool {
         let cell = self.cell(centre);
         let around = |axis: usize| cell[axis].saturating_sub(1)..(cell[axis] + 2).min(self.cells[axis]);
         let mut cells =

@@ -17,6 +17,7 @@ pub(crate) mod balls;
 pub(crate) mod batch;
 pub(crate) mod box_servo;
 pub(crate) mod cell;
+mod changes;
 pub(crate) mod clumps;
 pub(crate) mod energies;
 pub(crate) mod laws;
@@ -40,7 +41,6 @@ use fdem_contact::{Detector, PeriodicSearch, Simd};
 
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
-use crate::insertion::Taken;
 use crate::material::ForceLaw;
 use crate::model::{GrainModel, Spheres};
 use crate::run::balls::{ALONE, Balls};
@@ -59,7 +59,7 @@ use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
 use crate::surface::Surface;
-use crate::vector::{Vector, dot, minus, times};
+use crate::vector::{dot, minus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
@@ -67,9 +67,6 @@ const SKIN: f64 = 0.3;
 
 /// Searches after which spheres are arranged along the curve again.
 const ARRANGE: u64 = 8;
-
-/// Steps after which spheres come in and are removed.
-const CHANGE: u64 = 32;
 
 /// Number of steps from one look at the stability of the step to the next one.
 const STABLE: u64 = 64;
@@ -127,6 +124,8 @@ pub struct GrainRun {
     is_arranged: bool,
     step: u64,
     time_step: f64,
+    /// The longest step for the spheres of the model, s.
+    safe_step: f64,
     simd: Simd,
     pool: Arc<rayon::ThreadPool>,
 }
@@ -158,7 +157,8 @@ impl GrainRun {
         } else {
             Finder::Space(Box::new(Detector::new().on_pool(Arc::clone(&pool))))
         };
-        let time_step = model.step.unwrap_or_else(|| model.safe_step());
+        let safe_step = model.safe_step();
+        let time_step = model.step.unwrap_or(safe_step);
         let servos = vec![ServoMotion::default(); model.walls.len()];
         let radii = &model.spheres.radii;
         let insertions = model.insertions.iter().flat_map(|of| &of.radii);
@@ -185,6 +185,7 @@ impl GrainRun {
             is_arranged: true,
             step: 0,
             time_step,
+            safe_step,
             simd: Simd::best(),
             pool,
             model: GrainModel::default(),
@@ -523,112 +524,6 @@ impl GrainRun {
     /// The largest radius, m.
     fn largest(&self) -> f64 {
         self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max)
-    }
-
-    /// Removes spheres, and lets others come in.
-    fn change(&mut self) -> Result<(), GrainError> {
-        let is_due = self.step.is_multiple_of(CHANGE)
-            && !(self.model.insertions.is_empty() && self.model.removals.is_empty());
-        if !is_due && !self.moved.leaves {
-            return Ok(());
-        }
-        let remembered = self.lists.remember(&self.balls);
-        let removed = self.remove();
-        let placed = if is_due { self.insert() } else { 0 };
-        if removed + placed == 0 {
-            return Ok(());
-        }
-        let numbers: Vec<u32> = {
-            let places = self.balls.places.iter();
-            places.map(|&place| self.balls.list[place as usize].number).collect()
-        };
-        let stays = |number: u32| numbers.binary_search(&number).is_ok();
-        let remembered: Remembered =
-            remembered.into_iter().filter(|([one, two], _)| stays(*one) && stays(*two)).collect();
-        self.on_walls.touches.retain(|touch| stays(touch.number));
-        self.search(&remembered)
-    }
-
-    /// Removes the spheres in boxes that remove them and those that have left the box. Returns how many.
-    fn remove(&mut self) -> usize {
-        let (time, gravity) = (self.time(), self.model.gravity);
-        let Self { balls, model, cell, gone, clumps, .. } = self;
-        let goes = |position: Vector| {
-            model.removals.iter().any(|of| of.takes(position, time))
-                || cell.is_some_and(|cell| cell.outside(position).is_some())
-        };
-        let (energy, going) = clumps.remove(balls, gravity, goes);
-        gone.external -= energy;
-        let goes = |place: usize| {
-            let clump = going.get(balls.kinds[place].clump as usize);
-            clump.copied().unwrap_or_else(|| goes(balls.list[place].position))
-        };
-        for &place in &balls.places {
-            let (ball, drive) = (&balls.list[place as usize], &balls.drives[place as usize]);
-            if !goes(place as usize) {
-                continue;
-            }
-            gone.dissipated += drive.dissipated;
-            gone.external += drive.external;
-            if balls.kinds[place as usize].clump == ALONE {
-                let energy = 0.5 * ball.mass * dot(drive.velocity, drive.velocity)
-                    + 0.5 * balls.inertia(place as usize) * dot(drive.spin, drive.spin)
-                    - ball.mass * dot(gravity, ball.position);
-                gone.external -= energy;
-            }
-        }
-        let goes: Vec<bool> = (0..balls.list.len()).map(goes).collect();
-        balls.remove(|place, _| goes[place])
-    }
-
-    /// Lets the spheres come in that are due and find a place. Returns how many.
-    fn insert(&mut self) -> usize {
-        let (time, gravity, before) = (self.time(), self.model.gravity, self.balls.list.len());
-        for (number, of) in self.model.insertions.iter().enumerate() {
-            let due = of.due(time);
-            let first = self.placed[number] as usize;
-            if first >= due {
-                continue;
-            }
-            let largest = of
-                .radii
-                .iter()
-                .copied()
-                .fold(self.balls.list.iter().map(|ball| ball.radius).fold(0.0, f64::max), f64::max);
-            // Spheres reach into the region across sides that repeat, too.
-            let spheres = self.balls.list.iter().flat_map(|ball| {
-                let images = self.cell.as_ref().map(|cell| cell.images(ball.position));
-                let alone = images.is_none().then_some(ball.position);
-                images.into_iter().flatten().chain(alone).map(|place| (place, ball.radius))
-            });
-            let is_clear = |centre, radius| {
-                self.on_meshes.is_clear(centre, radius) && self.on_bodies.is_clear(centre, radius)
-            };
-            let mut taken = Taken::new(of.region, largest, spheres, (&self.walls, &is_clear));
-            let mut spheres = Spheres::default();
-            for sphere in first..due {
-                let Some(place) = of.place(sphere, self.step, &taken) else { break };
-                taken.add(place, of.radii[sphere]);
-                spheres.positions.push(place);
-                spheres.radii.push(of.radii[sphere]);
-            }
-            let count = spheres.positions.len();
-            spheres.velocities = vec![of.velocity; count];
-            spheres.spins = vec![of.spin; count];
-            spheres.materials = vec![of.material; count];
-            spheres.groups = vec![of.group; count];
-            let begin = self.balls.list.len();
-            self.balls.add(self.next, &spheres);
-            self.next += count as u32;
-            self.placed[number] += count as u32;
-            for place in begin..self.balls.list.len() {
-                let ball = &self.balls.list[place];
-                self.gone.external += 0.5 * ball.mass * dot(ball.velocity, ball.velocity)
-                    + 0.5 * self.balls.inertia(place) * dot(ball.spin, ball.spin)
-                    - ball.mass * dot(gravity, ball.position);
-            }
-        }
-        self.balls.list.len() - before
     }
 
     /// Energies at the positions of the last step, or at the beginning.

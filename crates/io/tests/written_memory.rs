@@ -12,7 +12,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static PEAK: PeakAlloc = PeakAlloc;
 
-const ROWS: usize = 2_000_000;
+const ROWS: usize = 1_000_000;
 
 /// Couples that would take 44 bytes per row in memory.
 fn couples() -> Table<'static> {
@@ -26,7 +26,7 @@ fn couples() -> Table<'static> {
 
 /// One test only, because the peak is that of the whole program.
 #[test]
-fn two_million_rows_take_blocks() {
+fn a_million_rows_take_blocks() {
     let points = Table::new(100).with_components("positions", &["x", "y", "z"], Values::f64(|k| k as f64));
     let lines = Table::new(ROWS)
         .with_components("ends", &["i", "j"], Values::i64(|k| k as i64 % 100))

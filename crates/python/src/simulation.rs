@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use fdem::results::Field;
 use fdem::session::{AnySession, Session};
+use fdem::simulation::grains::Spheres;
 use fdem::simulation::{ContactForce, Crack, Forces, Mode, Snapshot};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -249,6 +250,39 @@ impl PyRun {
     ) -> PyResult<()> {
         let nodes = nodes.as_slice()?;
         both!(&mut self.0, session => session.run_mut().set_forces(nodes, rows_of(&vectors)?)).map_err(wrong)
+    }
+
+    /// Adds spheres of a material and a group, by their numbers. Returns the numbers of the spheres.
+    fn add_spheres<'py>(
+        &mut self,
+        py: Python<'py>,
+        places: PyReadonlyArray2<'_, f64>,
+        radii: PyReadonlyArray1<'_, f64>,
+        motion: [PyReadonlyArray2<'_, f64>; 2],
+        numbers: [u32; 2],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (count, [material, group]) = (radii.len()?, numbers);
+        let [velocities, spins] = &motion;
+        let spheres = Spheres {
+            positions: rows_of(&places)?.to_vec(),
+            radii: radii.as_slice()?.to_vec(),
+            velocities: rows_of(velocities)?.to_vec(),
+            spins: rows_of(spins)?.to_vec(),
+            materials: vec![material; count],
+            groups: vec![group; count],
+            held: Vec::new(),
+        };
+        let added = both!(&mut self.0, session => session.run_mut().add_spheres(&spheres)).map_err(wrong)?;
+        Ok(column(py, added.collect()))
+    }
+
+    /// Names of the materials, and of the groups of spheres.
+    fn sphere_names(&self) -> [Vec<String>; 2] {
+        both!(&self.0, session => {
+            let model = session.run().model();
+            let groups = model.grains.iter().flat_map(|grains| grains.groups.iter().cloned());
+            [model.materials.iter().map(|of| of.name.clone()).collect(), groups.collect()]
+        })
     }
 
     fn clear_forces(&mut self) {

@@ -494,6 +494,38 @@ def test_other_threads_run_meanwhile():
     assert sum(begin < moment < end for moment in ticks) > 3
 
 
+def test_spheres_of_a_callback():
+    """A program lets spheres fall, one in a hundred steps; the balance has their energy."""
+    sand = {"name": "sand", "material": "steel", "at": [[0, 0, 0.2]], "radius": 0.05}
+    floor = {"name": "floor", "material": "steel", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
+    model = fdem.Model(model={"end_time": 1.0, "gravity": [0, 0, -9.81]}, material=[STEEL | {"restitution": 0.5}], grains=[sand], wall=[floor])
+    run = fdem.Simulation(model)
+    numbers = []
+
+    def rain(run):
+        if 0 < run.steps <= 300:
+            numbers.extend(run.add_spheres([[0.2 * run.steps / 100, 0, 0.3]], 0.04, velocities=[0, 0, -1.0]).tolist())
+
+    run.advance(400, callback=rain, every=100)
+    spheres = run.spheres
+    assert numbers == [1, 2, 3] and spheres.numbers.tolist() == [0, 1, 2, 3]
+    assert spheres.radii.tolist() == [0.05, 0.04, 0.04, 0.04] and spheres.group_names == ("sand",)
+    assert spheres.velocities[1:, 2] == pytest.approx([-1.0] * 3, rel=0.1)
+    assert abs(run.energies["error"]) < 1e-6
+    hash_before = run.state_hash
+    for places, message in [
+        ([[5, 5, 1.0], [0.0, 0, 0.2]], "sphere 1 of those to add overlaps"),
+        ([[5, 5, 0.01]], "sphere 0 of those to add overlaps"),
+        ([[5, 5, np.nan]], "a coordinate"),
+        ([1.0, 2.0, 3.0], "one vector of 2 or 3 components for each sphere"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            run.add_spheres(places, 0.04)
+    with pytest.raises(ValueError, match="there is no group 'gravel': sand"):
+        run.add_spheres([[5, 5, 5]], 0.04, group="gravel")
+    assert run.state_hash == hash_before
+
+
 def test_spheres_are_arrays():
     """Two spheres fall side by side, and a third lies on a wall."""
     sand = {"name": "sand", "material": "steel", "at": [[0, 0, 1.0], [0.2, 0, 1.0]], "radius": 0.05, "velocity": [0, 0, -1.0]}

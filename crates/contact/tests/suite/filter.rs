@@ -193,16 +193,6 @@ fn equal_to_filtering_afterwards_f64_4d() {
 }
 
 #[test]
-fn equal_to_filtering_afterwards_f32_1d() {
-    small_and_few::<f32, 1>();
-}
-
-#[test]
-fn equal_to_filtering_afterwards_f32_2d() {
-    small_and_few::<f32, 2>();
-}
-
-#[test]
 fn equal_to_filtering_afterwards_f32_3d() {
     small_and_few::<f32, 3>();
 }

@@ -37,12 +37,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
-/// Tests of `$scenes` for every float type and number of dimensions.
+/// Tests of `$scenes` for both float types: all numbers of dimensions are among them, and not each with both,
+/// because each pair takes seconds to compile.
 macro_rules! for_all_types {
     ($scenes:ident) => {
         for_all_types! { $scenes;
-            f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4; f64_5d: f64, 5; f64_6d: f64, 6;
-            f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4; f32_5d: f32, 5; f32_6d: f32, 6;
+            f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4; f64_6d: f64, 6;
+            f32_2d: f32, 2; f32_3d: f32, 3; f32_5d: f32, 5;
         }
     };
     ($scenes:ident; $($name:ident: $type:ty, $dimensions:literal;)*) => {
@@ -100,9 +101,9 @@ fn thorough() -> bool {
     std::env::var_os("FDEM_THOROUGH").is_some()
 }
 
-/// A test of a property with that many cases if it is thorough, otherwise with a quarter.
+/// A test of a property with that many cases if it is thorough, otherwise with an eighth.
 fn cases(all: u32) -> proptest::test_runner::Config {
-    let cases = if thorough() { all } else { all / 4 };
+    let cases = if thorough() { all } else { all / 8 };
     proptest::test_runner::Config { cases, ..Default::default() }
 }
 

@@ -33,7 +33,7 @@ use parry3d_f64::shape;
 use crate::random::SplitMix64;
 
 fn number_of_pairs() -> usize {
-    if crate::thorough() { 40_000 } else { 20_000 }
+    if crate::thorough() { 40_000 } else { 8_000 }
 }
 
 // ---------------------------------------------------------------- points

@@ -207,6 +207,68 @@ fn wrong_models_are_refused() {
     assert_eq!(stop.to_string(), "materials 0 and 0 may touch, and have no surfaces in common");
 }
 
+/// Spheres that a program adds collide as those of the model, with the same bits on threads and after a
+/// checkpoint, and none comes in where there is no room.
+#[test]
+fn spheres_that_a_program_adds_have_the_same_bits() {
+    let side = 0.05;
+    let model = || GrainModel {
+        spheres: Spheres {
+            positions: vec![[0.001, 0.02, 0.02], [0.03, 0.02, 0.02]],
+            radii: vec![0.005; 2],
+            ..Spheres::default()
+        },
+        domain: Some(cube(side)),
+        materials: vec![material(1e7, 0.25, 2500.0)],
+        surfaces: vec![Surfaces { friction: 0.4, restitution: 0.8, ..Surfaces::smooth([0, 0]) }],
+        step: Some(1e-5),
+        ..GrainModel::default()
+    };
+    let shot = Spheres {
+        positions: vec![[0.0155, 0.021, 0.02], [0.041, 0.02, 0.021]],
+        radii: vec![0.004; 2],
+        velocities: vec![[2.0, 0.0, 0.0]; 2],
+        ..Spheres::default()
+    };
+    let finished = |threads: usize, stop: bool| {
+        let mut run = GrainRun::new(model(), threads).expect("a model");
+        run.advance(50).expect("steps");
+        assert_eq!(run.add(&shot), Ok(2..4));
+        if stop {
+            let state = postcard::from_bytes(&bytes(&run)).expect("a state");
+            run = GrainRun::resume(model(), state, threads).expect("the same model");
+        }
+        run.advance(4000).expect("steps");
+        run
+    };
+    let whole = finished(1, false);
+    // Two impacts, the second across a side that repeats; the spheres of the program had all of the energy.
+    let of = whole.energies();
+    let mass = 4.0 / 3.0 * std::f64::consts::PI * 0.004_f64.powi(3) * 2500.0;
+    assert!((of.external / (2.0 * 0.5 * mass * 4.0) - 1.0).abs() < 1e-12, "{of:?}");
+    let rest = of.kinetic + of.rotational + of.elastic + of.dissipated - of.external;
+    assert!(rest.abs() < 1e-3 * of.external && of.dissipated > 0.01 * of.external, "{of:?}");
+    assert!(whole.velocity(0)[0] > 0.1 && whole.velocity(1)[0] > 0.1, "both are struck");
+    for (threads, stop) in [(2, false), (1, true), (2, true)] {
+        assert!(bytes(&finished(threads, stop)) == bytes(&whole), "{threads} {stop}");
+    }
+
+    let mut run = GrainRun::new(model(), 1).expect("a model");
+    let before = bytes(&run);
+    let one = |place: [f64; 3]| Spheres { positions: vec![place], radii: vec![0.004], ..Spheres::default() };
+    // It overlaps the first sphere of the model across the side.
+    assert_eq!(run.add(&one([0.046, 0.02, 0.02])), Err(GrainError::NoRoom { sphere: 0 }));
+    let twice = Spheres { positions: vec![[0.02; 3]; 2], radii: vec![0.004; 2], ..Spheres::default() };
+    assert_eq!(run.add(&twice), Err(GrainError::NoRoom { sphere: 1 }));
+    let fast = Spheres { velocities: vec![[100.0, 0.0, 0.0]], ..one([0.02; 3]) };
+    let error = run.add(&fast).expect_err("a step that is too long").to_string();
+    assert!(error.starts_with("sphere 0 of those to add: longest step, s, is "), "{error}");
+    let unknown = Spheres { materials: vec![3], ..one([0.02; 3]) };
+    assert!(matches!(run.add(&unknown), Err(GrainError::Material { material: 3, .. })));
+    assert_eq!(run.add(&Spheres::default()), Ok(2..2));
+    assert!(bytes(&run) == before);
+}
+
 /// Spheres at a side that repeats reach into the region of an insertion at the other side.
 #[test]
 fn spheres_that_come_in_keep_off_images() {

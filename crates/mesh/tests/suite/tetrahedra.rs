@@ -611,7 +611,7 @@ fn tubes_with_thin_walls_or_a_hair_as_hole_are_refused() {
 #[test]
 fn grains_of_a_cylinder_are_round_outside() {
     let (from, to, radius): (Point, Point, f64) = ([0.1, 0.0, 0.0], [0.14, 0.03, 0.12], 0.04);
-    for seed in 0..6 {
+    for seed in 0..2 {
         let size = [0.007, 0.01][seed as usize % 2];
         let prism = Prism::of_cylinder(from, to, radius).unwrap();
         let surface = grains(&prism.surface(), 12, seed).unwrap();
@@ -655,7 +655,7 @@ fn grains_of_a_cylinder_are_round_outside() {
 fn grains_of_a_sphere_are_round_outside() {
     let (centre, radius): (Point, f64) = ([0.1, 0.2, -0.3], 0.04);
     let exact = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-    for (seed, count) in (0..).zip([2, 3, 5, 8, 12, 20, 30, 60]) {
+    for (seed, count) in (0..).zip([2, 5, 12, 60]) {
         let mean = (exact / f64::from(count)).cbrt();
         for across in [2.0, 4.0] {
             let size = mean / across;

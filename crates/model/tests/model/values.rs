@@ -275,7 +275,7 @@ fn no_text_makes_the_reader_panic() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((state >> 33) as usize) % below
     };
-    for _ in 0..300 {
+    for _ in 0..80 {
         let value: String = (0..next(8)).map(|_| PIECES[next(PIECES.len())]).collect();
         for key in ["density = \"2.7 g/cm^3\"", "seed = \"1 + 2\"", "half = \"1/2\"", "time_step = \"auto\""]
         {

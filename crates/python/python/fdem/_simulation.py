@@ -372,6 +372,53 @@ class Simulation:
         """Takes all forces of :meth:`set_forces` away."""
         self._run.clear_forces()
 
+    def add_spheres(
+        self,
+        positions: npt.ArrayLike,
+        radii: npt.ArrayLike,
+        *,
+        material: Optional[str] = None,
+        group: Optional[str] = None,
+        velocities: npt.ArrayLike = 0.0,
+        spins: npt.ArrayLike = 0.0,
+    ) -> _Numbers:
+        """Adds spheres between two steps: an insertion of your own, for instance in the callback of :meth:`advance`. They touch nothing at first. Their energy is external work.
+
+        Parameters
+        ----------
+        positions : array_like, spheres × 3 or spheres × 2
+            Centres, m.
+        radii : array_like
+            One radius for each, or one for all, m.
+        material : str, optional
+            Name of their material. Default: the only material of the model.
+        group : str, optional
+            Name of the ``[[grains]]`` or the ``[[insertion]]`` to which they belong. Default: the first.
+        velocities, spins : array_like
+            Velocity, m/s, and angular velocity, rad/s, of each or of all. Default: 0.
+
+        Returns
+        -------
+        ndarray of uint32
+            The numbers of the new spheres.
+
+        Raises
+        ------
+        ValueError
+            A sphere that overlaps another one, a wall or a body, or a wrong number. Then none is added.
+        """
+        places = _in_space(positions, None)
+        materials, groups = self._run.sphere_names()
+        if material is None and len(materials) != 1:
+            raise ValueError(f"material is one of {', '.join(materials)}")
+        kind = _place("material", material if material is not None else materials[0], materials)
+        number = 0 if group is None else _place("group", group, groups)
+        each = np.ascontiguousarray(np.broadcast_to(np.asarray(radii, dtype=np.float64), (len(places),)))
+        motion = [_in_space(of, len(places)) for of in (velocities, spins)]
+        added = self._run.add_spheres(places, each, motion, [kind, number])
+        self._clear()
+        return added
+
     def set_boundary(self, name: str, *, factor: Optional[float]) -> None:
         """Sets the factor of a boundary from the next step on, in place of its ramp or table; ``None`` gives it these back. A servo sets that of its own boundary.
 
@@ -463,6 +510,26 @@ def resume(path: _Path, threads: int = 0) -> Simulation:
     run = Simulation.__new__(Simulation)
     run._open(_fdem.Run.resume(os.fspath(path), threads))
     return run
+
+
+def _in_space(vectors: npt.ArrayLike, count: Optional[int]) -> _Reals:
+    """Rows of three components. With a number of rows one vector may stand for all, and 0 for a vector."""
+    given = np.asarray(vectors, dtype=np.float64)
+    if count is not None and given.ndim == 0 and given == 0:
+        return np.zeros((count, 3))
+    if given.ndim == 1 and count is not None:
+        given = np.broadcast_to(given, (count, len(given)))
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or count not in (None, len(given)):
+        raise ValueError(f"one vector of 2 or 3 components for each sphere, or one for all, not the shape {np.shape(vectors)}")
+    rows = np.zeros((len(given), 3))
+    rows[:, : given.shape[1]] = given
+    return rows
+
+
+def _place(what: str, name: str, names: list[str]) -> int:
+    if name not in names:
+        raise ValueError(f"there is no {what} {name!r}: {', '.join(names)}")
+    return names.index(name)
 
 
 def _steps(time: float, step: float) -> int:

@@ -74,6 +74,11 @@ impl<const D: usize> SphereAction<D> {
         self.run.as_ref()
     }
 
+    /// The same, to change it between steps.
+    pub(crate) fn run_mut(&mut self) -> Option<&mut GrainRun> {
+        self.run.as_mut()
+    }
+
     /// The state, from which [`SphereAction::restore`] continues.
     pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Option<SavedSpheres<D>>
     where

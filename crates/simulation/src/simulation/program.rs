@@ -6,6 +6,10 @@
 //! they are set again. Velocities of nodes that a boundary moves are those of the boundary again after the
 //! step. How they act, and their works: `src/actions/program.rs`.
 
+use std::ops::Range;
+
+use fdem_grains::Spheres;
+
 use crate::error::ModelError;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -61,6 +65,26 @@ where
             self.actions.program.replaced.entry(solid.corners(node)[0]).or_insert(before);
         }
         Ok(())
+    }
+
+    /// Adds spheres to those of the model, and returns their numbers. They touch nothing at first, and move
+    /// with the time step of the run. Their energy is external work.
+    ///
+    /// # Shapes
+    /// As those of [`GrainModel::spheres`](fdem_grains::GrainModel::spheres).
+    ///
+    /// # Errors
+    /// [`ModelError::Grains`] with the first sphere that overlaps another one, a wall or a body, or has a wrong
+    /// number; [`ModelError::Missing`] if the model has no spheres. Then nothing is changed.
+    ///
+    /// # Cost
+    /// A search for the couples of spheres.
+    pub fn add_spheres(&mut self, spheres: &Spheres) -> Result<Range<u32>, ModelError> {
+        let Some(run) = self.actions.spheres.run_mut() else {
+            let place = "spheres to add".to_owned();
+            return Err(ModelError::Missing { what: "model of spheres", index: 0, place });
+        };
+        run.add(spheres).map_err(ModelError::Grains)
     }
 
     /// Sets the forces of the caller on nodes, N, which act from the next step on until they are set again.

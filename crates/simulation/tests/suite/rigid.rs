@@ -113,8 +113,8 @@ fn rigid_bodies_keep_their_shape_and_the_energy_and_break_others() {
 /// Two free squares that meet at any angle, without friction.
 #[test]
 fn a_collision_keeps_momentum_and_energy() {
-    for k in 0..20 {
-        let angle = 0.37 * f64::from(k);
+    for k in 0..6 {
+        let angle = 1.27 * f64::from(k);
         let square = rectangle([-0.05, -0.05], [0.05, 0.05], 2, 2);
         let meshes = [turned(&square, angle, [-0.08, 0.01]), turned(&square, 1.7 * angle, [0.08, 0.0])];
         let moves = [vec![[5.0, 0.3]; 9], vec![[-3.0, 0.0]; 9]].concat();

@@ -183,7 +183,7 @@ fn the_stress_of_a_periodic_box_is_the_pressure_of_its_servo() {
         ..heap()
     };
     let mut run = Simulation::new(alone(grains), 1).expect("a model");
-    run.advance((0.5 / run.time_step()) as u64).expect("steps");
+    run.advance((0.3 / run.time_step()) as u64).expect("steps");
     let [values] = &run.measure(&[Probe::Spheres { region: None }])[..] else { panic!("one probe") };
     for axis in 0..3 {
         let wanted = pressures[axis].unwrap_or(0.0);

@@ -88,9 +88,10 @@ fn check_error(error: &ReadError) {
 }
 
 #[test]
-fn every_start_of_every_file_is_read_or_refused() {
+fn starts_of_every_file_are_read_or_refused() {
     for bytes in all() {
-        for end in 0..=bytes.len() {
+        // A step that is prime to the width of all columns.
+        for end in (0..=bytes.len()).step_by(3) {
             read(&bytes[..end]);
         }
     }
