@@ -496,7 +496,7 @@ def test_other_threads_run_meanwhile():
 
 def test_spheres_of_a_callback():
     """A program lets spheres fall, one in a hundred steps; the balance has their energy."""
-    sand = {"name": "sand", "material": "steel", "at": [[0, 0, 0.2]], "radius": 0.05}
+    sand = {"name": "sand", "material": "steel", "at": [[0, 0, 0.2]], "radius": 0.03}
     floor = {"name": "floor", "material": "steel", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
     model = fdem.Model(model={"end_time": 1.0, "gravity": [0, 0, -9.81]}, material=[STEEL | {"restitution": 0.5}], grains=[sand], wall=[floor])
     run = fdem.Simulation(model)
@@ -509,7 +509,7 @@ def test_spheres_of_a_callback():
     run.advance(400, callback=rain, every=100)
     spheres = run.spheres
     assert numbers == [1, 2, 3] and spheres.numbers.tolist() == [0, 1, 2, 3]
-    assert spheres.radii.tolist() == [0.05, 0.04, 0.04, 0.04] and spheres.group_names == ("sand",)
+    assert spheres.radii.tolist() == [0.03, 0.04, 0.04, 0.04] and spheres.group_names == ("sand",)
     assert spheres.velocities[1:, 2] == pytest.approx([-1.0] * 3, rel=0.1)
     assert abs(run.energies["error"]) < 1e-6
     hash_before = run.state_hash
@@ -521,6 +521,8 @@ def test_spheres_of_a_callback():
     ]:
         with pytest.raises(ValueError, match=message):
             run.add_spheres(places, 0.04)
+    with pytest.raises(ValueError, match="time step, s, is .* at least a quarter of that of the run"):
+        run.add_spheres([[5, 5, 5]], 0.002)
     with pytest.raises(ValueError, match="there is no group 'gravel': sand"):
         run.add_spheres([[5, 5, 5]], 0.04, group="gravel")
     assert run.state_hash == hash_before

@@ -13,13 +13,16 @@ use crate::vector::{Vector, dot};
 /// Steps after which spheres come in and are removed.
 const CHANGE: u64 = 32;
 
+/// Step of a run over the one for a sphere that is added, from which on its impacts are not resolved.
+const TOO_LONG: f64 = 4.0;
+
 impl GrainRun {
     /// Adds spheres between two steps, and returns their numbers. They touch nothing at first. The balance
     /// counts their energy as external work. Groups, if given, are numbers of those of the model.
     ///
     /// # Errors
     /// Those of [`GrainModel::check`] for the new spheres; [`GrainError::OutOfRange`] if one is so small or so
-    /// fast that it needs a shorter step than that of the run, and than all spheres of the model;
+    /// fast that the step of the run, and that for the spheres of the model, is four times the one for it;
     /// [`GrainError::NoRoom`] if one overlaps another sphere, a wall or a body. Then none of them is added.
     ///
     /// # Cost
@@ -28,12 +31,12 @@ impl GrainRun {
         let alone = GrainModel { spheres: spheres.clone(), clumps: Vec::new(), ..self.model.clone() };
         alone.check()?;
         let (longest, sphere) = alone.shortest_step();
-        if longest < self.time_step.min(self.safe_step) {
+        if TOO_LONG * longest < self.time_step.min(self.safe_step) {
             return Err(GrainError::OutOfRange {
                 place: format!("sphere {sphere} of those to add"),
-                what: "longest step, s,",
+                what: "time step, s,",
                 value: longest,
-                range: "at least that of the run: begin it with a shorter one",
+                range: "at least a quarter of that of the run: begin it with a shorter one",
             });
         }
         let all = spheres.positions.iter().zip(&spheres.radii);

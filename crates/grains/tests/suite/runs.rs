@@ -260,9 +260,9 @@ fn spheres_that_a_program_adds_have_the_same_bits() {
     assert_eq!(run.add(&one([0.046, 0.02, 0.02])), Err(GrainError::NoRoom { sphere: 0 }));
     let twice = Spheres { positions: vec![[0.02; 3]; 2], radii: vec![0.004; 2], ..Spheres::default() };
     assert_eq!(run.add(&twice), Err(GrainError::NoRoom { sphere: 1 }));
-    let fast = Spheres { velocities: vec![[100.0, 0.0, 0.0]], ..one([0.02; 3]) };
+    let fast = Spheres { velocities: vec![[3000.0, 0.0, 0.0]], ..one([0.02; 3]) };
     let error = run.add(&fast).expect_err("a step that is too long").to_string();
-    assert!(error.starts_with("sphere 0 of those to add: longest step, s, is "), "{error}");
+    assert!(error.starts_with("sphere 0 of those to add: time step, s, is "), "{error}");
     let unknown = Spheres { materials: vec![3], ..one([0.02; 3]) };
     assert!(matches!(run.add(&unknown), Err(GrainError::Material { material: 3, .. })));
     assert_eq!(run.add(&Spheres::default()), Ok(2..2));
