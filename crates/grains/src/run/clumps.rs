@@ -289,7 +289,9 @@ fn turn(
     }
     motion.centre = plus(motion.centre, times(step, motion.velocity));
     if let Some(cell) = of.cell {
-        motion.centre = cell.wrapped(motion.centre);
+        let place = motion.centre;
+        motion.centre = cell.wrapped(place);
+        motion.external -= body.mass * dot(of.gravity, minus(motion.centre, place));
     }
     Turned { matrices: [before, after], motion }
 }

@@ -262,6 +262,9 @@ fn advance(
     }
     ball.position = plus(ball.position, times(of.step, velocity));
     if let Some(cell) = of.cell {
-        ball.position = cell.wrapped(ball.position);
+        let place = ball.position;
+        ball.position = cell.wrapped(place);
+        // A sphere that comes in on the other side has another potential energy.
+        drive.external -= ball.mass * dot(of.gravity, minus(ball.position, place));
     }
 }

@@ -369,7 +369,8 @@ impl FacetScratch {
         for (partner, pass) in partners.iter().zip(&*passes) {
             if let Some(k) = *partner {
                 let old = &histories[k as usize];
-                lost[k as usize] = (pass - old.pass).clamp(0.0, old.own);
+                // A contact that sticks may pull.
+                lost[k as usize] = (pass - old.pass).clamp(0.0, old.own.max(0.0));
                 gained += (old.pass - pass).max(0.0);
             }
         }

@@ -196,6 +196,47 @@ fn triangles_of_one_plane_are_a_plane() {
     assert!(runs[0].position(0)[0] > 0.01, "{:?}", runs[0].position(0));
 }
 
+/// A sphere that sticks to triangles of one plane moves as on a plane: it comes to rest and hangs on.
+#[test]
+fn a_sphere_sticks_to_triangles_as_to_a_plane() {
+    let corner = |x: f64, y: f64| [0.05 * x, 0.05 * y, 0.0];
+    let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let model = |wall: Wall, pull: f64| GrainModel {
+        spheres: Spheres {
+            positions: vec![[0.012, 0.003, 0.00999]],
+            radii: vec![0.01],
+            velocities: vec![[0.05, 0.02, -0.01]],
+            ..Spheres::default()
+        },
+        walls: vec![wall],
+        materials: vec![material(5e6, 0.25, 2500.0)],
+        surfaces: vec![Surfaces {
+            adhesion: 5.0,
+            friction: 0.4,
+            restitution: 0.6,
+            ..Surfaces::smooth([0, 0])
+        }],
+        gravity: [0.0, 0.0, pull],
+        step: Some(5e-6),
+        ..GrainModel::default()
+    };
+    let plane = Wall::plane([0.0; 3], [0.0, 0.0, 1.0], 0);
+    let triangles = WallShape::Mesh { triangles: vec![[a, b, c], [a, c, d]] };
+    for pull in [-9.81, 0.0] {
+        let [on_plane, on_mesh] =
+            [plane.clone(), Wall { shape: triangles.clone(), ..plane.clone() }].map(|wall| {
+                let mut run = GrainRun::new(model(wall, pull), 1).expect("a model");
+                run.advance(20_000).expect("steps");
+                run
+            });
+        assert_eq!(on_plane.contacts().len(), 1, "it sticks");
+        let [one, other] = [on_plane.position(0), on_mesh.position(0)];
+        assert!((0..3).all(|k| (one[k] - other[k]).abs() < 1e-9), "{one:?} {other:?}");
+        let [one, other] = [on_plane.wall_force(0), on_mesh.wall_force(0)];
+        assert!((0..3).all(|k| (one[k] - other[k]).abs() < 1e-6), "{one:?} {other:?}");
+    }
+}
+
 /// Speed after an impact over that before, without damping and friction, and the largest number of contacts.
 fn restored(model: GrainModel, body: &Body) -> (f64, usize) {
     let speed = dot(model.spheres.velocities[0], model.spheres.velocities[0]).sqrt();

@@ -207,6 +207,34 @@ fn wrong_models_are_refused() {
     assert_eq!(stop.to_string(), "materials 0 and 0 may touch, and have no surfaces in common");
 }
 
+/// A chute: the weight does its work along an axis that repeats, whatever side a sphere comes in on.
+#[test]
+fn the_weight_works_along_axes_that_repeat() {
+    let clump = Clump { spheres: vec![1, 2], ..Clump::default() };
+    let model = GrainModel {
+        spheres: Spheres {
+            positions: vec![[0.01, 0.01, 0.01], [0.03, 0.03, 0.03], [0.033, 0.03, 0.03]],
+            radii: vec![0.003; 3],
+            ..Spheres::default()
+        },
+        clumps: vec![clump],
+        gravity: [4.0, 0.0, -9.81],
+        domain: Some(cube(0.05)),
+        materials: vec![material(5e6, 0.25, 2500.0)],
+        surfaces: vec![Surfaces::smooth([0, 0])],
+        step: Some(1e-4),
+        ..GrainModel::default()
+    };
+    let mut run = GrainRun::new(model, 1).expect("a model");
+    let total = |of: GrainEnergies| of.kinetic + of.rotational + of.weight - of.external;
+    let begin = total(run.energies());
+    run.advance(3000).expect("steps");
+    let energies = run.energies();
+    let fallen = run.velocity(0);
+    assert!((fallen[0] - 1.2).abs() < 1e-3 && (fallen[2] + 2.943).abs() < 1e-3, "{fallen:?}");
+    assert!((total(energies) - begin).abs() < 1e-6 * energies.kinetic, "{begin} {energies:?}");
+}
+
 /// Spheres that a program adds collide as those of the model, with the same bits on threads and after a
 /// checkpoint, and none comes in where there is no room.
 #[test]
