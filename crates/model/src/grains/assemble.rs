@@ -83,11 +83,13 @@ where
     }
     (model.removals, prepared.removals) = file.delete.iter().map(coming::removal).unzip();
     notes.extend(coming::without_effect(file));
+    notes.extend(coming::without_room(file, &model.insertions, discs));
     notes.extend(clumps::in_pieces(file, &shapes));
     let (spheres, clumps, insertions) = (&model.spheres, &model.clumps, &model.insertions);
     let beginning = Beginning { spheres, clumps, insertions, groups: &prepared.groups, discs, document };
     beginning.among_spheres(faults);
     beginning.on_walls(&all, faults);
+    beginning.outside(file.domain.as_ref().map(domain), faults);
     beginning.in_bodies(placed, faults);
     beginning.without_room(&all, faults);
     let groups = file.grains.iter().map(|grains| &grains.name);

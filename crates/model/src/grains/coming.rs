@@ -103,6 +103,32 @@ pub(crate) fn without_effect(file: &ModelFile) -> Vec<String> {
         .collect()
 }
 
+/// Share of a box that spheres and discs at random places fill, beyond which some find no room.
+const FULL: [f64; 2] = [0.6, 0.8];
+
+/// Warnings of insertions that are to come in at once, and that their boxes cannot hold.
+pub(crate) fn without_room(file: &ModelFile, insertions: &[Insertion], discs: bool) -> Vec<String> {
+    let axes = if discs { 2 } else { 3 };
+    let tables = file.insertion.iter().zip(insertions);
+    let at_once = tables.filter(|(table, _)| table.rate.is_none() && table.mass_rate.is_none());
+    at_once
+        .filter_map(|(table, of)| {
+            let [low, high] = of.region;
+            let room: f64 = (0..axes).map(|axis| high[axis] - low[axis]).product();
+            let measure = |&r: &f64| if discs { PI * r * r } else { 4.0 / 3.0 * PI * r * r * r };
+            let share = of.radii.iter().map(measure).sum::<f64>() / room;
+            (share > FULL[usize::from(discs)]).then(|| {
+                format!(
+                    "[[insertion]] \"{}\": the spheres have {:.0} % of the volume of its box and come in at once: those \
+                     that find no room wait until others have left it",
+                    table.name,
+                    100.0 * share
+                )
+            })
+        })
+        .collect()
+}
+
 /// The corners of a box in space.
 fn region(within: &BoxRegion) -> [[f64; 3]; 2] {
     [in_space(&within.min), in_space(&within.max)]

@@ -3,7 +3,8 @@
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Corners;
 use fdem_simulation::grains::{
-    Clump, Insertion, Spheres, Wall, WallShape, spheres_in_box, worst_in_body, worst_on_wall, worst_overlap,
+    Clump, Domain, Insertion, Spheres, Wall, WallShape, spheres_in_box, worst_in_body, worst_on_wall,
+    worst_overlap,
 };
 
 use crate::grains::spheres::place;
@@ -93,6 +94,19 @@ impl Beginning<'_> {
             let help = "move the wall or the spheres; the normal of a plane points to the spheres";
             faults.push(self.fault(sphere, message, help));
         }
+    }
+
+    /// Reports the first sphere outside of the domain along an axis that does not repeat.
+    pub(crate) fn outside(&self, domain: Option<Domain>, faults: &mut Vec<Fault>) {
+        let Some(domain) = domain else { return };
+        let is_out = |place: &[f64; 3]| {
+            (0..3).any(|axis| {
+                !domain.periodic[axis] && !(domain.low[axis]..=domain.high[axis]).contains(&place[axis])
+            })
+        };
+        let Some(sphere) = self.spheres.positions.iter().position(is_out) else { return };
+        let message = format!("{} is outside of the box of [domain]", self.words(sphere as u32));
+        faults.push(self.fault(sphere as u32, message, "make the box larger, or move the spheres"));
     }
 
     /// Reports for each body the sphere that is deepest in it.

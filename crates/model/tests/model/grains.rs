@@ -410,6 +410,8 @@ fn laws_and_domains() {
     assert_eq!(of.strain_rates, [0.1, 0.0, 0.0]);
     refused(&domain.replace("[0.1, 0, 0]", "[0.1, 0, 1]"), "strain_rate", &["does not repeat along z"]);
     refused(&domain.replace("1, 1, 2]", "1, -1, 2]"), "box", &["inside out"]);
+    let low = domain.replace("[0, 0, 0, 1, 1, 2]", "[0, 0, 0, 1, 1, 0.2]");
+    refused(&low, "sand", &["is outside of the box of [domain]"]);
     let servo = domain.replace(
         "outside = \"delete\"",
         "strain_from = \"20 ms\"\nservo = { x = \"1 kPa\", y = 500, rate = 2 }",
@@ -434,6 +436,17 @@ fn keys_without_effect_are_warned_of() {
     assert!(warnings.contains("[[material]] \"steel\": rolling_friction changes nothing"), "{warnings}");
     assert!(warnings.contains("\"steel\" and \"steel\": restitution changes nothing"), "{warnings}");
     assert_eq!(space(HEAP).warnings, Vec::<String>::new());
+}
+
+#[test]
+fn insertions_that_their_boxes_cannot_hold_are_warned_of() {
+    let rain = "[[insertion]]\nname = \"rain\"\nmaterial = \"glass\"\ncount = 200\nradius = 0.01\n\
+                within = { min = [0, 0, 0.6], max = [0.1, 0.1, 0.7] }\n";
+    let warnings = |text: &str| space(text).warnings.join("\n");
+    let full = warnings(&format!("{HEAP}{rain}"));
+    assert!(full.contains("[[insertion]] \"rain\": the spheres have 84 % of the volume"), "{full}");
+    assert_eq!(warnings(&format!("{HEAP}{rain}rate = 1000\n")), "");
+    assert_eq!(warnings(&format!("{HEAP}{}", rain.replace("200", "100"))), "");
 }
 
 #[test]
