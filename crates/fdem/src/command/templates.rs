@@ -29,7 +29,7 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 29] = [
+pub(crate) const TEMPLATES: [Template; 32] = [
     Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
@@ -40,6 +40,7 @@ pub(crate) const TEMPLATES: [Template; 29] = [
     template!("falling_blocks"),
     template!("fragment_heap"),
     template!("hydraulic_fracture"),
+    template!("jaw_crusher"),
     template!("jointed_slope"),
     template!("masonry_wall"),
     template!("ring_on_plate"),
@@ -48,6 +49,7 @@ pub(crate) const TEMPLATES: [Template; 29] = [
     template!("three_point_bending"),
     template!("tunnel"),
     Template { name: "starter_3d", text: STARTER_3D, file: None },
+    template!("ballast_3d"),
     template!("brazilian_disc_3d"),
     template!("compression_3d"),
     template!("crushed_ball_3d"),
@@ -56,6 +58,7 @@ pub(crate) const TEMPLATES: [Template; 29] = [
     template!("impact_3d"),
     template!("periodic_triaxial_3d"),
     template!("pillar_3d"),
+    template!("projectile_3d"),
     template!("rotating_drum_3d"),
     template!("stairs_3d"),
     template!("triaxial_3d"),

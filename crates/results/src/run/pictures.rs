@@ -70,13 +70,13 @@ pub struct FrameView {
 }
 
 impl FrameView {
-    /// Returns a view of all frames. It reaches beyond the first frame by at most half of the longer side of
-    /// that frame. Fragments that fly farther leave the picture.
+    /// Returns a view of all frames. It reaches beyond the first frame that has half of all spheres by at
+    /// most half of the longer side of that frame. Fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
         let (mut last, mut bounds) = (0.0_f64, Vec::new());
         for (k, frame) in frames.into_iter().enumerate() {
             last = if k == 0 { frame.time } else { last.max(frame.time) };
-            bounds.push(frame.extent());
+            bounds.push((frame.extent(), frame.counts()));
         }
         let [x, y] = extent(bounds);
         Self { low: [x[0], y[0]], high: [x[1], y[1]], last }
@@ -98,12 +98,18 @@ impl FrameView {
 }
 
 /// Returns the least and the greatest coordinate on each axis that a view of frames with these bounds shows:
-/// beyond the first frame by at most half of its longest side.
-pub(crate) fn extent<const D: usize>(bounds: impl IntoIterator<Item = [[f64; 2]; D]>) -> [[f64; 2]; D] {
-    let mut bounds = bounds.into_iter();
-    let Some(first) = bounds.next() else { return [[0.0, 1.0]; D] };
+/// beyond a first frame by at most half of its longest side. Spheres may come in, so that this is the first
+/// frame with at least half of all elements and spheres that any of them has. Frames with neither do not
+/// count. `frames`: the bounds of each, and its numbers of elements and of spheres.
+pub(crate) fn extent<const D: usize>(
+    frames: impl IntoIterator<Item = ([[f64; 2]; D], [usize; 2])>,
+) -> [[f64; 2]; D] {
+    let frames = frames.into_iter().map(|(bounds, [elements, spheres])| (bounds, elements + spheres));
+    let frames: Vec<([[f64; 2]; D], usize)> = frames.collect();
+    let all = frames.iter().map(|(_, count)| *count).max().unwrap_or(0);
+    let Some(&(first, _)) = frames.iter().find(|(_, count)| 2 * count >= all) else { return [[0.0, 1.0]; D] };
     let most = first.iter().map(|[low, high]| high - low).fold(0.0, f64::max) / 2.0;
-    bounds.fold(first, |extent, bounds| {
+    frames.into_iter().filter(|(_, count)| all == 0 || *count > 0).fold(first, |extent, (bounds, _)| {
         std::array::from_fn(|axis| {
             let ([low, high], [least, largest]) = (extent[axis], bounds[axis]);
             [low.min(least).max(first[axis][0] - most), high.max(largest).min(first[axis][1] + most)]
@@ -129,25 +135,13 @@ pub(crate) fn time_text(time: f64, last: f64) -> String {
 /// use fdem_results::{Field, Frame, FrameView, Pictures, Range};
 /// use fdem_simulation::Snapshot;
 ///
-/// let snapshot = Snapshot {
-///     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-///     displacements: vec![[0.0; 2]; 3],
-///     velocities: vec![[0.0; 2]; 3],
-///     elements: vec![[0, 1, 2]],
-///     stresses: vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],
-///     damage: vec![0.0],
-///     bodies: vec![0],
-///     materials: vec![0],
-///     fragments: vec![0],
-///     ..Snapshot::default()
-/// };
-/// let frames = [Frame::new(&snapshot)?];
-/// let field = Field::VON_MISES;
-/// let pictures =
-///     Pictures { title: "a triangle", field, range: Range::of(&frames, field), view: FrameView::of(&frames) };
-/// assert!(pictures.svg(&frames[0])?.contains("von Mises stress (MPa)"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// let snapshot = Snapshot {     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],     displacements:
+/// vec![[0.0; 2]; 3],     velocities: vec![[0.0; 2]; 3],     elements: vec![[0, 1, 2]],     stresses:
+/// vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],     damage: vec![0.0],     bodies: vec![0],     materials: vec![0],
+/// fragments: vec![0],     ..Snapshot::default() }; let frames = [Frame::new(&snapshot)?]; let field =
+/// Field::VON_MISES; let pictures =     Pictures { title: "a triangle", field, range: Range::of(&frames,
+/// field), view: FrameView::of(&frames) }; assert!(pictures.svg(&frames[0])?.contains("von Mises stress
+/// (MPa)")); # Ok::<(), Box<dyn std::error::Error>>(()) ```
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
     /// Title.
@@ -546,5 +540,26 @@ impl FrameLayout {
             self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,
             self.area[1] / 2.0 - (y - self.middle[1]) * self.scale,
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::extent;
+
+    #[test]
+    fn spheres_that_come_in_set_the_view() {
+        let still = [([[0.0, 2.0], [0.0, 1.0]], [5, 0]), ([[-9.0, 2.5], [0.0, 1.0]], [5, 0])];
+        assert_eq!(extent(still), [[-1.0, 2.5], [0.0, 1.0]], "the first frame, and half of its side");
+        // Without spheres a plane reaches far, and one of them is small.
+        let poured = [
+            ([[-50.0, 50.0], [-50.0, 50.0]], [0, 0]),
+            ([[0.0, 0.01], [0.9, 0.91]], [0, 1]),
+            ([[0.0, 1.0], [0.0, 1.0]], [0, 80]),
+            ([[0.0, 1.0], [0.0, 1.2]], [0, 100]),
+        ];
+        assert_eq!(extent(poured), [[0.0, 1.0], [0.0, 1.2]]);
+        assert_eq!(extent([([[-5.0, 5.0]], [0, 0])]), [[-5.0, 5.0]], "walls alone");
+        assert_eq!(extent::<1>([]), [[0.0, 1.0]]);
     }
 }

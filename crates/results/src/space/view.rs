@@ -21,11 +21,12 @@ const AZIMUTH: f64 = 30.0;
 const ELEVATION: f64 = 25.0;
 
 impl SpaceView {
-    /// Returns a view of all frames from the front right above. It reaches beyond the first frame by at most
-    /// half of the longest side of that frame. Fragments that fly farther leave the picture.
+    /// Returns a view of all frames from the front right above. It reaches beyond the first frame that has
+    /// half of all spheres by at most half of the longest side of that frame. Fragments that fly farther
+    /// leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a SpaceFrame>) -> Self {
         let (bounds, times): (Vec<_>, Vec<f64>) =
-            frames.into_iter().map(|frame| (frame.extent(), frame.time)).unzip();
+            frames.into_iter().map(|frame| ((frame.extent(), frame.counts()), frame.time)).unzip();
         let extent = extent(bounds);
         let [low, high] = [0, 1].map(|end| extent.map(|axis| axis[end]));
         let last = times.into_iter().fold(0.0, f64::max);

@@ -250,7 +250,7 @@ impl SpaceReport<'_> {
                 "broken": frame.areas.into_iter().chain(frame.others).map(finite).collect::<Vec<_>>(),
             })
         };
-        let extent = extent(self.frames.iter().map(SpaceFrame::extent));
+        let extent = extent(self.frames.iter().map(|frame| (frame.extent(), frame.counts())));
         let half = extent.map(|[low, high]| (high - low) / 2.0);
         let middle = [0, 1, 2].map(|axis| extent[axis][0] + half[axis]);
         let unit = half.iter().map(|half| half * half).sum::<f64>().sqrt();
