@@ -20,10 +20,10 @@ impl GrainRun {
     /// Adds spheres between two steps, and returns their numbers. They touch nothing at first. The balance
     /// counts their energy as external work. Groups, if given, are numbers of those of the model.
     ///
-    /// # Errors Those of [`GrainModel::check`] for the new spheres; [`GrainError::OutOfRange`] if one is so
-    /// small or so fast that the step of the run, and that for the spheres of the model, is four times the
-    /// one for it; [`GrainError::NoRoom`] if one overlaps another sphere, a wall or a body. Then none of them
-    /// is added.
+    /// # Errors
+    /// Those of [`GrainModel::check`] for the new spheres; [`GrainError::OutOfRange`] if one is so small or
+    /// so fast that the step of the run, and that for the spheres of the model, is four times the one for it;
+    /// [`GrainError::NoRoom`] if one overlaps another sphere, a wall or a body. Then none of them is added.
     ///
     /// # Cost
     /// A search for couples, as the run makes one every hundred steps or so.

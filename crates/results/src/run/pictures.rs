@@ -135,13 +135,25 @@ pub(crate) fn time_text(time: f64, last: f64) -> String {
 /// use fdem_results::{Field, Frame, FrameView, Pictures, Range};
 /// use fdem_simulation::Snapshot;
 ///
-/// let snapshot = Snapshot {     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],     displacements:
-/// vec![[0.0; 2]; 3],     velocities: vec![[0.0; 2]; 3],     elements: vec![[0, 1, 2]],     stresses:
-/// vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],     damage: vec![0.0],     bodies: vec![0],     materials: vec![0],
-/// fragments: vec![0],     ..Snapshot::default() }; let frames = [Frame::new(&snapshot)?]; let field =
-/// Field::VON_MISES; let pictures =     Pictures { title: "a triangle", field, range: Range::of(&frames,
-/// field), view: FrameView::of(&frames) }; assert!(pictures.svg(&frames[0])?.contains("von Mises stress
-/// (MPa)")); # Ok::<(), Box<dyn std::error::Error>>(()) ```
+/// let snapshot = Snapshot {
+///     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+///     displacements: vec![[0.0; 2]; 3],
+///     velocities: vec![[0.0; 2]; 3],
+///     elements: vec![[0, 1, 2]],
+///     stresses: vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],
+///     damage: vec![0.0],
+///     bodies: vec![0],
+///     materials: vec![0],
+///     fragments: vec![0],
+///     ..Snapshot::default()
+/// };
+/// let frames = [Frame::new(&snapshot)?];
+/// let field = Field::VON_MISES;
+/// let pictures =
+///     Pictures { title: "a triangle", field, range: Range::of(&frames, field), view: FrameView::of(&frames) };
+/// assert!(pictures.svg(&frames[0])?.contains("von Mises stress (MPa)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
     /// Title.

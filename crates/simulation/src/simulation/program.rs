@@ -29,14 +29,20 @@ where
     /// [`ModelError::Length`], [`ModelError::Missing`], [`ModelError::OutOfRange`]: a velocity that is no
     /// number, or beyond the speed at which runs stop. Then nothing is changed.
     ///
-    /// # Example ``` # use fdem_simulation::*; # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0,
-    /// 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }; # let material = Material {
-    /// name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, law:
-    /// fdem_simulation::MaterialLaw::NeoHookean, damping: 0.0, strength: None, friction: 0.5 }; let mut run =
-    /// Simulation::new(Model { mesh, materials: vec![material], ..Model::default() }, 1)?; run.advance(10)?;
-    /// run.set_velocities(&[0, 1, 2], &[[1.0, 0.0]; 3])?; run.advance(1)?; let energies = run.energies();
-    /// assert!((energies.kinetic - 0.5 * 2700.0 * 0.5).abs() < 1e-9); assert!((energies.external -
-    /// energies.kinetic).abs() < 1e-9); # Ok::<(), Box<dyn std::error::Error>>(()) ```
+    /// # Example
+    /// ```
+    /// # use fdem_simulation::*;
+    /// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
+    /// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, law: fdem_simulation::MaterialLaw::NeoHookean, damping: 0.0, strength: None, friction: 0.5 };
+    /// let mut run = Simulation::new(Model { mesh, materials: vec![material], ..Model::default() }, 1)?;
+    /// run.advance(10)?;
+    /// run.set_velocities(&[0, 1, 2], &[[1.0, 0.0]; 3])?;
+    /// run.advance(1)?;
+    /// let energies = run.energies();
+    /// assert!((energies.kinetic - 0.5 * 2700.0 * 0.5).abs() < 1e-9);
+    /// assert!((energies.external - energies.kinetic).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set_velocities(&mut self, nodes: &[u32], velocities: &[[f64; D]]) -> Result<(), ModelError> {
         let order = self.solid().order(&self.topology);
         check(nodes, velocities, order.len(), ["velocities", "a velocity"])?;
@@ -67,8 +73,9 @@ where
     /// # Shapes
     /// As those of [`GrainModel::spheres`](fdem_grains::GrainModel::spheres).
     ///
-    /// # Errors [`ModelError::Grains`] with the first sphere that overlaps another one, a wall or a body, or
-    /// has a wrong number; [`ModelError::Missing`] if the model has no spheres. Then nothing is changed.
+    /// # Errors
+    /// [`ModelError::Grains`] with the first sphere that overlaps another one, a wall or a body, or has a
+    /// wrong number; [`ModelError::Missing`] if the model has no spheres. Then nothing is changed.
     ///
     /// # Cost
     /// A search for the couples of spheres.
