@@ -51,7 +51,7 @@ fn every_example_is_right_and_small_and_gives_no_unexpected_warning() {
         let expected = WARNED.iter().find(|(of, _)| *of == name).map_or(&[][..], |(_, parts)| parts);
         let as_expected = preflight.warnings.len() == expected.len()
             && preflight.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part));
-        if !as_expected || !(1_000..=most).contains(&elements) || work > 5e8 {
+        if !as_expected || !(500..=most).contains(&elements) || work > 5e8 {
             wrong.push(format!(
                 "{name}: {elements} elements and spheres, {work:e} element-steps, {:?}",
                 preflight.warnings
