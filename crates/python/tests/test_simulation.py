@@ -511,7 +511,8 @@ def test_spheres_of_a_callback():
     assert numbers == [1, 2, 3] and spheres.numbers.tolist() == [0, 1, 2, 3]
     assert spheres.radii.tolist() == [0.03, 0.04, 0.04, 0.04] and spheres.group_names == ("sand",)
     assert spheres.velocities[1:, 2] == pytest.approx([-1.0] * 3, rel=0.1)
-    assert abs(run.energies["error"]) < 1e-6
+    # The velocity counts half a step earlier: g dt / v.
+    assert abs(run.energies["error"]) < 1e-4
     hash_before = run.state_hash
     for places, message in [
         ([[5, 5, 1.0], [0.0, 0, 0.2]], "sphere 1 of those to add overlaps"),

@@ -97,7 +97,7 @@ struct PlateBounds {
 const COARSE: PlateBounds = PlateBounds { elements: 3, toughness: [0.5, 0.6], energy: [0.3, 0.6] };
 // The mean energy of eight meshes is 1.05; that of four is up to 1.06.
 // One mesh, at the reduced size.
-const QUICK: PlateBounds = PlateBounds { elements: 4, toughness: [0.2, 0.2], energy: [0.2, 0.2] };
+const QUICK: PlateBounds = PlateBounds { elements: 4, toughness: [0.1, 0.1], energy: [0.1, 0.1] };
 const USUAL: PlateBounds = PlateBounds { elements: 6, toughness: [0.04, 0.08], energy: [0.08, 0.12] };
 const SMALL: PlateBounds = PlateBounds { elements: 12, toughness: [0.04, 0.08], energy: [0.05, 0.08] };
 
