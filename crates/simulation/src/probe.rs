@@ -147,9 +147,9 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
         /// Number of the wall.
         wall: u32,
     },
-    /// Number, coordination, solid fraction, kinetic energy, J, mean stress, Pa, tension positive, `[xx, yy,
-    /// zz, xy, yz, xz]`, and fabric of the spheres whose centres are in a region, and the lengths of its
-    /// sides, m: the third is the thickness of discs.
+    /// Number, coordination, solid fraction, kinetic energy, J, mean stress, Pa, tension positive,
+    /// `[xx, yy, zz, xy, yz, xz]`, and fabric of the spheres whose centres are in a region, and the lengths
+    /// of its sides, m: the third is the thickness of discs.
     ///
     /// Contacts are those at the beginning of the last step. The coordination is their mean number for each
     /// of these spheres, with walls and bodies. The stress is `Σ r f / V` over the contacts of these spheres

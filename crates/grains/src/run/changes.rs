@@ -21,9 +21,9 @@ impl GrainRun {
     /// counts their energy as external work. Groups, if given, are numbers of those of the model.
     ///
     /// # Errors
-    /// Those of [`GrainModel::check`] for the new spheres; [`GrainError::OutOfRange`] if one is so small or
-    /// so fast that the step of the run, and that for the spheres of the model, is four times the one for it;
-    /// [`GrainError::NoRoom`] if one overlaps another sphere, a wall or a body. Then none of them is added.
+    /// [`GrainModel::check`] has the errors of wrong numbers. [`GrainError::OutOfRange`]: a sphere is so small
+    /// or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere overlaps
+    /// another one, a wall or a body. After an error no sphere is added.
     ///
     /// # Cost
     /// A search for couples, as the run makes one every hundred steps or so.
