@@ -21,8 +21,8 @@ impl GrainRun {
     /// counts their energy as external work. Groups, if given, are numbers of those of the model.
     ///
     /// # Errors
-    /// [`GrainModel::check`] has the errors of wrong numbers. [`GrainError::OutOfRange`]: a sphere is so small
-    /// or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere overlaps
+    /// [`GrainModel::check`] has the errors of wrong numbers. [`GrainError::OutOfRange`]: a sphere is so
+    /// small or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere overlaps
     /// another one, a wall or a body. After an error no sphere is added.
     ///
     /// # Cost
