@@ -22,8 +22,8 @@ impl GrainRun {
     ///
     /// # Errors
     /// [`GrainModel::check`] has the errors of wrong numbers. [`GrainError::OutOfRange`]: a sphere is so
-    /// small or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere overlaps
-    /// another one, a wall or a body. After an error no sphere is added.
+    /// small or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere
+    /// overlaps another one, a wall or a body. After an error no sphere is added.
     ///
     /// # Cost
     /// A search for couples, as the run makes one every hundred steps or so.
