@@ -104,10 +104,13 @@ impl FrameView {
 pub(crate) fn extent<const D: usize>(
     frames: impl IntoIterator<Item = ([[f64; 2]; D], [usize; 2])>,
 ) -> [[f64; 2]; D] {
-    let frames = frames.into_iter().map(|(bounds, [elements, spheres])| (bounds, elements + spheres));
+    let frames =
+        frames.into_iter().map(|(bounds, [elements, spheres])| (bounds, elements.saturating_add(spheres)));
     let frames: Vec<([[f64; 2]; D], usize)> = frames.collect();
     let all = frames.iter().map(|(_, count)| *count).max().unwrap_or(0);
-    let Some(&(first, _)) = frames.iter().find(|(_, count)| 2 * count >= all) else { return [[0.0, 1.0]; D] };
+    let Some(&(first, _)) = frames.iter().find(|(_, count)| *count >= all.div_ceil(2)) else {
+        return [[0.0, 1.0]; D];
+    };
     let most = first.iter().map(|[low, high]| high - low).fold(0.0, f64::max) / 2.0;
     frames.into_iter().filter(|(_, count)| all == 0 || *count > 0).fold(first, |extent, (bounds, _)| {
         std::array::from_fn(|axis| {
