@@ -7,6 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use fdem::model::AnyPrepared;
+
 #[path = "../examples/book_figures/main.rs"]
 mod book_figures;
 #[path = "docs/fields.rs"]
@@ -236,9 +238,13 @@ fn every_model_in_the_book_is_right() {
         let text = read(&page);
         let blocks = text.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
         for block in blocks.filter(|block| block.contains("[[body]]")) {
-            let prepared =
-                fdem::model::prepare(block, &page, &mut |file| Err(format!("{file} is not there")));
-            assert!(prepared.is_ok_and(|prepared| prepared.warnings.is_empty()), "{page}:\n{block}");
+            let absent = &mut |file: &str| Err(format!("{file} is not there"));
+            let warnings = match fdem::model::prepare_any(block, &page, absent, None) {
+                Ok(AnyPrepared::Plane(prepared)) => prepared.warnings,
+                Ok(AnyPrepared::Space(prepared)) => prepared.warnings,
+                Err(errors) => vec![errors.to_string()],
+            };
+            assert_eq!(warnings, Vec::<String>::new(), "{page}:\n{block}");
             checked += 1;
         }
     }

@@ -59,8 +59,21 @@ pub struct GrainContact {
     pub overlap: f64,
 }
 
+impl SphereColumns {
+    /// A vector between two places, m, or to the nearest image of the second in a box that repeats.
+    pub fn shortest(&self, apart: [f64; 3]) -> [f64; 3] {
+        let Some([_, lengths]) = self.period else { return apart };
+        let along = |axis: usize| {
+            let periods = (apart[axis] / lengths[axis]).round();
+            // Along an axis that does not repeat the length is infinite.
+            if periods == 0.0 { apart[axis] } else { apart[axis] - periods * lengths[axis] }
+        };
+        [along(0), along(1), along(2)]
+    }
+}
+
 /// A thing that a sphere touches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GrainPartner {
     /// A sphere with a higher number.
     Sphere(u32),

@@ -91,6 +91,10 @@ pub enum GrainError {
         /// The length that it must exceed, m.
         least: f64,
     },
+    /// Spheres cannot continue with another model: the reason.
+    Changed(String),
+    /// A law of the caller failed, or its result is wrong.
+    Law(String),
     /// The search for contacts failed.
     Search(String),
 }
@@ -126,6 +130,8 @@ impl fmt::Display for GrainError {
                  largest diameter and gap",
                 ["x", "y", "z"][*axis]
             ),
+            Self::Changed(why) => out.write_str(why),
+            Self::Law(why) => write!(out, "law of the program: {why}"),
             Self::Search(why) => write!(out, "search for contacts: {why}"),
         }
     }

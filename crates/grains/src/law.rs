@@ -84,6 +84,23 @@ impl Meeting {
 }
 
 impl PairLaw {
+    /// No force.
+    pub(crate) const NONE: Self = Self {
+        law: ForceLaw::Hooke { normal: 0.0, tangential: 0.0 },
+        young: 1.0,
+        shear: 1.0,
+        damping: 0.0,
+        surfaces: Surfaces {
+            materials: [0; 2],
+            restitution: 1.0,
+            friction: 0.0,
+            rolling_friction: 0.0,
+            rolling_damping: 0.0,
+            twisting_friction: 0.0,
+            adhesion: 0.0,
+        },
+    };
+
     pub(crate) fn new(law: ForceLaw, materials: [&GrainMaterial; 2], surfaces: &Surfaces) -> Self {
         // Hertz's stiffness changes during an impact (Tsuji 1992).
         let share = if matches!(law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };

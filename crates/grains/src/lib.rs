@@ -9,6 +9,7 @@
 //! | contacts with triangles and segments | `src/sheets.rs`: how many; `src/run/on_facet.rs`: forces and histories of one sphere; `src/run/on_surface.rs`: lists, threads, sums; `src/run/on_meshes.rs`: walls that are meshes |
 //! | geometry of facets | `src/facet.rs`, `src/ridges.rs`: neighbours, `src/tree.rs`: facets near a place |
 //! | spheres that come in and boxes that remove them | `src/insertion.rs`, their ranges: `src/insertion_checks.rs` |
+//! | forces by a law of the caller | `src/sphere_law.rs`; in a step: `src/run/by_program.rs` |
 //! | a number of the model, and its range | `src/model.rs`, `src/material.rs` |
 //! | packings: random places, sizes of spheres, regions | `src/pack.rs` and the files below `src/pack` |
 //! | overlaps at the beginning | `src/gaps.rs` |
@@ -18,9 +19,9 @@
 //! | vector instructions | `src/run/level.rs`; the law in them: `src/run/batch.rs` |
 //!
 //! Files import from those above them in this order: `vector`, `rotation`, `restitution`, `adhesion`,
-//! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `clump_shape`, `error`, `insertion`, `model`,
-//! `clump_checks`, `domain_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`, `tree`,
-//! `surface`, `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
+//! `material`, `law`, `servo`, `wall`, `columns`, `clump`, `clump_shape`, `error`, `sphere_law`, `insertion`,
+//! `model`, `clump_checks`, `domain_checks`, `insertion_checks`, `time_step`, `facet`, `ridges`, `sheets`,
+//! `tree`, `surface`, `pack`, `gaps`, `run`; the front page of `run` lists the files below it.
 
 mod adhesion;
 mod clump;
@@ -44,6 +45,7 @@ mod rotation;
 mod run;
 mod servo;
 mod sheets;
+mod sphere_law;
 mod surface;
 mod time_step;
 mod tree;
@@ -68,5 +70,6 @@ pub use run::GrainRun;
 pub use run::energies::GrainEnergies;
 pub use run::state::GrainState;
 pub use servo::Servo;
+pub use sphere_law::{SphereLaw, SphereLawOptions, SpherePairs};
 pub use surface::Surface;
 pub use wall::{Wall, WallRotation, WallShape};

@@ -185,6 +185,7 @@ impl GrainModel {
             }
         }
         is_point(&wall.velocity)?;
+        within(name, "time from which it moves", wall.from, true, "a number")?;
         if let Some(rotation) = &wall.rotation {
             is_point(&rotation.through)?;
             is_point(&rotation.spin)?;

@@ -16,9 +16,11 @@
 pub(crate) mod balls;
 pub(crate) mod batch;
 pub(crate) mod box_servo;
+pub(crate) mod by_program;
 pub(crate) mod cell;
 mod changes;
 pub(crate) mod clumps;
+pub(crate) mod depth;
 pub(crate) mod energies;
 pub(crate) mod laws;
 pub(crate) mod level;
@@ -42,11 +44,13 @@ use fdem_contact::{Detector, PeriodicSearch, Simd};
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
 use crate::material::ForceLaw;
-use crate::model::{GrainModel, Spheres};
+use crate::model::{GrainModel, Spheres, within};
 use crate::run::balls::{ALONE, Balls};
 use crate::run::box_servo::virial;
+use crate::run::by_program::ByProgram;
 use crate::run::cell::RunBox;
 use crate::run::clumps::Clumps;
+use crate::run::depth::Depth;
 use crate::run::energies::{EnergyOf, Gone, GrainEnergies, energies};
 use crate::run::laws::Laws;
 use crate::run::lists::{Finder, Lists, Remembered};
@@ -58,8 +62,9 @@ use crate::run::on_walls::{OnWalls, OnWallsOf, Outer};
 use crate::run::press::{Pressing, press};
 use crate::run::state::GrainState;
 use crate::servo::{Answer, ServoMotion};
+use crate::sphere_law::{SphereLaw, SphereLawOptions};
 use crate::surface::Surface;
-use crate::vector::{dot, minus, times};
+use crate::vector::{dot, minus, plus, times};
 use crate::wall::Wall;
 
 /// Gap up to which spheres are candidates, as a share of their mean radius.
@@ -102,6 +107,9 @@ pub struct GrainRun {
     /// Without its spheres.
     model: GrainModel,
     laws: Laws,
+    /// Laws of two spheres with each other: the same, unless the caller has a law in their place.
+    between: Laws,
+    by_program: ByProgram,
     balls: Balls,
     lists: Lists,
     finder: Finder,
@@ -115,6 +123,7 @@ pub struct GrainRun {
     servos: Vec<ServoMotion>,
     outer: Vec<Outer>,
     gone: Gone,
+    deepest: Depth,
     next: u32,
     placed: Vec<u32>,
     moved: Moved,
@@ -164,8 +173,11 @@ impl GrainRun {
         let insertions = model.insertions.iter().flat_map(|of| &of.radii);
         let mean = radii.iter().chain(insertions.clone()).sum::<f64>()
             / (radii.len() + insertions.count()).max(1) as f64;
+        let laws = Laws::new(&model);
         let mut run = Self {
-            laws: Laws::new(&model),
+            between: laws.clone(),
+            laws,
+            by_program: ByProgram::default(),
             balls: Balls::new(&model),
             lists: Lists::default(),
             finder,
@@ -178,6 +190,7 @@ impl GrainRun {
             servos,
             outer: Vec::new(),
             gone: Gone::default(),
+            deepest: Depth::default(),
             next: count,
             placed: vec![0; model.insertions.len()],
             moved: Moved::default(),
@@ -223,7 +236,7 @@ impl GrainRun {
         }
         self.clumps.take(state.clumps)?;
         self.step = state.step;
-        (self.model.gravity, self.gone) = (state.gravity, state.gone);
+        (self.model.gravity, self.gone, self.deepest) = (state.gravity, state.gone, state.deepest);
         (self.next, self.placed) = (state.next, state.placed);
         self.balls.take(state.spheres);
         self.on_walls.take(state.on_walls);
@@ -233,6 +246,8 @@ impl GrainRun {
         }
         self.on_bodies.take(state.on_bodies);
         self.on_bodies.was_there = state.has_bodies;
+        self.by_program.take(state.by_program);
+        self.choose_laws();
         self.servos = state.servos;
         if let Some(cell) = &mut self.cell {
             cell.motion = state.cell;
@@ -257,7 +272,9 @@ impl GrainRun {
             servos: self.servos.clone(),
             cell: self.cell.map(|cell| cell.motion).unwrap_or_default(),
             gone: self.gone,
+            deepest: self.deepest,
             clumps: self.clumps.saved(),
+            by_program: self.by_program.saved(),
         }
     }
 
@@ -324,7 +341,8 @@ impl GrainRun {
     /// A pass over all contacts.
     pub fn box_pressure(&self) -> Option<[[f64; 3]; 2]> {
         let cell = self.cell.as_ref()?;
-        let work = virial(&self.balls, &self.lists, &self.laws, cell).work;
+        let work = virial(&self.balls, &self.lists, &self.between, cell).work;
+        let work = plus(work, self.by_program.virial());
         Some([cell.lengths, times(1.0 / cell.lengths.iter().product::<f64>(), work)])
     }
 
@@ -336,6 +354,13 @@ impl GrainRun {
     /// The walls in the last step; meshes are without their triangles, which [`GrainRun::columns`] has.
     pub fn walls(&self) -> &[Wall] {
         &self.walls
+    }
+
+    /// The deepest overlap so far, over the radius of the smaller of the two, and that sphere; `None` if
+    /// nothing has touched.
+    pub fn deepest_overlap(&self) -> Option<(f64, u32)> {
+        let Depth { share, sphere } = self.deepest;
+        (share > 0.0).then_some((share, sphere))
     }
 
     /// Number of spheres that are due, and find no place.
@@ -393,6 +418,94 @@ impl GrainRun {
         &self.on_bodies.on_points
     }
 
+    /// Sets a law of the caller for couples of spheres, from the next step on. Contacts with walls and bodies
+    /// keep the law of the model. Its work is external work, and so is the elastic energy of contacts whose
+    /// law it replaces. A run that is continued from a state needs the law again.
+    ///
+    /// The step must be short enough for the law: nothing checks that.
+    ///
+    /// # Errors
+    /// [`GrainError::OutOfRange`] if the reach is no number of at least 0; [`GrainError::Law`] if the state
+    /// that was taken over belongs to another law, or a servo of the box needs the stiffness of the law that
+    /// this one replaces.
+    ///
+    /// # Cost
+    /// In each step a pass over all candidates, and the law itself, on one thread.
+    ///
+    /// # Example
+    /// Two spheres attract each other across a gap.
+    ///
+    /// ```
+    /// use fdem_grains::*;
+    ///
+    /// let model = GrainModel {
+    ///     spheres: Spheres {
+    ///         positions: vec![[0.0; 3], [0.021, 0.0, 0.0]],
+    ///         radii: vec![0.01; 2],
+    ///         ..Spheres::default()
+    ///     },
+    ///     materials: vec![GrainMaterial { density: 2500.0, youngs_modulus: 1e9, poissons_ratio: 0.2 }],
+    ///     surfaces: vec![Surfaces::smooth([0, 0])],
+    ///     step: Some(1e-6),
+    ///     ..GrainModel::default()
+    /// };
+    /// let mut run = GrainRun::new(model, 1)?;
+    /// let law: SphereLaw = Box::new(|pairs| {
+    ///     for (force, normal) in pairs.forces.iter_mut().zip(&pairs.normals) {
+    ///         *force = normal.map(|n| -1e-3 * n);
+    ///     }
+    ///     Ok(())
+    /// });
+    /// run.set_law(law, SphereLawOptions { reach: 0.005, ..SphereLawOptions::default() })?;
+    /// run.advance(1000)?;
+    /// assert!(run.velocity(0)[0] > 0.0 && run.velocity(1)[0] < 0.0);
+    /// # Ok::<(), GrainError>(())
+    /// ```
+    pub fn set_law(&mut self, law: SphereLaw, options: SphereLawOptions) -> Result<(), GrainError> {
+        let reach = options.reach;
+        within(|| "law of the program".to_owned(), "reach", reach, reach >= 0.0, "at least 0")?;
+        if options.replaces && self.cell.is_some_and(|cell| cell.servo().is_some()) {
+            let why =
+                "the servo of the box needs the stiffness of the law of the model: let it act besides that";
+            return Err(GrainError::Law(why.to_owned()));
+        }
+        self.by_program.set(law, options)?;
+        self.change_laws()
+    }
+
+    /// Takes the law of the caller over from a run whose state this one has.
+    pub fn keep_law(&mut self, before: &mut Self) {
+        self.by_program.keep(&mut before.by_program);
+    }
+
+    /// Takes a law of the caller away: contacts of spheres have that of the model from the next step on.
+    ///
+    /// # Errors
+    /// [`GrainError::Search`] if the search for couples fails.
+    pub fn clear_law(&mut self) -> Result<(), GrainError> {
+        self.by_program.clear();
+        self.change_laws()
+    }
+
+    /// Gives contacts of spheres their law, and finds the couples in its reach. The elastic energy of
+    /// contacts that change their law is work from outside.
+    fn change_laws(&mut self) -> Result<(), GrainError> {
+        let before = self.energies().elastic;
+        if self.choose_laws() {
+            self.lists.relax();
+            self.gone.external += self.energies().elastic - before;
+        }
+        let remembered = self.lists.remember(&self.balls);
+        self.search(&remembered)
+    }
+
+    /// Chooses the law of two spheres. Returns whether it is another one than before.
+    fn choose_laws(&mut self) -> bool {
+        let had_none = self.between.are_none();
+        self.between = if self.by_program.options.replaces { self.laws.none() } else { self.laws.clone() };
+        had_none != self.between.are_none()
+    }
+
     fn take_step(&mut self, surface: Option<&Surface<'_>>) -> Result<(), GrainError> {
         let time = self.time();
         if let Some(cell) = &mut self.cell {
@@ -417,11 +530,12 @@ impl GrainRun {
         }
         let (laws, simd, step) = (&self.laws, self.simd, self.time_step);
         let cell = self.cell.as_ref();
-        press(Pressing { balls: &self.balls, laws, cell, simd, step }, &mut self.lists)?;
+        press(Pressing { balls: &self.balls, laws: &self.between, cell, simd, step }, &mut self.lists)?;
         if self.step.is_multiple_of(STABLE) {
-            stability::check(&self.balls, &self.lists, laws, step)?;
+            stability::check(&self.balls, &self.lists, &self.between, step)?;
         }
         self.outer.clear();
+        self.by_program.press((&self.balls, &self.lists, cell), [time, step], &mut self.outer)?;
         let of =
             OnWallsOf { balls: &self.balls, laws, walls: &self.walls, fastest: self.moved.fastest, step };
         self.on_walls.press(of, &mut self.outer)?;
@@ -445,8 +559,17 @@ impl GrainRun {
         if !self.clumps.is_empty() {
             self.moved = self.moved.and(self.clumps.advance(&mut self.balls, moving)?);
         }
+        self.note_depths();
         self.step += 1;
         Ok(())
+    }
+
+    /// Notes the deepest overlap of the step.
+    fn note_depths(&mut self) {
+        let ball = |place: u32| &self.balls.list[place as usize];
+        let on_walls = self.on_walls.touches.iter().map(|of| Depth::of(of.overlap, ball(of.outer.place)));
+        let on_facets = self.on_meshes.depths(&self.balls).chain(self.on_bodies.depths(&self.balls));
+        self.deepest = on_walls.chain(on_facets).fold(self.deepest.or(self.moved.deepest), Depth::or);
     }
 
     /// Computes the contacts with meshes and bodies, which are in their places.
@@ -491,12 +614,14 @@ impl GrainRun {
     fn follow_box(&mut self) {
         let Some(cell) = &mut self.cell else { return };
         let Some(servo) = cell.servo() else { return };
-        let virial = virial(&self.balls, &self.lists, &self.laws, cell);
+        let virial = virial(&self.balls, &self.lists, &self.between, cell);
         let half = -0.5 * self.time_step;
         self.gone.external += cell.motion.later + half * dot(cell.rates(), virial.work);
         let volume = cell.lengths.iter().product();
         let own = cell.strain_rates();
-        servo.follow((&mut cell.motion, own), &virial, volume, self.time_step);
+        // The work of a law of the caller is counted with its forces.
+        let pressing = virial.and_work(self.by_program.virial());
+        servo.follow((&mut cell.motion, own), &pressing, volume, self.time_step);
         cell.motion.later = half * dot(cell.rates(), virial.work);
     }
 
@@ -509,11 +634,11 @@ impl GrainRun {
         let radii = || self.balls.list.iter().map(|ball| ball.radius);
         let mean = radii().sum::<f64>() / self.balls.list.len().max(1) as f64;
         let skin = SKIN * mean;
-        let gap = skin + self.laws.reach(0.5 * self.largest());
-        let Self { balls, finder, cell, laws, lists, .. } = self;
-        lists.renew(balls, finder, gap, cell.as_ref(), (remembered, laws.roll()))?;
+        let reach = self.between.reach(0.5 * self.largest()).max(self.by_program.options.reach);
+        let Self { balls, finder, cell, between, lists, .. } = self;
+        lists.renew(balls, finder, skin + reach, cell.as_ref(), (remembered, between.roll()))?;
         self.lists.skin = skin;
-        self.lists.lone = self.laws.lone(&self.balls.list);
+        self.lists.lone = self.between.lone(&self.balls.list);
         self.lists.stream = self.balls.mean_velocity();
         self.clumps.find(&self.balls);
         self.on_walls.renew();
@@ -535,12 +660,14 @@ impl GrainRun {
             balls: &self.balls,
             lists: &self.lists,
             laws: &self.laws,
+            between: &self.between,
             on_walls: &self.on_walls,
             clumps: &self.clumps,
             on_facets: self.on_meshes.elastic() + self.on_bodies.totals.elastic,
             in_step: self.on_meshes.totals().fold([self.on_bodies.totals.against, 0.0], |sum, (_, of)| {
                 [sum[0] + of.against, sum[1] - of.work]
             }),
+            by_program: self.by_program.work,
             walls: &self.walls,
             gone: self.gone,
             gravity: self.model.gravity,
@@ -553,6 +680,7 @@ impl GrainRun {
     /// count in the order of their numbers.
     pub fn contacts(&self) -> Vec<GrainContact> {
         let mut contacts = report::between(&self.balls, &self.lists, self.cell.as_ref(), self.time_step);
+        self.by_program.add_to(&mut contacts, &report::numbers(&self.balls));
         contacts.extend(report::on_walls(&self.balls, &self.on_walls));
         let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
         contacts.extend(report::on_facets(&self.balls, self.on_meshes.contacts().chain(on_bodies)));

@@ -39,19 +39,19 @@ impl Response {
 impl GrainModel {
     /// A time step that follows the contacts, s: see [`GrainModel::shortest_step`].
     pub fn safe_step(&self) -> f64 {
-        self.shortest_step().0
+        self.shortest_step(0.0).0
     }
 
     /// A time step that follows the contacts, s, and the sphere that sets it. Spheres that come in count
-    /// after the others, in the order of the insertions.
+    /// after the others, in the order of the insertions. `others`: greatest speed of bodies, m/s.
     ///
     /// Hertz: a fifth of the time in which a Rayleigh wave runs round a sphere, a fiftieth of the impact of
-    /// two such spheres at twice the greatest speed of the model, and a twentieth of that at the speed of a
-    /// fall through the box around all spheres and walls. Hooke: a fiftieth of the impact. Both: the longest
-    /// step at which the springs and dashpots across ten contacts of a sphere are stable, under the weight of
-    /// all spheres or the pressure that servos keep up. Infinite without spheres.
-    pub fn shortest_step(&self) -> (f64, u32) {
-        let speed = self.greatest_speed();
+    /// two such spheres at twice the greatest speed of the model and of bodies, and a twentieth of that at
+    /// the speed of a fall through the box around all spheres and walls. Hooke: a fiftieth of the impact.
+    /// Both: the longest step at which the springs and dashpots across ten contacts of a sphere are stable,
+    /// under the weight of all spheres or the pressure that servos keep up. Infinite without spheres.
+    pub fn shortest_step(&self, others: f64) -> (f64, u32) {
+        let speed = self.greatest_speed().max(2.0 * others);
         let fall = self.fall();
         let kept = self.kept_pressure();
         let own = (0..self.spheres.positions.len())

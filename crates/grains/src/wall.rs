@@ -23,6 +23,8 @@ pub struct Wall {
     pub path: Vec<(f64, [f64; 3])>,
     /// A force that the wall keeps up by its own motion; `None` for none.
     pub servo: Option<Servo>,
+    /// Time from which velocity, rotation and path count, s. Before it the wall is at rest.
+    pub from: f64,
 }
 
 /// Where a wall is at a time.
@@ -100,6 +102,7 @@ impl Wall {
             rotation: None,
             path: Vec::new(),
             servo: None,
+            from: 0.0,
         }
     }
 
@@ -110,6 +113,7 @@ impl Wall {
 
     /// Where the wall is after a time, s, if its servo has moved it.
     pub(crate) fn placement(&self, time: f64, servo: &ServoMotion) -> Placement {
+        let time = (time - self.from).max(0.0);
         let (along, slope) = self.along_path(time);
         let [moved, speed] = self
             .servo
@@ -153,6 +157,7 @@ impl Wall {
             rotation: self.rotation.map(|of| WallRotation { through: through(of), ..of }),
             path: Vec::new(),
             servo: self.servo,
+            from: 0.0,
         }
     }
 

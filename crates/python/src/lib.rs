@@ -35,7 +35,7 @@
 //! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
 //! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |
 //! | models and runs in Python | `src/model.rs`, `src/simulation.rs`, `python/fdem/_model.py`, `python/fdem/_simulation.py`; below them `crates/fdem/src/command/session.rs` |
-//! | spheres in Python | `src/spheres.rs`, `python/fdem/_spheres.py` |
+//! | spheres in Python | `src/spheres.rs`, `python/fdem/_spheres.py`; their laws: `src/sphere_law.rs`, `python/fdem/_sphere_law.py` |
 //! | fields of results in Python | `src/fields.rs`, `python/fdem/_fields.py`; the table: `crates/results/src/fields/table.rs` |
 //! | sweeps in Python | `src/sweep.rs`, `python/fdem/_sweep.py`; below them `crates/fdem/src/command/sweep.rs` |
 //! | folders of results in Python | `python/fdem/_results.py`, `python/fdem/_vtk.py` |
@@ -66,6 +66,7 @@ mod mesh;
 mod model;
 mod read;
 mod simulation;
+mod sphere_law;
 mod spheres;
 mod sweep;
 mod tree;

@@ -1,11 +1,12 @@
 //! Runs: the arrays of their state, steps without the interpreter's lock, and changes between steps.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use fdem::results::Field;
 use fdem::session::{AnySession, Session};
-use fdem::simulation::grains::Spheres;
+use fdem::simulation::grains::{SphereLawOptions, Spheres};
 use fdem::simulation::{ContactForce, Crack, Forces, Mode, Snapshot};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -16,14 +17,15 @@ use crate::fields::values;
 use crate::interrupt;
 use crate::model::{PyReady, about, described};
 use crate::number::{array_of_rows as rows, rows_of};
+use crate::sphere_law::{Raised, law, taken};
 use crate::spheres::{names, spheres};
 
 /// Time between two looks for signals.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// A run.
+/// A run, and the exception that its law of spheres has raised.
 #[pyclass(module = "fdem._fdem", name = "Run")]
-pub(crate) struct PyRun(AnySession);
+pub(crate) struct PyRun(AnySession, Raised);
 
 macro_rules! both {
     ($session:expr, $run:ident => $done:expr) => {
@@ -99,6 +101,12 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
+impl PyRun {
+    fn of(session: AnySession) -> Self {
+        Self(session, Raised::default())
+    }
+}
+
 #[pymethods]
 impl PyRun {
     #[new]
@@ -106,13 +114,13 @@ impl PyRun {
     fn new(py: Python<'_>, model: &PyReady, threads: usize, earlier: Option<PathBuf>) -> PyResult<Self> {
         let ready = model.0.clone();
         let run = interrupt::leave(py, move || ready.begin(threads, earlier.as_deref()))?;
-        run.map(Self).map_err(PyValueError::new_err)
+        run.map(Self::of).map_err(PyValueError::new_err)
     }
 
     #[staticmethod]
     fn resume(py: Python<'_>, path: PathBuf, threads: usize) -> PyResult<Self> {
         let run = interrupt::leave(py, move || AnySession::resume(&path, threads))?;
-        run.map(Self).map_err(PyValueError::new_err)
+        run.map(Self::of).map_err(PyValueError::new_err)
     }
 
     /// Takes the given number of steps, or fewer if the run is over before, without the interpreter's lock.
@@ -123,7 +131,7 @@ impl PyRun {
             let now = slice.min(left);
             let start = Instant::now();
             let done = py.detach(|| both!(&mut self.0, session => session.advance(now)));
-            done.map_err(PyRuntimeError::new_err)?;
+            done.map_err(|why| taken(&self.1).unwrap_or_else(|| PyRuntimeError::new_err(why)))?;
             left -= now;
             let each = (start.elapsed().as_secs_f64() / now as f64).max(1e-9);
             slice = ((SLICE.as_secs_f64() / each) as u64).clamp(1, 10 * now);
@@ -274,6 +282,17 @@ impl PyRun {
         };
         let added = both!(&mut self.0, session => session.run_mut().add_spheres(&spheres)).map_err(wrong)?;
         Ok(column(py, added.collect()))
+    }
+
+    /// Sets a law of spheres: see [`law`]. `numbers`: its reach, m, and its columns of memory.
+    fn set_sphere_law(&mut self, function: Py<PyAny>, numbers: (f64, usize), replaces: bool) -> PyResult<()> {
+        let (law, (reach, columns)) = (law(function, Arc::clone(&self.1)), numbers);
+        let options = SphereLawOptions { reach, columns, replaces };
+        both!(&mut self.0, session => session.run_mut().set_sphere_law(law, options)).map_err(wrong)
+    }
+
+    fn clear_sphere_law(&mut self) -> PyResult<()> {
+        both!(&mut self.0, session => session.run_mut().clear_sphere_law()).map_err(wrong)
     }
 
     /// Names of the materials, and of the groups of spheres.

@@ -529,6 +529,106 @@ def test_spheres_of_a_callback():
     assert run.state_hash == hash_before
 
 
+def falling(count, **more):
+    """A column of spheres above a floor."""
+    sand = {"name": "sand", "material": "steel", "at": [[0, 0, 0.0999 + 0.1999 * k] for k in range(count)], "radius": 0.1}
+    floor = {"name": "floor", "material": "steel", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
+    settings = {"end_time": 1.0, "gravity": [0, 0, -9.81], "time_step": 5e-5}
+    return fdem.Model(model=settings | more, material=[STEEL | {"youngs_modulus": 1e7, "restitution": 0.5}], grains=[sand], wall=[floor])
+
+
+def test_laws_of_spheres_are_functions(tmp_path):
+    """A spring and a dashpot in place of Hertz's law keep up a column; their memory counts the steps."""
+    seen = []
+
+    def law(pairs):
+        pairs.memory[:, 0] += 1
+        seen.append((len(pairs), float(pairs.memory.sum())))
+        along = np.einsum("ij,ij->i", pairs.velocities, pairs.normals)
+        size = 1e7 * np.maximum(pairs.overlaps, 0) - 3e4 * along * (pairs.overlaps > 0)
+        assert (pairs.spheres[:, 0] < pairs.spheres[:, 1]).all() and pairs.spins.shape == (len(pairs), 2, 3)
+        return size[:, None] * pairs.normals, np.zeros((len(pairs), 3))
+
+    run = fdem.Simulation(falling(3))
+    run.set_sphere_law(law, reach=0.01, memory=1, replace=True)
+    run.advance(18000)
+    assert seen[0] == (2, 2.0) and seen[-1] == (2, 36000.0) and len(seen) == 18000
+    spheres, mass = run.spheres, 7800 * 4 / 3 * np.pi * 0.1**3
+    between = [force for kind, force in zip(spheres.contacts["kind"], spheres.contacts["normal"]) if kind == 0]
+    assert between == pytest.approx([2 * 9.81 * mass, 9.81 * mass], rel=1e-2)
+    assert abs(run.energies["error"]) < 1e-3
+    with pytest.raises(ValueError, match="read-only"):
+        run.spheres.positions[0] = 0
+
+    run.save(tmp_path / "half")
+    again = fdem.resume(tmp_path / "half", threads=2)
+    with pytest.raises(RuntimeError, match="has a law of a program: set it again"):
+        again.advance(1)
+    with pytest.raises(ValueError, match="1 columns of memory"):
+        again.set_sphere_law(law, reach=0.01, memory=2, replace=True)
+    again.set_sphere_law(law, reach=0.01, memory=1, replace=True)
+    again.advance(50)
+    run.advance(50)
+    assert again.state_hash == run.state_hash and seen[-1] == (2, 36100.0)
+    run.clear_sphere_law()
+    run.advance(10)
+    assert len(seen) == 18100
+
+
+def test_laws_of_spheres_that_fail():
+    def raises(pairs):
+        raise LookupError(f"no table for {pairs.spheres.tolist()}")
+
+    for law, error, message in [
+        (raises, LookupError, r"no table for \[\[0, 1\]\]"),
+        (lambda pairs: None, ValueError, "has returned nothing"),
+        (lambda pairs: np.zeros(3), ValueError, r"forces of the shape \(1, 3\), one row for each couple, not \(3,\)"),
+        (lambda pairs: np.full((1, 3), np.nan), RuntimeError, "it gives spheres 0 and 1 a value of NaN"),
+        (lambda pairs: pairs.radii.fill(0), ValueError, "read-only"),
+    ]:
+        run = fdem.Simulation(falling(2))
+        run.set_sphere_law(law)
+        with pytest.raises(error, match=message):
+            run.advance(1)
+    with pytest.raises(ValueError, match="reach is -1e0, and must be at least 0"):
+        run.set_sphere_law(raises, reach=-1.0)
+    body = {"name": "bar", "material": "steel", "rectangle": {"min": [0, 0], "max": [1.0, 0.1]}, "mesh_size": 0.05}
+    run = fdem.Simulation(fdem.Model(model={"end_time": 1e-4}, body=[body], material=[STEEL]))
+    with pytest.raises(ValueError, match="law of spheres"):
+        run.set_sphere_law(raises)
+
+
+def test_a_law_of_spheres_goes_through_stages():
+    calls = []
+
+    def law(pairs):
+        calls.append(pairs.time)
+        return 0.0
+
+    model = falling(2, end_time=4e-4).to_toml() + """
+[[body]]
+name = "block"
+material = "steel"
+box = { min = [1, 1, 1], max = [2, 2, 2] }
+mesh_size = 1.0
+[[body]]
+name = "other"
+material = "steel"
+box = { min = [3, 1, 1], max = [4, 2, 2] }
+mesh_size = 1.0
+[[stage]]
+name = "first"
+duration = 2e-4
+[[stage]]
+name = "second"
+excavate = ["other"]
+"""
+    run = fdem.Simulation(fdem.Model.from_toml(model))
+    run.set_sphere_law(law)
+    run.advance()
+    assert run.stage == "second" and len(calls) == run.steps
+
+
 def test_spheres_are_arrays():
     """Two spheres fall side by side, and a third lies on a wall."""
     sand = {"name": "sand", "material": "steel", "at": [[0, 0, 1.0], [0.2, 0, 1.0]], "radius": 0.05, "velocity": [0, 0, -1.0]}

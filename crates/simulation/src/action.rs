@@ -13,6 +13,7 @@ use crate::faces::BrokenSides;
 use crate::joints::Joints;
 use crate::machine::Machine;
 use crate::model::{Model, Schedule};
+use crate::peers::Peers;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::sum::Sum;
@@ -49,14 +50,20 @@ where
 
     /// Whether this rank counts the data that all ranks know: one of them does.
     pub(crate) fn counts_common(&self) -> bool {
-        self.topology.element(0).is_some_and(|first| self.solid().share().element(first))
+        self.topology.is_whole()
+            || self.topology.element(0).is_some_and(|first| self.solid().share().element(first))
     }
 }
 
 /// A step in which actions add forces to the corners of elements.
-pub(crate) struct Acting<'a, const D: usize, const N: usize> {
+pub(crate) struct Acting<'a, const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// The state, without the forces of actions.
     pub(crate) scene: Scene<'a, D, N>,
+    /// The other ranks, which act in the same step.
+    pub(crate) peers: &'a dyn Peers<D, N>,
     /// The factor of each boundary in time.
     pub(crate) schedules: &'a [Schedule],
     /// The reason why the run cannot continue after this step.
@@ -166,7 +173,10 @@ pub(crate) enum Event<'a, const D: usize> {
 }
 
 /// A kind of action. Methods that a kind does not need have a default that does nothing.
-pub(crate) trait Action<const D: usize, const N: usize>: fmt::Debug + Send + Sync {
+pub(crate) trait Action<const D: usize, const N: usize>: fmt::Debug + Send + Sync
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Adds the forces at the present positions.
     fn act(&mut self, acting: &mut Acting<'_, D, N>);
 

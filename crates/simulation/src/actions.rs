@@ -30,6 +30,7 @@ use crate::energy::Ledger;
 use crate::error::{ModelError, Stop};
 use crate::machine::Machine;
 use crate::model::{Load, Model, Schedule};
+use crate::peers::Peers;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::sum::Sum;
@@ -114,13 +115,17 @@ where
 
     /// The forces of all actions on corners of elements, N, in the order in which they are added, and the
     /// reason why the run cannot continue after this step.
-    pub(crate) fn act(&mut self, scene: Scene<'_, D, N>) -> (&[(u32, Point<D>)], Option<Stop>) {
+    pub(crate) fn act(
+        &mut self,
+        scene: Scene<'_, D, N>,
+        peers: &dyn Peers<D, N>,
+    ) -> (&[(u32, Point<D>)], Option<Stop>) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
         let mut stop = None;
-        let mut acting = Acting { scene, schedules, stop: &mut stop, applied, forces: &mut forces };
+        let mut acting = Acting { scene, peers, schedules, stop: &mut stop, applied, forces: &mut forces };
         for action in all {
             action.act(&mut acting);
         }

@@ -29,7 +29,7 @@ use crate::simplex::Simplex;
 use crate::solid::corners_of;
 use crate::topology::Facet;
 use crate::topology::{NONE, Topology};
-use crate::vector::unit;
+use crate::vector::{dot, unit};
 
 /// The longest stable time step, and the part that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +78,15 @@ impl std::fmt::Display for Cause {
     }
 }
 
+/// The greatest speed with which bodies begin, or that boundaries prescribe, m/s.
+fn fastest_body<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+    let at_first = model.velocities.iter().map(|velocity| dot(*velocity, *velocity).sqrt());
+    let nodes = &model.mesh.nodes;
+    let prescribed = model.boundaries.iter().map(|boundary| boundary.greatest_speed(nodes, f64::INFINITY));
+    // A jump has no speed.
+    at_first.chain(prescribed).filter(|speed| speed.is_finite()).fold(0.0, f64::max)
+}
+
 impl CriticalStep {
     /// The critical time step of a model, with all joints and contacts that it may get.
     ///
@@ -113,7 +122,7 @@ impl CriticalStep {
         let of_bodies = Self::of_bodies(model, topology, joints);
         let Some(grains) = &model.grains else { return of_bodies };
         // The step of the spheres needs no further safety.
-        let (step, element) = grains.shortest_step();
+        let (step, element) = grains.shortest_step(fastest_body(model));
         let step = step / model.time.safety;
         if step < of_bodies.step { Self { step, element, cause: Cause::Sphere } } else { of_bodies }
     }

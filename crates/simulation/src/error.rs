@@ -173,7 +173,7 @@ impl fmt::Display for ModelError {
             Self::Empty => out.write_str("the model has no elements and no spheres"),
             Self::Grains(error) => write!(out, "grains: {error}"),
             Self::GrainsOnRanks => {
-                out.write_str("spheres and walls are not divided among ranks: run the model on one")
+                out.write_str("spheres without bodies are not divided among ranks: run them on threads")
             }
             Self::Length { what, found, expected } => {
                 write!(out, "{found} {what} for {expected}")

@@ -75,6 +75,15 @@ where
     /// Replaces numbers by the largest of all ranks.
     fn largest(&self, numbers: &mut [f64]);
 
+    /// The number of this rank.
+    fn rank(&self) -> usize;
+
+    /// Whether this process has the whole run.
+    fn are_none(&self) -> bool;
+
+    /// The messages of all ranks, in the order of the ranks.
+    fn all_bytes(&self, own: &[u8]) -> Vec<Vec<u8>>;
+
     /// The reason to stop of the first element that is one on any rank.
     fn first_stop(&self, own: Option<Stop>) -> Option<Stop>;
 
@@ -137,6 +146,18 @@ where
     fn add_up(&self, _: &mut [&mut Sum]) {}
 
     fn largest(&self, _: &mut [f64]) {}
+
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn are_none(&self) -> bool {
+        true
+    }
+
+    fn all_bytes(&self, own: &[u8]) -> Vec<Vec<u8>> {
+        vec![own.to_vec()]
+    }
 
     fn first_stop(&self, own: Option<Stop>) -> Option<Stop> {
         own

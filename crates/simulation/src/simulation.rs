@@ -44,7 +44,7 @@ where
     /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions
     /// at its end. `energies`: whether to compute them.
     fn step(&mut self, energies: bool, peers: &mut dyn Peers<D, N>) -> Result<(), Stop> {
-        let failures = self.press(energies); // all forces on the corners of elements
+        let failures = self.press(energies, peers); // all forces on the corners of elements
         let failing = self.failing(); // facets on which these forces have reached the strength
         let moved = self.move_nodes(energies, peers); // every node gathers its forces, and moves
         let report = self.finish_motion(&moved, &failures, &failing, peers); // nodes of other ranks
@@ -66,16 +66,16 @@ where
     }
 
     /// Computes all forces on the corners of elements.
-    fn press(&mut self, energies: bool) -> Failures {
+    fn press(&mut self, energies: bool, peers: &dyn Peers<D, N>) -> Failures {
         let inverted = self.deform(); // stress of each element: solid.rs
         let joints = self.pull(energies); // tractions of joints, and which of them broke: joints.rs
         let undetected = self.detect().err(); // couples that may touch, by fdem-contact: contacts.rs
-        if undetected.is_some() {
-            return Failures { joints, stop: inverted.or(undetected) };
+        if undetected.is_none() {
+            self.touch(energies); // couples that overlap: contacts.rs
         }
-        self.touch(energies); // couples that overlap: contacts.rs
-        let stopped = self.act(); // loads, surfaces under initial stress, spheres: actions.rs
-        Failures { joints, stop: inverted.or(stopped) }
+        // Other ranks wait for the surface of this one, also where it has no couples.
+        let stopped = self.act(peers); // loads, surfaces under initial stress, spheres: actions.rs
+        Failures { joints, stop: inverted.or(undetected).or(stopped) }
     }
 
     /// Computes the stresses of elements, and their forces. Returns the reason to stop if an element is
@@ -128,12 +128,12 @@ where
 
     /// Adds the forces of actions, and their works up to the positions. Returns the reason to stop if one of
     /// them cannot act.
-    fn act(&mut self) -> Option<Stop> {
+    fn act(&mut self, peers: &dyn Peers<D, N>) -> Option<Stop> {
         let mut clock = Clock::new();
         let (time, step) = (self.time(), self.scales.time_step);
         let Self { model, topology, machine, actions, team, totals, .. } = self;
         let scene = Scene { model, topology, machine: &**machine, team, time, step };
-        let (forces, stopped) = actions.act(scene);
+        let (forces, stopped) = actions.act(scene, peers);
         if !forces.is_empty() {
             machine.add_forces(forces);
         }

@@ -1,5 +1,6 @@
 //! Time that the parts of a step take.
 
+use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 
 /// Time spent in each part of the steps.
@@ -19,6 +20,18 @@ pub struct Timings {
     pub integration: Duration,
     /// Messages to other ranks, and waiting for theirs.
     pub messages: Duration,
+}
+
+impl AddAssign for Timings {
+    fn add_assign(&mut self, more: Self) {
+        self.bulk += more.bulk;
+        self.joints += more.joints;
+        self.detection += more.detection;
+        self.contact += more.contact;
+        self.spheres += more.spheres;
+        self.integration += more.integration;
+        self.messages += more.messages;
+    }
 }
 
 /// Measures the time since its last reading.

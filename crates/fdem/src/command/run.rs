@@ -58,6 +58,9 @@ use writer::{Then, Writer, WriterTask};
 /// Time between two looks at the clock and for signals.
 const SLICE: Duration = Duration::from_millis(100);
 
+/// Overlap of a sphere over a radius from which on a run warns.
+const TOO_DEEP: f64 = 0.25;
+
 /// Rows of the history that are handed to the writer together, where it has time for them.
 const SOME: usize = 64;
 
@@ -277,7 +280,8 @@ where
     /// Time that results have taken in this part of the run.
     spent: Spent,
     saved: Instant,
-    warned: bool,
+    /// Whether contacts of bodies, and those of spheres, have been found too soft.
+    warned: [bool; 2],
     quiet: bool,
     /// The share of inertia in the peak of the load, once the run has ended.
     inertia: Option<Inertia>,
@@ -336,7 +340,7 @@ where
             before,
             spent: Spent::default(),
             saved: Instant::now(),
-            warned: false,
+            warned: [false; 2],
             quiet: options.quiet,
             inertia: None,
             curves: Vec::new(),
@@ -385,7 +389,9 @@ where
         }
         let history = recorder.history()?;
         self.look_at_curves(&history, matches!(end, End::Finished));
-        self.inertia = inertia(&history);
+        // The kinetic energy is that of spheres, too.
+        let has_spheres = self.course.prepared.model.grains.is_some();
+        self.inertia = if has_spheres { None } else { inertia(&history) };
         self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
         if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
             self.told.say(&warning);
@@ -619,11 +625,20 @@ where
 
     /// Warns once of contacts that are too soft.
     fn warn(&mut self) {
-        if let Some([one, other]) = self.course.run.penetrated().filter(|_| !self.warned) {
-            self.warned = true;
+        if let Some([one, other]) = self.course.run.penetrated().filter(|_| !self.warned[0]) {
+            self.warned[0] = true;
             self.told.say(&format!(
                 "warning: at step {} elements {one} and {other} overlap up to the centroid of one: contacts are too soft, unless these bodies overlapped at the beginning; increase penalty in [contact]",
                 self.course.run.steps()
+            ));
+        }
+        let deepest = self.course.run.deepest_overlap().filter(|(share, _)| *share > TOO_DEEP);
+        if let Some((share, sphere)) = deepest.filter(|_| !self.warned[1]) {
+            self.warned[1] = true;
+            self.told.say(&format!(
+                "warning: up to step {} sphere {sphere} has overlapped by {:.0} % of a radius: its contacts are too soft for its speed or its load; increase youngs_modulus, or the stiffness in [spheres]",
+                self.course.run.steps(),
+                100.0 * share
             ));
         }
     }

@@ -112,6 +112,98 @@ force = "push"
     assert!(run.stderr.contains("the body \"block\" is gone"), "{}", run.stderr);
 }
 
+/// Spheres settle in a box; in a second model one wall is gone, another one moves, and spheres come in.
+#[test]
+fn spheres_go_on_among_other_walls() {
+    const BED: &str = r#"
+[model]
+end_time = 0.08
+gravity = [0, 0, -9.81]
+[[material]]
+name = "glass"
+density = 2500
+youngs_modulus = 1e7
+poissons_ratio = 0.2
+restitution = 0.4
+friction = 0.4
+[[grains]]
+name = "beads"
+material = "glass"
+count = 60
+radius = 0.01
+within = { min = [0, 0, 0], max = [0.1, 0.06, 0.08] }
+[[wall]]
+name = "floor"
+material = "glass"
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
+[[wall]]
+name = "left"
+material = "glass"
+plane = { point = [0, 0, 0], normal = [1, 0, 0] }
+[[wall]]
+name = "front"
+material = "glass"
+plane = { point = [0, 0, 0], normal = [0, 1, 0] }
+[[wall]]
+name = "back"
+material = "glass"
+plane = { point = [0, 0.06, 0], normal = [0, -1, 0] }
+[[history]]
+name = "bed"
+grains = true
+"#;
+    const RIGHT: &str = "[[wall]]\nname = \"right\"\nmaterial = \"glass\"\nplane = { point = [0.1, 0, 0], normal = [-1, 0, 0] }\n";
+    let bench = Bench::new();
+    let later = |time: &str| BED.replace("end_time = 0.08", &format!("end_time = {time}"));
+    bench.write("bed.toml", format!("{BED}{RIGHT}"));
+    bench.write("long.toml", format!("{}{RIGHT}", later("0.1")));
+    bench.run(&["run", "bed.toml", "-o", "bed", "-q"]).succeeds();
+    // Nothing changes: the same bits as one run.
+    bench.run(&["run", "long.toml", "-o", "long", "-q"]).succeeds();
+    bench.run(&["run", "long.toml", "-o", "again", "--from", "bed", "-q"]).succeeds();
+    assert_eq!(summary(&bench, "again")["state_hash"], summary(&bench, "long")["state_hash"]);
+
+    let moves = "plane = { point = [0, 0, 0], normal = [1, 0, 0] }\nvelocity = [0.5, 0, 0]";
+    let open = later("0.2").replacen("plane = { point = [0, 0, 0], normal = [1, 0, 0] }", moves, 1);
+    let rain = "[[insertion]]\nname = \"rain\"\nmaterial = \"glass\"\ncount = 5\nradius = 0.01\n\
+                within = { min = [0.2, 0, 0.2], max = [0.3, 0.06, 0.3] }\nrate = 1000\n";
+    bench.write("open.toml", format!("{open}{rain}"));
+    let run = bench.run(&["run", "open.toml", "-o", "open", "--from", "bed"]).succeeds();
+    for line in [
+        "begins with bed at 0.08",
+        "the state of 60 spheres",
+        "the wall \"left\" has changed, and moves from now on",
+        "the wall \"right\" is gone",
+    ] {
+        assert!(run.stderr.contains(line), "{line:?} is not in\n{}", run.stderr);
+    }
+    let told = summary(&bench, "open");
+    assert_eq!(told["spheres"], 65, "{told}");
+    assert!(told["energies"]["error"].as_f64().unwrap().abs() < 1e-3, "{told}");
+    let text = history(&bench, "open");
+    let (time, count, width) =
+        (column(&text, "time"), column(&text, "bed spheres [1]"), column(&text, "bed lx [m]"));
+    assert!(time[0] > 0.079 && count[0] == 60.0 && *count.last().unwrap() == 65.0, "{count:?}");
+    // The wall pushes the spheres out of the box, whose right side is open.
+    assert!(width[0] < 0.11 && *width.last().unwrap() > 0.15, "{width:?}");
+
+    for (text, why) in [
+        (
+            open.replace("name = \"beads\"", "name = \"sand\""),
+            "spheres of \"beads\" go on, and no table has this name",
+        ),
+        (
+            format!(
+                "{open}[[grains]]\nname = \"more\"\nmaterial = \"glass\"\nat = [[1, 0.03, 1]]\nradius = 0.01\n"
+            ),
+            "spheres of \"more\" are new",
+        ),
+    ] {
+        bench.write("wrong.toml", text);
+        bench.run(&["run", "wrong.toml", "-o", "wrong", "--from", "bed"]).refused_with(&[why]);
+    }
+}
+
 /// Bonded bodies have common nodes, and continue nevertheless.
 #[test]
 fn bonded_bodies_go_on() {

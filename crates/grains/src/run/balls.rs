@@ -62,6 +62,13 @@ pub(crate) struct SavedBall {
     drive: Drive,
 }
 
+impl SavedBall {
+    /// Numbers of its material and of its group.
+    pub(crate) fn kinds(&mut self) -> [&mut u32; 2] {
+        [&mut self.material, &mut self.kind.group]
+    }
+}
+
 /// All spheres.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Balls {
@@ -131,6 +138,11 @@ impl Balls {
         clump.map_or(self.list[place].mass, |&(mass, count)| mass / count as f64)
     }
 
+    /// Whether these are discs, which stay in their plane.
+    pub(crate) fn are_discs(&self) -> bool {
+        self.thickness.is_some()
+    }
+
     fn make_pushes(&mut self) {
         let count = if self.clumps.is_empty() { 0 } else { self.list.len() };
         self.pushes.resize(count, [[0.0; 3]; 2]);
@@ -196,6 +208,13 @@ impl Balls {
         let positions: Vec<Vector> = self.list.iter().map(|ball| ball.position).collect();
         let order: Vec<usize> = along_curve(&positions).into_iter().map(|place| place as usize).collect();
         self.arrange(&order);
+    }
+
+    /// The sphere with a number.
+    pub(crate) fn numbered(&self, number: u32) -> Option<&Ball> {
+        let place =
+            self.places.binary_search_by_key(&number, |&place| self.list[place as usize].number).ok()?;
+        Some(&self.list[self.places[place] as usize])
     }
 
     /// Mean velocity, m/s.

@@ -24,6 +24,11 @@ pub(crate) struct Virial {
 }
 
 impl Virial {
+    /// The same with the forces of a law of the caller, J.
+    pub(crate) fn and_work(self, work: Vector) -> Self {
+        Self { work: plus(self.work, work), ..self }
+    }
+
     fn and(self, other: Self) -> Self {
         Self {
             work: plus(self.work, other.work),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::error::GrainError;
 use crate::insertion::Taken;
-use crate::model::{GrainModel, Spheres};
+use crate::model::Spheres;
 use crate::run::GrainRun;
 use crate::run::balls::ALONE;
 use crate::run::lists::Remembered;
@@ -21,16 +21,20 @@ impl GrainRun {
     /// counts their energy as external work. Groups, if given, are numbers of those of the model.
     ///
     /// # Errors
-    /// [`GrainModel::check`] has the errors of wrong numbers. [`GrainError::OutOfRange`]: a sphere is so
-    /// small or so fast that the run would need a quarter of its step. [`GrainError::NoRoom`]: a sphere
-    /// overlaps another one, a wall or a body. After an error no sphere is added.
+    /// [`GrainModel::check`](crate::GrainModel::check) has the errors of wrong numbers.
+    /// [`GrainError::OutOfRange`]: a sphere is so small or so fast that the run would need a quarter of its
+    /// step. [`GrainError::NoRoom`]: a sphere overlaps another one, a wall or a body. After an error no
+    /// sphere is added.
     ///
     /// # Cost
     /// A search for couples, as the run makes one every hundred steps or so.
     pub fn add(&mut self, spheres: &Spheres) -> Result<Range<u32>, GrainError> {
-        let alone = GrainModel { spheres: spheres.clone(), clumps: Vec::new(), ..self.model.clone() };
-        alone.check()?;
-        let (longest, sphere) = alone.shortest_step();
+        // The model of the run, with these spheres alone.
+        let clumps = std::mem::take(&mut self.model.clumps);
+        self.model.spheres = spheres.clone();
+        let checked = self.model.check().map(|()| self.model.shortest_step(0.0));
+        (self.model.spheres, self.model.clumps) = (Spheres::default(), clumps);
+        let (longest, sphere) = checked?;
         if TOO_LONG * longest < self.time_step.min(self.safe_step) {
             return Err(GrainError::OutOfRange {
                 place: format!("sphere {sphere} of those to add"),

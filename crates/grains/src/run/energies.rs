@@ -26,7 +26,8 @@ pub struct GrainEnergies {
     /// Dissipated since the beginning: by dashpots, friction, rolling and twisting.
     pub dissipated: f64,
     /// Work from outside since the beginning: of walls that move, held spheres, boxes that grow, gravity that
-    /// changes; and the energy of spheres that came in less that of those that were removed.
+    /// changes, a law of the caller; and the energy of spheres that came in less that of those that were
+    /// removed.
     pub external: f64,
     /// Work of the spheres on bodies since the beginning, which is left out of `external`.
     pub on_bodies: f64,
@@ -45,13 +46,17 @@ pub(crate) struct Gone {
 pub(crate) struct EnergyOf<'a> {
     pub(crate) balls: &'a Balls,
     pub(crate) lists: &'a Lists,
+    /// Laws of contacts with walls, and of two spheres with each other.
     pub(crate) laws: &'a Laws,
+    pub(crate) between: &'a Laws,
     pub(crate) on_walls: &'a OnWalls,
     pub(crate) clumps: &'a Clumps,
     /// Elastic energy of the contacts with triangles, J.
     pub(crate) on_facets: f64,
     /// Work against the motion of these contacts in the last step, and that of walls on them in it, J.
     pub(crate) in_step: [f64; 2],
+    /// Work of a law of the caller in the last step, J.
+    pub(crate) by_program: f64,
     pub(crate) walls: &'a [Wall],
     pub(crate) gone: Gone,
     /// m/s².
@@ -101,7 +106,8 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
 fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
     let (list, lists) = (&of.balls.list, of.lists);
     let mut sum = of.on_facets;
-    let [mut dissipated, mut external] = of.in_step;
+    let [mut dissipated, external] = of.in_step;
+    let mut external = external + of.by_program;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];
@@ -115,7 +121,7 @@ fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
             debug_assert!(number(other) > ball.number, "the first has the lower number");
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);
-            if let Ok(law) = of.laws.of([ball.material, other.material]) {
+            if let Ok(law) = of.between.of([ball.material, other.material]) {
                 let acting = &lists.acting[lists.acted[slot] as usize];
                 sum += law.energy(acting.overlap, radius, &lists.history(slot));
                 dissipated += acting.dissipated;

@@ -2,6 +2,7 @@
 
 use crate::error::GrainError;
 use crate::law::PairLaw;
+use crate::material::ForceLaw;
 use crate::model::GrainModel;
 use crate::run::balls::Ball;
 
@@ -27,6 +28,16 @@ impl Laws {
             laws.list.push(PairLaw::new(model.law, [&model.materials[a], &model.materials[b]], surfaces));
         }
         laws
+    }
+
+    /// No force between any of these materials.
+    pub(crate) fn none(&self) -> Self {
+        Self { kinds: self.kinds, of_pair: vec![0; self.of_pair.len()], list: vec![PairLaw::NONE] }
+    }
+
+    /// Whether none of them has a force.
+    pub(crate) fn are_none(&self) -> bool {
+        self.list.iter().all(|law| matches!(law.law, ForceLaw::Hooke { normal: 0.0, .. }))
     }
 
     /// Number of the law of all pairs of these spheres, if they have one only.

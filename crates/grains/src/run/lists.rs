@@ -167,6 +167,12 @@ impl Lists {
         history(self.memories[slot], self.rolling.get(slot))
     }
 
+    /// Takes the forces out of all springs across the normals.
+    pub(crate) fn relax(&mut self) {
+        self.memories.iter_mut().for_each(|memory| memory.tangential = [0.0; 3]);
+        self.rolling.fill(Rolling::default());
+    }
+
     /// Finds the couples whose surfaces are at most `gap` apart, m, and gives them their memory.
     pub(crate) fn renew(
         &mut self,

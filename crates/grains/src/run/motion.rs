@@ -9,6 +9,7 @@ use crate::domain::Outside;
 use crate::error::GrainError;
 use crate::run::balls::{ALONE, Ball, BallKind, Balls, Drive};
 use crate::run::cell::RunBox;
+use crate::run::depth::Depth;
 use crate::run::level::{self, Level, Work};
 use crate::run::lists::{CHUNK, Lists};
 use crate::run::on_walls::Outer;
@@ -46,6 +47,8 @@ pub(crate) struct Moved {
     pub(crate) spread: f64,
     /// Whether a sphere has left the box, and is to be removed.
     pub(crate) leaves: bool,
+    /// The deepest overlap of two spheres.
+    pub(crate) deepest: Depth,
 }
 
 impl Moved {
@@ -55,6 +58,7 @@ impl Moved {
             fastest: self.fastest.max(other.fastest),
             spread: self.spread.max(other.spread),
             leaves: self.leaves | other.leaves,
+            deepest: self.deepest.or(other.deepest),
         }
     }
 }
@@ -122,7 +126,11 @@ impl Work for MoveChunk<'_, '_> {
             if k % BLOCK == 0 {
                 touching.fill(of.lists, place, BLOCK.min(count - k));
             }
-            let [mut force, mut moment] = sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
+            let ([mut force, mut moment], overlap) =
+                sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
+            if overlap > 0.0 {
+                moved.deepest = moved.deepest.or(Depth::of(overlap, ball));
+            }
             while outer.first().is_some_and(|outer| outer.place as usize == place) {
                 force = plus(force, outer[0].force);
                 moment = plus(moment, outer[0].moment);
@@ -204,12 +212,13 @@ impl OfBlock {
     }
 }
 
-/// Force, N, and moment, N m, of all spheres on one. Adds the energy that its contacts have dissipated to its
-/// sum.
+/// Force, N, and moment, N m, of all spheres on one, and its deepest overlap, m. Adds the energy that its
+/// contacts have dissipated to its sum.
 #[inline(always)]
-fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) -> [Vector; 2] {
+fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) -> ([Vector; 2], f64) {
     // Rows of four numbers are one operation of a vector.
     let (mut pushes, mut moment) = ([0.0, 0.0, 0.0, drive.dissipated], [0.0; 3]);
+    let mut deepest = 0.0_f64;
     for of in touching {
         let acting = &lists.acting[of.acted as usize];
         let (sign, once) = if of.is_second { (-1.0, 0.0) } else { (1.0, 1.0) };
@@ -218,6 +227,7 @@ fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) ->
         let scale = [sign, sign, sign, once];
         pushes = [0, 1, 2, 3].map(|k: usize| pushes[k] + scale[k] * push[k]);
         moment = plus(moment, times(radius - 0.5 * acting.overlap, acting.torque));
+        deepest = if acting.overlap > deepest { acting.overlap } else { deepest };
         if let Some(rolling) = lists.rolling.get(of.slot as usize) {
             moment = plus(moment, times(sign, rolling.moment));
         }
@@ -227,7 +237,7 @@ fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) ->
     }
     let [x, y, z, dissipated] = pushes;
     drive.dissipated = dissipated;
-    [[x, y, z], moment]
+    ([[x, y, z], moment], deepest)
 }
 
 /// Moves a sphere under a force, N, and a moment, N m, for a step.

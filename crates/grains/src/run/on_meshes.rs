@@ -8,6 +8,8 @@ use rayon::prelude::*;
 use crate::columns::{GrainContact, GrainPartner};
 use crate::error::GrainError;
 use crate::facet::by_place;
+use crate::run::balls::Balls;
+use crate::run::depth::Depth;
 use crate::run::on_facet::{SurfaceMotion, SurfaceTotals};
 use crate::run::on_surface::{OnFacets, OnSurface, OnSurfacesOf};
 use crate::run::on_walls::Outer;
@@ -145,6 +147,11 @@ impl OnMeshes {
         self.list
             .iter()
             .flat_map(|mesh| mesh.on.contacts.iter().map(|of| of.named(GrainPartner::Wall(mesh.wall as u32))))
+    }
+
+    /// The depths of all contacts.
+    pub(crate) fn depths<'a>(&'a self, balls: &'a Balls) -> impl Iterator<Item = Depth> + 'a {
+        self.list.iter().flat_map(|mesh| mesh.on.depths(balls))
     }
 
     /// Puts the triangles of the meshes into walls that are in their places.

@@ -14,6 +14,7 @@ use crate::error::GrainError;
 use crate::facet::of_facet;
 use crate::ridges::Ridges;
 use crate::run::balls::Balls;
+use crate::run::depth::Depth;
 use crate::run::laws::Laws;
 use crate::run::on_facet::{
     Encounter, FacetContact, FacetHistory, FacetScratch, SurfaceMotion, SurfaceTotals, Touches,
@@ -122,6 +123,11 @@ impl OnSurface {
     /// A surface that no sphere has touched; `radius`: mean radius of the spheres, m.
     pub(crate) fn new(is_one_sided: bool, radius: f64) -> Self {
         Self { is_one_sided, skin: SKIN * radius, ..Self::default() }
+    }
+
+    /// The depths of all contacts.
+    pub(crate) fn depths<'a>(&'a self, balls: &'a Balls) -> impl Iterator<Item = Depth> + 'a {
+        self.contacts.iter().filter_map(|of| Some(Depth::of(of.overlap, balls.numbered(of.sphere)?)))
     }
 
     /// Sets the facets, if they are others, and where their points are now.

@@ -44,9 +44,14 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&RunBox>, step:
     contacts
 }
 
+/// Numbers of all spheres, ascending.
+pub(crate) fn numbers(balls: &Balls) -> Vec<u32> {
+    balls.places.iter().map(|&place| balls.list[place as usize].number).collect()
+}
+
 /// Contacts with walls in the last step, in ascending order of their spheres.
 pub(crate) fn on_walls(balls: &Balls, walls: &OnWalls) -> Vec<GrainContact> {
-    let numbers: Vec<u32> = balls.places.iter().map(|&place| balls.list[place as usize].number).collect();
+    let numbers = numbers(balls);
     let contact = |touch: &crate::run::on_walls::WallTouch| {
         let rank = numbers.binary_search(&touch.number).ok()?;
         Some(GrainContact {
@@ -65,7 +70,7 @@ pub(crate) fn on_walls(balls: &Balls, walls: &OnWalls) -> Vec<GrainContact> {
 
 /// Contacts with triangles in ascending order of their spheres, which have their numbers so far.
 pub(crate) fn on_facets(balls: &Balls, of: impl Iterator<Item = GrainContact>) -> Vec<GrainContact> {
-    let numbers: Vec<u32> = balls.places.iter().map(|&place| balls.list[place as usize].number).collect();
+    let numbers = numbers(balls);
     let contact = |of: GrainContact| {
         let rank = numbers.binary_search(&of.sphere).ok()?;
         Some(GrainContact { sphere: rank as u32, ..of })

@@ -37,6 +37,7 @@ fn two_spheres_meet_as_hertz_says() {
         }
         assert!((most / force - 1.0).abs() < 1e-4, "{most} {force}");
         assert!((deepest / overlap - 1.0).abs() < 1e-4, "{deepest} {overlap}");
+        assert_eq!(run.deepest_overlap(), Some((deepest / 0.01, 0)));
         assert!((end / time - 1.0).abs() < 2e-3, "{end} {time}");
         assert!((run.velocity(0)[0] + 10.0).abs() < 1e-4, "{:?}", run.velocity(0));
     }
@@ -55,6 +56,8 @@ fn a_sphere_meets_a_plane_as_hertz_says() {
         let (run, most, deepest, end) = bounce(model);
         assert!((most / force - 1.0).abs() < 1e-4, "{most} {force}");
         assert!((deepest / overlap - 1.0).abs() < 1e-4, "{deepest} {overlap}");
+        let (share, sphere) = run.deepest_overlap().expect("an impact");
+        assert!((0.1 * share / overlap - 1.0).abs() < 1e-4 && sphere == 0, "{share}");
         assert!((end / time - 1.0).abs() < 2e-3, "{end} {time}");
         assert!((run.velocity(0)[2] - 0.2).abs() < 1e-5);
     }

@@ -6,6 +6,8 @@ mod common;
 
 /// Boxes that keep up a pressure.
 mod boxes;
+/// Forces between spheres by a law of the caller.
+mod by_program;
 /// Clumps of spheres.
 mod clumps;
 

@@ -33,6 +33,8 @@ pub struct OnRanks {
     pub memory: f64,
     /// Memory of rank 0 while it gives the others their elements, bytes.
     pub memory_at_beginning: f64,
+    /// Whether the model has spheres, which every rank moves: the times do not count them.
+    pub has_spheres: bool,
 }
 
 impl OnRanks {
@@ -55,6 +57,7 @@ impl OnRanks {
             speedup: pace[0] * steps as f64 / whole,
             memory: program + most as f64,
             memory_at_beginning: program + forecast.memory_at_beginning as f64,
+            has_spheres: false,
             forecast,
         }
     }
@@ -74,6 +77,12 @@ impl fmt::Display for OnRanks {
             format!("{mean} in the mean, at most {}", grouped(forecast.most(of) as u64))
         };
         writeln!(out, "ranks            {ranks}, each on a core of its own")?;
+        if self.has_spheres {
+            writeln!(
+                out,
+                "  spheres        every rank moves all of them: their time and memory are not in what follows"
+            )?;
+        }
         writeln!(
             out,
             "  own elements   {}; the busiest rank has {:.2} times the mean work",

@@ -286,8 +286,10 @@ impl Preflight {
             rehearsal: None,
             breaks: deforming::breaks(model),
             seconds_whole: whole,
-            on_ranks: forecast
-                .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
+            on_ranks: forecast.map(|forecast| OnRanks {
+                has_spheres: model.grains.is_some(),
+                ..OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)
+            }),
             memory: PROGRAM
                 + of_spheres(model, SPHERE.bytes)
                 + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
@@ -399,14 +401,14 @@ impl Pace {
             elements = run.timings().bulk.saturating_sub(before.bulk);
         }
         if times.is_empty() {
-            let seconds = sum(model, |cost| cost.seconds) + of_spheres(model, SPHERE.seconds);
+            let seconds = sum(model, |cost| cost.seconds) + seconds_of_spheres(model);
             return Self { whole: seconds - more, breaking: seconds };
         }
         // Elements of rigid bodies take no time, and do not show how fast the machine is.
         let rigid = (0..).zip(&model.mesh.bodies).filter(|(element, _)| model.is_rigid(*element)).count();
         let moving = 1.0 - rigid as f64 / model.mesh.elements.len().max(1) as f64;
         // Nor do few elements among many spheres.
-        let is_seldom = expected < FEW * (expected + of_spheres(model, SPHERE.seconds));
+        let is_seldom = expected < FEW * (expected + seconds_of_spheres(model));
         let slower = if moving < FEW || is_seldom {
             1.0
         } else {
@@ -434,6 +436,11 @@ fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost)
         })
     };
     (0..).zip(&model.mesh.materials).map(of).sum()
+}
+
+/// Time of a step for all spheres with those to come, s.
+pub(crate) fn seconds_of_spheres<const D: usize, const N: usize>(model: &Model<D, N>) -> f64 {
+    of_spheres(model, SPHERE.seconds)
 }
 
 /// A cost of a sphere, times the number of spheres with those to come.

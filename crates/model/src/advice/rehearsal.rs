@@ -5,7 +5,7 @@
 //! `k^(D+1)` times shorter.
 
 use crate::advice::clock::processor_time;
-use crate::advice::preflight::{Preflight, Rehearsed, measured};
+use crate::advice::preflight::{Preflight, Rehearsed, measured, seconds_of_spheres};
 use crate::prepared::{Bound, Prepared, PreparedUntil};
 
 /// A run that takes less while nothing breaks, s, has no rehearsal.
@@ -30,6 +30,9 @@ const FEWER: f64 = 0.7;
 
 /// Share of the steps of a rehearsal, at its end, whose cost stands for the steps that it did not reach.
 const LAST: f64 = 0.25;
+
+/// Share of the time of a run that spheres take at most where a coarse mesh makes it shorter.
+const SPHERES: f64 = 0.3;
 
 /// Share of a run that a rehearsal must reach: the rest cannot be guessed from less.
 const ENOUGH: f64 = 0.25;
@@ -63,6 +66,10 @@ impl Rehearsal {
             return None;
         }
         let time = preflight.seconds_whole;
+        // A coarse mesh has as many spheres.
+        if seconds_of_spheres(&prepared.model) * preflight.steps as f64 > SPHERES * time {
+            return None;
+        }
         let [least, most] = WANTED;
         let goal = (SHARE * BREAKING[D - 2] * time).clamp(least, most);
         let wanted = (BREAKING[D - 2] * time / goal).powf(1.0 / (D as f64 + 1.0));

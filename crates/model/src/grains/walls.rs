@@ -46,6 +46,7 @@ pub(crate) fn wall(
         rotation,
         path,
         servo,
+        from: 0.0,
     })
 }
 

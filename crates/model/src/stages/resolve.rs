@@ -174,6 +174,35 @@ fn is_within<const D: usize>(limits: &[f64], point: [f64; D]) -> bool {
     (0..D).all(|axis| limits[axis] <= point[axis] && point[axis] <= limits[D + axis])
 }
 
+/// Reports pieces of packings, and copies, that do not exist: which there are is known once they are placed.
+fn check_pieces<const D: usize, const N: usize>(
+    file: &ModelFile,
+    document: &Document<'_>,
+    placed: &[Placed<D, N>],
+    index: usize,
+    faults: &mut Vec<Fault>,
+) {
+    let (stage, table) = (&file.stage[index], Table::of("stage", index));
+    let materials =
+        stage.materials.keys().map(|name| (document.key(table, &format!("materials.{name}")), name));
+    let lists = [("excavate", &stage.excavate), ("activate", &stage.activate)];
+    let entries = lists.into_iter().flat_map(|(key, names)| {
+        names.iter().enumerate().map(move |(entry, name)| (document.entry(table, key, entry), name))
+    });
+    for (span, name) in materials.chain(entries) {
+        if !placed::is_body(file, name) || !placed::named(placed, file, name).is_empty() {
+            continue;
+        }
+        let of_table = |body: &&Placed<D, N>| placed::is_piece(&file.body[body.table].name, name);
+        let mut names = placed.iter().filter(of_table).map(|body| body.name.as_str());
+        let first = names.next().unwrap_or("none");
+        let last = names.next_back().unwrap_or(first);
+        let message = format!("there is no body \"{name}\"");
+        let help = format!("the bodies of this table are \"{first}\" to \"{last}\"");
+        faults.push(Fault::at(span, message).label("unknown body").help(help));
+    }
+}
+
 /// Gives the elements of bodies the materials of a stage.
 fn change_materials(
     file: &ModelFile,
@@ -247,6 +276,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
         for range in of(&stage.excavate) {
             there[range].fill(false);
         }
+        check_pieces(file, document, placed, index, faults);
         change_materials(file, document, index, &of, &mut of_elements, faults);
         for (entry, limits) in stage.excavate_boxes.iter().enumerate() {
             if limits.len() != 2 * D {
@@ -291,7 +321,12 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
                     document.key(table, "name"),
                     format!("[[stage]] \"{}\": no element is left", stage.name),
                 )
-                .label("this stage"),
+                .label("this stage")
+                .help(if file.has_spheres() {
+                    "spheres alone are no stage: run them by themselves, and begin the next model with their end, by --from"
+                } else {
+                    "leave a body in each stage"
+                }),
             );
         }
         let acts = |boundary: &file::Boundary| {

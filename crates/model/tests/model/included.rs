@@ -169,6 +169,15 @@ fn a_repeated_body_is_its_copies() {
     assert_eq!(boundary("block").unwrap(), copies.model.mesh.nodes.len());
     assert_eq!(6 * boundary("block-3-2").unwrap(), copies.model.mesh.nodes.len());
     assert!(boundary("block-4-1").unwrap_err().to_string().contains("block-4-1"));
+    for key in
+        ["excavate = [\"block-4-1\"]", "activate = [\"block-4-1\"]", "materials = { block-4-1 = \"rock\" }"]
+    {
+        let stages = "[[stage]]\nname = \"rest\"\nduration = 1e-4\n[[stage]]\nname = \"cut\"\n";
+        let text = one(&format!("repeat = [3, 2]\nspacing = [2, 1]\n{stages}{key}\n"));
+        let told = read(&text, &[]).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains("there is no body \"block-4-1\""), "{told}");
+        assert!(told.contains("the bodies of this table are \"block-1-1\" to \"block-3-2\""), "{told}");
+    }
     for (keys, part) in [
         ("repeat = [3]\n", "\"repeat\" is a list of 1"),
         ("repeat = [3, 0]\n", "\"repeat\" is 0: it has to be at least 1"),

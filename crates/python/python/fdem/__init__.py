@@ -53,6 +53,7 @@ from ._read import Frames, Mesh, Packing, frames, read
 from ._results import Frame, Results, results
 from ._search import boxes, contacts
 from ._simulation import Simulation, resume
+from ._sphere_law import SpherePairs
 from ._spheres import Spheres
 from ._sweep import Sweep, sweep
 
@@ -79,6 +80,7 @@ __all__ = [
     "Picture",
     "Results",
     "Simulation",
+    "SpherePairs",
     "Spheres",
     "Sweep",
     "WallContacts",

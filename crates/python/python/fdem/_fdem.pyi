@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Optional, final
 
 import numpy as np
@@ -153,6 +153,13 @@ class Run:
         motion: Sequence[npt.NDArray[np.float64]],
         numbers: Sequence[int],
     ) -> npt.NDArray[np.uint32]: ...
+    def set_sphere_law(
+        self,
+        function: Callable[[dict[str, Any]], tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]],
+        numbers: tuple[float, int],
+        replaces: bool,
+    ) -> None: ...
+    def clear_sphere_law(self) -> None: ...
     def sphere_names(self) -> list[list[str]]: ...
     def clear_forces(self) -> None: ...
     def set_boundary(self, number: int, factor: Optional[float]) -> None: ...

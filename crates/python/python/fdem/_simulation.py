@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _fdem
 from ._model import Model
 from ._picture import Picture
+from ._sphere_law import SphereLaw, with_arrays
 from ._spheres import Spheres
 
 _Path = Union[str, "os.PathLike[str]"]
@@ -418,6 +419,36 @@ class Simulation:
         added = self._run.add_spheres(places, each, motion, [kind, number])
         self._clear()
         return added
+
+    def set_sphere_law(self, law: SphereLaw, *, reach: float = 0.0, memory: int = 0, replace: bool = False) -> None:
+        """Sets a law of your own for couples of spheres, from the next step on: a bond, a liquid bridge, a force at a distance, or another law of contact.
+
+        The law is called once in each step with all couples, and computes with whole arrays. Contacts with walls and bodies keep the law of the model. The work of the
+        law is external work. The time step must be short enough for the law: nothing checks that. A function is not saved: a run that is resumed needs the law again,
+        and has its memory.
+
+        Parameters
+        ----------
+        law : function
+            Gets :class:`SpherePairs`, and returns the force on the first sphere of each couple, N, couples × 3; or a pair of these and the moments on the first, N m. The
+            opposite acts on the second. Forces act in the middle of the overlap or of the gap.
+        reach : float
+            Gap up to which the law gets couples, m. Default: those that touch.
+        memory : int
+            Numbers that the law keeps for each couple from step to step.
+        replace : bool
+            Whether the law acts in place of that of the model, and not besides it.
+
+        Raises
+        ------
+        ValueError
+            A model without spheres, a wrong reach, or a law that differs from that of the run that is continued. What the law itself raises comes out of :meth:`advance`.
+        """
+        self._run.set_sphere_law(with_arrays(law), (reach, memory), replace)
+
+    def clear_sphere_law(self) -> None:
+        """Takes the law of :meth:`set_sphere_law` away: contacts of spheres have the law of the model from the next step on."""
+        self._run.clear_sphere_law()
 
     def set_boundary(self, name: str, *, factor: Optional[float]) -> None:
         """Sets the factor of a boundary from the next step on, in place of its ramp or table; ``None`` gives it these back. A servo sets that of its own boundary.

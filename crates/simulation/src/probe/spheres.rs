@@ -1,6 +1,6 @@
 //! Means over spheres, and forces on walls.
 
-use fdem_grains::{GrainPartner, SphereColumns};
+use fdem_grains::{GrainPartner, GrainRun, SphereColumns};
 
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -63,10 +63,15 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    /// The spheres on the rank that counts them.
+    fn counted_spheres(&self) -> Option<&GrainRun> {
+        self.actions.spheres.run().filter(|_| self.scene().counts_common())
+    }
+
     /// Visits the values of a wall, and 1 for the wall itself.
     pub(super) fn visit_wall(&self, wall: u32, mut visit: impl FnMut(&[f64; 10])) {
         let number = wall as usize;
-        let Some(run) = self.actions.spheres.run().filter(|run| number < run.walls().len()) else { return };
+        let Some(run) = self.counted_spheres().filter(|run| number < run.walls().len()) else { return };
         let [fx, fy, fz] = run.wall_force(number);
         let [mx, my, mz] = run.wall_moment(number);
         let [ux, uy, uz] = run.wall_displacement(number);
@@ -76,7 +81,7 @@ where
     /// Visits sums over the spheres whose centres are in a region, a box by its lowest and its highest
     /// corner, m; `None` for the box around all spheres, and along axes that repeat for their period.
     pub(super) fn visit_spheres(&self, region: Option<[Point<3>; 2]>, mut visit: impl FnMut(&[f64; SUMS])) {
-        let Some(run) = self.actions.spheres.run() else { return };
+        let Some(run) = self.counted_spheres() else { return };
         let columns = run.columns();
         let [low, high] = region.unwrap_or_else(|| around(&columns));
         let axes = 0..if columns.discs.is_some() { 2 } else { 3 };
@@ -112,7 +117,7 @@ where
                 GrainPartner::Wall(_) | GrainPartner::Facet(_) => [Some((contact.sphere, 1.0)), None],
             };
             for (sphere, sign) in ends.into_iter().flatten().filter(|of| inside[of.0 as usize]) {
-                let arm = nearest(minus(contact.place, columns.positions[sphere as usize]), columns.period);
+                let arm = columns.shortest(minus(contact.place, columns.positions[sphere as usize]));
                 let force = contact.force.map(|f| sign * f);
                 let size = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
                 let mut sums = [0.0; SUMS];
@@ -141,14 +146,4 @@ fn around(columns: &SphereColumns) -> [Point<3>; 2] {
         (corners[0][axis], corners[1][axis]) = (low[axis], low[axis] + lengths[axis]);
     }
     corners
-}
-
-/// A vector to the nearest image of a point in a box: its lowest corner and lengths, m.
-fn nearest(apart: Point<3>, period: Option<[Point<3>; 2]>) -> Point<3> {
-    let Some([_, lengths]) = period else { return apart };
-    let along = |axis: usize| {
-        let periods = (apart[axis] / lengths[axis]).round();
-        if periods == 0.0 { apart[axis] } else { apart[axis] - periods * lengths[axis] }
-    };
-    [along(0), along(1), along(2)]
 }

@@ -3,6 +3,7 @@
 use fdem_distributed::Communicator;
 use fdem_distributed::wire::{bytes_of, value_of};
 
+use crate::actions::spheres::{SavedSpheres, SphereAction};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
@@ -106,23 +107,28 @@ where
         if communicator.rank() == 0 {
             let run = run.as_mut().expect("rank 0 has the run");
             run.watch();
-            bytes = bytes_of(&[CommonData::of(run).bytes(), run.carried().bytes()]);
+            let spheres: Vec<_> = run.actions.spheres.save().into_iter().collect();
+            bytes = bytes_of(&[CommonData::of(run).bytes(), run.carried().bytes(), bytes_of(&spheres)]);
         } else {
             run = None;
         }
         communicator.broadcast(&mut bytes);
-        let [frame, common]: [Vec<u8>; 2] = value_of(&bytes);
+        let [frame, common, spheres]: [Vec<u8>; 3] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
         if let Some(of) = frame.model.until_overloaded.first() {
             return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
         }
-        if frame.model.grains.is_some() {
+        if frame.elements == 0 {
             return Err(ModelError::GrainsOnRanks);
         }
         let team = Team::new(threads)?;
         let carried = run.as_ref().map_or_else(|| CarriedState::of_bytes(&common), Simulation::carried);
         let mut division = None;
-        let (run, links) = part(run, None, &mut division, &frame, carried, communicator, &team)?;
+        let (mut run, links) = part(run, None, &mut division, &frame, carried, communicator, &team)?;
+        run.actions.spheres = SphereAction::new(&frame.model, frame.scales.time_step, &team)?;
+        if let Some(saved) = value_of::<Vec<SavedSpheres<D>>>(&spheres).pop() {
+            run.actions.spheres.restore(saved)?;
+        }
         let first = run.step;
         Ok(Self { communicator, frame, division, run, links, team, spreads: 0, sent: [0; 2], first })
     }
@@ -168,12 +174,23 @@ where
         for (sum, more) in self.sent.iter_mut().zip(self.links.sent) {
             *sum += more;
         }
+        let spheres = std::mem::take(&mut self.run.actions.spheres);
+        let motion = self.motion_of_surface(&spheres);
         let Self { communicator, frame, division, run, links, team, .. } = self;
         let taken = std::mem::replace(run, Simulation::nothing(frame, team.clone())?);
         let (new, messages) = part(Some(taken), Some(links), division, frame, carried, *communicator, team)?;
         (self.run, self.links) = (new, messages);
+        self.run.actions.spheres = spheres.among_others(motion);
         self.spreads += 1;
         Ok(())
+    }
+
+    /// The motion of the surface that spheres touch, of all ranks: see [`SphereAction::surface_motion`].
+    fn motion_of_surface(&self, spheres: &SphereAction<D>) -> Vec<(u32, [f64; D])> {
+        if spheres.run().is_none() {
+            return Vec::new();
+        }
+        self.links.all(&spheres.surface_motion()).concat()
     }
 
     /// Sets the factor of a boundary from the next step on: see [`Simulation::set_factor`]. All ranks call
@@ -284,7 +301,20 @@ where
         self.communicator.all_max(&mut most);
         let [joints, broken, open, parted, contacts, nodes] = sums.map(|sum| sum as usize);
         let detections = most[0] as u64;
-        Counts { joints, broken, open, parted, contacts, detections, nodes, ..Counts::default() }
+        // All ranks have all spheres.
+        let Counts { spheres, sphere_contacts, waiting_spheres, .. } = own;
+        Counts {
+            joints,
+            broken,
+            open,
+            parted,
+            contacts,
+            detections,
+            nodes,
+            spheres,
+            sphere_contacts,
+            waiting_spheres,
+        }
     }
 
     /// The elements of the first couple in which one element reached the centroid of the other in the last
@@ -357,13 +387,15 @@ where
             &mut totals.loads,
         ]);
         let fragments = self.fragments();
+        let motion = self.motion_of_surface(&self.run.actions.spheres);
         let own = self.run.own();
         let Some(fragments) = fragments else {
             self.communicator.send(0, &bytes_of(&own));
             return None;
         };
         let others = (1..self.communicator.size()).map(|rank| value_of(&self.communicator.receive(rank)));
-        Some(Gathered::of(&self.frame, carried, std::iter::once(own).chain(others), fragments))
+        let of_spheres = (self.run.spheres_now(), self.run.actions.spheres.save_with(motion));
+        Some(Gathered::of(&self.frame, carried, std::iter::once(own).chain(others), fragments, of_spheres))
     }
 
     /// The model without its mesh and without the nodes and facets on which boundaries act.
@@ -493,7 +525,7 @@ where
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: (0..self.solid().node_count()).filter(|&node| share.node(node)).count(),
-            ..Counts::default()
+            ..self.sphere_counts()
         }
     }
 

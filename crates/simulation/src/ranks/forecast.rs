@@ -172,9 +172,6 @@ impl Forecast {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        if run.model.grains.is_some() {
-            return Err(ModelError::GrainsOnRanks);
-        }
         let elements = run.solid().element_count();
         if ranks == 0 || ranks > elements {
             return Err(ModelError::Ranks { ranks, elements });

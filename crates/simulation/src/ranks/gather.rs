@@ -6,6 +6,7 @@ use fdem_distributed::wire;
 use fdem_grains::SphereColumns;
 
 use crate::action::Record;
+use crate::actions::spheres::SavedSpheres;
 use crate::contacts::SavedContacts;
 use crate::forces::{Forces, OwnForces};
 use crate::joints::saved::{MovingJoint, SavedJoints};
@@ -134,6 +135,8 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     records: Vec<Record>,
     fragments: Vec<u32>,
     forces: OwnForces<D>,
+    spheres: SphereColumns,
+    saved_spheres: Option<SavedSpheres<D>>,
 }
 
 impl<const D: usize, const N: usize> Gathered<D, N>
@@ -146,6 +149,7 @@ where
         carried: CarriedState<D>,
         all: impl Iterator<Item = OwnResults<D, N>>,
         fragments: Vec<u32>,
+        (spheres, saved_spheres): (SphereColumns, Option<SavedSpheres<D>>),
     ) -> Self {
         let elements = frame.elements as usize;
         let mut whole = Self {
@@ -166,6 +170,8 @@ where
             records: Vec::new(),
             fragments,
             forces: OwnForces::default(),
+            spheres,
+            saved_spheres,
         };
         all.for_each(|own| whole.add(own));
         whole.put_in_order();
@@ -258,7 +264,7 @@ where
             intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
-            spheres: SphereColumns::default(),
+            spheres: self.spheres.clone(),
         }
     }
 
@@ -266,7 +272,7 @@ where
     pub fn state(&self) -> State<D, N> {
         State {
             released: Vec::new(),
-            spheres: None,
+            spheres: self.saved_spheres.clone(),
             step: self.carried.step,
             totals: self.carried.totals.clone(),
             energies: self.carried.energies,

@@ -110,7 +110,8 @@ where
     ///
     /// # Errors
     /// If threads cannot be started.
-    pub fn replace(&mut self, run: Simulation<D, N>) -> Result<(), ModelError> {
+    pub fn replace(&mut self, mut run: Simulation<D, N>) -> Result<(), ModelError> {
+        run.go_on(self.timings(), self.counts().detections);
         *self.whole.get_mut() = None;
         give(self.communicator, LeaderOrder::Replace, &[]);
         let threads = self.run.get_mut().threads();
@@ -212,6 +213,12 @@ where
     /// step; `None` if there is no such couple.
     pub fn penetrated(&self) -> Option<[u32; 2]> {
         self.all(LeaderOrder::Penetrated, &[], Distributed::penetrated)
+    }
+
+    /// The deepest overlap of a sphere so far: see [`Simulation::deepest_overlap`]. All ranks have all
+    /// spheres.
+    pub fn deepest_overlap(&self) -> Option<(f64, u32)> {
+        self.run.borrow().run.deepest_overlap()
     }
 
     /// Displacements, m, and velocities, m/s, of some nodes of the mesh: see [`Simulation::node`].

@@ -316,6 +316,18 @@ where
         self.communicator.all_max(numbers);
     }
 
+    fn rank(&self) -> usize {
+        self.communicator.rank()
+    }
+
+    fn are_none(&self) -> bool {
+        false
+    }
+
+    fn all_bytes(&self, own: &[u8]) -> Vec<Vec<u8>> {
+        self.communicator.all_gather(own)
+    }
+
     fn first_stop(&self, own: Option<Stop>) -> Option<Stop> {
         let rank = self.communicator.rank();
         let all = self.all(&own.map(|stop| stop.on_rank(rank)));

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::compiled::compiled;
 use crate::contacts::Touching;
+use crate::critical::{Cause, CriticalStep};
 use crate::energy::Ledger;
 use crate::error::ModelError;
 use crate::forces::Reaction;
@@ -19,6 +20,7 @@ use crate::machine::Columns;
 use crate::machine::list::Machines;
 use crate::model::{Boundary, Load, Model, Schedule, Target};
 use crate::motion::nodes::force_on;
+use crate::peers::Alone;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
@@ -113,7 +115,10 @@ where
         let now = model.clone().releasing(released.iter().map(|(element, _)| *element));
         let fresh = Simulation::new(now, threads)?;
         numbers.check_rigid(&old, &fresh)?;
-        if fresh.critical_step().step < old.time_step() {
+        let CriticalStep { step, cause, .. } = fresh.critical_step();
+        // The step of spheres follows their impacts; a run stops where it is not stable.
+        let longest = if cause == Cause::Sphere { 2.0 * step } else { step };
+        if longest < old.time_step() {
             return Err(ModelError::OutOfRange {
                 place: "the changed model".to_owned(),
                 what: "time step",
@@ -121,7 +126,7 @@ where
                 range: "at most the critical one",
             });
         }
-        let state = State { released, ..numbers.carry(self, &old, &fresh) };
+        let state = State { released, ..numbers.carry(self, &old, &fresh)? };
         let mut new = Simulation::resume(model.clone(), state, threads)?;
         // Places that the new model does not have keep nothing.
         for record in old.records() {
@@ -177,7 +182,7 @@ where
     pub(super) fn look(&mut self) -> ForcesAndEnergy<D> {
         let kinetic = self.kinetic_of_half_step();
         // A reason to stop is found again in the next step.
-        let _ = self.press(true);
+        let _ = self.press(true, &Alone);
         // At the time of the positions, the velocity of a node has changed by half a step of its forces;
         // those of loads have their work of that half step.
         let impulses = self.impulses_of_half_step();
@@ -334,7 +339,7 @@ impl Numbers {
         state: State<D, N>,
         old: &Simulation<D, N>,
         fresh: &Simulation<D, N>,
-    ) -> State<D, N>
+    ) -> Result<State<D, N>, ModelError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -389,14 +394,23 @@ impl Numbers {
         };
         let mut contacts = state.contacts.renumbered(|element| self.now(element));
         contacts.add_new(&new.contacts, |element| self.before[element as usize].is_none());
-        State {
+        let material = |number: u32| {
+            let name = &old.model.materials.get(number as usize)?.name;
+            let same = fresh.model.materials.iter().position(|other| other.name == *name)?;
+            Some(same as u32)
+        };
+        let spheres = match (state.spheres, &old.model.grains, &fresh.model.grains) {
+            // Spheres that are there already continue, and others begin.
+            (Some(spheres), Some(before), Some(now)) => {
+                let spheres = spheres.in_model(before, now, material)?;
+                Some(spheres.renumbered::<N>(|element| self.now(element)))
+            }
+            _ => new.spheres,
+        };
+        Ok(State {
             factors: state.factors.into_iter().filter_map(factor).collect(),
             records: Vec::new(),
-            spheres: match (&new.spheres, state.spheres) {
-                // Spheres that are there already continue, and others begin.
-                (Some(_), Some(before)) => Some(before.renumbered::<N>(|element| self.now(element))),
-                _ => new.spheres,
-            },
+            spheres,
             step: state.step,
             totals: state.totals,
             energies: state.energies,
@@ -405,7 +419,7 @@ impl Numbers {
             joints: SavedJoints::of(stay.chain(appear).collect()),
             contacts,
             ..new
-        }
+        })
     }
 
     /// The forces that the nodes of the new model have lost, N: with them they would be accelerated as

@@ -1,5 +1,5 @@
-//! Changes by a program between steps: velocities and forces of nodes, factors of boundaries. Their work is
-//! in the energy balance.
+//! Changes by a program between steps: velocities and forces of nodes, factors of boundaries, spheres and
+//! their law. Their work is in the energy balance.
 //!
 //! A program that holds a run may load it by a law of its own: before a step it reads the state, and sets
 //! forces or velocities. Forces act like those of a [`Load`](crate::Load), from the next step on and until
@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use fdem_grains::Spheres;
+use fdem_grains::{GrainRun, SphereLaw, SphereLawOptions, Spheres};
 
 use crate::error::ModelError;
 use crate::simplex::Simplex;
@@ -80,11 +80,30 @@ where
     /// # Cost
     /// A search for the couples of spheres.
     pub fn add_spheres(&mut self, spheres: &Spheres) -> Result<Range<u32>, ModelError> {
-        let Some(run) = self.actions.spheres.run_mut() else {
-            let place = "spheres to add".to_owned();
-            return Err(ModelError::Missing { what: "model of spheres", index: 0, place });
-        };
-        run.add(spheres).map_err(ModelError::Grains)
+        Ok(self.spheres("spheres to add")?.add(spheres)?)
+    }
+
+    /// Sets a law of the caller for couples of spheres, from the next step on:
+    /// [`GrainRun::set_law`]. A run that is continued from a state needs the law again.
+    ///
+    /// # Errors
+    /// [`ModelError::Missing`] if the model has no spheres; [`ModelError::Grains`] with the errors of
+    /// [`GrainRun::set_law`].
+    pub fn set_sphere_law(&mut self, law: SphereLaw, options: SphereLawOptions) -> Result<(), ModelError> {
+        Ok(self.spheres("law of spheres")?.set_law(law, options)?)
+    }
+
+    /// Takes the law of [`Simulation::set_sphere_law`] away.
+    ///
+    /// # Errors
+    /// [`ModelError::Missing`] if the model has no spheres.
+    pub fn clear_sphere_law(&mut self) -> Result<(), ModelError> {
+        Ok(self.spheres("law of spheres")?.clear_law()?)
+    }
+
+    fn spheres(&mut self, place: &str) -> Result<&mut GrainRun, ModelError> {
+        let missing = || ModelError::Missing { what: "model of spheres", index: 0, place: place.to_owned() };
+        self.actions.spheres.run_mut().ok_or_else(missing)
     }
 
     /// Sets the forces of the caller on nodes, N, which act from the next step on until they are set again.

@@ -81,7 +81,8 @@ where
         // The elastic energy that the rigid body did not have, and that of nodes that no longer turn as one.
         state.totals.external.add_sum(&has.energy);
         state.totals.external.subtract(&had.energy);
-        let new = again(state)?;
+        let mut new = again(state)?;
+        new.actions.spheres.keep_law(&mut self.actions.spheres);
         // The results of the last step stay; nodes have the numbers of the state.
         let order = self.solid().order(&self.topology);
         let mut number = vec![0; order.len()];

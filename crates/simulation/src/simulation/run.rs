@@ -1,5 +1,7 @@
 //! A run of a model: all that it has between two steps.
 
+use std::time::Duration;
+
 use fdem_contact::Simd;
 use fdem_distributed::wire;
 use fdem_grains::GrainRun;
@@ -386,9 +388,18 @@ where
             contacts: self.touching.count,
             detections: self.contacts().detections(),
             nodes: self.solid().node_count(),
-            spheres: self.actions.spheres.run().map_or(0, GrainRun::count),
-            sphere_contacts: self.actions.spheres.run().map_or(0, GrainRun::contact_count),
-            waiting_spheres: self.actions.spheres.run().map_or(0, GrainRun::waiting),
+            ..self.sphere_counts()
+        }
+    }
+
+    /// Numbers of spheres and of their contacts.
+    pub(crate) fn sphere_counts(&self) -> Counts {
+        let spheres = self.actions.spheres.run();
+        Counts {
+            spheres: spheres.map_or(0, GrainRun::count),
+            sphere_contacts: spheres.map_or(0, GrainRun::contact_count),
+            waiting_spheres: spheres.map_or(0, GrainRun::waiting),
+            ..Counts::default()
         }
     }
 
@@ -398,10 +409,37 @@ where
         self.touching.deep
     }
 
+    /// The deepest overlap of a sphere so far, over the radius of the smaller of the two, and the sphere:
+    /// [`GrainRun::deepest_overlap`].
+    pub fn deepest_overlap(&self) -> Option<(f64, u32)> {
+        self.actions.spheres.run().and_then(GrainRun::deepest_overlap)
+    }
+
     /// Computing time so far, by parts of the steps.
     pub fn timings(&self) -> Timings {
         let spheres = self.actions.spheres.spent;
         Timings { spheres, integration: self.timings.integration.saturating_sub(spheres), ..self.timings }
+    }
+
+    /// Continues with a run that has the state of this one, such as that of the next stage. The times and the
+    /// number of detections count from the beginning of this one, and a law of the caller for spheres stays.
+    pub fn replace(&mut self, mut with: Self) {
+        with.go_on(self.timings(), self.contacts().detections());
+        with.actions.spheres.keep_law(&mut self.actions.spheres);
+        *self = with;
+    }
+
+    /// Adds computing time and a number of detections of the run before.
+    pub(crate) fn go_on(&mut self, timings: Timings, detections: u64) {
+        self.actions.spheres.spent += timings.spheres;
+        self.timings += Timings {
+            spheres: Duration::ZERO,
+            // The clock of the actions has that of the spheres, too.
+            integration: timings.integration + timings.spheres,
+            ..timings
+        };
+        let contacts = &mut self.machine.columns_mut().contacts;
+        contacts.set_detections(contacts.detections() + detections);
     }
 
     /// Number of threads.

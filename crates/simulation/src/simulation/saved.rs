@@ -58,6 +58,11 @@ impl<const D: usize, const N: usize> State<D, N> {
     pub fn step(&self) -> u64 {
         self.step
     }
+
+    /// Number of spheres.
+    pub fn spheres(&self) -> usize {
+        self.spheres.as_ref().map_or(0, SavedSpheres::count)
+    }
 }
 
 impl<const D: usize, const N: usize> Simulation<D, N>
@@ -89,7 +94,7 @@ where
             factors: self.actions.factors.clone(),
             records: self.records(),
             released: self.released.clone(),
-            spheres: self.actions.spheres.save(&self.topology),
+            spheres: self.actions.spheres.save(),
         }
     }
 }
@@ -161,7 +166,7 @@ where
             }
         }
         if let Some(saved) = state.spheres {
-            run.actions.spheres.restore(saved, &run.topology)?;
+            run.actions.spheres.restore(saved)?;
         }
         run.step = state.step;
         run.released = state.released;

@@ -33,6 +33,11 @@ where
         intact::<D, N>(joints, position, self.solid().origin)
     }
 
+    /// The spheres now; none if the model has none.
+    pub(crate) fn spheres_now(&self) -> SphereColumns {
+        self.actions.spheres.run().map_or_else(SphereColumns::default, GrainRun::columns)
+    }
+
     fn own_snapshot(&self) -> Snapshot<D, N> {
         let order = self.solid().order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
@@ -57,7 +62,7 @@ where
             intact: None,
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
-            spheres: self.actions.spheres.run().map_or_else(SphereColumns::default, GrainRun::columns),
+            spheres: self.spheres_now(),
         }
     }
 

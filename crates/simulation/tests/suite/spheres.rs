@@ -103,7 +103,7 @@ fn wrong_numbers_of_spheres_are_refused() {
         let run = (communicator.rank() == 0).then(|| Simulation::new(alone(heap()), 1).expect("a model"));
         Distributed::new(communicator, run, 1).err().map(|error| error.to_string())
     });
-    let told = "spheres and walls are not divided among ranks: run the model on one";
+    let told = "spheres without bodies are not divided among ranks: run them on threads";
     assert_eq!(on_ranks, vec![Some(told.to_owned()); 2]);
 }
 
@@ -366,7 +366,8 @@ fn discs() -> Model {
     }
 }
 
-/// Runs for two times `steps` on one thread, on three threads, and in two parts, and compares the bits.
+/// Runs for two times `steps` on one thread, on three threads, in two parts, and on three ranks that get
+/// other elements in between, and compares the bits.
 /// `error`: bound of the error of the energy balance.
 fn breaks_with_the_same_bits<const D: usize, const N: usize>(model: &Model<D, N>, steps: u64, error: f64)
 where
@@ -388,6 +389,26 @@ where
     assert!(snapshot == resumed.snapshot(), "a resumed run");
     assert_eq!(whole.energies(), parted.energies());
     assert_eq!(whole.energies(), resumed.energies());
+    let bytes = |state: &State<D, N>| postcard::to_allocvec(state).expect("bytes");
+    let on_ranks = fdem_distributed::threads::run(3, |communicator| {
+        let run = (communicator.rank() == 0).then(|| Simulation::new(model.clone(), 1).expect("a model"));
+        let mut run = Distributed::new(communicator, run, 1).expect("a model with bodies");
+        run.advance(steps).expect("steps");
+        let half = run.gathered();
+        run.rebalance();
+        run.advance(steps).expect("steps");
+        assert_eq!((run.energies(), run.counts().spheres), (whole.energies(), whole.counts().spheres));
+        assert!(run.traffic().spreads > 0);
+        let wall = run.measure(&[Probe::Wall { wall: 0 }, Probe::Spheres { region: None }]);
+        let end = run.gathered();
+        Some((half?.state(), end?, wall))
+    });
+    let (half, end, values) = on_ranks.into_iter().flatten().next().expect("the results of rank 0");
+    assert!(bytes(&half) == saved, "ranks in the middle");
+    assert!(bytes(&end.state()) == bytes(&whole.state()), "ranks");
+    assert!(end.snapshot() == snapshot, "ranks");
+    let own = whole.measure(&[Probe::Wall { wall: 0 }, Probe::Spheres { region: None }]);
+    assert_eq!(format!("{values:?}"), format!("{own:?}"));
     let counts = whole.counts();
     assert!(counts.broken > 5, "{counts:?}");
     assert!(whole.energies().error().abs() < error, "{:?}", whole.energies());

@@ -14,6 +14,9 @@ pub(crate) struct Beginning {
     pub(crate) boundaries: Vec<bool>,
     /// Whether that of gravity does.
     pub(crate) gravity: bool,
+    /// Times from which walls move, and whether each insertion begins then.
+    pub(crate) walls: Vec<f64>,
+    pub(crate) insertions: Vec<bool>,
 }
 
 impl Beginning {
@@ -31,6 +34,11 @@ impl Beginning {
         }
         if self.gravity {
             from(&mut model.gravity_schedule);
+        }
+        if let Some(grains) = &mut model.grains {
+            grains.walls.iter_mut().zip(&self.walls).for_each(|(wall, &from)| wall.from = from);
+            let insertions = grains.insertions.iter_mut().zip(&self.insertions);
+            insertions.filter(|(_, begins)| **begins).for_each(|(insertion, _)| insertion.from += start);
         }
     }
 }

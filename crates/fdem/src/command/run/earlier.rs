@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use fdem_io::numbers::{brief, grouped};
+use fdem_simulation::grains::{Insertion, Wall};
 use fdem_simulation::{Boundary, Change, Model, State};
 
 use crate::command::failure::{Failure, display_name};
@@ -103,7 +104,19 @@ where
                     && other.schedule == boundary.schedule
             })
         };
+        let grains = |of: &Model<D, N>| of.grains.clone().unwrap_or_default();
+        let (of_model, earlier) = (grains(model), grains(before));
+        let from = |wall: &Wall| {
+            let same = earlier.walls.iter().find(|other| Wall { from: 0.0, ..(*other).clone() } == *wall);
+            same.map_or(self.time(), |same| same.from)
+        };
+        // An insertion that began with an earlier run counts from then.
+        let is_known = |of: &Insertion| {
+            earlier.insertions.iter().any(|other| Insertion { from: of.from, ..other.clone() } == *of)
+        };
         Ok(Beginning {
+            walls: of_model.walls.iter().map(from).collect(),
+            insertions: of_model.insertions.iter().map(|of| !is_known(of)).collect(),
             step: self.state.step(),
             time_step: self.time_step,
             boundaries: model.boundaries.iter().map(|boundary| !same(boundary)).collect(),
@@ -111,14 +124,10 @@ where
         })
     }
 
-    /// The model and the state with which a run begins, and the parts that it takes over, in words.
-    /// `prepared`: the parts that are present at its beginning.
-    pub(crate) fn taken_over(
-        self,
-        prepared: &Prepared<D, N>,
-        threads: usize,
-    ) -> Result<(Model<D, N>, State<D, N>, Vec<String>), String> {
-        let (model, before) = (&prepared.model, &self.present.model);
+    /// Refuses a model whose dimensions, joints, masses or strengths do not continue those of the earlier
+    /// run.
+    fn check_laws(&self, model: &Model<D, N>) -> Result<(), String> {
+        let before = &self.present.model;
         for (what, same) in [
             ("plane or thickness", model.plane == before.plane && model.thickness == before.thickness),
             ("[fracture] insertion", model.fracture.insertion == before.fracture.insertion),
@@ -147,6 +156,18 @@ where
                 lost.name, self.place
             ));
         }
+        Ok(())
+    }
+
+    /// The model and the state with which a run begins, and the parts that it takes over, in words.
+    /// `prepared`: the parts that are present at its beginning.
+    pub(crate) fn taken_over(
+        self,
+        prepared: &Prepared<D, N>,
+        threads: usize,
+    ) -> Result<(Model<D, N>, State<D, N>, Vec<String>), String> {
+        let (model, before) = (&prepared.model, &self.present.model);
+        self.check_laws(model)?;
         let mut elements = vec![None; model.mesh.elements.len()];
         let mut told = Vec::new();
         let mut kept = Vec::new();
@@ -180,8 +201,14 @@ where
             }
             kept.push(body.name.as_str());
         }
-        if kept.is_empty() {
-            return Err(format!("none of its bodies is in {}", self.place));
+        let takes_spheres = model.grains.is_some() && before.grains.is_some();
+        if kept.is_empty() && !takes_spheres {
+            let what = if model.grains.is_some() {
+                "none of its bodies, and no spheres, are"
+            } else {
+                "none of its bodies is"
+            };
+            return Err(format!("{what} in {}", self.place));
         }
         let taken = elements.iter().flatten();
         if taken.clone().zip(taken.skip(1)).any(|(one, next)| one >= next) {
@@ -197,20 +224,47 @@ where
                 self.place
             ));
         }
+        let mut parts = Vec::new();
+        if !kept.is_empty() {
+            let count = elements.iter().flatten().count() as u64;
+            parts.push(format!("{} elements of {}", grouped(count), list(&kept)));
+        }
+        if takes_spheres {
+            parts.push(format!("{} spheres", grouped(self.state.spheres() as u64)));
+            told.extend(changed_walls(model, before));
+        }
         told.insert(
             0,
             format!(
-                "begins with {} at {} s: the state of {} elements of {}",
+                "begins with {} at {} s: the state of {}",
                 self.place,
                 brief(self.time()),
-                grouped(elements.iter().flatten().count() as u64),
-                list(&kept)
+                parts.join(" and ")
             ),
         );
         let change = Change { model: model.clone(), elements, release: None };
         let changed = self.state.changed(before, change, threads).map_err(|error| error.to_string())?;
         Ok((changed.0, changed.1, told))
     }
+}
+
+/// Walls that differ between two models, in words.
+fn changed_walls<const D: usize, const N: usize>(model: &Model<D, N>, before: &Model<D, N>) -> Vec<String> {
+    let walls = |of: &Model<D, N>| of.grains.clone().unwrap_or_default().walls;
+    let (now, earlier) = (walls(model), walls(before));
+    let mut told = Vec::new();
+    for wall in &now {
+        match earlier.iter().find(|other| other.name == wall.name) {
+            None => told.push(format!("the wall \"{}\" is new", wall.name)),
+            Some(other) if other != wall => {
+                told.push(format!("the wall \"{}\" has changed, and moves from now on", wall.name));
+            }
+            Some(_) => {}
+        }
+    }
+    let gone = earlier.iter().filter(|other| !now.iter().any(|wall| wall.name == other.name));
+    told.extend(gone.map(|wall| format!("the wall \"{}\" is gone", wall.name)));
+    told
 }
 
 fn names(sets: &[fdem_simulation::JointSet]) -> Vec<&str> {

@@ -36,6 +36,7 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
     fn released_bodies(&self) -> Vec<u32>;
     fn counts(&self) -> Counts;
     fn penetrated(&self) -> Option<[u32; 2]>;
+    fn deepest_overlap(&self) -> Option<(f64, u32)>;
     fn energies(&self) -> Energies;
     fn imbalance(&self) -> f64;
     fn force(&self, boundary: usize) -> Option<[f64; D]>;
@@ -99,6 +100,10 @@ macro_rules! of_the_same_name {
             self.penetrated()
         }
 
+        fn deepest_overlap(&self) -> Option<(f64, u32)> {
+            self.deepest_overlap()
+        }
+
         fn energies(&self) -> Energies {
             self.energies()
         }
@@ -157,7 +162,7 @@ where
     }
 
     fn replace(&mut self, with: Self) -> Result<(), String> {
-        *self = with;
+        self.replace(with);
         Ok(())
     }
 

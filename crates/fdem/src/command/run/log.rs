@@ -187,6 +187,7 @@ where
         "spheres": counts.spheres,
         "sphere_contacts": counts.sphere_contacts,
         "waiting_spheres": counts.waiting_spheres,
+        "deepest_overlap": run.deepest_overlap().map(|(share, _)| share),
         "steps": run.steps(),
         "time_step": run.time_step(),
         "time": run.time(),

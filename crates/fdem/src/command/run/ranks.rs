@@ -38,12 +38,12 @@ impl<'c> RunRanks<'c> {
         Ok(Some(Self { ranks, threads, followed: false }))
     }
 
-    /// Refuses more ranks than a model has elements, and several ranks for spheres.
+    /// Refuses more ranks than a model has elements, and several ranks for spheres alone.
     pub(super) fn check<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> Result<(), String> {
         let elements = model.mesh.elements.len();
         match self.ranks.map(Communicator::size) {
-            Some(ranks) if ranks > 1 && model.grains.is_some() => Err(ModelError::GrainsOnRanks.to_string()),
-            _ if model.grains.is_some() => Ok(()),
+            Some(ranks) if ranks > 1 && elements == 0 => Err(ModelError::GrainsOnRanks.to_string()),
+            _ if elements == 0 => Ok(()),
             Some(ranks) if ranks > elements => Err(ModelError::Ranks { ranks, elements }.to_string()),
             _ => Ok(()),
         }
@@ -58,8 +58,8 @@ impl<'c> RunRanks<'c> {
         [[f64; D]; N]: Results<D, N>,
     {
         self.followed = true;
-        // One rank has all spheres, as one process.
-        let ranks = self.ranks.filter(|_| run.model().grains.is_none());
+        // Spheres alone have nothing to divide.
+        let ranks = self.ranks.filter(|_| !run.model().mesh.elements.is_empty());
         let Some(ranks) = ranks else { return Ok(Box::new(run)) };
         let leader = Leader::new(ranks, run, self.threads).map_err(|error| error.to_string())?;
         Ok(Box::new(leader))

@@ -30,7 +30,7 @@ where
         .iter()
         .zip(account.parts)
         // Parts that the model does not have take no time: messages of one process, spheres, joints.
-        .filter(|(_, seconds)| *seconds > 0.0)
+        .filter(|(_, seconds)| *seconds >= SHOWN * busy)
         .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
         .collect();
     let cracks: Vec<String> = ["tension", "shear", "both"]
@@ -67,10 +67,11 @@ where
     }
     if counts.spheres > 0 {
         let [spheres, contacts] = [counts.spheres, counts.sphere_contacts].map(|count| count as u64);
-        facts.insert(
-            1,
-            ("spheres", format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"))),
-        );
+        let deepest = run.deepest_overlap().map(|(share, sphere)| {
+            format!("; the deepest overlap was {} % of a radius, of sphere {sphere}", brief(100.0 * share))
+        });
+        let numbers = format!("{}, {}", counted(spheres, "sphere"), counted(contacts, "contact"));
+        facts.insert(1, ("spheres", numbers + &deepest.unwrap_or_default()));
     }
     if counts.waiting_spheres > 0 {
         let waiting = counted(counts.waiting_spheres as u64, "sphere");
@@ -87,7 +88,10 @@ where
             "balance",
             format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
         ),
-        (
+    ]);
+    // Spheres find their contacts by themselves.
+    if elements > 0 {
+        facts.push((
             "detection",
             format!(
                 "{}, {} contacts at the end",
@@ -97,7 +101,9 @@ where
                 },
                 grouped(counts.contacts as u64)
             ),
-        ),
+        ));
+    }
+    facts.extend([
         (
             "run time",
             format!(
@@ -120,6 +126,9 @@ where
     facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
     facts
 }
+
+/// Share of the time of a run below which a part is not shown.
+const SHOWN: f64 = 0.005;
 
 /// Share of the largest energy below which another is rounding.
 const ROUNDING: f64 = 1e-12;

@@ -243,7 +243,7 @@ impl CoarseFields {
         kernel: &Kernel,
         mut add: impl FnMut(&mut Self, usize, [f64; 3]),
     ) {
-        for shift in kernel.images() {
+        for &shift in &kernel.images {
             self.near_one(ends, shift, kernel, &mut add);
         }
     }
@@ -309,8 +309,20 @@ struct Kernel {
     /// Its value at 0 over the thickness of discs, 1/m³.
     top: f64,
     thickness: Option<f64>,
-    /// Lengths of a periodic box, m, infinite along axes that do not repeat.
-    period: [f64; 3],
+    /// The distances of a sphere from itself and its images that may reach into the box, m.
+    images: Vec<[f64; 3]>,
+}
+
+/// The distances of a sphere from itself and its images in a periodic box that may reach into the box, m.
+/// `period`: lengths of the box, m, infinite along axes that do not repeat.
+fn images(reach: f64, period: [f64; 3]) -> Vec<[f64; 3]> {
+    let along = |axis: usize| {
+        let most = (2.0 * reach / period[axis]).ceil() as i32;
+        let step = move |number: i32| if number == 0 { 0.0 } else { f64::from(number) * period[axis] };
+        (-most..=most).map(step)
+    };
+    let in_plane = |z: f64| along(1).flat_map(move |y| along(0).map(move |x| [x, y, z]));
+    along(2).flat_map(in_plane).collect()
 }
 
 impl Kernel {
@@ -320,24 +332,8 @@ impl Kernel {
             Some(thickness) => (2, 5.0 / (pi * reach * reach * thickness)),
             None => (3, 105.0 / (16.0 * pi * reach * reach * reach)),
         };
-        let period = period.map_or([f64::INFINITY; 3], |[_, lengths]| lengths);
-        Self { axes, reach, top, thickness: discs, period }
-    }
-
-    /// The distances of a sphere from itself and its images that may reach into the box, m.
-    fn images(&self) -> impl Iterator<Item = [f64; 3]> + use<> {
-        let period = self.period;
-        let most: [i32; 3] = each(|axis| (2.0 * self.reach / period[axis]).ceil() as i32);
-        let along = |axis: usize| (-most[axis]..=most[axis]).collect::<Vec<i32>>();
-        let [x, y, z] = [along(0), along(1), along(2)];
-        let step =
-            move |axis: usize, number: i32| if number == 0 { 0.0 } else { f64::from(number) * period[axis] };
-        x.into_iter().flat_map(move |i| {
-            let z = z.clone();
-            y.clone()
-                .into_iter()
-                .flat_map(move |j| z.clone().into_iter().map(move |k| [step(0, i), step(1, j), step(2, k)]))
-        })
+        let images = images(reach, period.map_or([f64::INFINITY; 3], |[_, lengths]| lengths));
+        Self { axes, reach, top, thickness: discs, images }
     }
 
     /// Value at a distance, 1/m³.

@@ -446,16 +446,9 @@ fn lines(spheres: &SphereColumns, kept: &[u32], chains: &[&GrainContact]) -> (Ve
 pub(super) fn end_of(spheres: &SphereColumns, contact: &GrainContact) -> [f64; 3] {
     let GrainPartner::Sphere(other) = contact.other else { return contact.place };
     let (from, to) = (spheres.positions[contact.sphere as usize], spheres.positions[other as usize]);
-    let Some([_, lengths]) = spheres.period else { return to };
-    each(|axis| {
-        let along = to[axis] - from[axis];
-        let periods = (along / lengths[axis]).round();
-        if lengths[axis].is_finite() && periods != 0.0 {
-            to[axis] - periods * lengths[axis]
-        } else {
-            to[axis]
-        }
-    })
+    let apart = each(|axis| to[axis] - from[axis]);
+    let nearest = spheres.shortest(apart);
+    each(|axis| if nearest[axis] == apart[axis] { to[axis] } else { from[axis] + nearest[axis] })
 }
 
 fn of<T: Copy>(kept: &[u32], all: &[T]) -> Vec<T> {
