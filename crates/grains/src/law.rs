@@ -90,15 +90,7 @@ impl PairLaw {
         young: 1.0,
         shear: 1.0,
         damping: 0.0,
-        surfaces: Surfaces {
-            materials: [0; 2],
-            restitution: 1.0,
-            friction: 0.0,
-            rolling_friction: 0.0,
-            rolling_damping: 0.0,
-            twisting_friction: 0.0,
-            adhesion: 0.0,
-        },
+        surfaces: Surfaces::smooth([0; 2]),
     };
 
     pub(crate) fn new(law: ForceLaw, materials: [&GrainMaterial; 2], surfaces: &Surfaces) -> Self {

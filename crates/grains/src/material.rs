@@ -36,7 +36,7 @@ pub struct Surfaces {
 
 impl Surfaces {
     /// Surfaces of two materials without friction, damping and adhesion.
-    pub fn smooth(materials: [u32; 2]) -> Self {
+    pub const fn smooth(materials: [u32; 2]) -> Self {
         Self {
             materials,
             restitution: 1.0,

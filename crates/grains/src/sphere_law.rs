@@ -39,7 +39,7 @@ pub struct SpherePairs {
 /// it cannot.
 pub type SphereLaw = Box<dyn FnMut(&mut SpherePairs) -> Result<(), String> + Send + Sync>;
 
-/// How a law of the caller acts.
+/// The reach of a law of the caller, its memory, and whether it replaces the law of the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SphereLawOptions {
     /// Gap up to which the law gets couples, m; 0 for those that touch.

@@ -1,4 +1,4 @@
-//! How deep contacts are.
+//! The depth of contacts.
 
 use serde::{Deserialize, Serialize};
 
