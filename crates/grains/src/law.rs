@@ -44,6 +44,10 @@ pub(crate) struct PairLaw {
     shear: f64,
     /// Damping over the root of a stiffness and the mass.
     pub(crate) damping: f64,
+    /// The same across the normal, over the root of the stiffness along it and the mass.
+    pub(crate) damping_across: f64,
+    /// 1 over the stiffness of Hooke's law across the normal, m/N; 0 for Hertz's, or if that has none.
+    pub(crate) softness_across: f64,
     pub(crate) surfaces: Surfaces,
 }
 
@@ -90,6 +94,8 @@ impl PairLaw {
         young: 1.0,
         shear: 1.0,
         damping: 0.0,
+        damping_across: 0.0,
+        softness_across: 0.0,
         surfaces: Surfaces::smooth([0; 2]),
     };
 
@@ -97,12 +103,22 @@ impl PairLaw {
         // Hertz's stiffness changes during an impact (Tsuji 1992).
         let share = if matches!(law, ForceLaw::HertzMindlin) { 5.0_f64 / 6.0 } else { 1.0 };
         let sum = |of: fn(&GrainMaterial) -> f64| materials.into_iter().map(of).sum::<f64>();
+        let young = 1.0 / sum(|of| (1.0 - of.poissons_ratio.powi(2)) / of.youngs_modulus);
+        let shear =
+            1.0 / sum(|of| 2.0 * (2.0 - of.poissons_ratio) * (1.0 + of.poissons_ratio) / of.youngs_modulus);
+        let damping = 2.0 * damping_ratio(surfaces.restitution) * share.sqrt();
+        // Both stiffnesses of Hertz's law are in proportion to the radius of the contact.
+        let (across, stiffness) = match law {
+            ForceLaw::HertzMindlin => (4.0 * shear / young, 0.0),
+            ForceLaw::Hooke { normal, tangential } => (tangential, normal * tangential),
+        };
         Self {
             law,
-            young: 1.0 / sum(|of| (1.0 - of.poissons_ratio.powi(2)) / of.youngs_modulus),
-            shear: 1.0
-                / sum(|of| 2.0 * (2.0 - of.poissons_ratio) * (1.0 + of.poissons_ratio) / of.youngs_modulus),
-            damping: 2.0 * damping_ratio(surfaces.restitution) * share.sqrt(),
+            young,
+            shear,
+            damping,
+            damping_across: damping * across.sqrt(),
+            softness_across: if stiffness > 0.0 { 1.0 / stiffness } else { 0.0 },
             surfaces: *surfaces,
         }
     }

@@ -4,7 +4,8 @@
 //!
 //! 1. Spheres that come in, and couples of spheres that may touch, when any has moved far enough
 //!    ([`lists`]). The spheres are then arranged in memory along a curve through space.
-//! 2. Forces of all couples that touch, each once, in batches ([`press`], [`batch`]), and those with walls
+//! 2. Couples that begin to touch become contacts ([`contacts`]), which lie side by side until they end.
+//!    Forces of all contacts, each once, in batches ([`press`], [`batch`]), and those with walls
 //!    ([`on_walls`]; of triangles: [`on_meshes`]) and bodies ([`on_surface`], [`on_facet`]). Then servos move
 //!    walls and the box ([`box_servo`]).
 //! 3. Motion: each sphere adds up the forces of its contacts in the order of the numbers of the other
@@ -20,12 +21,12 @@ pub(crate) mod by_program;
 pub(crate) mod cell;
 mod changes;
 pub(crate) mod clumps;
+pub(crate) mod contacts;
 pub(crate) mod depth;
 pub(crate) mod energies;
 pub(crate) mod laws;
 pub(crate) mod level;
 pub(crate) mod lists;
-pub(crate) mod marks;
 pub(crate) mod motion;
 pub(crate) mod on_facet;
 pub(crate) mod on_meshes;
@@ -121,7 +122,9 @@ pub struct GrainRun {
     /// The walls in the last step, meshes without their triangles, and how servos move them in the next one.
     walls: Vec<Wall>,
     servos: Vec<ServoMotion>,
+    /// Contacts with walls and bodies, and the place of the sphere and the index of each, ascending.
     outer: Vec<Outer>,
+    outer_order: Vec<(u32, u32)>,
     gone: Gone,
     deepest: Depth,
     next: u32,
@@ -189,6 +192,7 @@ impl GrainRun {
             walls: placed(&model.walls, &servos, 0.0).collect(),
             servos,
             outer: Vec::new(),
+            outer_order: Vec::new(),
             gone: Gone::default(),
             deepest: Depth::default(),
             next: count,
@@ -341,7 +345,7 @@ impl GrainRun {
     /// A pass over all contacts.
     pub fn box_pressure(&self) -> Option<[[f64; 3]; 2]> {
         let cell = self.cell.as_ref()?;
-        let work = virial(&self.balls, &self.lists, &self.between, cell).work;
+        let work = virial(&self.balls, &self.lists.contacts, &self.between, cell).work;
         let work = plus(work, self.by_program.virial());
         Some([cell.lengths, times(1.0 / cell.lengths.iter().product::<f64>(), work)])
     }
@@ -492,7 +496,7 @@ impl GrainRun {
     fn change_laws(&mut self) -> Result<(), GrainError> {
         let before = self.energies().elastic;
         if self.choose_laws() {
-            self.lists.relax();
+            self.lists.contacts.relax();
             self.gone.external += self.energies().elastic - before;
         }
         let remembered = self.lists.remember(&self.balls);
@@ -532,7 +536,7 @@ impl GrainRun {
         let cell = self.cell.as_ref();
         press(Pressing { balls: &self.balls, laws: &self.between, cell, simd, step }, &mut self.lists)?;
         if self.step.is_multiple_of(STABLE) {
-            stability::check(&self.balls, &self.lists, &self.between, step)?;
+            stability::check(&self.balls, &self.lists.contacts, &self.between, step)?;
         }
         self.outer.clear();
         self.by_program.press((&self.balls, &self.lists, cell), [time, step], &mut self.outer)?;
@@ -544,13 +548,16 @@ impl GrainRun {
         self.follow_box();
         let cell = self.cell.as_ref();
         // Those of one sphere stay in their order: by walls.
-        self.outer.sort_by_key(|outer| outer.place);
+        self.outer_order.clear();
+        self.outer_order.extend((0..).zip(&self.outer).map(|(index, outer)| (outer.place, index)));
+        self.outer_order.sort_unstable();
         let moving = Moving {
-            lists: &self.lists,
-            outer: &self.outer,
+            contacts: &self.lists.contacts,
+            outer: (&self.outer, &self.outer_order),
             cell,
             simd,
             stream: self.lists.stream,
+            deepest: self.deepest.share,
             gravity: self.model.gravity,
             step,
             number: self.step,
@@ -559,17 +566,13 @@ impl GrainRun {
         if !self.clumps.is_empty() {
             self.moved = self.moved.and(self.clumps.advance(&mut self.balls, moving)?);
         }
-        self.note_depths();
+        for depth in
+            [self.moved.deepest, self.on_walls.deepest, self.on_meshes.deepest(), self.on_bodies.deepest()]
+        {
+            self.deepest = self.deepest.or(depth);
+        }
         self.step += 1;
         Ok(())
-    }
-
-    /// Notes the deepest overlap of the step.
-    fn note_depths(&mut self) {
-        let ball = |place: u32| &self.balls.list[place as usize];
-        let on_walls = self.on_walls.touches.iter().map(|of| Depth::of(of.overlap, ball(of.outer.place)));
-        let on_facets = self.on_meshes.depths(&self.balls).chain(self.on_bodies.depths(&self.balls));
-        self.deepest = on_walls.chain(on_facets).fold(self.deepest.or(self.moved.deepest), Depth::or);
     }
 
     /// Computes the contacts with meshes and bodies, which are in their places.
@@ -614,7 +617,7 @@ impl GrainRun {
     fn follow_box(&mut self) {
         let Some(cell) = &mut self.cell else { return };
         let Some(servo) = cell.servo() else { return };
-        let virial = virial(&self.balls, &self.lists, &self.between, cell);
+        let virial = virial(&self.balls, &self.lists.contacts, &self.between, cell);
         let half = -0.5 * self.time_step;
         self.gone.external += cell.motion.later + half * dot(cell.rates(), virial.work);
         let volume = cell.lengths.iter().product();
@@ -658,7 +661,7 @@ impl GrainRun {
     pub fn energies(&self) -> GrainEnergies {
         energies(EnergyOf {
             balls: &self.balls,
-            lists: &self.lists,
+            contacts: &self.lists.contacts,
             laws: &self.laws,
             between: &self.between,
             on_walls: &self.on_walls,
@@ -679,7 +682,8 @@ impl GrainRun {
     /// walls of triangles, those with bodies. Spheres
     /// count in the order of their numbers.
     pub fn contacts(&self) -> Vec<GrainContact> {
-        let mut contacts = report::between(&self.balls, &self.lists, self.cell.as_ref(), self.time_step);
+        let mut contacts =
+            report::between(&self.balls, &self.lists.contacts, self.cell.as_ref(), self.time_step);
         self.by_program.add_to(&mut contacts, &report::numbers(&self.balls));
         contacts.extend(report::on_walls(&self.balls, &self.on_walls));
         let on_bodies = self.on_bodies.contacts.iter().map(|of| of.named(GrainPartner::Facet(of.facet)));
@@ -690,9 +694,10 @@ impl GrainRun {
     /// Number of the contacts in the last step.
     ///
     /// # Cost
-    /// A pass over all candidates on one thread.
+    /// A pass over all contacts on one thread.
     pub fn contact_count(&self) -> usize {
-        let of_spheres = self.lists.memories.iter().filter(|memory| memory.contact > 0.0).count();
+        let contacts = &self.lists.contacts;
+        let of_spheres = contacts.all().filter(|&contact| contacts.memories[contact].contact() > 0.0).count();
         of_spheres + self.on_walls.touches.len() + self.on_bodies.contacts.len()
     }
 

@@ -58,13 +58,13 @@ impl GrainModel {
             .map(|sphere| (self.spheres.radii[sphere], self.material_of(sphere)));
         let coming =
             self.insertions.iter().flat_map(|of| of.radii.iter().map(|&radius| (radius, of.material)));
+        let laws: Vec<Vec<PairLaw>> =
+            (0..self.materials.len() as u32).map(|of| self.rough_laws(of)).collect();
         let mut shortest = (f64::INFINITY, 0);
         for (number, (radius, material)) in (0..).zip(own.chain(coming)) {
-            let step = self.step_of(radius, material, [speed, fall]).min(self.stable_step(
-                radius,
-                material,
-                (fall, kept),
-            ));
+            let Some(laws) = laws.get(material as usize) else { continue };
+            let stable = self.stable_step(radius, material, laws, (fall, kept));
+            let step = self.step_of(radius, material, [speed, fall]).min(stable);
             if step < shortest.0 {
                 shortest = (step, number);
             }
@@ -93,13 +93,23 @@ impl GrainModel {
         (RAYLEIGH * wave).min(IMPACT * impact(speed)).min(FALL * impact(fall))
     }
 
+    /// The laws of a material with friction.
+    fn rough_laws(&self, material: u32) -> Vec<PairLaw> {
+        let pairs = self.surfaces.iter().filter(|of| of.materials.contains(&material) && of.friction > 0.0);
+        let laws = pairs.filter_map(|surfaces| {
+            let [a, b] = surfaces.materials.map(|number| self.materials.get(number as usize));
+            Some(PairLaw::new(self.law, [a?, b?], surfaces))
+        });
+        laws.collect()
+    }
+
     /// The longest stable step of a sphere of a radius, m, and a material, s, with [`CONTACTS`] spheres like
-    /// it around it. The pressure between them is that under a column of the spheres as high as a fall that
+    /// it around it, by the laws of its material. The pressure between them is that under a column of the spheres as high as a fall that
     /// ends at a speed, m/s, and the one that servos keep up, Pa.
     ///
     /// The fastest mode is the one in which all turn the same way: contacts slip by twice the radius, and two
     /// thirds of them lie across the axis.
-    fn stable_step(&self, radius: f64, material: u32, (fall, kept): (f64, f64)) -> f64 {
+    fn stable_step(&self, radius: f64, material: u32, laws: &[PairLaw], (fall, kept): (f64, f64)) -> f64 {
         let Some(of) = self.materials.get(material as usize) else { return f64::INFINITY };
         let pressure = 0.5 * of.density * fall * fall + kept;
         // Each of eight spheres in contact takes the pressure on two squares of the radius: twice the mean.
@@ -107,15 +117,12 @@ impl GrainModel {
         let mass = mass(radius, of.density, self.discs);
         let share = if self.discs.is_some() { 0.5 } else { 0.4 };
         let modes = 4.0 / 3.0 * CONTACTS / (share * mass);
-        let pairs = self.surfaces.iter().filter(|surfaces| surfaces.materials.contains(&material));
-        let steps = pairs.filter(|surfaces| surfaces.friction > 0.0).filter_map(|surfaces| {
-            let [a, b] = surfaces.materials.map(|number| self.materials.get(number as usize));
-            let law = PairLaw::new(self.law, [a?, b?], surfaces);
+        let steps = laws.iter().map(|law| {
             let contact = law.contact_under(force, 0.5 * radius);
             let history = ContactHistory { contact, ..ContactHistory::default() };
             let across = law.answer_across(&history, 0.5 * mass);
             let of = Response { stiffness: modes * across.stiffness, damping: modes * across.damping };
-            Some(of.longest_step())
+            of.longest_step()
         });
         steps.fold(f64::INFINITY, f64::min)
     }

@@ -177,13 +177,27 @@ impl Wall {
 
     /// The direction from a wall that is in its place to a point, of unit length, and the distance, m. A mesh
     /// is infinitely far away: its facets are searched.
-    #[inline]
     pub(crate) fn nearest(&self, point: Vector) -> (Vector, f64) {
+        self.nearest_along(point, self.along())
+    }
+
+    /// The direction of the axis of a tube or a cone, of unit length.
+    pub(crate) fn along(&self) -> Vector {
+        match &self.shape {
+            WallShape::Tube { axis: [from, to], .. } | WallShape::Cone { axis: [from, to], .. } => {
+                let along = minus(*to, *from);
+                times(1.0 / length(along), along)
+            }
+            _ => [0.0; 3],
+        }
+    }
+
+    /// The same as [`Wall::nearest`] for many points, with the direction of the axis.
+    #[inline]
+    pub(crate) fn nearest_along(&self, point: Vector, along: Vector) -> (Vector, f64) {
         match &self.shape {
             WallShape::Plane { point: on, normal } => (*normal, dot(minus(point, *on), *normal)),
-            WallShape::Tube { axis: [from, to], radius } => {
-                let along = minus(*to, *from);
-                let along = times(1.0 / length(along), along);
+            WallShape::Tube { axis: [from, _], radius } => {
                 let out = across(minus(point, *from), along);
                 let size = length(out);
                 // On the axis every direction is as good.

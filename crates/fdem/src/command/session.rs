@@ -27,7 +27,7 @@ use crate::state_hash::state_hash;
 use fdem_model::{AnyPrepared, Drawing, Entered, Load, Prepared, Reached, prepare_any};
 
 /// First line of a file of a run. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem session 4\n";
+const MAGIC: &[u8] = b"fdem session 5\n";
 
 /// The text of a model, and the files that it names in their order.
 #[derive(Clone, Debug, Serialize, Deserialize)]

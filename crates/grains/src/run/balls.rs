@@ -25,14 +25,17 @@ pub(crate) struct Ball {
     pub(crate) number: u32,
 }
 
-/// The motion of a sphere, and its sums over the run.
+/// The motion of a sphere, and its sums over the run. In rows of four numbers, each of which moves as one
+/// vector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(C, align(32))]
 pub(crate) struct Drive {
-    /// Velocity, m/s, and angular velocity, rad/s, half a step before the position.
+    /// Velocity, m/s, half a step before the position.
     pub(crate) velocity: Vector,
-    pub(crate) spin: Vector,
     /// Energy that its contacts with walls, bodies and spheres of higher numbers have dissipated, J.
     pub(crate) dissipated: f64,
+    /// Angular velocity, rad/s, half a step before the position.
+    pub(crate) spin: Vector,
     /// Work from outside on it, J.
     pub(crate) external: f64,
 }
@@ -208,13 +211,6 @@ impl Balls {
         let positions: Vec<Vector> = self.list.iter().map(|ball| ball.position).collect();
         let order: Vec<usize> = along_curve(&positions).into_iter().map(|place| place as usize).collect();
         self.arrange(&order);
-    }
-
-    /// The sphere with a number.
-    pub(crate) fn numbered(&self, number: u32) -> Option<&Ball> {
-        let place =
-            self.places.binary_search_by_key(&number, |&place| self.list[place as usize].number).ok()?;
-        Some(&self.list[self.places[place] as usize])
     }
 
     /// Mean velocity, m/s.

@@ -12,8 +12,8 @@ use crate::law::PairLaw;
 use crate::material::ForceLaw;
 use crate::run::balls::Ball;
 use crate::run::cell::Repeats;
+use crate::run::contacts::{Couple, Memory, Rolling};
 use crate::run::level::Level;
-use crate::run::lists::{Memory, Rolling};
 use crate::vector::{Vector, across, cross, dot, minus, plus, times};
 
 /// Contacts in a batch.
@@ -26,15 +26,15 @@ type Vectors = [Lane; 3];
 /// Three numbers of a vector and another one, of four contacts.
 type Rows = [[f64; 4]; 4];
 
-/// The couples of a batch. Lanes that are not in use compute the first one, too. Results of these lanes and
-/// of couples that do not touch are thrown away.
+/// The contacts of a batch. Lanes that are not in use compute the first one, too. Results of these lanes and
+/// of contacts that end are thrown away.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Batch {
     /// Number of lanes in use.
     pub(crate) count: usize,
-    /// Where each contact belongs.
-    pub(crate) slots: [u32; LANES],
+    /// The contacts, by their places in the chunk.
+    pub(crate) contacts: [u32; LANES],
     /// Places of the first and the second sphere of each contact.
     places: [[u32; LANES]; 2],
     balls: [Columns; 2],
@@ -43,6 +43,20 @@ pub(crate) struct Batch {
     square: Lane,
     /// Velocity of the first over that of the second, m/s.
     velocity: Vectors,
+    /// From the second sphere to the first, of unit length.
+    normal: Vectors,
+    /// Velocity across the normal at the contact, m/s.
+    slip: Vectors,
+    /// Mean angle about the normal by which the spheres turn in the step, rad.
+    twist: Lane,
+    /// Root of the product of stiffness along the normal and reduced mass, N s/m.
+    root: Lane,
+    /// Force along the normal, N.
+    along: Lane,
+    /// Elastic force across the normal before friction, N.
+    elastic: Vectors,
+    /// Radius of the contact, m.
+    radius_now: Lane,
     /// Memory of the contact, as in [`ContactHistory`](crate::ContactHistory).
     tangential: Vectors,
     contact: Lane,
@@ -86,13 +100,23 @@ pub(crate) struct Common<'a> {
 }
 
 impl Batch {
-    /// Takes a contact into the next lane: the place of its memory, and those of its spheres.
+    /// Takes a contact into the next lane: its place in the chunk, and those of its spheres.
     #[inline(always)]
-    pub(crate) fn take(&mut self, slot: u32, places: [u32; 2]) {
+    pub(crate) fn take(&mut self, contact: u32, places: [u32; 2]) {
         let lane = self.count;
-        self.slots[lane] = slot;
+        self.contacts[lane] = contact;
         (self.places[0][lane], self.places[1][lane]) = (places[0], places[1]);
         self.count += 1;
+    }
+
+    /// Takes contacts that lie side by side into the lanes. `begin`: the place of the first one in the chunk.
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, begin: usize, couples: &[Couple]) {
+        for (lane, couple) in couples.iter().enumerate().take(LANES) {
+            self.contacts[lane] = (begin + lane) as u32;
+            (self.places[0][lane], self.places[1][lane]) = (couple.places[0], couple.places[1]);
+        }
+        self.count = couples.len();
     }
 
     /// Computes the forces of all contacts after a step, and continues their histories.
@@ -104,7 +128,7 @@ impl Batch {
         rolling: &[Rolling],
     ) {
         for lane in self.count..LANES {
-            self.slots[lane] = self.slots[0];
+            self.contacts[lane] = self.contacts[0];
             (self.places[0][lane], self.places[1][lane]) = (self.places[0][0], self.places[1][0]);
         }
         for side in 0..2 {
@@ -116,12 +140,11 @@ impl Batch {
             columns::<L>(of_velocity, &mut to.velocity, &mut to.mass);
             columns::<L>(balls.map(|ball| row(ball.spin, 0.0)), &mut to.spin, &mut [0.0; LANES]);
         }
-        let memory = self.slots.map(|slot| &memories[slot as usize]);
-        let of_memory = memory.map(|memory| row(memory.tangential, memory.contact));
+        let of_memory = self.contacts.map(|contact| memories[contact as usize].0);
         columns::<L>(of_memory, &mut self.tangential, &mut self.contact);
         if of.law.rolls() {
             for lane in 0..LANES {
-                let rolling = &rolling[self.slots[lane] as usize];
+                let rolling = &rolling[self.contacts[lane] as usize];
                 put(&mut self.rolling, lane, rolling.spring);
                 self.twisting[lane] = rolling.twisting;
             }
@@ -162,17 +185,15 @@ impl Batch {
         )
     }
 
-    /// Gaps between the spheres of four lanes from one on, m; negative where they touch.
+    /// Whether the spheres of four lanes from one on touch.
     #[inline(always)]
-    pub(crate) fn gaps<const FIRST: usize>(&self) -> [f64; 4] {
-        let mut gaps = [0.0; 4];
+    pub(crate) fn touch<const FIRST: usize>(&self) -> [bool; 4] {
+        let mut touch = [false; 4];
         for k in 0..4 {
-            let [one, two] = [&self.balls[0], &self.balls[1]].map(|balls| balls.radius[FIRST + k]);
-            let (square, sum) = (self.square[FIRST + k], one + two);
-            let gap = larger(square.sqrt() - sum, 0.0);
-            gaps[k] = if square < sum * sum { -1.0 } else { gap };
+            let sum = self.balls[0].radius[FIRST + k] + self.balls[1].radius[FIRST + k];
+            touch[k] = self.square[FIRST + k] < sum * sum;
         }
-        gaps
+        touch
     }
 
     /// Reduced radius of the spheres of a lane, m.
@@ -280,132 +301,168 @@ fn by_law(law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
     }
 }
 
+/// Goes through the lanes several times, with a part of the law each time. Its roots and quotients wait for
+/// each other; the processor computes the lanes side by side only if few operations lie between those of one
+/// lane and those of the next.
 #[inline(always)]
 fn all<const HERTZ: bool, const SLIPS: bool, const ROLLS: bool>(
     law: &PairLaw,
     batch: &mut Batch,
-    numbers: (f64, f64),
+    (step, share): (f64, f64),
 ) {
     for lane in 0..LANES {
-        one::<HERTZ, SLIPS, ROLLS>(law, batch, lane, numbers);
+        measure::<HERTZ>(law, batch, lane);
     }
+    for lane in 0..LANES {
+        press_together::<HERTZ>(law, batch, lane, step);
+    }
+    if SLIPS {
+        for lane in 0..LANES {
+            turn::<HERTZ>(law, batch, lane, step);
+        }
+        for lane in 0..LANES {
+            slip::<HERTZ>(law, batch, lane, step);
+        }
+    }
+    if ROLLS {
+        for lane in 0..LANES {
+            roll::<HERTZ>(law, batch, lane, (step, share));
+        }
+    }
+    batch.contact = batch.radius_now;
+}
+
+/// The size of a contact.
+#[inline(always)]
+fn measure<const HERTZ: bool>(law: &PairLaw, batch: &mut Batch, lane: usize) {
+    let distance = batch.square[lane].sqrt();
+    let [one, two] = [batch.balls[0].radius[lane], batch.balls[1].radius[lane]];
+    let [first, second] = [batch.balls[0].mass[lane], batch.balls[1].mass[lane]];
+    let overlap = one + two - distance;
+    let (radius, mass) = (one * two / (one + two), first * second / (first + second));
+    let contact = (radius * overlap).sqrt();
+    let normal = times(1.0 / distance, at(&batch.apart, lane));
+    put(&mut batch.normal, lane, normal);
+    batch.root[lane] = (normal_stiffness::<HERTZ>(law, contact) * mass).sqrt();
+    batch.overlap[lane] = overlap;
+    batch.radius_now[lane] = contact;
+}
+
+/// Stiffness along the normal, N/m, at a radius of the contact, m.
+#[inline(always)]
+fn normal_stiffness<const HERTZ: bool>(law: &PairLaw, contact: f64) -> f64 {
+    if HERTZ { 2.0 * law.young * contact } else { law.normal() }
+}
+
+/// The velocity at a contact and the force along its normal.
+#[inline(always)]
+fn press_together<const HERTZ: bool>(law: &PairLaw, batch: &mut Batch, lane: usize, step: f64) {
+    let (normal, overlap) = (at(&batch.normal, lane), batch.overlap[lane]);
+    let [near, far] = [0, 1].map(|side: usize| batch.balls[side].radius[lane] - 0.5 * overlap);
+    let [spin, other] = [at(&batch.balls[0].spin, lane), at(&batch.balls[1].spin, lane)];
+    let arms = plus(times(near, spin), times(far, other));
+    let velocity = plus(at(&batch.velocity, lane), cross(normal, arms));
+    let approach = -dot(velocity, normal);
+    let elastic =
+        if HERTZ { 4.0 / 3.0 * law.young * batch.radius_now[lane] * overlap } else { law.normal() * overlap };
+    let along = larger(elastic + law.damping * batch.root[lane] * approach, 0.0);
+    put(&mut batch.slip, lane, plus(velocity, times(approach, normal)));
+    batch.twist[lane] = 0.5 * step * (dot(spin, normal) + dot(other, normal));
+    batch.along[lane] = along;
+    batch.dissipated[lane] = (along - elastic) * approach * step;
+    put(&mut batch.force, lane, times(along, normal));
+    put(&mut batch.torque, lane, [0.0; 3]);
+}
+
+/// The elastic force across the normal, after the contact has turned and slipped. That of before remains in
+/// the memory.
+#[inline(always)]
+fn turn<const HERTZ: bool>(law: &PairLaw, batch: &mut Batch, lane: usize, step: f64) {
+    let turned = turned(at(&batch.tangential, lane), at(&batch.normal, lane), batch.twist[lane]);
+    let [contact, before] = [batch.radius_now[lane], batch.contact[lane]];
+    let kept = if HERTZ { smaller(contact / larger(before, f64::MIN_POSITIVE), 1.0) } else { 1.0 };
+    let slip = times(law.tangential_stiffness(contact) * step, at(&batch.slip, lane));
+    put(&mut batch.elastic, lane, minus(times(kept, turned), slip));
+}
+
+/// The force across the normal, N, its part that stays, and the energy that is dissipated, J.
+#[inline(always)]
+fn slip<const HERTZ: bool>(law: &PairLaw, batch: &mut Batch, lane: usize, step: f64) {
+    let (elastic, slip) = (at(&batch.elastic, lane), at(&batch.slip, lane));
+    let force = minus(elastic, times(law.damping_across * batch.root[lane], slip));
+    let size = dot(force, force).sqrt();
+    let most = law.surfaces.friction * batch.along[lane];
+    let slides = size > most;
+    let scale = if slides { most / size } else { 1.0 };
+    let force = times(scale, force);
+    let stays = either(slides, force, elastic);
+    let history = at(&batch.tangential, lane);
+    let stored = |spring: Vector, contact: f64| {
+        // The stiffness of Hooke's law is one for all.
+        let stiffness =
+            if HERTZ { larger(law.tangential_stiffness(contact), f64::MIN_POSITIVE) } else { 1.0 };
+        0.5 * dot(spring, spring) / stiffness
+    };
+    let [now, before] = [stored(stays, batch.radius_now[lane]), stored(history, batch.contact[lane])];
+    let gained = if HERTZ { now - before } else { (now - before) * law.softness_across };
+    batch.dissipated[lane] += -step * dot(force, slip) - gained;
+    put(&mut batch.tangential, lane, stays);
+    let all = plus(at(&batch.force, lane), force);
+    put(&mut batch.force, lane, all);
+    let torque = cross(force, at(&batch.normal, lane));
+    put(&mut batch.torque, lane, torque);
+}
+
+/// The moments against rolling and twisting.
+#[inline(always)]
+fn roll<const HERTZ: bool>(law: &PairLaw, batch: &mut Batch, lane: usize, (step, share): (f64, f64)) {
+    let [one, two] = [batch.balls[0].radius[lane], batch.balls[1].radius[lane]];
+    let [first, second] = [batch.balls[0].mass[lane], batch.balls[1].mass[lane]];
+    let [inert, inertial] = [first * one * one, second * two * two];
+    let inertia = (share + 1.0) * (inert * inertial / (inert + inertial));
+    let rate = minus(at(&batch.balls[0].spin, lane), at(&batch.balls[1].spin, lane));
+    let before = (at(&batch.rolling, lane), batch.twisting[lane]);
+    let contact = batch.radius_now[lane];
+    let of = Pressed {
+        normal: at(&batch.normal, lane),
+        radius: one * two / (one + two),
+        along: batch.along[lane],
+        stiffness: normal_stiffness::<HERTZ>(law, contact),
+        before: normal_stiffness::<HERTZ>(law, batch.contact[lane]),
+    };
+    let (moment, history, lost) = turning(law, &of, before, (rate, batch.twist[lane], inertia), step);
+    put(&mut batch.rolling, lane, history.0);
+    batch.twisting[lane] = history.1;
+    put(&mut batch.moment, lane, moment);
+    batch.dissipated[lane] += lost;
 }
 
 /// Lengths of a contact, m, and its force along the normal.
 struct Pressed {
     normal: Vector,
-    /// Reduced radius, m, and mass, kg.
+    /// Reduced radius, m.
     radius: f64,
-    mass: f64,
-    /// N, and the stiffness along the normal, N/m.
+    /// N, and the stiffness along the normal now and before, N/m.
     along: f64,
     stiffness: f64,
-    /// Radius of the contact now and before, m.
-    contact: [f64; 2],
-}
-
-#[inline(always)]
-fn one<const HERTZ: bool, const SLIPS: bool, const ROLLS: bool>(
-    law: &PairLaw,
-    batch: &mut Batch,
-    lane: usize,
-    (step, share): (f64, f64),
-) {
-    let distance = batch.square[lane].sqrt();
-    let normal = times(1.0 / distance, at(&batch.apart, lane));
-    let [one, two] = [batch.balls[0].radius[lane], batch.balls[1].radius[lane]];
-    let [first, second] = [batch.balls[0].mass[lane], batch.balls[1].mass[lane]];
-    let overlap = one + two - distance;
-    let [near, far] = [one - 0.5 * overlap, two - 0.5 * overlap];
-    let [spin, other] = [at(&batch.balls[0].spin, lane), at(&batch.balls[1].spin, lane)];
-    let arms = plus(times(near, spin), times(far, other));
-    let velocity = plus(at(&batch.velocity, lane), cross(normal, arms));
-    let approach = -dot(velocity, normal);
-    let (radius, mass) = (one * two / (one + two), first * second / (first + second));
-    let contact = (radius * overlap).sqrt();
-    let (elastic, stiffness) = if HERTZ {
-        (4.0 / 3.0 * law.young * contact * overlap, 2.0 * law.young * contact)
-    } else {
-        (law.normal() * overlap, law.normal())
-    };
-    let dashpot = law.damping * (stiffness * mass).sqrt();
-    let along = larger(elastic + dashpot * approach, 0.0);
-    let mut dissipated = (along - elastic) * approach * step;
-    let mut force = times(along, normal);
-    let mut torque = [0.0; 3];
-    let of = Pressed { normal, radius, mass, along, stiffness, contact: [contact, batch.contact[lane]] };
-    let twist = 0.5 * step * (dot(spin, normal) + dot(other, normal));
-    if SLIPS {
-        let slip = plus(velocity, times(approach, normal));
-        let history = at(&batch.tangential, lane);
-        let (push, history, lost) = slipping::<HERTZ>(law, &of, history, (slip, twist), step);
-        put(&mut batch.tangential, lane, history);
-        dissipated += lost;
-        force = plus(force, push);
-        torque = cross(push, normal);
-    }
-    if ROLLS {
-        let [inert, inertial] = [first * one * one, second * two * two];
-        let inertia = (share + 1.0) * (inert * inertial / (inert + inertial));
-        let rate = minus(spin, other);
-        let before = (at(&batch.rolling, lane), batch.twisting[lane]);
-        let (moment, history, lost) = turning::<HERTZ>(law, &of, before, (rate, twist, inertia), step);
-        put(&mut batch.rolling, lane, history.0);
-        batch.twisting[lane] = history.1;
-        put(&mut batch.moment, lane, moment);
-        dissipated += lost;
-    }
-    put(&mut batch.force, lane, force);
-    put(&mut batch.torque, lane, torque);
-    batch.contact[lane] = contact;
-    batch.overlap[lane] = overlap;
-    batch.dissipated[lane] = dissipated;
-}
-
-/// The force across the normal, N, the elastic part that stays, N, and the energy that is dissipated, J.
-#[inline(always)]
-fn slipping<const HERTZ: bool>(
-    law: &PairLaw,
-    of: &Pressed,
-    history: Vector,
-    (slip, twist): (Vector, f64),
-    step: f64,
-) -> (Vector, Vector, f64) {
-    let [contact, before] = of.contact;
-    let [stiffness, earlier] = [law.tangential_stiffness(contact), law.tangential_stiffness(before)];
-    let turned = turned(history, of.normal, twist);
-    let kept = if HERTZ { smaller(contact / larger(before, f64::MIN_POSITIVE), 1.0) } else { 1.0 };
-    let elastic = minus(times(kept, turned), times(stiffness * step, slip));
-    let dashpot = law.damping * (stiffness * of.mass).sqrt();
-    let force = minus(elastic, times(dashpot, slip));
-    let size = dot(force, force).sqrt();
-    let most = law.surfaces.friction * of.along;
-    let slides = size > most;
-    let scale = if slides { most / size } else { 1.0 };
-    let force = times(scale, force);
-    let stays = either(slides, force, elastic);
-    let stored =
-        |spring: Vector, stiffness: f64| 0.5 * dot(spring, spring) / larger(stiffness, f64::MIN_POSITIVE);
-    let lost = -step * dot(force, slip) - (stored(stays, stiffness) - stored(history, earlier));
-    (force, stays, lost)
+    before: f64,
 }
 
 /// The moment of rolling and twisting on the first, N m, the elastic parts that stay, and the energy that is
 /// dissipated, J. `rate`: angular velocity of the first over that of the second, rad/s.
 #[inline(always)]
-fn turning<const HERTZ: bool>(
+fn turning(
     law: &PairLaw,
     of: &Pressed,
     (rolling, twisting): (Vector, f64),
     (rate, twist, inertia): (Vector, f64, f64),
     step: f64,
 ) -> (Vector, (Vector, f64), f64) {
-    let before = if HERTZ { 2.0 * law.young * of.contact[1] } else { of.stiffness };
     let [roll, spin] = [law.surfaces.rolling_friction, law.surfaces.twisting_friction];
     let spring = |normal: f64, share: f64| 2.25 * normal * (share * of.radius) * (share * of.radius);
     let damped = |stiffness: f64| 2.0 * law.surfaces.rolling_damping * (inertia * stiffness).sqrt();
 
-    let [stiffness, earlier] = [spring(of.stiffness, roll), spring(before, roll)];
+    let [stiffness, earlier] = [spring(of.stiffness, roll), spring(of.before, roll)];
     let flat = across(rate, of.normal);
     let elastic = minus(turned(rolling, of.normal, twist), times(stiffness * step, flat));
     let (size, most) = (dot(elastic, elastic).sqrt(), roll * of.radius * of.along);
@@ -416,7 +473,7 @@ fn turning<const HERTZ: bool>(
     let mut lost = -step * dot(moment, flat)
         - (stored(dot(stays, stays), stiffness) - stored(dot(rolling, rolling), earlier));
 
-    let [stiffness, earlier] = [spring(of.stiffness, spin), spring(before, spin)];
+    let [stiffness, earlier] = [spring(of.stiffness, spin), spring(of.before, spin)];
     let about = dot(rate, of.normal);
     let elastic = twisting - stiffness * step * about;
     let most = spin * of.radius * of.along;

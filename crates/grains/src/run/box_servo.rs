@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::domain::BoxServo;
 use crate::run::balls::Balls;
 use crate::run::cell::{BoxMotion, RunBox};
+use crate::run::contacts::{CHUNK, Contacts};
 use crate::run::laws::Laws;
-use crate::run::lists::{CHUNK, Lists};
 use crate::vector::{Vector, dot, minus, plus};
 
 /// Share of an error of the pressure that the box removes in a step, if spheres move along with it.
@@ -39,33 +39,32 @@ impl Virial {
 }
 
 /// The virial of the last contacts, added up in the order of the spheres' numbers.
-pub(crate) fn virial(balls: &Balls, lists: &Lists, laws: &Laws, cell: &RunBox) -> Virial {
+pub(crate) fn virial(balls: &Balls, of: &Contacts, laws: &Laws, cell: &RunBox) -> Virial {
     let of_places: Vec<Virial> = (0..balls.list.len())
         .into_par_iter()
         .with_min_len(CHUNK)
-        .map(|place| of_sphere(place, balls, lists, (laws, cell)))
+        .map(|place| of_sphere(place, balls, of, (laws, cell)))
         .collect();
     let in_order = balls.places.iter().map(|&place| of_places[place as usize]);
     in_order.fold(Virial::default(), Virial::and)
 }
 
 /// The part of the contacts of which a sphere is the first.
-fn of_sphere(place: usize, balls: &Balls, lists: &Lists, (laws, cell): (&Laws, &RunBox)) -> Virial {
+fn of_sphere(place: usize, balls: &Balls, of: &Contacts, (laws, cell): (&Laws, &RunBox)) -> Virial {
     let mut sum = Virial::default();
     let one = &balls.list[place];
-    lists.touching.within(lists.first_incident[place]..lists.first_incident[place + 1], |index| {
-        let incident = lists.incidents[index as usize];
-        let slot = incident as usize / 2;
-        let history = lists.history(slot);
-        if incident & 1 == 1 || history.contact <= 0.0 {
-            return;
+    for entry in of.of(place) {
+        let contact = entry.contact();
+        let history = of.history(contact);
+        if entry.is_second() || history.contact <= 0.0 {
+            continue;
         }
-        let two = &balls.list[lists.pairs[slot][1] as usize];
-        let Ok(law) = laws.of([one.material, two.material]) else { return };
+        let two = &balls.list[of.couples[contact].places[1] as usize];
+        let Ok(law) = laws.of([one.material, two.material]) else { continue };
         let answer = law.answer(&history, one.mass * two.mass / (one.mass + two.mass));
         let apart = cell.shortest(minus(one.position, two.position));
         let square = dot(apart, apart).max(f64::MIN_POSITIVE);
-        let force = lists.acting[lists.acted[slot] as usize].force;
+        let force = of.acting[contact].force();
         for axis in 0..3 {
             let arm = apart[axis] * apart[axis];
             let share = arm * arm / square;
@@ -73,7 +72,7 @@ fn of_sphere(place: usize, balls: &Balls, lists: &Lists, (laws, cell): (&Laws, &
             sum.stiffness[axis] += answer.stiffness * share;
             sum.damping[axis] += answer.damping * share;
         }
-    });
+    }
     sum
 }
 

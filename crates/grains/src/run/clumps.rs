@@ -350,13 +350,14 @@ mod tests {
             external: 0.0,
             removed: false,
         };
-        let lists = crate::run::lists::Lists::default();
+        let contacts = crate::run::contacts::Contacts::default();
         let of = Moving {
-            lists: &lists,
-            outer: &[],
+            contacts: &contacts,
+            outer: (&[], &[]),
             cell: None,
             simd: fdem_contact::Simd::best(),
             stream: [0.0; 3],
+            deepest: 0.0,
             gravity: [0.0; 3],
             step: 1e-3,
             number: 0,

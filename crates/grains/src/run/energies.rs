@@ -2,8 +2,8 @@
 
 use crate::run::balls::{ALONE, Balls};
 use crate::run::clumps::Clumps;
+use crate::run::contacts::Contacts;
 use crate::run::laws::Laws;
-use crate::run::lists::Lists;
 use crate::run::on_walls::OnWalls;
 use crate::vector::{Vector, dot, minus, times};
 use crate::wall::Wall;
@@ -45,7 +45,7 @@ pub(crate) struct Gone {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EnergyOf<'a> {
     pub(crate) balls: &'a Balls,
-    pub(crate) lists: &'a Lists,
+    pub(crate) contacts: &'a Contacts,
     /// Laws of contacts with walls, and of two spheres with each other.
     pub(crate) laws: &'a Laws,
     pub(crate) between: &'a Laws,
@@ -104,27 +104,26 @@ pub(crate) fn energies(of: EnergyOf<'_>) -> GrainEnergies {
 /// Elastic energy of all contacts, the energy that they have dissipated in the last step, and the work of
 /// walls on them in it, J.
 fn of_contacts(of: EnergyOf<'_>) -> (f64, [f64; 2]) {
-    let (list, lists) = (&of.balls.list, of.lists);
+    let (list, contacts) = (&of.balls.list, of.contacts);
     let mut sum = of.on_facets;
     let [mut dissipated, external] = of.in_step;
     let mut external = external + of.by_program;
     let number = |place: u32| list[place as usize].number;
     for &place in &of.balls.places {
         let ball = &list[place as usize];
-        let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
-        for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
-            let slot = incident as usize / 2;
-            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
+        for entry in contacts.of(place as usize) {
+            let contact = entry.contact();
+            if entry.is_second() || contacts.memories[contact].contact() <= 0.0 {
                 continue;
             }
-            let other = lists.pairs[slot][1];
+            let other = contacts.couples[contact].places[1];
             debug_assert!(number(other) > ball.number, "the first has the lower number");
             let other = &list[other as usize];
             let radius = ball.radius * other.radius / (ball.radius + other.radius);
             if let Ok(law) = of.between.of([ball.material, other.material]) {
-                let acting = &lists.acting[lists.acted[slot] as usize];
-                sum += law.energy(acting.overlap, radius, &lists.history(slot));
-                dissipated += acting.dissipated;
+                let acting = &contacts.acting[contact];
+                sum += law.energy(acting.overlap(), radius, &contacts.history(contact));
+                dissipated += acting.dissipated();
             }
         }
     }

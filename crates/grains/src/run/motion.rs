@@ -9,14 +9,24 @@ use crate::domain::Outside;
 use crate::error::GrainError;
 use crate::run::balls::{ALONE, Ball, BallKind, Balls, Drive};
 use crate::run::cell::RunBox;
+use crate::run::contacts::{CHUNK, Contacts, Entry};
 use crate::run::depth::Depth;
 use crate::run::level::{self, Level, Work};
-use crate::run::lists::{CHUNK, Lists};
 use crate::run::on_walls::Outer;
-use crate::vector::{Vector, dot, minus, plus, times};
+use crate::vector::{Vector, dot, minus};
 
-/// Number of spheres whose actions are prefetched together.
+/// Number of spheres whose forces are added up together.
 const BLOCK: usize = 64;
+
+/// Contacts ahead whose forces are prefetched.
+const AHEAD: usize = 48;
+
+/// Contacts with walls and bodies ahead that are prefetched.
+const OUTER_AHEAD: usize = 4;
+
+/// Signs of the force of a contact on its first and its second sphere. The first also has the energy that is
+/// dissipated.
+const SIGNS: [[f64; 4]; 2] = [[1.0; 4], [-1.0, -1.0, -1.0, 0.0]];
 
 /// A sphere farther away than this is lost, m.
 pub(crate) const FARTHEST: f64 = 1e30;
@@ -24,13 +34,15 @@ pub(crate) const FARTHEST: f64 = 1e30;
 /// Everything that the motion of a step reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moving<'a> {
-    pub(crate) lists: &'a Lists,
-    /// Contacts with walls and bodies, by places.
-    pub(crate) outer: &'a [Outer],
+    pub(crate) contacts: &'a Contacts,
+    /// Contacts with walls and bodies; and the place of the sphere and the index of each, ascending.
+    pub(crate) outer: (&'a [Outer], &'a [(u32, u32)]),
     pub(crate) cell: Option<&'a RunBox>,
     pub(crate) simd: Simd,
     /// The velocity with which most spheres go, m/s.
     pub(crate) stream: Vector,
+    /// The deepest overlap so far, over the radius of its sphere.
+    pub(crate) deepest: f64,
     /// m/s².
     pub(crate) gravity: Vector,
     /// s.
@@ -76,11 +88,8 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
     pushes.resize_with(balls.kinds.len().div_ceil(CHUNK), Default::default);
     let chunks = chunks.zip(balls.kinds.par_chunks(CHUNK)).zip(pushes).enumerate();
     let parts: Vec<Result<Moved, (u32, GrainError)>> = chunks
-        .map_init(OfBlock::default, |touching, (chunk, (((balls, drives), kinds), pushes))| {
-            level::run(
-                of.simd,
-                MoveChunk { begin: chunk * CHUNK, touching, balls, drives, kinds, pushes, share, of },
-            )
+        .map(|(chunk, (((balls, drives), kinds), pushes))| {
+            level::run(of.simd, MoveChunk { chunk, balls, drives, kinds, pushes, share, of })
         })
         .collect();
     let mut all = Moved::default();
@@ -99,9 +108,8 @@ pub(crate) fn move_all(balls: &mut Balls, of: Moving<'_>) -> Result<Moved, Grain
 }
 
 /// The motion of the spheres of a chunk, as work.
-struct MoveChunk<'a, 'b> {
-    begin: usize,
-    touching: &'b mut OfBlock,
+struct MoveChunk<'a> {
+    chunk: usize,
     balls: &'a mut [Ball],
     drives: &'a mut [Drive],
     kinds: &'a [BallKind],
@@ -110,59 +118,61 @@ struct MoveChunk<'a, 'b> {
     of: Moving<'a>,
 }
 
-impl Work for MoveChunk<'_, '_> {
+impl Work for MoveChunk<'_> {
     type Done = Result<Moved, (u32, GrainError)>;
 
     #[inline(always)]
     fn run<L: Level>(self) -> Self::Done {
-        let Self { begin, touching, balls, drives, kinds, pushes, share, of } = self;
-        let mut outer = &of.outer[of.outer.partition_point(|outer| (outer.place as usize) < begin)..];
+        let Self { chunk, balls, drives, kinds, pushes, share, of } = self;
+        let begin = chunk * CHUNK;
+        let (outer, order) = of.outer;
+        let mut order = &order[order.partition_point(|(place, _)| (*place as usize) < begin)..];
+        let entries = of.contacts.chunks.get(chunk).map_or(&[][..], |chunk| &chunk.entries);
         let mut moved = Moved::default();
-        let (mut fastest, mut spread) = (0.0_f64, 0.0_f64);
+        let (mut fastest, mut spread, mut added) = (0.0_f64, 0.0_f64, 0);
         let mut lost: Option<(u32, GrainError)> = None;
-        let count = balls.len();
-        for (k, ((ball, drive), kind)) in balls.iter_mut().zip(drives).zip(kinds).enumerate() {
-            let place = begin + k;
-            if k % BLOCK == 0 {
-                touching.fill(of.lists, place, BLOCK.min(count - k));
-            }
-            let ([mut force, mut moment], overlap) =
-                sums(of.lists, touching.of(k % BLOCK), ball.radius, drive);
-            if overlap > 0.0 {
-                moved.deepest = moved.deepest.or(Depth::of(overlap, ball));
-            }
-            while outer.first().is_some_and(|outer| outer.place as usize == place) {
-                force = plus(force, outer[0].force);
-                moment = plus(moment, outer[0].moment);
-                drive.dissipated += outer[0].dissipated;
-                drive.external += outer[0].external;
-                outer = &outer[1..];
-            }
-            if kind.clump != ALONE {
-                // Its clump moves it.
-                pushes[k] = [force, moment];
-                continue;
-            }
-            if kind.held {
-                drive.external -= of.step * (dot(force, ball.velocity) + dot(moment, ball.spin));
-            }
-            advance(ball, drive, *kind, (force, moment), (share, of));
-            fastest = fastest.max(dot(drive.velocity, drive.velocity));
-            let against = minus(drive.velocity, of.stream);
-            spread = spread.max(dot(against, against));
-            let error = if ball.position.iter().all(|x| x.abs() < FARTHEST) {
-                match of.cell.and_then(|cell| cell.outside(ball.position)) {
-                    Some(Outside::Stop) => GrainError::Outside { sphere: ball.number, step: of.number },
-                    leaves => {
-                        moved.leaves |= leaves.is_some();
-                        continue;
-                    }
+        let rule = Rule::new(of, share);
+        let mut later = drives;
+        for (block, (balls, kinds)) in balls.chunks_mut(BLOCK).zip(kinds.chunks(BLOCK)).enumerate() {
+            let drives;
+            (drives, later) = later.split_at_mut(balls.len());
+            let mut sums = [Sums::default(); BLOCK];
+            let adding = AddUp { of, entries, begin: added, block, sums: &mut sums, balls, drives };
+            let (end, depth) = level::run(of.simd, adding);
+            added = end;
+            moved.deepest = moved.deepest.or(depth);
+            let spheres = balls.iter_mut().zip(drives).zip(kinds).zip(&mut sums).enumerate();
+            for (k, (((ball, drive), kind), sums)) in spheres {
+                let place = begin + block * BLOCK + k;
+                if let Some(drive) = later.get(k) {
+                    prefetch(drive);
                 }
-            } else {
-                GrainError::Lost { sphere: ball.number as usize, step: of.number }
-            };
-            if lost.as_ref().is_none_or(|(lowest, _)| ball.number < *lowest) {
-                lost = Some((ball.number, error));
+                while let Some(&(_, index)) = order.first().filter(|(of, _)| *of as usize == place) {
+                    if let Some(&(_, ahead)) = order.get(OUTER_AHEAD) {
+                        prefetch(&outer[ahead as usize]);
+                    }
+                    sums.add(&outer[index as usize], drive);
+                    order = &order[1..];
+                }
+                if kind.clump != ALONE {
+                    // Its clump moves it.
+                    drive.dissipated += sums.force[3];
+                    pushes[place - begin] = sums.vectors();
+                    continue;
+                }
+                let velocity = rule.advance(ball, drive, kind.held, sums);
+                fastest = larger(square(velocity), fastest);
+                spread = larger(square(less(velocity, rule.stream)), spread);
+                if rule.is_inside(ball) {
+                    continue;
+                }
+                match rule.bring_back(ball, drive) {
+                    Ok(leaves) => moved.leaves |= leaves,
+                    Err(error) if lost.as_ref().is_none_or(|(lowest, _)| ball.number < *lowest) => {
+                        lost = Some((ball.number, error));
+                    }
+                    Err(_) => {}
+                }
             }
         }
         (moved.fastest, moved.spread) = (fastest.sqrt(), spread.sqrt());
@@ -170,111 +180,228 @@ impl Work for MoveChunk<'_, '_> {
     }
 }
 
-/// A contact of a sphere: the places of its action and of its couple, and whether the sphere is its second.
-#[derive(Clone, Copy)]
-struct Touching {
-    acted: u32,
-    slot: u32,
-    is_second: bool,
+/// The larger of two numbers; the second if one is none.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
-/// The contacts of the spheres of a block.
-#[derive(Default)]
-struct OfBlock {
-    list: Vec<Touching>,
-    /// End of the contacts of each sphere in `list`.
-    ends: Vec<u32>,
+/// The square of the vector of a row.
+#[inline(always)]
+fn square(row: [f64; 4]) -> f64 {
+    let squares = row.map(|x| x * x);
+    squares[0] + squares[1] + squares[2]
 }
 
-impl OfBlock {
-    /// Lists the contacts of `count` spheres from a place on, and prefetches their actions.
-    #[inline(never)]
-    fn fill(&mut self, lists: &Lists, begin: usize, count: usize) {
-        self.list.clear();
-        self.ends.clear();
-        for range in lists.first_incident[begin..=begin + count].windows(2) {
-            lists.touching.within(range[0]..range[1], |index| {
-                let incident = lists.incidents[index as usize];
-                let slot = incident / 2;
-                let acted = lists.acted[slot as usize];
-                prefetch(&lists.acting[acted as usize]);
-                self.list.push(Touching { acted, slot, is_second: incident & 1 == 1 });
-            });
-            self.ends.push(self.list.len() as u32);
+/// The difference of two rows.
+#[inline(always)]
+fn less(one: [f64; 4], two: [f64; 4]) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k: usize| one[k] - two[k])
+}
+
+/// A row and a multiple of another one.
+#[inline(always)]
+fn and(row: [f64; 4], scale: [f64; 4], other: [f64; 4]) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k: usize| row[k] + scale[k] * other[k])
+}
+
+/// Force, N, and moment, N m, of all spheres on one. The last number of the force is the energy that its
+/// contacts have dissipated, J.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    force: [f64; 4],
+    moment: [f64; 4],
+}
+
+impl Sums {
+    /// Adds the force of a contact with something else than a sphere.
+    fn add(&mut self, outer: &Outer, drive: &mut Drive) {
+        for axis in 0..3 {
+            self.force[axis] += outer.force[axis];
+            self.moment[axis] += outer.moment[axis];
         }
+        drive.dissipated += outer.dissipated;
+        drive.external += outer.external;
     }
 
-    /// Returns the contacts of sphere `k` of the block.
+    fn vectors(&self) -> [Vector; 2] {
+        [self.force, self.moment].map(|[x, y, z, _]| [x, y, z])
+    }
+}
+
+/// Adds up the forces of contacts on the spheres of a block, one contact after the other: a loop for each
+/// sphere would end where the processor does not expect it. It is a function of its own, so that its numbers
+/// stay in registers.
+struct AddUp<'a, 'b> {
+    of: Moving<'a>,
+    /// The contacts of the chunk, and where those of the block begin.
+    entries: &'a [Entry],
+    begin: usize,
+    block: usize,
+    sums: &'b mut [Sums; BLOCK],
+    balls: &'b [Ball],
+    drives: &'b mut [Drive],
+}
+
+impl Work for AddUp<'_, '_> {
+    /// Where the contacts of the block end, and the deepest overlap, if it is deeper than any so far.
+    type Done = (usize, Depth);
+
     #[inline(always)]
-    fn of(&self, k: usize) -> &[Touching] {
-        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
-        &self.list[begin as usize..self.ends[k] as usize]
+    fn run<L: Level>(self) -> Self::Done {
+        let Self { of, entries, begin, block, sums, balls, drives } = self;
+        let (acting, rolling) = (&of.contacts.acting[..], &of.contacts.rolling[..]);
+        let stretched = &of.contacts.stretched[..];
+        let mut deepest = Depth::default();
+        // Less by more than the rounding of a division.
+        let mut deep = (1.0 - 1e-15) * of.deepest;
+        let mut index = begin;
+        while let Some(&entry) = entries.get(index).filter(|entry| entry.sphere as usize / BLOCK == block) {
+            index += 1;
+            if let Some(entry) = entries.get(index + AHEAD) {
+                prefetch(&acting[entry.contact()]);
+            }
+            let contact = entry.contact();
+            let action = &acting[contact];
+            let place = entry.sphere as usize % BLOCK;
+            let (ball, sum) = (&balls[place], &mut sums[place]);
+            let signs = SIGNS[entry.side()];
+            let arm = ball.radius - 0.5 * action.overlap();
+            sum.force = and(sum.force, signs, action.push);
+            sum.moment = and(sum.moment, [arm; 4], action.turn);
+            if action.overlap() > deep * ball.radius {
+                deepest = deepest.or(Depth::of(action.overlap(), ball));
+                deep = deep.max((1.0 - 1e-15) * deepest.share);
+            }
+            if let Some(rolling) = rolling.get(contact) {
+                for k in 0..3 {
+                    sum.moment[k] += signs[0] * rolling.moment[k];
+                }
+            }
+            if let Some(work) = stretched.get(contact) {
+                drives[place].external += signs[3] * work;
+            }
+        }
+        (index, deepest)
     }
 }
 
-/// Force, N, and moment, N m, of all spheres on one, and its deepest overlap, m. Adds the energy that its
-/// contacts have dissipated to its sum.
-#[inline(always)]
-fn sums(lists: &Lists, touching: &[Touching], radius: f64, drive: &mut Drive) -> ([Vector; 2], f64) {
-    // Rows of four numbers are one operation of a vector.
-    let (mut pushes, mut moment) = ([0.0, 0.0, 0.0, drive.dissipated], [0.0; 3]);
-    let mut deepest = 0.0_f64;
-    for of in touching {
-        let acting = &lists.acting[of.acted as usize];
-        let (sign, once) = if of.is_second { (-1.0, 0.0) } else { (1.0, 1.0) };
-        let [x, y, z] = acting.force;
-        let push = [x, y, z, acting.dissipated];
-        let scale = [sign, sign, sign, once];
-        pushes = [0, 1, 2, 3].map(|k: usize| pushes[k] + scale[k] * push[k]);
-        moment = plus(moment, times(radius - 0.5 * acting.overlap, acting.torque));
-        deepest = if acting.overlap > deepest { acting.overlap } else { deepest };
-        if let Some(rolling) = lists.rolling.get(of.slot as usize) {
-            moment = plus(moment, times(sign, rolling.moment));
-        }
-        if let Some(work) = lists.stretched.get(of.slot as usize) {
-            drive.external += once * work;
-        }
-    }
-    let [x, y, z, dissipated] = pushes;
-    drive.dissipated = dissipated;
-    ([[x, y, z], moment], deepest)
+/// How all spheres of a step move, in rows of four numbers, because an operation on them is one of a vector.
+struct Rule<'a> {
+    of: Moving<'a>,
+    share: f64,
+    stream: [f64; 4],
+    gravity: [f64; 4],
+    /// The box, if its sides grow.
+    growing: Option<&'a RunBox>,
+    /// The lower end of each axis, m, and bounds of the place over it between which a sphere stays there, m.
+    low: [f64; 4],
+    least: [f64; 4],
+    end: [f64; 4],
+    /// The step for a vector, s, and how often the number behind it counts: once, and not at all.
+    steps: [[f64; 4]; 2],
 }
 
-/// Moves a sphere under a force, N, and a moment, N m, for a step.
-#[inline(always)]
-fn advance(
-    ball: &mut Ball,
-    drive: &mut Drive,
-    kind: BallKind,
-    (force, moment): (Vector, Vector),
-    (share, of): (f64, Moving<'_>),
-) {
-    let half = 0.5 * of.step;
-    if !kind.held {
-        let mut acceleration = plus(times(1.0 / ball.mass, force), of.gravity);
-        if let Some(cell) = of.cell.filter(|cell| cell.grows()) {
-            // The velocity is that over the motion of the box, which takes the sphere along.
-            let rates = cell.rates();
-            let v = ball.velocity;
-            let slowing = [rates[0] * v[0], rates[1] * v[1], rates[2] * v[2]];
-            acceleration = minus(acceleration, slowing);
-            drive.external -= of.step * ball.mass * dot(v, slowing);
+impl<'a> Rule<'a> {
+    #[inline(always)]
+    fn new(of: Moving<'a>, share: f64) -> Self {
+        let row = |[x, y, z]: Vector| [x, y, z, 0.0];
+        let (mut low, mut least, mut end) = ([0.0; 4], [-FARTHEST; 4], [FARTHEST; 4]);
+        if let Some(cell) = of.cell {
+            for axis in 0..3 {
+                (low[axis], least[axis]) = (cell.low[axis], 0.0);
+                end[axis] = cell.lengths[axis].min(FARTHEST);
+            }
         }
-        let turning = times(1.0 / (share * ball.mass * ball.radius * ball.radius), moment);
-        drive.velocity = plus(drive.velocity, times(of.step, acceleration));
-        drive.spin = plus(drive.spin, times(of.step, turning));
-        ball.velocity = plus(drive.velocity, times(half, acceleration));
-        ball.spin = plus(drive.spin, times(half, turning));
+        let growing = of.cell.filter(|cell| cell.grows());
+        Self {
+            of,
+            share,
+            stream: row(of.stream),
+            gravity: row(of.gravity),
+            growing,
+            low,
+            least,
+            end,
+            steps: [1.0, 0.0].map(|last| [of.step, of.step, of.step, last]),
+        }
     }
-    let mut velocity = drive.velocity;
-    if let Some(cell) = of.cell.filter(|cell| cell.grows()) {
-        velocity = plus(velocity, cell.drift(ball.position));
+
+    /// Moves a sphere for a step. Returns its velocity, m/s, and another number.
+    #[inline(always)]
+    fn advance(&self, ball: &mut Ball, drive: &mut Drive, held: bool, sums: &Sums) -> [f64; 4] {
+        let (step, half) = (self.of.step, 0.5 * self.of.step);
+        let [x, y, z] = drive.velocity;
+        let mut velocity = [x, y, z, drive.dissipated];
+        if held {
+            let [force, moment] = sums.vectors();
+            drive.external -= step * (dot(force, ball.velocity) + dot(moment, ball.spin));
+            velocity[3] += sums.force[3];
+        } else {
+            // The last number of a row is an energy, which grows by that of the sums.
+            let by = 1.0 / ball.mass;
+            let mut acceleration = and(self.gravity, [by, by, by, 1.0], sums.force);
+            if let Some(cell) = self.growing {
+                // The velocity is that over the motion of the box, which takes the sphere along.
+                let rates = cell.rates();
+                let v = ball.velocity;
+                let slowing = [rates[0] * v[0], rates[1] * v[1], rates[2] * v[2]];
+                for axis in 0..3 {
+                    acceleration[axis] -= slowing[axis];
+                }
+                drive.external -= step * ball.mass * dot(v, slowing);
+            }
+            let by = 1.0 / (self.share * ball.mass * ball.radius * ball.radius);
+            let by_inertia = [by, by, by, 0.0];
+            let turning = [0, 1, 2, 3].map(|k: usize| by_inertia[k] * sums.moment[k]);
+            let [p, q, r] = drive.spin;
+            velocity = and(velocity, self.steps[0], acceleration);
+            let spin = and([p, q, r, drive.external], self.steps[0], turning);
+            [drive.spin[0], drive.spin[1], drive.spin[2], drive.external] = spin;
+            [ball.velocity[0], ball.velocity[1], ball.velocity[2], _] =
+                and(velocity, [half; 4], acceleration);
+            [ball.spin[0], ball.spin[1], ball.spin[2], _] = and(spin, [half; 4], turning);
+        }
+        [drive.velocity[0], drive.velocity[1], drive.velocity[2], drive.dissipated] = velocity;
+        let mut moving = velocity;
+        if let Some(cell) = self.growing {
+            let drift = cell.drift(ball.position);
+            for axis in 0..3 {
+                moving[axis] += drift[axis];
+            }
+        }
+        let [x, y, z] = ball.position;
+        let place = and([x, y, z, ball.radius], self.steps[1], moving);
+        [ball.position[0], ball.position[1], ball.position[2], _] = place;
+        velocity
     }
-    ball.position = plus(ball.position, times(of.step, velocity));
-    if let Some(cell) = of.cell {
+
+    /// Whether a sphere is inside of the box along all axes, and not lost.
+    #[inline(always)]
+    fn is_inside(&self, ball: &Ball) -> bool {
+        let [x, y, z] = ball.position;
+        let out = less([x, y, z, ball.radius], self.low);
+        [0, 1, 2, 3].iter().all(|&k: &usize| (self.least[k]..self.end[k]).contains(&out[k]))
+    }
+
+    /// Brings a sphere that is outside back along the axes that repeat. Returns whether it is to be removed.
+    ///
+    /// # Errors
+    /// It has left the box, or has no place any more.
+    #[cold]
+    fn bring_back(&self, ball: &mut Ball, drive: &mut Drive) -> Result<bool, GrainError> {
         let place = ball.position;
-        ball.position = cell.wrapped(place);
-        // A sphere that comes in on the other side has another potential energy.
-        drive.external -= ball.mass * dot(of.gravity, minus(ball.position, place));
+        if let Some(cell) = self.of.cell {
+            ball.position = cell.wrapped(place);
+            // A sphere that comes in on the other side has another potential energy.
+            drive.external -= ball.mass * dot(self.of.gravity, minus(ball.position, place));
+        }
+        if !ball.position.iter().all(|x| x.abs() < FARTHEST) {
+            return Err(GrainError::Lost { sphere: ball.number as usize, step: self.of.number });
+        }
+        match self.of.cell.and_then(|cell| cell.outside(ball.position)) {
+            Some(Outside::Stop) => Err(GrainError::Outside { sphere: ball.number, step: self.of.number }),
+            leaves => Ok(leaves.is_some()),
+        }
     }
 }

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use crate::columns::{GrainContact, GrainPartner};
 use crate::error::GrainError;
 use crate::facet::by_place;
-use crate::run::balls::Balls;
 use crate::run::depth::Depth;
 use crate::run::on_facet::{SurfaceMotion, SurfaceTotals};
 use crate::run::on_surface::{OnFacets, OnSurface, OnSurfacesOf};
@@ -149,9 +148,9 @@ impl OnMeshes {
             .flat_map(|mesh| mesh.on.contacts.iter().map(|of| of.named(GrainPartner::Wall(mesh.wall as u32))))
     }
 
-    /// The depths of all contacts.
-    pub(crate) fn depths<'a>(&'a self, balls: &'a Balls) -> impl Iterator<Item = Depth> + 'a {
-        self.list.iter().flat_map(|mesh| mesh.on.depths(balls))
+    /// The deepest contact of the last step.
+    pub(crate) fn deepest(&self) -> Depth {
+        self.list.iter().map(|mesh| mesh.on.deepest()).fold(Depth::default(), Depth::or)
     }
 
     /// Puts the triangles of the meshes into walls that are in their places.

@@ -73,6 +73,7 @@ struct Chunk {
     touches: Touches,
     /// Sums over the contacts of each sphere, by its number.
     totals: Vec<(u32, SurfaceTotals)>,
+    deepest: Depth,
     wrong: Option<GrainError>,
 }
 
@@ -125,9 +126,9 @@ impl OnSurface {
         Self { is_one_sided, skin: SKIN * radius, ..Self::default() }
     }
 
-    /// The depths of all contacts.
-    pub(crate) fn depths<'a>(&'a self, balls: &'a Balls) -> impl Iterator<Item = Depth> + 'a {
-        self.contacts.iter().filter_map(|of| Some(Depth::of(of.overlap, balls.numbered(of.sphere)?)))
+    /// The deepest contact of the last step.
+    pub(crate) fn deepest(&self) -> Depth {
+        self.chunks.iter().map(|chunk| chunk.deepest).fold(Depth::default(), Depth::or)
     }
 
     /// Sets the facets, if they are others, and where their points are now.
@@ -364,7 +365,8 @@ impl Chunk {
 
     /// Computes the contacts of the spheres of this chunk, the first of which has a place.
     fn press(&mut self, first: usize, balls: &Balls, encounter: &Encounter<'_>, nearness: &Nearness<'_>) {
-        let Self { near, active, scratch, outer, touches, totals, wrong } = self;
+        let Self { near, active, scratch, outer, touches, totals, deepest, wrong } = self;
+        *deepest = Depth::default();
         outer.clear();
         totals.clear();
         touches.contacts.clear();
@@ -376,7 +378,7 @@ impl Chunk {
                 near.find(ball.position, ball.radius + encounter.laws.reach(ball.radius), nearness);
             }
             let Some(lists) = &mut near.lists else { continue };
-            let touched = !lists.histories.is_empty();
+            let (touched, first_contact) = (!lists.histories.is_empty(), touches.contacts.len());
             touches.totals = SurfaceTotals::default();
             match encounter.press(ball, &lists.facets, &mut lists.histories, scratch, touches) {
                 Ok([force, moment]) if touched || !lists.histories.is_empty() => {
@@ -387,6 +389,9 @@ impl Chunk {
                 }
                 Ok(_) => {}
                 Err(error) => *wrong = Some(error),
+            }
+            for contact in &touches.contacts[first_contact..] {
+                *deepest = deepest.or(Depth::of(contact.overlap, ball));
             }
         }
     }

@@ -3,17 +3,22 @@
 //! This is the door for everything that acts on spheres from outside: each contact is an [`Outer`], and the
 //! motion adds them to the forces of the other spheres in their order.
 
+use fdem_contact::prefetch;
 use rayon::prelude::*;
 
 use crate::error::GrainError;
 use crate::law::{ContactHistory, Meeting};
 use crate::run::balls::{Ball, Balls};
+use crate::run::depth::Depth;
 use crate::run::laws::Laws;
 use crate::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::wall::{Wall, WallShape};
 
 /// Spheres that one thread computes at a time.
 const CHUNK: usize = 256;
+
+/// Spheres ahead that are prefetched: they are in the order of their numbers, and not as they lie in memory.
+const AHEAD: usize = 8;
 
 /// The action of a wall or a body on a sphere.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +61,10 @@ pub(crate) struct OnWalls {
     reach: f64,
     /// Contacts of the last step, by walls, then by spheres.
     pub(crate) touches: Vec<WallTouch>,
+    /// Those of the step before, in memory that is used again.
+    before: Vec<WallTouch>,
+    /// The deepest contact of the last step.
+    pub(crate) deepest: Depth,
     /// Force of the spheres on each wall, N, and moment about its axis of rotation or the origin, N m.
     pub(crate) forces: Vec<[Vector; 2]>,
 }
@@ -80,6 +89,8 @@ impl OnWalls {
             spare: 0.0,
             reach: 0.0,
             touches: Vec::new(),
+            before: Vec::new(),
+            deepest: Depth::default(),
             forces: vec![[[0.0; 3]; 2]; walls],
         }
     }
@@ -127,28 +138,31 @@ impl OnWalls {
         if self.spare <= 0.0 {
             self.list_near(of, moved);
         }
-        let before = std::mem::take(&mut self.touches);
+        let Self { near, touches, before, deepest, forces, .. } = self;
+        std::mem::swap(touches, before);
+        touches.clear();
+        *deepest = Depth::default();
         let mut rest = before.as_slice();
-        for (number, wall) in (0_u32..).zip(of.walls) {
+        for ((number, wall), near) in (0_u32..).zip(of.walls).zip(near) {
             let (own, more) = rest.split_at(rest.partition_point(|touch| touch.wall <= number));
             rest = more;
-            let near = &self.near[number as usize];
             let found = near.par_chunks(CHUNK).map(|near| on_wall(of, (number, wall), near, own));
             let chunks: Vec<_> = found.collect();
             let mut sums = [[0.0; 3]; 2];
             let centre = wall.rotation.map_or([0.0; 3], |rotation| rotation.through);
             for chunk in chunks {
-                let (touches, partings) = chunk?;
-                outer.extend(partings);
-                for touch in touches {
+                let mut found = chunk?;
+                outer.extend(found.partings);
+                for touch in &found.touches {
                     let force = touch.outer.force;
                     sums[0] = minus(sums[0], force);
                     sums[1] = minus(sums[1], cross(minus(touch.at, centre), force));
                     outer.push(touch.outer);
-                    self.touches.push(touch);
                 }
+                touches.append(&mut found.touches);
+                *deepest = deepest.or(found.deepest);
             }
-            self.forces[number as usize] = sums;
+            forces[number as usize] = sums;
         }
         Ok(())
     }
@@ -165,9 +179,10 @@ impl OnWalls {
             if matches!(wall.shape, WallShape::Mesh { .. }) {
                 return Vec::new();
             }
+            let along = wall.along();
             let is_near = |place: &u32| {
                 let ball = &balls.list[*place as usize];
-                wall.nearest(ball.position).1 < ball.radius + reach
+                wall.nearest_along(ball.position, along).1 < ball.radius + reach
             };
             balls.places.par_iter().copied().filter(is_near).collect()
         };
@@ -175,23 +190,35 @@ impl OnWalls {
     }
 }
 
-/// Contacts of spheres with a wall, and the losses of those that have parted. `before`: those of the last
-/// step with this wall.
+/// Contacts of some spheres with a wall.
+#[derive(Default)]
+struct Found {
+    touches: Vec<WallTouch>,
+    /// The losses of those that have parted.
+    partings: Vec<Outer>,
+    deepest: Depth,
+}
+
+/// Contacts of spheres with a wall. `before`: those of the last step with this wall.
 fn on_wall(
     of: OnWallsOf<'_>,
     (number, wall): (u32, &Wall),
     near: &[u32],
     before: &[WallTouch],
-) -> Result<(Vec<WallTouch>, Vec<Outer>), GrainError> {
-    let (mut touches, mut partings) = (Vec::new(), Vec::new());
+) -> Result<Found, GrainError> {
+    let along = wall.along();
+    let mut found = Found { touches: Vec::with_capacity(near.len()), ..Found::default() };
     let first = near.first().map_or(0, |&place| of.balls.list[place as usize].number);
     let mut before = &before[before.partition_point(|touch| touch.number < first)..];
-    for &place in near {
+    for (k, &place) in near.iter().enumerate() {
+        if let Some(&place) = near.get(k + AHEAD) {
+            prefetch(&of.balls.list[place as usize]);
+        }
         let ball = &of.balls.list[place as usize];
         while before.first().is_some_and(|touch| touch.number < ball.number) {
             before = &before[1..];
         }
-        let (normal, distance) = wall.nearest(ball.position);
+        let (normal, distance) = wall.nearest_along(ball.position, along);
         let known = before.first().filter(|touch| touch.number == ball.number);
         if distance >= ball.radius && known.is_none() {
             continue;
@@ -201,7 +228,7 @@ fn on_wall(
         let mut history = known.map(|touch| touch.history).unwrap_or_default();
         let none = Outer { place, force: [0.0; 3], moment: [0.0; 3], dissipated: 0.0, external: 0.0 };
         if !law.touches(overlap, ball.radius, &history) {
-            partings.push(Outer { dissipated: law.lost(ball.radius, &history), ..none });
+            found.partings.push(Outer { dissipated: law.lost(ball.radius, &history), ..none });
             continue;
         }
         let arm = times(-distance, normal);
@@ -212,7 +239,8 @@ fn on_wall(
             &mut history,
             of.step,
         );
-        touches.push(WallTouch {
+        found.deepest = found.deepest.or(Depth::of(overlap, ball));
+        found.touches.push(WallTouch {
             wall: number,
             number: ball.number,
             history,
@@ -228,7 +256,7 @@ fn on_wall(
             },
         });
     }
-    Ok((touches, partings))
+    Ok(found)
 }
 
 /// A sphere and a wall in a step. `moving`: velocity of the wall at the contact, m/s; `arm`: from the centre

@@ -1,4 +1,7 @@
 //! The forces of all contacts of two spheres.
+//!
+//! First all couples whose spheres may have come together are looked at. Those that touch become contacts,
+//! and then the forces of all contacts are computed in batches.
 
 #![allow(clippy::inline_always, reason = "what is compiled for vector instructions must be inlined")]
 
@@ -6,21 +9,18 @@ use fdem_contact::{Simd, prefetch};
 use rayon::prelude::*;
 
 use crate::error::GrainError;
-use crate::law::{ContactHistory, Meeting, PairLaw};
+use crate::law::{Meeting, PairLaw};
 use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, Common, LANES};
 use crate::run::cell::{Repeats, RunBox};
+use crate::run::contacts::{Acting, CHUNK, Chunk, Contacts, Couple, Memory, Rolling, history};
 use crate::run::laws::Laws;
 use crate::run::level::{self, Level, Work};
-use crate::run::lists::{APART, Acting, CHUNK, Lists, Memory, Rolling, history};
-use crate::run::marks::Marks;
+use crate::run::lists::Lists;
 use crate::vector::{cross, dot, minus, plus, times};
 
 /// Number of batches ahead whose spheres are prefetched.
 const AHEAD: usize = 2;
-
-/// Radius of a contact that has ended in the last step.
-const PARTED: f64 = -1.0;
 
 /// Everything that the contacts of a step read.
 #[derive(Clone, Copy, Debug)]
@@ -33,177 +33,99 @@ pub(crate) struct Pressing<'a> {
     pub(crate) step: f64,
 }
 
-/// The couples of the places of one chunk.
-struct Part<'a> {
-    /// The first slot among those of all chunks.
-    first_slot: u32,
-    pairs: &'a [[u32; 2]],
-    incident: &'a [[u32; 2]],
-    touching: &'a Marks,
-    lone: Option<usize>,
-    memories: &'a mut [Memory],
-    rolling: &'a mut [Rolling],
-    due: &'a mut [f32],
-    acted: &'a mut [u32],
-    acting: &'a mut [Acting],
-    /// Number of actions so far.
-    used: usize,
-    stretched: &'a mut [f64],
-    travel: f64,
-    skin: f64,
-}
-
 /// Computes all contacts of two spheres.
 ///
 /// # Errors
 /// Two materials that touch have no law.
 pub(crate) fn press(of: Pressing<'_>, lists: &mut Lists) -> Result<(), GrainError> {
-    let parts = parts(lists);
     let periodic = of.cell.is_some_and(RunBox::is_periodic);
-    let done: Vec<Result<(), GrainError>> = parts
+    let looks: Vec<Result<(), GrainError>> = looks(lists)
         .into_par_iter()
-        .map_init(
-            || Scratch { batches: vec![Batch::default(); of.laws.list.len()], slots: Vec::new() },
-            |scratch, part| {
-                if periodic {
-                    level::run(of.simd, Press::<true> { part, of, scratch })
-                } else {
-                    level::run(of.simd, Press::<false> { part, of, scratch })
-                }
-            },
-        )
+        .map_init(Vec::new, |slots, look| {
+            if periodic { look.find::<true>(of, slots) } else { look.find::<false>(of, slots) }
+        })
         .collect();
-    done.into_iter().collect()
+    looks.into_iter().collect::<Result<(), GrainError>>()?;
+    lists.contacts.follow(of.balls, &lists.pairs);
+    let lone = lists.lone.filter(|&number| !of.laws.list[number].sticks());
+    parts(&mut lists.contacts, lone).into_par_iter().try_for_each_init(
+        || vec![Batch::default(); of.laws.list.len()],
+        |batches, part| {
+            if periodic {
+                level::run(of.simd, Press::<true> { part, of, batches })
+            } else {
+                level::run(of.simd, Press::<false> { part, of, batches })
+            }
+        },
+    )
 }
 
-/// The contacts of a chunk, as work.
-struct Press<'a, 'b, const PERIODIC: bool> {
-    part: Part<'a>,
-    of: Pressing<'a>,
-    scratch: &'b mut Scratch,
-}
-
-impl<const PERIODIC: bool> Work for Press<'_, '_, PERIODIC> {
-    type Done = Result<(), GrainError>;
-
-    #[inline(always)]
-    fn run<L: Level>(self) -> Self::Done {
-        self.part.press::<L, PERIODIC>(self.of, self.scratch)
-    }
+/// The couples of the places of one chunk, among which some may begin to touch.
+struct Look<'a> {
+    /// The first slot among those of all chunks.
+    first_slot: u32,
+    pairs: &'a [[u32; 2]],
+    due: &'a mut [f32],
+    couples: &'a [Couple],
+    chunk: &'a mut Chunk,
+    travel: f64,
+    skin: f64,
 }
 
 /// Divides the couples into chunks of places.
-fn parts(lists: &mut Lists) -> Vec<Part<'_>> {
-    let Lists { first, pairs, incident, touching, lone, travel, skin, .. } = lists;
-    let (mut memories, mut rolling) = (&mut lists.memories[..], &mut lists.rolling[..]);
-    let (mut due, mut acted) = (&mut lists.due[..], &mut lists.acted[..]);
-    let (mut acting, mut stretched) = (&mut lists.acting[..], &mut lists.stretched[..]);
+fn looks(lists: &mut Lists) -> Vec<Look<'_>> {
+    let Lists { first, pairs, due, contacts, travel, skin, .. } = lists;
+    let Contacts { chunks, couples, .. } = contacts;
+    let mut due = &mut due[..];
     let count = first.len() - 1;
-    let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
-    for begin in (0..count).step_by(CHUNK) {
+    let looks = (0..).step_by(CHUNK).zip(chunks).map(|(begin, chunk)| {
         let own = first[begin] as usize..first[(begin + CHUNK).min(count)] as usize;
-        let slots = own.len();
-        parts.push(Part {
+        Look {
             first_slot: own.start as u32,
             pairs: &pairs[own.clone()],
-            incident: &incident[own],
-            touching,
-            lone: *lone,
-            memories: front(&mut memories, slots),
-            rolling: front(&mut rolling, slots),
-            due: front(&mut due, slots),
-            acted: front(&mut acted, slots),
-            acting: front(&mut acting, slots),
-            used: 0,
-            stretched: front(&mut stretched, slots),
+            due: front(&mut due, own.len()),
+            couples,
+            chunk,
             travel: *travel,
             skin: *skin,
-        });
-    }
-    parts
-}
-
-/// Takes the front of a list, or nothing of an empty one.
-#[allow(clippy::mut_mut, reason = "the list that is left replaces the list")]
-fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    list.split_off_mut(..count).unwrap_or_default()
-}
-
-/// Memory that a thread uses for one chunk after the other.
-struct Scratch {
-    /// A batch for each law.
-    batches: Vec<Batch>,
-    slots: Vec<u32>,
-}
-
-impl Part<'_> {
-    #[inline(always)]
-    fn press<L: Level, const PERIODIC: bool>(
-        mut self,
-        of: Pressing<'_>,
-        scratch: &mut Scratch,
-    ) -> Result<(), GrainError> {
-        let Scratch { batches, slots } = scratch;
-        // An error may have left some.
-        for batch in batches.iter_mut() {
-            batch.count = 0;
         }
+    });
+    looks.collect()
+}
+
+impl Look<'_> {
+    /// Finds the couples that begin to touch.
+    fn find<const PERIODIC: bool>(self, of: Pressing<'_>, slots: &mut Vec<u32>) -> Result<(), GrainError> {
+        for &place in &self.chunk.ended {
+            let slot = self.couples[self.chunk.begin + place as usize].slot;
+            self.due[(slot - self.first_slot) as usize] = f32::NEG_INFINITY;
+        }
+        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
         let count = self.list(slots);
-        let slots = &slots[..count];
-        let lone = self.lone.filter(|&number| !of.laws.list[number].sticks());
-        for (k, group) in slots.chunks(LANES).enumerate() {
-            for &slot in slots.iter().skip(LANES * (k + AHEAD)).take(LANES) {
+        for (k, &slot) in slots[..count].iter().enumerate() {
+            if let Some(&slot) = slots[..count].get(k + 2 * AHEAD * LANES) {
+                prefetch(&self.pairs[slot as usize]);
+            }
+            if let Some(&slot) = slots[..count].get(k + AHEAD * LANES) {
                 for place in self.pairs[slot as usize] {
                     prefetch(&of.balls.list[place as usize]);
                 }
-                prefetch(&self.memories[slot as usize]);
             }
-            if let Some(number) = lone {
-                let batch = &mut batches[number];
-                for &slot in group {
-                    batch.take(slot, self.pairs[slot as usize]);
-                }
-                self.finish::<L, PERIODIC>(of, batch, &of.laws.list[number]);
+            let [one, two] = self.pairs[slot as usize].map(|place| &of.balls.list[place as usize]);
+            let apart = apart::<PERIODIC>(repeats, one.position, two.position);
+            let (square, sum) = (dot(apart, apart), one.radius + two.radius);
+            let due = &mut self.due[slot as usize];
+            if square >= sum * sum {
+                // Rounded down by more than the rounding of positions.
+                let travel = self.travel + square.sqrt() - sum;
+                *due = (travel * (1.0 - 1e-6) - 1e-6 * self.skin) as f32;
                 continue;
             }
-            for &slot in group {
-                let Some(number) = self.sort::<PERIODIC>(of, slot as usize)? else { continue };
-                let batch = &mut batches[number];
-                batch.take(slot, self.pairs[slot as usize]);
-                if batch.count == LANES {
-                    self.finish::<L, PERIODIC>(of, batch, &of.laws.list[number]);
-                }
-            }
-        }
-        for (batch, law) in batches.iter_mut().zip(&of.laws.list) {
-            if batch.count > 0 {
-                self.finish::<L, PERIODIC>(of, batch, law);
-            }
+            of.laws.number([one.material, two.material])?;
+            *due = f32::INFINITY;
+            self.chunk.begun.push(self.first_slot + slot);
         }
         Ok(())
-    }
-
-    /// The number of the law of a couple, if it is computed in batches. Others are computed here.
-    fn sort<const PERIODIC: bool>(
-        &mut self,
-        of: Pressing<'_>,
-        slot: usize,
-    ) -> Result<Option<usize>, GrainError> {
-        let [one, two] = self.pairs[slot].map(|place| &of.balls.list[place as usize]);
-        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
-        let apart = apart::<PERIODIC>(repeats, one.position, two.position);
-        let (square, sum) = (dot(apart, apart), one.radius + two.radius);
-        if square >= sum * sum && self.memories[slot].contact == 0.0 {
-            self.due[slot] = self.due_of(square.sqrt() - sum);
-            return Ok(None);
-        }
-        let number = of.laws.number([one.material, two.material])?;
-        let law = &of.laws.list[number];
-        if !law.sticks() {
-            return Ok(Some(number));
-        }
-        self.stick(of, slot, law, (apart, [one, two]));
-        Ok(None)
     }
 
     /// Lists the couples that may touch. Returns how many.
@@ -223,8 +145,107 @@ impl Part<'_> {
         }
         count
     }
+}
 
-    /// Computes a batch, and writes the results to their slots.
+/// The contacts of the places of one chunk.
+struct Part<'a> {
+    couples: &'a [Couple],
+    memories: &'a mut [Memory],
+    acting: &'a mut [Acting],
+    rolling: &'a mut [Rolling],
+    stretched: &'a mut [f64],
+    ended: &'a mut Vec<u32>,
+    /// The law of all of them, if there is one only and it has batches.
+    lone: Option<usize>,
+}
+
+/// Divides the contacts into chunks.
+fn parts(contacts: &mut Contacts, lone: Option<usize>) -> Vec<Part<'_>> {
+    let (mut memories, mut acting) = (&mut contacts.memories[..], &mut contacts.acting[..]);
+    let (mut rolling, mut stretched) = (&mut contacts.rolling[..], &mut contacts.stretched[..]);
+    let couples = &contacts.couples;
+    let parts = contacts.chunks.iter_mut().map(|chunk| Part {
+        couples: &couples[chunk.begin..chunk.begin + chunk.count],
+        memories: front(&mut memories, chunk.room),
+        acting: front(&mut acting, chunk.room),
+        rolling: front(&mut rolling, chunk.room),
+        stretched: front(&mut stretched, chunk.room),
+        ended: &mut chunk.ended,
+        lone,
+    });
+    parts.collect()
+}
+
+/// Takes the front of a list, or nothing of an empty one.
+#[allow(clippy::mut_mut, reason = "the list that is left replaces the list")]
+fn front<'a, T>(list: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    list.split_off_mut(..count).unwrap_or_default()
+}
+
+/// The contacts of a chunk, as work. It has a batch for each law.
+struct Press<'a, 'b, const PERIODIC: bool> {
+    part: Part<'a>,
+    of: Pressing<'a>,
+    batches: &'b mut [Batch],
+}
+
+impl<const PERIODIC: bool> Work for Press<'_, '_, PERIODIC> {
+    type Done = Result<(), GrainError>;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Self::Done {
+        self.part.press::<L, PERIODIC>(self.of, self.batches)
+    }
+}
+
+impl Part<'_> {
+    #[inline(always)]
+    fn press<L: Level, const PERIODIC: bool>(
+        mut self,
+        of: Pressing<'_>,
+        batches: &mut [Batch],
+    ) -> Result<(), GrainError> {
+        // An error may have left some.
+        for batch in batches.iter_mut() {
+            batch.count = 0;
+        }
+        for begin in (0..self.couples.len()).step_by(LANES) {
+            for couple in self.couples.iter().skip(begin + AHEAD * LANES).take(LANES) {
+                for place in couple.places {
+                    prefetch(&of.balls.list[place as usize]);
+                }
+            }
+            let group = begin..(begin + LANES).min(self.couples.len());
+            if let Some(number) = self.lone {
+                let batch = &mut batches[number];
+                batch.fill(begin, &self.couples[group]);
+                self.finish::<L, PERIODIC>(of, batch, &of.laws.list[number]);
+                continue;
+            }
+            for contact in group {
+                let places = self.couples[contact].places;
+                let number = of.laws.number(places.map(|place| of.balls.list[place as usize].material))?;
+                let law = &of.laws.list[number];
+                if law.sticks() {
+                    self.stick::<PERIODIC>(of, contact, law);
+                    continue;
+                }
+                let batch = &mut batches[number];
+                batch.take(contact as u32, places);
+                if batch.count == LANES {
+                    self.finish::<L, PERIODIC>(of, batch, law);
+                }
+            }
+        }
+        for (batch, law) in batches.iter_mut().zip(&of.laws.list) {
+            if batch.count > 0 {
+                self.finish::<L, PERIODIC>(of, batch, law);
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes a batch, and writes the results to their contacts.
     #[inline(always)]
     fn finish<L: Level, const PERIODIC: bool>(&mut self, of: Pressing<'_>, batch: &mut Batch, law: &PairLaw) {
         let common = Common {
@@ -242,7 +263,7 @@ impl Part<'_> {
         batch.count = 0;
     }
 
-    /// Writes the results of four lanes of a batch, from `FIRST` on, to their slots.
+    /// Writes the results of four lanes of a batch, from `FIRST` on, to their contacts.
     #[inline(always)]
     fn write<L: Level, const PERIODIC: bool, const FIRST: usize>(
         &mut self,
@@ -250,113 +271,56 @@ impl Part<'_> {
         batch: &Batch,
         law: &PairLaw,
     ) {
-        let (memories, pushes, torques) = batch.rows::<L, FIRST>();
-        let gaps = batch.gaps::<FIRST>();
+        let (memories, pushes, turns) = batch.rows::<L, FIRST>();
+        let touch = batch.touch::<FIRST>();
         for k in 0..4.min(batch.count.saturating_sub(FIRST)) {
             let lane = FIRST + k;
-            let slot = batch.slots[lane] as usize;
-            if gaps[k] >= 0.0 {
-                if self.memories[slot].contact == 0.0 {
-                    self.due[slot] = self.due_of(gaps[k]);
-                } else {
-                    self.part(slot, law, batch.radius(lane));
-                }
+            let contact = batch.contacts[lane] as usize;
+            if !touch[k] {
+                self.part(contact, law, batch.radius(lane));
                 continue;
             }
-            let place = self.act(slot);
-            let [tangential @ .., contact] = memories[k];
-            let ([force @ .., dissipated], [torque @ .., overlap]) = (pushes[k], torques[k]);
-            self.memories[slot] = Memory { tangential, contact };
-            self.acting[place] = Acting { force, dissipated, torque, overlap };
-            if let Some(rolling) = self.rolling.get_mut(slot) {
+            self.memories[contact] = Memory(memories[k]);
+            self.acting[contact] = Acting { push: pushes[k], turn: turns[k] };
+            if let Some(rolling) = self.rolling.get_mut(contact) {
                 *rolling = batch.rolled(lane);
             }
-            if let (true, Some(work), Some(cell)) = (PERIODIC, self.stretched.get_mut(slot), of.cell) {
+            if let (true, Some(work), Some(cell)) = (PERIODIC, self.stretched.get_mut(contact), of.cell) {
                 let [force, apart] = batch.stretched(lane);
                 *work = stretch(cell, force, apart, of.step);
             }
         }
     }
 
-    /// Gives a couple the next place for its action.
-    #[inline(always)]
-    fn act(&mut self, slot: usize) -> usize {
-        let place = self.used;
-        if self.acted[slot] == APART {
-            self.begin(slot);
-        }
-        self.acted[slot] = self.first_slot + place as u32;
-        self.used += 1;
-        place
-    }
-
-    /// Has a couple looked at in each step, and its spheres add up its action.
-    #[cold]
-    fn begin(&mut self, slot: usize) {
-        self.due[slot] = f32::NEG_INFINITY;
-        for incident in self.incident[slot] {
-            self.touching.add(incident);
-        }
-    }
-
-    /// Ends a contact. The energy of its springs is lost in this step; in the next one it has no action.
+    /// Ends a contact. The energy of its springs is lost in this step; in the next one it is no contact.
     /// `radius`: the reduced one, m.
     #[cold]
-    fn part(&mut self, slot: usize, law: &PairLaw, radius: f64) {
-        let history = self.history(slot);
-        self.set(slot, ContactHistory::default(), [0.0; 3]);
-        if history.contact > 0.0 {
-            let place = self.act(slot);
-            self.acting[place] = Acting { dissipated: law.lost(radius, &history), ..Acting::default() };
-            self.memories[slot].contact = PARTED;
-        } else {
-            self.acted[slot] = APART;
-            for incident in self.incident[slot] {
-                self.touching.remove(incident);
-            }
+    fn part(&mut self, contact: usize, law: &PairLaw, radius: f64) {
+        let history = history(self.memories[contact], self.rolling.get(contact));
+        self.memories[contact] = Memory::default();
+        if let Some(rolling) = self.rolling.get_mut(contact) {
+            *rolling = Rolling::default();
         }
-    }
-
-    /// The travel, m, after which two spheres with this gap, m, may touch. It is rounded down,
-    /// by more than the rounding of positions.
-    #[inline]
-    fn due_of(&self, gap: f64) -> f32 {
-        ((self.travel + gap) * (1.0 - 1e-6) - 1e-6 * self.skin) as f32
-    }
-
-    fn history(&self, slot: usize) -> ContactHistory {
-        history(self.memories[slot], self.rolling.get(slot))
-    }
-
-    /// Sets the memory of a couple, and its moment of rolling, N m.
-    fn set(&mut self, slot: usize, history: ContactHistory, moment: [f64; 3]) {
-        let ContactHistory { tangential, contact, rolling, twisting } = history;
-        self.memories[slot] = Memory { tangential, contact };
-        if let Some(of_slot) = self.rolling.get_mut(slot) {
-            *of_slot = Rolling { spring: rolling, twisting, moment };
-        }
-        if let Some(work) = self.stretched.get_mut(slot) {
+        if let Some(work) = self.stretched.get_mut(contact) {
             *work = 0.0;
         }
+        let lost = if history.contact > 0.0 { law.lost(radius, &history) } else { 0.0 };
+        self.acting[contact] = Acting { push: [0.0, 0.0, 0.0, lost], turn: [0.0; 4] };
+        self.ended.push(contact as u32);
     }
 
     /// Computes a contact of two spheres that stick to each other.
     #[cold]
-    fn stick(
-        &mut self,
-        of: Pressing<'_>,
-        slot: usize,
-        law: &PairLaw,
-        (apart, [one, two]): ([f64; 3], [&Ball; 2]),
-    ) {
+    fn stick<const PERIODIC: bool>(&mut self, of: Pressing<'_>, contact: usize, law: &PairLaw) {
+        let [one, two] = self.couples[contact].places.map(|place| &of.balls.list[place as usize]);
+        let repeats = of.cell.map_or(Repeats::NONE, RunBox::repeats);
+        let apart = apart::<PERIODIC>(repeats, one.position, two.position);
         let distance = dot(apart, apart).sqrt();
         let overlap = one.radius + two.radius - distance;
         let radius = one.radius * two.radius / (one.radius + two.radius);
-        let mut history = self.history(slot);
+        let mut history = history(self.memories[contact], self.rolling.get(contact));
         if !law.touches(overlap, radius, &history) {
-            if history.contact != 0.0 {
-                self.part(slot, law, radius);
-            }
+            self.part(contact, law, radius);
             return;
         }
         let normal = if distance > 0.0 { times(1.0 / distance, apart) } else { [1.0, 0.0, 0.0] };
@@ -376,11 +340,14 @@ impl Part<'_> {
             spins: [one.spin, two.spin],
         };
         let push = law.push(&meeting, &mut history, of.step);
-        let torque = cross(push.force, normal);
-        let place = self.act(slot);
-        self.acting[place] = Acting { force: push.force, torque, overlap, dissipated: push.dissipated };
-        self.set(slot, history, push.moment);
-        if let (Some(work), Some(cell)) = (self.stretched.get_mut(slot), of.cell) {
+        let [[x, y, z], [a, b, c]] = [push.force, cross(push.force, normal)];
+        self.acting[contact] = Acting { push: [x, y, z, push.dissipated], turn: [a, b, c, overlap] };
+        let [p, q, r] = history.tangential;
+        self.memories[contact] = Memory([p, q, r, history.contact]);
+        if let Some(rolling) = self.rolling.get_mut(contact) {
+            *rolling = Rolling { spring: history.rolling, twisting: history.twisting, moment: push.moment };
+        }
+        if let (Some(work), Some(cell)) = (self.stretched.get_mut(contact), of.cell) {
             *work = stretch(cell, push.force, apart, of.step);
         }
     }

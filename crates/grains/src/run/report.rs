@@ -3,26 +3,25 @@
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::run::balls::Balls;
 use crate::run::cell::RunBox;
-use crate::run::lists::Lists;
+use crate::run::contacts::Contacts;
 use crate::run::on_walls::OnWalls;
 use crate::vector::{dot, length, minus, plus, times};
 
 /// Contacts of two spheres in the last step, in ascending order; spheres by their ranks among all.
-pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&RunBox>, step: f64) -> Vec<GrainContact> {
+pub(crate) fn between(balls: &Balls, of: &Contacts, cell: Option<&RunBox>, step: f64) -> Vec<GrainContact> {
     let mut ranks = vec![0_u32; balls.list.len()];
     for (rank, &place) in (0..).zip(&balls.places) {
         ranks[place as usize] = rank;
     }
     let mut contacts = Vec::new();
     for &place in &balls.places {
-        let incidents = lists.first_incident[place as usize]..lists.first_incident[place as usize + 1];
-        for &incident in &lists.incidents[incidents.start as usize..incidents.end as usize] {
-            let slot = incident as usize / 2;
-            if incident & 1 == 1 || lists.memories[slot].contact <= 0.0 {
+        for entry in of.of(place as usize) {
+            let contact = entry.contact();
+            if entry.is_second() || of.memories[contact].contact() <= 0.0 {
                 continue;
             }
-            let acting = &lists.acting[lists.acted[slot] as usize];
-            let other = lists.pairs[slot][1] as usize;
+            let acting = &of.acting[contact];
+            let other = of.couples[contact].places[1] as usize;
             // Where the spheres were in that step.
             let position =
                 |place: usize| minus(balls.list[place].position, times(step, balls.drives[place].velocity));
@@ -30,14 +29,14 @@ pub(crate) fn between(balls: &Balls, lists: &Lists, cell: Option<&RunBox>, step:
             let apart = minus(centre, position(other));
             let apart = cell.map_or(apart, |cell| cell.shortest(apart));
             let normal = times(1.0 / length(apart).max(f64::MIN_POSITIVE), apart);
-            let arm = balls.list[place as usize].radius - 0.5 * acting.overlap;
+            let arm = balls.list[place as usize].radius - 0.5 * acting.overlap();
             contacts.push(GrainContact {
                 sphere: ranks[place as usize],
                 other: GrainPartner::Sphere(ranks[other]),
                 place: minus(centre, times(arm, normal)),
-                force: acting.force,
-                normal: dot(acting.force, normal),
-                overlap: acting.overlap,
+                force: acting.force(),
+                normal: dot(acting.force(), normal),
+                overlap: acting.overlap(),
             });
         }
     }

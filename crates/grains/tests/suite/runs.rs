@@ -40,6 +40,49 @@ fn tube(count: usize) -> GrainModel {
     }
 }
 
+/// A lattice of spheres, close together, which fly at random.
+fn swarm() -> GrainModel {
+    let side = 9;
+    let mut random = random(5);
+    let mut spheres = Spheres::default();
+    for k in 0..side * side * side {
+        let [i, j, l] = [k % side, k / side % side, k / side / side].map(f64::from);
+        spheres.positions.push([0.01 * i, 0.01 * j, 0.01 * l]);
+        spheres.radii.push(0.004_99 - 1e-5 * random());
+        spheres.velocities.push([random() - 0.5, random() - 0.5, random() - 0.5]);
+        spheres.spins.push([10.0 * random(), 0.0, 0.0]);
+    }
+    GrainModel {
+        spheres,
+        materials: vec![material(1e7, 0.25, 2500.0)],
+        surfaces: vec![Surfaces { friction: 0.3, restitution: 0.8, ..Surfaces::smooth([0, 0]) }],
+        step: Some(1e-5),
+        ..GrainModel::default()
+    }
+}
+
+/// A run keeps lists of its contacts from step to step. One that is continued from a state makes them anew.
+#[test]
+fn contacts_that_begin_and_end_by_hundreds_change_no_bit() {
+    let mut whole = GrainRun::new(swarm(), 1).expect("a model");
+    let (mut most, mut ended) = (0, 0);
+    let mut before = std::collections::BTreeSet::new();
+    for step in 0..150 {
+        let state = postcard::from_bytes(&bytes(&whole)).expect("a state");
+        let mut resumed = GrainRun::resume(swarm(), state, 2).expect("the same model");
+        whole.advance(1).expect("a step");
+        resumed.advance(1).expect("a step");
+        assert!(bytes(&resumed) == bytes(&whole), "{step}");
+        let pair = |of: &GrainContact| (of.sphere, format!("{:?}", of.other));
+        let now: std::collections::BTreeSet<_> = whole.contacts().iter().map(pair).collect();
+        most = most.max(now.difference(&before).count());
+        ended += before.difference(&now).count();
+        before = now;
+    }
+    assert!(whole.detections() < 10, "{}", whole.detections());
+    assert!(most > 40 && ended > 100, "{most} in one step, {ended} in all");
+}
+
 #[test]
 fn threads_and_states_change_no_bit() {
     let mut whole = GrainRun::new(tube(2000), 1).expect("a model");

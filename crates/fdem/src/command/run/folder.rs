@@ -75,7 +75,7 @@ const FILES: [&str; 10] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 18\n";
+const MAGIC: &[u8] = b"fdem checkpoint 19\n";
 
 /// A folder of results.
 #[derive(Debug, Clone)]
