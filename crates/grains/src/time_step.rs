@@ -104,8 +104,8 @@ impl GrainModel {
     }
 
     /// The longest stable step of a sphere of a radius, m, and a material, s, with [`CONTACTS`] spheres like
-    /// it around it, by the laws of its material. The pressure between them is that under a column of the spheres as high as a fall that
-    /// ends at a speed, m/s, and the one that servos keep up, Pa.
+    /// it around it, by the laws of its material. The pressure between them is that under a column of the
+    /// spheres as high as a fall that ends at a speed, m/s, and the one that servos keep up, Pa.
     ///
     /// The fastest mode is the one in which all turn the same way: contacts slip by twice the radius, and two
     /// thirds of them lie across the axis.

@@ -2,8 +2,10 @@
 
 import os
 import pathlib
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -315,6 +317,21 @@ def test_the_command_of_the_package(tmp_path):
     script = pathlib.Path(sys.executable).with_name("fdem")
     run = subprocess.run([script, "generate", "gas", "--elements", "50", "--seed", "1", "--output", "gas.csv"], cwd=tmp_path)
     assert run.returncode == 0 and len(fdem.read(tmp_path / "gas.csv")) == 50
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT for another process")
+def test_ctrl_c_ends_the_command_of_the_package_without_a_traceback(tmp_path):
+    model, folder = str(EXAMPLES / "three_point_bending.toml"), tmp_path / "run"
+    run = subprocess.Popen(
+        [sys.executable, "-m", "fdem", "run", model, "-o", str(folder)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
+    for _ in range(600):
+        if list(folder.glob("*.pvd")) or run.poll() is not None:
+            break
+        time.sleep(0.05)
+    run.send_signal(signal.SIGINT)
+    _, errors = run.communicate(timeout=60)
+    assert run.returncode == 130 and "Traceback" not in errors, errors
 
 
 def bed():

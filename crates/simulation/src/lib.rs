@@ -221,6 +221,7 @@ pub use model::{
     JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target,
     TimeOptions, UntilOverloaded,
 };
+pub use probe::touching::TouchingSide;
 pub use probe::{MaterialPoint, Probe};
 pub use ranks::distributed::{Distributed, Traffic};
 pub use ranks::forecast::{Forecast, Network, RankForecast, Sizes};

@@ -6,12 +6,14 @@
 
 pub(crate) mod joints;
 mod spheres;
+pub(crate) mod touching;
 
 use fdem_distributed::wire;
 use fdem_distributed::wire::Wire;
 use fdem_mesh::Mesh;
 
 use crate::actions::cavity::CavityState;
+use crate::probe::touching::TouchingSide;
 use crate::rigid::RigidMotion;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -115,6 +117,8 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// Force that the bodies of the first list exert by contact on those of the second, N, at the beginning
     /// of the last step. Joints that hold are not contacts.
     ContactForce([Vec<u32>; 2]),
+    /// The same where one of the two, or both, are spheres.
+    ForceOfSpheres([TouchingSide; 2]),
     /// Force of all boundaries on these nodes of the mesh, N, at the beginning of the last step.
     Reaction(Vec<u32>),
     /// Motion of the rigid body with this number: displacement of its centre of mass, m, and its velocity,
@@ -175,7 +179,9 @@ where
             Self::Strain(_) => of(STRAIN[D - 2], "m/m"),
             Self::Velocity(_) | Self::PointVelocity(_) => of(&["vx", "vy", "vz"][..D], "m/s"),
             Self::Gauge { .. } => of(&["strain"], "m/m"),
-            Self::ContactForce(_) | Self::Reaction(_) => of(&["fx", "fy", "fz"][..D], "N"),
+            Self::ContactForce(_) | Self::ForceOfSpheres(_) | Self::Reaction(_) => {
+                of(&["fx", "fy", "fz"][..D], "N")
+            }
             Self::RigidBody(_) => RIGID[D - 2].to_vec(),
             Self::Cavity(_) => {
                 vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
@@ -213,7 +219,7 @@ where
             Self::Cavity(name) => Self::Cavity(name.clone()),
             Self::JointSet(name) => Self::JointSet(name.clone()),
             Self::Softening => Self::Softening,
-            Self::Wall { .. } | Self::Spheres { .. } => self.clone(),
+            Self::ForceOfSpheres(_) | Self::Wall { .. } | Self::Spheres { .. } => self.clone(),
             Self::Reaction(nodes) => {
                 Self::Reaction(nodes.iter().filter_map(|&number| node(number)).collect())
             }
@@ -235,6 +241,7 @@ where
         match self {
             Self::Stress(_)
             | Self::ContactForce(_)
+            | Self::ForceOfSpheres(_)
             | Self::Reaction(_)
             | Self::Cavity(_)
             | Self::JointSet(_)
@@ -256,7 +263,7 @@ where
             Self::Stress(_) | Self::Strain(_) => 7,
             Self::Velocity(_) => D + 1,
             Self::Gauge { .. } => 2 * D,
-            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) => D,
+            Self::PointVelocity(_) | Self::ContactForce(_) | Self::ForceOfSpheres(_) | Self::Reaction(_) => D,
             // The last counts the bodies of this number: 0 in a stage that has none.
             Self::RigidBody(_) => RIGID[D - 2].len() + 1,
             // The last counts the cavities of this name: 0 in a stage that has none.
@@ -291,7 +298,11 @@ where
                 // l² - l₀² without the loss of digits in a difference.
                 vec![dot(plus(span, plus(span, moved)), moved) / (before * (before + now))]
             }
-            Self::PointVelocity(_) | Self::ContactForce(_) | Self::Reaction(_) | Self::Softening => sums,
+            Self::PointVelocity(_)
+            | Self::ContactForce(_)
+            | Self::ForceOfSpheres(_)
+            | Self::Reaction(_)
+            | Self::Softening => sums,
             Self::RigidBody(_) => (0..RIGID[D - 2].len()).map(mean).collect(),
             Self::Cavity(_) => (0..5).map(mean).collect(),
             Self::JointSet(_) => (0..4).map(mean).collect(),
@@ -369,6 +380,9 @@ where
                         add(&force, -1.0);
                     }
                 });
+            }
+            Probe::ForceOfSpheres(sides) => {
+                self.visit_forces_of_spheres(sides, |force, sign| add(&force[..D], sign));
             }
             Probe::RigidBody(body) => {
                 if let Some(motion) = self.motion_of(*body) {
@@ -496,6 +510,7 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::Spheres { region } => {
                 (12_u8, region.map_or_else(Vec::new, |corners| corners.as_flattened().to_vec())).put(out);
             }
+            Self::ForceOfSpheres([by, on]) => (13_u8, (by.parts(), on.parts())).put(out),
         }
     }
 
@@ -516,6 +531,10 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             9 => Self::Softening,
             10 => Self::RigidBody(u32::take(bytes)),
             11 => Self::Wall { wall: u32::take(bytes) },
+            13 => {
+                let (by, on) = <((String, Vec<u32>), (String, Vec<u32>))>::take(bytes);
+                Self::ForceOfSpheres([by, on].map(TouchingSide::of_parts))
+            }
             _ => {
                 let corners = Vec::<f64>::take(bytes);
                 let corner = |first: usize| std::array::from_fn(|axis| corners[first + axis]);

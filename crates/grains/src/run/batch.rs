@@ -301,9 +301,8 @@ fn by_law(law: &PairLaw, batch: &mut Batch, step: f64, share: f64) {
     }
 }
 
-/// Goes through the lanes several times, with a part of the law each time. Its roots and quotients wait for
-/// each other; the processor computes the lanes side by side only if few operations lie between those of one
-/// lane and those of the next.
+/// Goes through the lanes several times, with a part of the law each time. The roots and quotients of a lane
+/// wait for each other. The processor computes the lanes side by side only if they are few operations apart.
 #[inline(always)]
 fn all<const HERTZ: bool, const SLIPS: bool, const ROLLS: bool>(
     law: &PairLaw,

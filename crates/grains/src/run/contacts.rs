@@ -110,7 +110,7 @@ impl Entry {
 
 /// The contacts of the couples of a chunk of places, and those of its spheres.
 #[derive(Debug, Default)]
-pub(crate) struct Chunk {
+pub(crate) struct ContactChunk {
     /// Its contacts: how many there are from `begin` on, and for how many there is room.
     pub(crate) begin: usize,
     pub(crate) count: usize,
@@ -124,7 +124,7 @@ pub(crate) struct Chunk {
     pub(crate) entries: Vec<Entry>,
 }
 
-impl Chunk {
+impl ContactChunk {
     /// Where the entries of a sphere are.
     fn range(&self, place: u32) -> std::ops::Range<usize> {
         let sphere = place % CHUNK as u32;
@@ -137,7 +137,7 @@ impl Chunk {
 /// All contacts.
 #[derive(Debug, Default)]
 pub(crate) struct Contacts {
-    pub(crate) chunks: Vec<Chunk>,
+    pub(crate) chunks: Vec<ContactChunk>,
     pub(crate) couples: Vec<Couple>,
     pub(crate) memories: Vec<Memory>,
     pub(crate) acting: Vec<Acting>,
@@ -182,7 +182,7 @@ impl Contacts {
             }
             let (count, room) = (contacts.len(), with_room(contacts.len()));
             self.resize(begin + room);
-            self.chunks.push(Chunk { begin, count, room, ..Chunk::default() });
+            self.chunks.push(ContactChunk { begin, count, room, ..ContactChunk::default() });
         }
         self.chunks.par_iter_mut().zip(keys).for_each(|(chunk, mut keys)| {
             keys.sort_unstable();

@@ -136,7 +136,7 @@ impl Work for MoveChunk<'_> {
         for (block, (balls, kinds)) in balls.chunks_mut(BLOCK).zip(kinds.chunks(BLOCK)).enumerate() {
             let drives;
             (drives, later) = later.split_at_mut(balls.len());
-            let mut sums = [Sums::default(); BLOCK];
+            let mut sums = [SphereSums::default(); BLOCK];
             let adding = AddUp { of, entries, begin: added, block, sums: &mut sums, balls, drives };
             let (end, depth) = level::run(of.simd, adding);
             added = end;
@@ -208,12 +208,12 @@ fn and(row: [f64; 4], scale: [f64; 4], other: [f64; 4]) -> [f64; 4] {
 /// Force, N, and moment, N m, of all spheres on one. The last number of the force is the energy that its
 /// contacts have dissipated, J.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+struct SphereSums {
     force: [f64; 4],
     moment: [f64; 4],
 }
 
-impl Sums {
+impl SphereSums {
     /// Adds the force of a contact with something else than a sphere.
     fn add(&mut self, outer: &Outer, drive: &mut Drive) {
         for axis in 0..3 {
@@ -238,7 +238,7 @@ struct AddUp<'a, 'b> {
     entries: &'a [Entry],
     begin: usize,
     block: usize,
-    sums: &'b mut [Sums; BLOCK],
+    sums: &'b mut [SphereSums; BLOCK],
     balls: &'b [Ball],
     drives: &'b mut [Drive],
 }
@@ -329,7 +329,7 @@ impl<'a> Rule<'a> {
 
     /// Moves a sphere for a step. Returns its velocity, m/s, and another number.
     #[inline(always)]
-    fn advance(&self, ball: &mut Ball, drive: &mut Drive, held: bool, sums: &Sums) -> [f64; 4] {
+    fn advance(&self, ball: &mut Ball, drive: &mut Drive, held: bool, sums: &SphereSums) -> [f64; 4] {
         let (step, half) = (self.of.step, 0.5 * self.of.step);
         let [x, y, z] = drive.velocity;
         let mut velocity = [x, y, z, drive.dissipated];

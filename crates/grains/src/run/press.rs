@@ -13,7 +13,7 @@ use crate::law::{Meeting, PairLaw};
 use crate::run::balls::{Ball, Balls};
 use crate::run::batch::{Batch, Common, LANES};
 use crate::run::cell::{Repeats, RunBox};
-use crate::run::contacts::{Acting, CHUNK, Chunk, Contacts, Couple, Memory, Rolling, history};
+use crate::run::contacts::{Acting, CHUNK, ContactChunk, Contacts, Couple, Memory, Rolling, history};
 use crate::run::laws::Laws;
 use crate::run::level::{self, Level, Work};
 use crate::run::lists::Lists;
@@ -67,7 +67,7 @@ struct Look<'a> {
     pairs: &'a [[u32; 2]],
     due: &'a mut [f32],
     couples: &'a [Couple],
-    chunk: &'a mut Chunk,
+    chunk: &'a mut ContactChunk,
     travel: f64,
     skin: f64,
 }

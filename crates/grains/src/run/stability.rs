@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::GrainError;
 use crate::run::balls::{ALONE, Balls};
-use crate::run::contacts::{CHUNK, Chunk, Contacts, Entry};
+use crate::run::contacts::{CHUNK, ContactChunk, Contacts, Entry};
 use crate::run::laws::Laws;
 use crate::time_step::Response;
 use crate::vector::dot;
@@ -21,7 +21,7 @@ const CERTAIN: f64 = 0.8;
 /// # Errors
 /// [`GrainError::Unstable`] with the sphere that needs the shortest step.
 pub(crate) fn check(balls: &Balls, of: &Contacts, laws: &Laws, step: f64) -> Result<(), GrainError> {
-    let of_chunk = |(number, chunk): (usize, &Chunk)| {
+    let of_chunk = |(number, chunk): (usize, &ContactChunk)| {
         let spheres = chunk.entries.chunk_by(|one, two| one.sphere == two.sphere);
         let steps = spheres.map(|entries| {
             let place = number * CHUNK + entries[0].sphere as usize;
@@ -46,7 +46,8 @@ fn shorter(one: (f64, u32, usize), two: (f64, u32, usize)) -> (f64, u32, usize) 
     if (two.0, two.1) < (one.0, one.1) { two } else { one }
 }
 
-/// The response of a sphere with these contacts to a spin about an axis of any direction, and the number of contacts in it.
+/// The response of a sphere with these contacts to a spin about an axis of any direction, and the number of
+/// contacts in it.
 fn response(
     place: usize,
     balls: &Balls,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use fdem_io::numbers::brief;
 use fdem_mesh::{Corners, Mesh};
-use fdem_simulation::{Element, MaterialPoint, Probe};
+use fdem_simulation::{Element, MaterialPoint, Probe, TouchingSide};
 
 use crate::shapes::placed::{self, Placed, is_body};
 use crate::text::document::{Document, Table};
@@ -124,14 +124,14 @@ pub(crate) fn check(file: &ModelFile, index: usize, document: &Document<'_>, fau
         );
     }
     for (place, name) in history.contact_force.iter().flatten().enumerate() {
-        if !is_body(file, name) {
+        if !is_body(file, name) && !are_spheres(file, name) {
             faults.push(
                 Fault::at(
                     document.entry(table, "contact_force", place),
-                    format!("there is no body \"{name}\""),
+                    format!("there is no body \"{name}\", and no spheres have this name"),
                 )
-                .label("unknown body")
-                .help(placed::suggestion(file, name)),
+                .label("unknown name")
+                .help(of_all(file, name)),
             );
         }
     }
@@ -167,6 +167,22 @@ where
     probes
 }
 
+/// Names of groups of spheres.
+fn groups(file: &ModelFile) -> impl Iterator<Item = &str> {
+    file.grains.iter().map(|of| of.name.as_str()).chain(file.insertion.iter().map(|of| of.name.as_str()))
+}
+
+/// Whether a name is that of a group of spheres.
+fn are_spheres(file: &ModelFile, name: &str) -> bool {
+    groups(file).any(|group| group == name)
+}
+
+/// Advice on a name that is neither that of a body nor that of spheres.
+fn of_all(file: &ModelFile, name: &str) -> String {
+    let names: Vec<&str> = file.body.iter().map(|body| body.name.as_str()).chain(groups(file)).collect();
+    suggestion(name, &names, "[[body]], [[grains]] or [[insertion]]")
+}
+
 /// The error of a history: the key, a message, and advice.
 type ProbeFault = (&'static str, String, Option<String>);
 
@@ -187,6 +203,9 @@ where
         let history = self.history;
         if let Some(probe) = self.of_spheres() {
             return Ok(probe);
+        }
+        if let Some([by, on]) = history.contact_force.as_deref() {
+            return self.contact_force([by, on]);
         }
         if self.bodies.is_empty() {
             let name = history.body.as_deref().unwrap_or("");
@@ -214,9 +233,6 @@ where
                 ends: [self.point("gauge", ends[0])?, self.point("gauge", ends[1])?],
                 span,
             });
-        }
-        if let Some([by, on]) = history.contact_force.as_deref() {
-            return self.contact_force([by, on]);
         }
         if let Some(name) = &history.cavity {
             return self.cavity(name);
@@ -291,24 +307,35 @@ where
         Ok(elements)
     }
 
-    /// The force between two bodies.
+    /// The force between two bodies, groups of spheres, or a body and spheres.
     fn contact_force(&self, names: [&String; 2]) -> Result<Probe<D, N>, ProbeFault> {
-        let [by, on] = names.map(|name| {
+        let sides = names.map(|name| {
             let bodies = placed::named(self.placed, self.file, name);
-            bodies.into_iter().map(|body| body as u32).collect::<Vec<u32>>()
+            if bodies.is_empty() && are_spheres(self.file, name) {
+                return TouchingSide::Spheres(name.clone());
+            }
+            TouchingSide::Bodies(bodies.into_iter().map(|body| body as u32).collect())
         });
-        for (bodies, name) in [&by, &on].into_iter().zip(names) {
-            if bodies.is_empty() {
-                let help = placed::suggestion(self.file, name);
+        for (side, name) in sides.iter().zip(names) {
+            if *side == TouchingSide::Bodies(Vec::new()) {
+                let help = of_all(self.file, name);
                 return Err(("contact_force", format!("there is no body \"{name}\""), Some(help)));
             }
         }
-        if let Some(both) = by.iter().find(|body| on.binary_search(body).is_ok()) {
-            let name = &self.placed[*both as usize].name;
-            let help = "take two bodies that are not the same".to_owned();
-            return Err(("contact_force", format!("\"{name}\" is on both sides"), Some(help)));
+        let twice = |name: &str| {
+            let help = "take two that are not the same".to_owned();
+            Err(("contact_force", format!("\"{name}\" is on both sides"), Some(help)))
+        };
+        match sides {
+            [TouchingSide::Bodies(by), TouchingSide::Bodies(on)] => {
+                match by.iter().find(|body| on.binary_search(body).is_ok()) {
+                    Some(&both) => twice(&self.placed[both as usize].name),
+                    None => Ok(Probe::ContactForce([by, on])),
+                }
+            }
+            sides if sides[0] == sides[1] => twice(names[0]),
+            sides => Ok(Probe::ForceOfSpheres(sides)),
         }
-        Ok(Probe::ContactForce([by, on]))
     }
 
     /// The cavity of a boundary.

@@ -2,8 +2,8 @@
 
 use fdem_model::{AnyPrepared, Prepared, prepare_any};
 use fdem_results::CoarseGrid;
-use fdem_simulation::Probe;
 use fdem_simulation::grains::{BoxServo, ForceLaw, GrainModel, WallShape};
+use fdem_simulation::{Probe, TouchingSide};
 
 /// A model of spheres that is right.
 const HEAP: &str = r#"[model]
@@ -460,6 +460,31 @@ fn histories_of_walls_and_spheres() {
         [Probe::Wall { wall: 0 }, Probe::Spheres { region: Some([[0.0; 3], [1.0; 3]]) }]
     );
     refused(&text.replace("wall = \"floor\"", "wall = \"flor\""), "wall = ", &["did you mean \"floor\"?"]);
+}
+
+#[test]
+fn histories_of_the_force_between_spheres_and_bodies() {
+    let body = "[[body]]\nname = \"block\"\nmaterial = \"steel\"\nmesh_size = 0.2\n\
+                box = { min = [1, 0, 0], max = [1.2, 0.2, 0.2] }\n";
+    let rain = "[[insertion]]\nname = \"rain\"\nmaterial = \"glass\"\ncount = 2\nradius = 0.01\n\
+                within = { min = [0, 0, 0.6], max = [0.1, 0.1, 0.7] }\n";
+    let history =
+        |names: &str| format!("{HEAP}{body}{rain}[[history]]\nname = \"f\"\ncontact_force = {names}\n");
+    let [sand, rain, block] = [
+        TouchingSide::Spheres("sand".to_owned()),
+        TouchingSide::Spheres("rain".to_owned()),
+        TouchingSide::Bodies(vec![0]),
+    ];
+    let probes = |names: &str| space(&history(names)).probes;
+    assert_eq!(probes(r#"["sand", "block"]"#), [Probe::ForceOfSpheres([sand.clone(), block.clone()])]);
+    assert_eq!(probes(r#"["block", "sand"]"#), [Probe::ForceOfSpheres([block, sand.clone()])]);
+    assert_eq!(probes(r#"["rain", "sand"]"#), [Probe::ForceOfSpheres([rain, sand])]);
+    refused(
+        &history(r#"["sond", "block"]"#),
+        "contact_force",
+        &["no body \"sond\", and no spheres", "\"sand\"?"],
+    );
+    refused(&history(r#"["sand", "sand"]"#), "contact_force", &["on both sides"]);
 }
 
 #[test]

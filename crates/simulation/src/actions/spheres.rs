@@ -103,6 +103,11 @@ impl<const D: usize> SphereAction<D> {
         self.run.as_ref()
     }
 
+    /// Number of the body of each facet of the surface that spheres touch.
+    pub(crate) fn bodies_of_facets(&self) -> &[u32] {
+        &self.surface.bodies
+    }
+
     /// The same, to change it between steps.
     pub(crate) fn run_mut(&mut self) -> Option<&mut GrainRun> {
         self.run.as_mut()

@@ -2,6 +2,7 @@
 
 use fdem_grains::{GrainPartner, GrainRun, SphereColumns};
 
+use crate::probe::touching::TouchingSide;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::vector::{Point, minus};
@@ -76,6 +77,39 @@ where
         let [mx, my, mz] = run.wall_moment(number);
         let [ux, uy, uz] = run.wall_displacement(number);
         visit(&[fx, fy, fz, mx, my, mz, ux, uy, uz, 1.0]);
+    }
+
+    /// Visits the force of each contact of spheres between two sides, N: with its sign, that of the first
+    /// side on the second.
+    pub(super) fn visit_forces_of_spheres(
+        &self,
+        [by, on]: &[TouchingSide; 2],
+        mut visit: impl FnMut([f64; 3], f64),
+    ) {
+        let Some(run) = self.counted_spheres() else { return };
+        let columns = run.columns();
+        let bodies = self.actions.spheres.bodies_of_facets();
+        let is_sphere = |side: &TouchingSide, sphere: u32| match side {
+            TouchingSide::Spheres(name) => {
+                columns.group_names.get(columns.groups[sphere as usize] as usize) == Some(name)
+            }
+            TouchingSide::Bodies(_) => false,
+        };
+        let is_other = |side: &TouchingSide, other: &GrainPartner| match (side, other) {
+            (_, GrainPartner::Sphere(sphere)) => is_sphere(side, *sphere),
+            (TouchingSide::Bodies(list), GrainPartner::Facet(facet)) => {
+                bodies.get(*facet as usize).is_some_and(|body| list.binary_search(body).is_ok())
+            }
+            _ => false,
+        };
+        for contact in &columns.contacts {
+            // The force is that on the sphere.
+            if is_sphere(on, contact.sphere) && is_other(by, &contact.other) {
+                visit(contact.force, 1.0);
+            } else if is_sphere(by, contact.sphere) && is_other(on, &contact.other) {
+                visit(contact.force, -1.0);
+            }
+        }
     }
 
     /// Visits sums over the spheres whose centres are in a region, a box by its lowest and its highest

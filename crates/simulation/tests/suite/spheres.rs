@@ -292,6 +292,7 @@ fn a_ball_on_a_block_has_the_force_of_hertz() {
         ..Spheres::default()
     };
     grains.surfaces = surfaces(1.0, 0.0);
+    grains.groups = vec!["ball".to_owned()];
     let mut run = Simulation::new(model, 1).expect("a model");
     run.advance((2e-4 / run.time_step()) as u64).expect("steps");
     // Forces are those at the beginning of the last step.
@@ -301,6 +302,13 @@ fn a_ball_on_a_block_has_the_force_of_hertz() {
     let contacts = run.snapshot().spheres.contacts;
     let force: f64 = contacts.iter().map(|contact| contact.force[2]).sum();
     assert!((force / hertz - 1.0).abs() < 0.03, "{force} {hertz}");
+    let [ball, block] = [TouchingSide::Spheres("ball".to_owned()), TouchingSide::Bodies(vec![0])];
+    let other = TouchingSide::Bodies(vec![1]);
+    let probes = [[ball.clone(), block.clone()], [block, ball.clone()], [ball, other]];
+    let measured = run.measure(&probes.map(Probe::ForceOfSpheres));
+    for (measured, expected) in measured.iter().zip([-force, force, 0.0]) {
+        assert!((measured[2] - expected).abs() <= 1e-12 * force, "{measured:?} {expected}");
+    }
 }
 
 /// A fan of spheres that breaks a plate.

@@ -152,6 +152,7 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         Probe::Gauge { ends, .. } => ends.iter().map(at).collect(),
         // The picture has their bodies, nodes, boundaries and joints.
         Probe::ContactForce(_)
+        | Probe::ForceOfSpheres(_)
         | Probe::Reaction(_)
         | Probe::Cavity(_)
         | Probe::JointSet(_)

@@ -172,8 +172,8 @@ pub struct History {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"), length(min = 2, max = 2))]
     pub gauge: Option<Vec<Vector>>,
-    /// Names of two bodies: the force that the first exerts on the second by contact, N. The name of a
-    /// packing means all of its pieces.
+    /// Names of two bodies or groups of spheres: the force that the first exerts on the second by contact,
+    /// N. The name of a packing means all of its pieces.
     #[serde(default)]
     #[schemars(length(min = 2, max = 2))]
     pub contact_force: Option<Vec<String>>,

@@ -41,8 +41,9 @@ pub(super) struct BodySurface<const D: usize> {
     own: Vec<u32>,
     /// Points of each facet: see [`fdem_grains::Surface::facets`].
     pub(super) facets: Vec<[u32; 3]>,
-    /// Number of the material of each facet.
+    /// Number of the material of each facet, and of its body.
     pub(super) materials: Vec<u32>,
+    pub(super) bodies: Vec<u32>,
     /// Positions, m, and velocities, m/s, of the points.
     pub(super) points: Vec<[f64; 3]>,
     pub(super) velocities: Vec<[f64; 3]>,
@@ -51,8 +52,8 @@ pub(super) struct BodySurface<const D: usize> {
 /// The part of the surface that one rank finds.
 struct SurfacePart<const D: usize> {
     /// Sides whose first corner it owns: their codes, those of their corners, and the numbers of their
-    /// materials.
-    sides: Vec<(u32, ([u32; D], u32))>,
+    /// materials and bodies.
+    sides: Vec<(u32, ([u32; D], [u32; 2]))>,
     /// Codes of the corners that it owns, ascending, and of their points: of the first corner there.
     corners: Vec<(u32, u32)>,
     /// Codes of its points, ascending.
@@ -190,7 +191,8 @@ impl<const D: usize> BodySurface<D> {
         };
         // In the plane the second point counts as the third, too.
         self.facets = sides.iter().map(|(_, (side, _))| [0, 1, D - 1].map(|k| point(side[k]))).collect();
-        self.materials = sides.iter().map(|(_, (_, material))| *material).collect();
+        self.materials = sides.iter().map(|(_, (_, [material, _]))| *material).collect();
+        self.bodies = sides.iter().map(|(_, (_, [_, body]))| *body).collect();
         self.points = vec![[0.0; 3]; points.len()];
         self.velocities = vec![[0.0; 3]; points.len()];
     }
@@ -247,8 +249,9 @@ impl<const D: usize> BodySurface<D> {
         }
         self.first.push(self.nodes.len() as u32);
         part.sides.extend(sides.iter().filter(|side| owns(&side[0])).map(|side| {
-            let material = solid.element(side[0] as usize / N).material;
-            (topology.code_of_side(side), (side.map(|corner| topology.code_of_corner(corner)), material))
+            let element = side[0] as usize / N;
+            let kinds = [solid.element(element).material, scene.model.mesh.bodies[element]];
+            (topology.code_of_side(side), (side.map(|corner| topology.code_of_corner(corner)), kinds))
         }));
         part
     }
