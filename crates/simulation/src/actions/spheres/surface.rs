@@ -49,11 +49,13 @@ pub(super) struct BodySurface<const D: usize> {
     pub(super) velocities: Vec<[f64; 3]>,
 }
 
+/// A side: codes of its corners, and the numbers of its material and of its body.
+type Side<const D: usize> = ([u32; D], [u32; 2]);
+
 /// The part of the surface that one rank finds.
 struct SurfacePart<const D: usize> {
-    /// Sides whose first corner it owns: their codes, those of their corners, and the numbers of their
-    /// materials and bodies.
-    sides: Vec<(u32, ([u32; D], [u32; 2]))>,
+    /// Sides whose first corner it owns, with their codes.
+    sides: Vec<(u32, Side<D>)>,
     /// Codes of the corners that it owns, ascending, and of their points: of the first corner there.
     corners: Vec<(u32, u32)>,
     /// Codes of its points, ascending.
