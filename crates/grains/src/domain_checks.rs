@@ -7,6 +7,17 @@ impl GrainModel {
     /// Checks the numbers of the box and of its servo.
     pub(crate) fn check_box(&self) -> Result<(), GrainError> {
         let Some(domain) = &self.domain else { return Ok(()) };
+        for (axis, (low, high)) in domain.low.into_iter().zip(domain.high).enumerate() {
+            let place = || format!("the box along {}", ["x", "y", "z"][axis]);
+            within(place, "lower side", low, low.is_finite(), "finite")?;
+            within(
+                place,
+                "upper side",
+                high,
+                high.is_finite() && high > low,
+                "finite, above the lower side",
+            )?;
+        }
         let from = domain.strain_from;
         within(|| "the box".to_owned(), "time of strain rates", from, from >= 0.0, "at least 0")?;
         let Some(servo) = &domain.servo else { return Ok(()) };

@@ -122,3 +122,37 @@ fn wrong_servos_are_refused() {
     let pulled = BoxServo { pressures: [Some(-1.0), None, None], ..CONFINED };
     assert!(refused(pulled, [0.0; 3]).contains("along x: pressure is -1e0"));
 }
+
+#[test]
+fn discs_move_in_a_box() {
+    let model = |periodic| GrainModel {
+        spheres: Spheres {
+            positions: vec![[0.05, 0.1, 0.0], [0.15, 0.1, 0.0]],
+            radii: vec![0.01; 2],
+            velocities: vec![[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+            ..Spheres::default()
+        },
+        materials: vec![material(1e7, 0.2, 2500.0)],
+        surfaces: vec![Surfaces { restitution: 1.0, ..Surfaces::smooth([0, 0]) }],
+        discs: Some(0.5),
+        domain: Some(Domain {
+            low: [0.0, 0.0, -0.25],
+            high: [0.2, 0.2, 0.25],
+            periodic,
+            outside: Outside::Delete,
+            ..cube(0.2)
+        }),
+        ..GrainModel::default()
+    };
+    for periodic in [[false; 3], [true, true, false]] {
+        let mut run = GrainRun::new(model(periodic), 1).expect("a model");
+        run.advance((0.09 / run.time_step()) as u64).expect("steps");
+        assert_eq!(run.count(), 2);
+        // They have met, and go back.
+        assert!((run.velocity(0)[0] + 1.0).abs() < 1e-3, "{:?}", run.velocity(0));
+    }
+    let mut endless = model([false; 3]);
+    endless.domain.as_mut().expect("a box").high[2] = f64::INFINITY;
+    let error = GrainRun::new(endless, 1).expect_err("an endless box").to_string();
+    assert!(error.contains("the box along z: upper side is inf"), "{error}");
+}

@@ -86,10 +86,11 @@ where
     notes.extend(coming::without_room(file, &model.insertions, discs));
     notes.extend(clumps::in_pieces(file, &shapes));
     let (spheres, clumps, insertions) = (&model.spheres, &model.clumps, &model.insertions);
+    let boxed = |of: &file::Domain| domain(of, file.model.thickness);
     let beginning = Beginning { spheres, clumps, insertions, groups: &prepared.groups, discs, document };
     beginning.among_spheres(faults);
     beginning.on_walls(&all, faults);
-    beginning.outside(file.domain.as_ref().map(domain), faults);
+    beginning.outside(file.domain.as_ref().map(boxed), faults);
     beginning.in_bodies(placed, faults);
     beginning.without_room(&all, faults);
     let groups = file.grains.iter().map(|grains| &grains.name);
@@ -104,7 +105,7 @@ where
         },
         groups: groups.chain(file.insertion.iter().map(|of| &of.name)).cloned().collect(),
         discs: discs.then_some(file.model.thickness),
-        domain: file.domain.as_ref().map(domain),
+        domain: file.domain.as_ref().map(boxed),
         step: match file.model.time_step {
             TimeStep::Seconds(step) => Some(step),
             TimeStep::Auto(_) => None,
@@ -252,14 +253,14 @@ fn law(file: &ModelFile) -> ForceLaw {
     }
 }
 
-/// The domain. Along axes that the model has not it is infinite.
-fn domain(of: &file::Domain) -> Domain {
+/// The domain. Along the third axis of discs it has their thickness, m.
+fn domain(of: &file::Domain, thickness: f64) -> Domain {
     let (low, high) = of.limits.split_at(of.limits.len() / 2);
     let component = |list: &[f64], axis: usize, without: f64| list.get(axis).copied().unwrap_or(without);
     let axes = [(0, DomainAxis::X), (1, DomainAxis::Y), (2, DomainAxis::Z)];
     Domain {
-        low: axes.map(|(axis, _)| component(low, axis, f64::NEG_INFINITY)),
-        high: axes.map(|(axis, _)| component(high, axis, f64::INFINITY)),
+        low: axes.map(|(axis, _)| component(low, axis, -0.5 * thickness)),
+        high: axes.map(|(axis, _)| component(high, axis, 0.5 * thickness)),
         periodic: axes.map(|(_, axis)| of.periodic.contains(&axis)),
         strain_rates: of.strain_rate.as_ref().map_or([0.0; 3], in_space),
         strain_from: of.strain_from,

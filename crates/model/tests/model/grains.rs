@@ -161,6 +161,11 @@ fn discs_alone_are_a_model_in_two_dimensions() {
     assert_eq!(model.spheres.spins[0], [0.0, 0.0, std::f64::consts::FRAC_PI_2]);
     assert_eq!(model.walls[0].rotation.unwrap().spin, [0.0, 0.0, std::f64::consts::PI]);
     assert!(matches!(model.walls[0].shape, WallShape::Tube { radius: 0.3, .. }));
+    // Along the third axis a box has the thickness of the discs.
+    let domain = "\n[domain]\nbox = [-1, -2, 1, 2]\nperiodic = [\"x\"]\n";
+    let domain = grains(&format!("{DISCS}{domain}")).domain.expect("a box");
+    assert_eq!([domain.low, domain.high], [[-1.0, -2.0, -0.25], [1.0, 2.0, 0.25]]);
+    assert_eq!(domain.periodic, [true, false, false]);
 }
 
 #[test]
