@@ -35,6 +35,7 @@ pub(crate) mod on_walls;
 pub(crate) mod order;
 pub(crate) mod press;
 pub(crate) mod report;
+pub(crate) mod rows;
 pub(crate) mod stability;
 pub(crate) mod state;
 

@@ -14,6 +14,7 @@ use crate::run::balls::Ball;
 use crate::run::cell::Repeats;
 use crate::run::contacts::{Couple, Memory, Rolling};
 use crate::run::level::Level;
+use crate::run::rows::{larger, row, smaller};
 use crate::vector::{Vector, across, cross, dot, minus, plus, times};
 
 /// Contacts in a batch.
@@ -217,11 +218,6 @@ impl Batch {
     pub(crate) fn stretched(&self, lane: usize) -> [Vector; 2] {
         [at(&self.force, lane), at(&self.apart, lane)]
     }
-}
-
-#[inline(always)]
-fn row([x, y, z]: Vector, number: f64) -> [f64; 4] {
-    [x, y, z, number]
 }
 
 /// Turns rows of all lanes into lists of their numbers.
@@ -491,18 +487,6 @@ fn turned(vector: Vector, normal: Vector, angle: f64) -> Vector {
     let scale = (dot(vector, vector) / larger(dot(flat, flat), f64::MIN_POSITIVE)).sqrt();
     let flat = times(scale, flat);
     plus(flat, times(angle, cross(normal, flat)))
-}
-
-/// The larger of two numbers; the second if one is none.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The smaller of two numbers; the second if one is none.
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 #[inline(always)]

@@ -74,7 +74,7 @@ pub(crate) struct Couple {
 impl Couple {
     /// The chunk that has the contact: that of the lower place.
     fn chunk(&self) -> usize {
-        self.places[0].min(self.places[1]) as usize / CHUNK
+        chunk_of(self.places[0].min(self.places[1]))
     }
 }
 
@@ -115,7 +115,7 @@ pub(crate) struct ContactChunk {
     pub(crate) begin: usize,
     pub(crate) count: usize,
     pub(crate) room: usize,
-    /// Those that have ended in the last step, by their places in the chunk.
+    /// Contacts that ended in the last step, by their places in the chunk.
     pub(crate) ended: Vec<u32>,
     /// Slots of couples that begin to touch.
     pub(crate) begun: Vec<u32>,
@@ -163,14 +163,8 @@ impl Contacts {
         for contacts in of_chunks {
             let begin = self.couples.len();
             for (contact, (couple, history)) in (begin as u32..).zip(&contacts) {
-                for side in [0, 1] {
-                    let [place, other] = [couple.places[side], couple.places[1 - side]];
-                    let entry = Entry::new(contact, side == 1, place);
-                    keys[place as usize / CHUNK].push((
-                        entry.sphere,
-                        balls.list[other as usize].number,
-                        entry.code,
-                    ));
+                for (place, other, entry) in entries(contact, couple, balls) {
+                    keys[chunk_of(place)].push((entry.sphere, other, entry.code));
                 }
                 self.couples.push(*couple);
                 let [x, y, z] = history.tangential;
@@ -206,7 +200,7 @@ impl Contacts {
 
     /// The contacts of a sphere, in the order of the other spheres' numbers.
     pub(crate) fn of(&self, place: usize) -> &[Entry] {
-        let Some(chunk) = self.chunks.get(place / CHUNK) else { return &[] };
+        let Some(chunk) = self.chunks.get(chunk_of(place as u32)) else { return &[] };
         &chunk.entries[chunk.range(place as u32)]
     }
 
@@ -276,26 +270,23 @@ impl Contacts {
         if self.rolls {
             self.rolling[contact] = Rolling::default();
         }
-        for side in [0, 1] {
-            let [place, other] = [couple.places[side], couple.places[1 - side]];
-            let number = balls.list[other as usize].number;
-            let chunk = &self.chunks[place as usize / CHUNK];
+        for (place, other, entry) in entries(contact as u32, &couple, balls) {
+            let chunk = &self.chunks[chunk_of(place)];
             let range = chunk.range(place);
             let other_of = |entry: &Entry| {
                 let other = self.couples[entry.contact()].places[1 - entry.side()];
                 balls.list[other as usize].number
             };
             let of_place = &chunk.entries[range.clone()];
-            let index = range.start + of_place.partition_point(|entry| other_of(entry) < number);
-            let entry = Entry::new(contact as u32, side == 1, place);
-            self.chunks[place as usize / CHUNK].entries.insert(index, entry);
+            let index = range.start + of_place.partition_point(|entry| other_of(entry) < other);
+            self.chunks[chunk_of(place)].entries.insert(index, entry);
         }
     }
 
     /// Where the entry of a contact is: the chunk of one of its spheres, and the place in its list.
     fn find(&self, contact: usize, side: usize) -> (usize, usize) {
         let place = self.couples[contact].places[side];
-        let number = place as usize / CHUNK;
+        let number = chunk_of(place);
         let chunk = &self.chunks[number];
         let range = chunk.range(place);
         let code = (2 * contact + side) as u32;
@@ -329,6 +320,20 @@ impl Contacts {
             }
         }
     }
+}
+
+/// The chunk of a place.
+fn chunk_of(place: u32) -> usize {
+    place as usize / CHUNK
+}
+
+/// The entries of a contact: the place of each sphere, the other sphere's number, by which the entries of a
+/// sphere are sorted, and the entry.
+fn entries(contact: u32, couple: &Couple, balls: &Balls) -> [(u32, u32, Entry); 2] {
+    [0, 1].map(|side: usize| {
+        let [place, other] = [couple.places[side], couple.places[1 - side]];
+        (place, balls.list[other as usize].number, Entry::new(contact, side == 1, place))
+    })
 }
 
 /// The room that some contacts get, so that others may begin.

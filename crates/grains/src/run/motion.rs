@@ -13,6 +13,7 @@ use crate::run::contacts::{CHUNK, Contacts, Entry};
 use crate::run::depth::Depth;
 use crate::run::level::{self, Level, Work};
 use crate::run::on_walls::Outer;
+use crate::run::rows::{and, larger, less, row, square};
 use crate::vector::{Vector, dot, minus};
 
 /// Number of spheres whose forces are added up together.
@@ -180,31 +181,6 @@ impl Work for MoveChunk<'_> {
     }
 }
 
-/// The larger of two numbers; the second if one is none.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The square of the vector of a row.
-#[inline(always)]
-fn square(row: [f64; 4]) -> f64 {
-    let squares = row.map(|x| x * x);
-    squares[0] + squares[1] + squares[2]
-}
-
-/// The difference of two rows.
-#[inline(always)]
-fn less(one: [f64; 4], two: [f64; 4]) -> [f64; 4] {
-    [0, 1, 2, 3].map(|k: usize| one[k] - two[k])
-}
-
-/// A row and a multiple of another one.
-#[inline(always)]
-fn and(row: [f64; 4], scale: [f64; 4], other: [f64; 4]) -> [f64; 4] {
-    [0, 1, 2, 3].map(|k: usize| row[k] + scale[k] * other[k])
-}
-
 /// Force, N, and moment, N m, of all spheres on one. The last number of the force is the energy that its
 /// contacts have dissipated, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -286,7 +262,7 @@ impl Work for AddUp<'_, '_> {
     }
 }
 
-/// How all spheres of a step move, in rows of four numbers, because an operation on them is one of a vector.
+/// The motion of one sphere in a step, and all numbers on which it depends, in rows.
 struct Rule<'a> {
     of: Moving<'a>,
     share: f64,
@@ -305,7 +281,6 @@ struct Rule<'a> {
 impl<'a> Rule<'a> {
     #[inline(always)]
     fn new(of: Moving<'a>, share: f64) -> Self {
-        let row = |[x, y, z]: Vector| [x, y, z, 0.0];
         let (mut low, mut least, mut end) = ([0.0; 4], [-FARTHEST; 4], [FARTHEST; 4]);
         if let Some(cell) = of.cell {
             for axis in 0..3 {
@@ -317,8 +292,8 @@ impl<'a> Rule<'a> {
         Self {
             of,
             share,
-            stream: row(of.stream),
-            gravity: row(of.gravity),
+            stream: row(of.stream, 0.0),
+            gravity: row(of.gravity, 0.0),
             growing,
             low,
             least,

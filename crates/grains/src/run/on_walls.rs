@@ -61,7 +61,7 @@ pub(crate) struct OnWalls {
     reach: f64,
     /// Contacts of the last step, by walls, then by spheres.
     pub(crate) touches: Vec<WallTouch>,
-    /// Those of the step before, in memory that is used again.
+    /// Contacts of the step before that one. The next step reuses the memory.
     before: Vec<WallTouch>,
     /// The deepest contact of the last step.
     pub(crate) deepest: Depth,
