@@ -232,5 +232,7 @@ pub use simulation::changed::Change;
 pub use simulation::run::{Counts, Simulation};
 pub use simulation::saved::State;
 pub use snapshot::{Crack, Mode, Snapshot, principal_stresses};
+#[doc(hidden)]
+pub use solid::single::{ElementForces, ElementState, deform_tetrahedra, deform_triangles};
 pub use subset::Subset;
 pub use timings::Timings;

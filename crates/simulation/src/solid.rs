@@ -3,6 +3,7 @@
 pub(crate) mod batch;
 mod by_law;
 mod columns;
+pub(crate) mod single;
 mod viscous;
 pub(crate) mod watch;
 

@@ -1,5 +1,5 @@
 //! Points and vectors of any dimension. Every operation rounds in a fixed order, so that results are the same
-//! on every platform.
+//! on every platform. Twin: `crates/gpu/kernels/laws.h`.
 
 /// A point or vector.
 pub(crate) type Point<const D: usize = 2> = [f64; D];

@@ -158,7 +158,8 @@ where
 }
 
 /// Moves a node under the force on it without its weight, and its weight, N. Returns the node at the end of
-/// the step, the reaction of its supports, and the square of its speed.
+/// the step, the reaction of its supports, and the square of its speed. Twin: `solid_move` in
+/// `crates/gpu/kernels/step.h`.
 #[inline]
 fn move_node<const D: usize, const N: usize>(
     node: Node<D>,

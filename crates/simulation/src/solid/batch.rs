@@ -195,7 +195,8 @@ pub(crate) fn forces_of<const D: usize, const N: usize>(
     forces
 }
 
-/// Computes one element of a batch. `ANY` strain, or only small ones.
+/// Computes one element of a batch: for small strains, or once more for `ANY` strain. Twin: `deform` in
+/// `crates/gpu/kernels/laws.h`.
 #[inline(always)]
 fn strain_one<
     const D: usize,
@@ -242,12 +243,15 @@ fn strain_one<
         energy += given.stored.get(lane) + 0.5 * contraction(&initial, &strain);
     }
     if VISCOUS {
-        let rate = product(&tensor(&given.rates, lane), &gradients);
-        let viscosity = given.viscosity.get(lane);
-        let before = tensor(&history.viscous, lane);
-        let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
-        results.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
-        set_tensor(&mut history.viscous, lane, &now);
+        // Of a large strain it is known already, and the stress of the step before is no longer there.
+        if !ANY {
+            let rate = product(&tensor(&given.rates, lane), &gradients);
+            let before = tensor(&history.viscous, lane);
+            let now = viscous_stress::<D, N>(given.viscosity.get(lane), &gradient, j, &rate);
+            results.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
+            set_tensor(&mut history.viscous, lane, &now);
+        }
+        let now = tensor(&history.viscous, lane);
         stress = matrix(|i, k| stress[i][k] + now[i][k]);
     }
     results.ratio.set(lane, j);

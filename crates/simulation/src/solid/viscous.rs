@@ -4,7 +4,7 @@ use crate::simplex::Simplex;
 use crate::vector::{Matrix, matrix, product, symmetric};
 
 /// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the
-/// symmetric part of `rate F⁻¹`.
+/// symmetric part of `rate F⁻¹`. Twin: `crates/gpu/kernels/laws.h`.
 #[inline(always)]
 pub(crate) fn viscous_stress<const D: usize, const N: usize>(
     viscosity: f64,

@@ -113,3 +113,30 @@ fn constants_without_a_positive_energy_are_refused() {
     let refused = Simulation::new(model, 1).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(refused.contains("material 'granite'") && refused.contains("ν'² E/E'"), "{refused}");
 }
+
+/// Elements with a large strain are computed once more, and must not take the viscous stress of this step for
+/// that of the step before.
+#[test]
+fn the_power_of_viscosity_has_the_stress_before_the_step_for_any_strain() {
+    let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let along = |x: f64| [[x, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+    for stretch in [1.0 + 1e-6, 1.2] {
+        let mut edges = unit;
+        edges[0][0] = stretch;
+        let element = ElementState {
+            gradients: unit,
+            edges,
+            rates: along(2.0),
+            initial: [[0.0; 3]; 3],
+            viscous: along(7.0),
+            volume: 1.0,
+            viscosity: 5.0,
+            stored: 0.0,
+            shear: 2e10,
+            bulk: 3e10,
+        };
+        let found = deform_tetrahedra(&[element], [false, true])[0];
+        assert!(found.viscous[0][0] > 10.0, "{found:?}");
+        assert_eq!(found.power, 2.0 * 7.0 + 2.0 * found.viscous[0][0], "{stretch}");
+    }
+}

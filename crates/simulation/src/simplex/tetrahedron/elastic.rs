@@ -49,7 +49,7 @@ pub(super) fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {
 /// ```text
 /// c³ − 1 = z = (4/3 q + u³ − 8 det E)/J²,    c − 1 = z/(c² + c + 1),
 /// ```
-/// in which no large terms cancel.
+/// in which no large terms cancel. Twin: `crates/gpu/kernels/laws.h`.
 #[inline(always)]
 pub(super) fn stress(
     [shear, bulk]: [f64; 2],

@@ -19,7 +19,7 @@ pub(super) fn stored(moduli: &Moduli, [[xx, xy], [_, yy]]: &Matrix) -> f64 {
 }
 
 /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`;
-/// it must be positive.
+/// it must be positive. Twin: `crates/gpu/kernels/laws.h`.
 #[inline(always)]
 pub(super) fn stress([shear, bulk]: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f64) {
     let [[a, b], [c, d]] = *f;
