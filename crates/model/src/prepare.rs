@@ -579,6 +579,21 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
             );
         }
     }
+    // Histories take both by their names.
+    for (index, name) in file.groups_of_spheres().enumerate() {
+        if file.body.iter().any(|body| body.name == name) {
+            let table = match index.checked_sub(file.grains.len()) {
+                None => Table::of("grains", index),
+                Some(insertion) => Table::of("insertion", insertion),
+            };
+            let message = format!("there is a [[body]] \"{name}\" already");
+            faults.push(
+                Fault::at(document.value(table, "name"), message)
+                    .label("again")
+                    .help("bodies and spheres have different names"),
+            );
+        }
+    }
 }
 
 fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<PreparedBody> {

@@ -93,7 +93,6 @@ where
     beginning.outside(file.domain.as_ref().map(boxed), faults);
     beginning.in_bodies(placed, faults);
     beginning.without_room(&all, faults);
-    let groups = file.grains.iter().map(|grains| &grains.name);
     let model = GrainModel {
         walls: all,
         materials: surfaces::materials(materials),
@@ -103,7 +102,7 @@ where
             Gravity::Vector(gravity) => in_space(gravity),
             Gravity::None(_) => [0.0; 3],
         },
-        groups: groups.chain(file.insertion.iter().map(|of| &of.name)).cloned().collect(),
+        groups: file.groups_of_spheres().map(str::to_owned).collect(),
         discs: discs.then_some(file.model.thickness),
         domain: file.domain.as_ref().map(boxed),
         step: match file.model.time_step {

@@ -167,19 +167,18 @@ where
     probes
 }
 
-/// Names of groups of spheres.
-fn groups(file: &ModelFile) -> impl Iterator<Item = &str> {
-    file.grains.iter().map(|of| of.name.as_str()).chain(file.insertion.iter().map(|of| of.name.as_str()))
-}
-
 /// Whether a name is that of a group of spheres.
 fn are_spheres(file: &ModelFile, name: &str) -> bool {
-    groups(file).any(|group| group == name)
+    file.groups_of_spheres().any(|group| group == name)
 }
 
 /// Advice on a name that is neither that of a body nor that of spheres.
 fn of_all(file: &ModelFile, name: &str) -> String {
-    let names: Vec<&str> = file.body.iter().map(|body| body.name.as_str()).chain(groups(file)).collect();
+    if file.wall.iter().any(|wall| wall.name == name) {
+        return format!("the force of all spheres on that wall is the history wall = \"{name}\"");
+    }
+    let bodies = file.body.iter().map(|body| body.name.as_str());
+    let names: Vec<&str> = bodies.chain(file.groups_of_spheres()).collect();
     suggestion(name, &names, "[[body]], [[grains]] or [[insertion]]")
 }
 

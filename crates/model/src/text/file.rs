@@ -117,6 +117,12 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// Names of the groups of spheres: first of all `[[grains]]`, then of all `[[insertion]]`.
+    pub(crate) fn groups_of_spheres(&self) -> impl Iterator<Item = &str> {
+        let placed = self.grains.iter().map(|of| of.name.as_str());
+        placed.chain(self.insertion.iter().map(|of| of.name.as_str()))
+    }
+
     /// The names of all tables.
     pub(crate) const TABLES: [&str; 19] = [
         "model",

@@ -490,6 +490,13 @@ fn histories_of_the_force_between_spheres_and_bodies() {
         &["no body \"sond\", and no spheres", "\"sand\"?"],
     );
     refused(&history(r#"["sand", "sand"]"#), "contact_force", &["on both sides"]);
+    refused(&history(r#"["sand", "floor"]"#), "contact_force", &["history wall = \"floor\""]);
+    for (name, at) in [("block", "\"sand\""), ("sand", "\"block\"")] {
+        let both = history(r#"["sand", "rain"]"#).replacen(at, &format!("\"{name}\""), 1);
+        refused(&both, "name", &[&format!("there is a [[body]] \"{name}\" already"), "different names"]);
+    }
+    let both = history(r#"["sand", "block"]"#).replace("\"rain\"", "\"block\"");
+    assert!(any(&both).unwrap_err().contains("there is a [[body]] \"block\" already"));
 }
 
 #[test]
