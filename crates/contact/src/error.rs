@@ -285,6 +285,11 @@ pub enum Error {
     },
     /// The search was [stopped](crate::Detector::stopped_by) before its end.
     Stopped,
+    /// A device that searches in place of the processor cannot do so.
+    Device {
+        /// The reason.
+        message: String,
+    },
     /// The system has no memory left for an array.
     OutOfMemory {
         /// Number of bytes requested.
@@ -445,6 +450,7 @@ impl fmt::Display for Error {
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "cannot start {threads} threads: {reason}"),
             Self::Stopped => write!(out, "the search was stopped before its end"),
+            Self::Device { message } => write!(out, "{message}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }
     }

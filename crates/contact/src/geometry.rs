@@ -135,6 +135,7 @@ impl<T: Real, const D: usize> Geometry for EqualSpheres<'_, T, D> {
 
     #[inline]
     fn touch(self, i: usize, j: usize) -> bool {
+        // Twin, also of spheres: `touch` in `crates/gpu/kernels/rows.h`.
         self.distance_squared(i, j) <= self.reach_squared
     }
 }

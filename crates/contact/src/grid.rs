@@ -136,6 +136,11 @@ impl<const D: usize> Grid<D> {
         self.cell_size
     }
 
+    /// 1 over the edge of a cell.
+    pub(crate) fn inverse(&self) -> f64 {
+        self.inverse
+    }
+
     /// Number of cells along each axis: `n_x`, `n_y`, … in (3.55) and (3.56).
     pub fn cells(&self) -> [u64; D] {
         self.cells
@@ -152,7 +157,7 @@ impl<const D: usize> Grid<D> {
     ///
     /// The proof above only needs the quotient to be rounded to an integer in some monotonic way. Rounding to
     /// nearest takes two instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are
-    /// the integer.
+    /// the integer. Twin: `cell_of` in `crates/gpu/kernels/rows.h`.
     #[inline]
     pub(crate) fn wide_cell(&self, axis: usize, x: f64) -> u64 {
         nearest_integer(self.quotient(axis, x))

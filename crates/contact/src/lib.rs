@@ -135,6 +135,7 @@
 //! | size of cells | `src/grid.rs`, `src/search/rows/sparse.rs` |
 //! | the published algorithm | `src/search/nbs.rs`, `src/lists.rs`, `src/mask.rs` |
 //! | the default engine: sorting, windows | `src/search/rows.rs`, `src/search/rows/layout.rs` |
+//! | its input and order, for other devices | `src/search/rows/input.rs` |
 //! | levels for unlike sizes | `src/search/multilevel/levels.rs` |
 //! | bodies that span cells: cells covered, order of lists | `src/search/cgrid.rs`, `src/search/cgrid/lists.rs` |
 //! | running and joining the parts of a search | `src/search/rows/scan.rs`, `src/ordered.rs`, `src/pool.rs` |
@@ -225,6 +226,7 @@ pub use search::level::Level;
 pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
+pub use search::rows::input::RowsInput;
 pub use simd::Simd;
 #[doc(hidden)] // For `fdem-simulation`.
 pub use simd::prefetch::value as prefetch;

@@ -3,6 +3,7 @@
 mod axis;
 mod block_sort;
 mod cursor;
+pub(crate) mod input;
 mod keys;
 pub(crate) mod layout;
 pub(crate) mod reach;
@@ -217,7 +218,7 @@ impl<T: Real, const D: usize> Scanner<T, D> for Rows<T, D> {
             layout,
             against: None,
             arrays: [layout.arrays(filter); 2],
-            reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
+            reach: elements.rows_reach(),
             reach_squared: if let Shape::Equal(equal) = elements.shape {
                 equal.reach_squared()
             } else {

@@ -24,6 +24,7 @@
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 //! - `doubt`: distances at the limit and next to it, where the kernels must not rely on 32 bits; lattices and
 //!   crowds.
+//! - `equal_radii`: radii that are all equal, against radii of which one differs in its last digit.
 //! - `golden`: the numbers printed in the book.
 //! - `boxes`: boxes most of which are much shorter than the longest.
 //! - `cgrid`: long bodies that span many cells; memory and work are bounded.
@@ -65,6 +66,7 @@ mod degenerate;
 mod determinism;
 mod discretised;
 mod doubt;
+mod equal_radii;
 mod explain;
 mod filter;
 mod golden;

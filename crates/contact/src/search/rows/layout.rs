@@ -161,6 +161,14 @@ const WINDOW: f64 = 10.0;
 /// If one block holds more than one element in this number, most bins are empty.
 const SKEWED: usize = 8;
 
+/// The axes of a grid by their number of cells, the largest first; of equal ones the lower axis.
+pub(crate) fn axes_of<const D: usize>(grid: &Grid<D>) -> [usize; D] {
+    let cells = grid.cells();
+    let mut axes = std::array::from_fn(|axis| axis);
+    axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
+    axes
+}
+
 impl<T: Real, const D: usize> Layout<T, D> {
     pub(crate) fn new() -> Self {
         Self {
@@ -191,10 +199,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         grid: Grid<D>,
         pool: &Pool,
     ) -> Result<(), Error> {
-        let cells = grid.cells();
-        let mut axes = std::array::from_fn(|axis| axis);
-        axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
-        self.build_along(points, radii, grid, axes, pool)
+        self.build_along(points, radii, grid, axes_of(&grid), pool)
     }
 
     /// The same with the `axes` in a given order: that of the layout with which this one is to be compared.
