@@ -1,0 +1,26 @@
+//! Compiles the kernels for the processor, for tests.
+
+fn main() {
+    println!("cargo::rerun-if-changed=kernels");
+    #[cfg(feature = "host")]
+    {
+        // Threads in both orders: a phase that reads a number which another thread writes in it has two
+        // results. And
+        // with contraction, to see that the tests would find it.
+        host("ascending", &["-ffp-contract=off"]);
+        host("descending", &["-ffp-contract=off", "-DDESCENDING"]);
+        let fused = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|name| name == "x86_64");
+        host("contracted", if fused { &["-ffp-contract=fast", "-mfma"] } else { &["-ffp-contract=fast"] });
+    }
+}
+
+/// Compiles all kernels as a build with this name.
+#[cfg(feature = "host")]
+fn host(name: &str, options: &[&str]) {
+    let mut build = cc::Build::new();
+    build.cpp(true).std("c++17").opt_level(2).define("BUILD", name).file("kernels/all.cpp");
+    for option in options {
+        build.flag(option);
+    }
+    build.compile(&format!("fdem_kernels_{name}"));
+}

@@ -1,0 +1,320 @@
+// Contact detection by sorted rows, in the order of `RowsInput` of fdem-contact.
+#pragma once
+#include "platform.h"
+
+// The numbers of `RowsInput`.
+struct Cells {
+    double origin[3];
+    double inverse;
+    // The axes by their number of cells, largest first.
+    u32 axes[3];
+    u32 unused;
+};
+
+// 2^52: a number from here on is an integer.
+const double NO_FRACTION = 4503599627370496.0;
+
+// The cell of a coordinate along an axis; twin of `Grid::wide_cell`.
+INLINE u64 cell_of(const Cells &cells, u32 axis, double x) {
+    const double quotient = (x - cells.origin[axis]) * cells.inverse;
+    return bits_of(quotient + NO_FRACTION) & ((1ull << 52) - 1);
+}
+
+struct Keys {
+    const double *points;
+    u64 *keys;
+    u32 *ids;
+    Cells cells;
+    // Which key: 0 for the row and the place in it together, 1 for the coordinate along the row, 2 and 3 for
+    // the cell along the second and the third axis.
+    u32 kind;
+    // Whether elements are still in the order of their numbers, and `ids` is empty.
+    u32 first;
+    u32 place_bits;
+    u32 dimensions;
+    // Number of cells along the second axis.
+    u64 second;
+    u64 count;
+};
+
+// An integer that ascends with the coordinate.
+INLINE u64 ascending(double x) {
+    const u64 bits = bits_of(x + 0.0);
+    return bits >> 63 ? ~bits : bits | 1ull << 63;
+}
+
+// The key of each element.
+KERNEL(row_keys, Keys) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count) {
+            const u32 id = a.first ? (u32)place : a.ids[place];
+            const double *point = a.points + (u64)id * a.dimensions;
+            const u32 *axes = a.cells.axes;
+            u64 key;
+            if (a.kind == 0) {
+                key = cell_of(a.cells, axes[1], point[axes[1]]);
+                if (a.dimensions == 3) key += cell_of(a.cells, axes[2], point[axes[2]]) * a.second;
+                // Quarters of a cell.
+                const double along = (point[axes[0]] - a.cells.origin[axes[0]]) * a.cells.inverse * 4.0;
+                key = key << a.place_bits | (u64)along;
+            } else if (a.kind == 1) {
+                key = ascending(point[axes[0]]);
+            } else {
+                key = cell_of(a.cells, axes[a.kind - 1], point[axes[a.kind - 1]]);
+            }
+            a.keys[place] = key;
+            if (a.first) a.ids[place] = id;
+        }
+    }
+}
+
+struct Ranks {
+    const double *points;
+    const u64 *keys;
+    const u32 *ids;
+    u32 *ranked;
+    // Set if many elements have one key.
+    u32 *crowded;
+    u64 count;
+    u32 dimensions;
+    u32 axis;
+};
+
+// Elements that have one key, beyond which they are sorted by their coordinates instead.
+const u64 FEW = 64;
+
+// Sorts elements with one key along the row, then by number, in which order they already are.
+KERNEL(row_ranks, Ranks) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count) {
+            const u64 key = a.keys[place];
+            u64 from = place, to = place + 1;
+            while (from > 0 && place - from < FEW && a.keys[from - 1] == key) --from;
+            while (to < a.count && to - place < FEW && a.keys[to] == key) ++to;
+            if (to - from > FEW) {
+                set_flag(a.crowded);
+            } else {
+                const double x = a.points[(u64)a.ids[place] * a.dimensions + a.axis];
+                u64 rank = from;
+                for (u64 k = from; k < to; ++k) {
+                    const double other = a.points[(u64)a.ids[k] * a.dimensions + a.axis];
+                    rank += other < x || (other == x && k < place);
+                }
+                a.ranked[rank] = a.ids[place];
+            }
+        }
+    }
+}
+
+struct Gather {
+    const double *points;
+    // Empty for one radius.
+    const double *radii;
+    const u32 *ids;
+    // Coordinates axis by axis.
+    double *coordinates;
+    double *sorted_radii;
+    // 1 for the first element of a row.
+    u32 *heads;
+    Cells cells;
+    u64 count;
+    u32 dimensions;
+    u32 unused;
+};
+
+// Copies the elements in their order, and finds those that begin a row.
+KERNEL(row_gather, Gather) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count) {
+            const u32 id = a.ids[place];
+            const double *point = a.points + (u64)id * a.dimensions;
+            const double *last = place > 0 ? a.points + (u64)a.ids[place - 1] * a.dimensions : point;
+            u32 head = place == 0;
+            for (u32 axis = 0; axis < a.dimensions; ++axis) {
+                a.coordinates[(u64)axis * a.count + place] = point[axis];
+                if (axis != a.cells.axes[0]) {
+                    head |= cell_of(a.cells, axis, point[axis]) != cell_of(a.cells, axis, last[axis]);
+                }
+            }
+            if (a.radii) a.sorted_radii[place] = a.radii[id];
+            a.heads[place] = head;
+        }
+    }
+}
+
+struct Starts {
+    const double *coordinates;
+    const u32 *heads;
+    const u64 *before;
+    u32 *row_of;
+    u32 *starts;
+    // Two cells of each row, along the third and the second axis; the first is 0 in two dimensions.
+    u64 *rows;
+    Cells cells;
+    u64 count;
+    u32 dimensions;
+    u32 unused;
+};
+
+// The rows: where each begins, and its cells.
+KERNEL(row_starts, Starts) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count) {
+            const u32 head = a.heads[place];
+            const u32 row = (u32)a.before[place] + head - 1;
+            a.row_of[place] = row;
+            if (head) {
+                const u32 *axes = a.cells.axes;
+                a.starts[row] = (u32)place;
+                a.rows[2 * (u64)row] = a.dimensions == 3
+                    ? cell_of(a.cells, axes[2], a.coordinates[(u64)axes[2] * a.count + place])
+                    : 0;
+                a.rows[2 * (u64)row + 1] = cell_of(a.cells, axes[1], a.coordinates[(u64)axes[1] * a.count + place]);
+            }
+            if (place + 1 == a.count) a.starts[row + 1] = (u32)a.count;
+        }
+    }
+}
+
+struct Neighbours {
+    const u64 *rows;
+    // For each row and each offset of the mask a row, or NONE.
+    u32 *neighbours;
+    u64 count;
+    // Number of offsets.
+    u32 mask;
+    u32 unused;
+};
+
+const u32 NONE = 0xffffffffu;
+
+// Rows of the mask by their offsets along the third and the second axis: in space all four, in the plane the
+// last one.
+INLINE void offset_of(u32 mask, u32 k, i64 *third, i64 *second) {
+    const u32 number = mask == 1 ? 3 : k;
+    *third = number == 3 ? 0 : -1;
+    *second = number == 3 ? -1 : (i64)number - 1;
+}
+
+// Finds the rows of the mask around each row.
+KERNEL(row_neighbours, Neighbours) {
+    EACH_THREAD(t) {
+        const u64 index = (u64)block * THREADS + t;
+        if (index < a.count * a.mask) {
+            const u64 row = index / a.mask;
+            i64 third, second;
+            offset_of(a.mask, (u32)(index % a.mask), &third, &second);
+            third += (i64)a.rows[2 * row];
+            second += (i64)a.rows[2 * row + 1];
+            u64 low = 0, high = row;
+            while (low < high) {
+                const u64 middle = low + (high - low) / 2;
+                const i64 one = (i64)a.rows[2 * middle], two = (i64)a.rows[2 * middle + 1];
+                if (one < third || (one == third && two < second)) {
+                    low = middle + 1;
+                } else {
+                    high = middle;
+                }
+            }
+            const bool found = low < row && (i64)a.rows[2 * low] == third && (i64)a.rows[2 * low + 1] == second;
+            a.neighbours[index] = found ? (u32)low : NONE;
+        }
+    }
+}
+
+struct Pairs {
+    const double *coordinates;
+    const double *radii;
+    const u32 *ids;
+    const u32 *row_of;
+    const u32 *starts;
+    const u32 *neighbours;
+    // How many couples each element has.
+    u32 *counts;
+    // Couples of the elements before.
+    const u64 *before;
+    // Two numbers of each couple, the smaller one first.
+    u32 *couples;
+    u64 count;
+    double reach;
+    double reach_squared;
+    double tolerance;
+    u32 mask;
+    u32 axis;
+};
+
+// The closed comparison of `Elements`.
+template <int D> INLINE bool touch(const Pairs &a, u64 p, u64 q) {
+    double sum = 0.0;
+    for (int axis = 0; axis < D; ++axis) {
+        const double difference = a.coordinates[axis * a.count + p] - a.coordinates[axis * a.count + q];
+        sum = sum + difference * difference;
+    }
+    if (!a.radii) return sum <= a.reach_squared;
+    const double reach = (a.radii[p] + a.radii[q]) + a.tolerance;
+    return sum <= reach * reach;
+}
+
+// Counts the partners of an element, and writes its couples if there is a list.
+template <int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
+    const double *along = a.coordinates + a.axis * a.count;
+    const double x = along[p];
+    const u32 id = a.ids[p], row = a.row_of[p];
+    u32 found = 0;
+    for (u32 k = 0; k <= a.mask; ++k) {
+        u64 q, end;
+        if (k == 0) {
+            q = p + 1;
+            end = a.starts[row + 1];
+        } else {
+            const u32 other = a.neighbours[(u64)row * a.mask + k - 1];
+            if (other == NONE) continue;
+            end = a.starts[other + 1];
+            // The first that is not too far behind.
+            u64 high = end;
+            q = a.starts[other];
+            while (q < high) {
+                const u64 middle = q + (high - q) / 2;
+                if (x - along[middle] > a.reach) {
+                    q = middle + 1;
+                } else {
+                    high = middle;
+                }
+            }
+        }
+        for (; q < end && along[q] - x <= a.reach; ++q) {
+            if (touch<D>(a, p, q)) {
+                if (couples) {
+                    const u32 other = a.ids[q];
+                    couples[2 * (u64)found] = id < other ? id : other;
+                    couples[2 * (u64)found + 1] = id < other ? other : id;
+                }
+                ++found;
+            }
+        }
+    }
+    return found;
+}
+
+template <int D> INLINE void count_pairs(const Pairs &a, u32 block) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count) a.counts[place] = partners<D>(a, place, 0);
+    }
+}
+
+template <int D> INLINE void list_pairs(const Pairs &a, u32 block) {
+    EACH_THREAD(t) {
+        const u64 place = (u64)block * THREADS + t;
+        if (place < a.count && a.counts[place] > 0) partners<D>(a, place, a.couples + 2 * a.before[place]);
+    }
+}
+
+KERNEL(count_pairs_2, Pairs) { count_pairs<2>(a, block); }
+KERNEL(count_pairs_3, Pairs) { count_pairs<3>(a, block); }
+KERNEL(list_pairs_2, Pairs) { list_pairs<2>(a, block); }
+KERNEL(list_pairs_3, Pairs) { list_pairs<3>(a, block); }

@@ -1,0 +1,70 @@
+//! Arrays in the memory of a device.
+
+use std::marker::PhantomData;
+
+use bytemuck::Pod;
+
+use crate::device::Device;
+use crate::error::GpuError;
+use crate::kernels::Address;
+
+/// Numbers in the memory of a device; the memory grows and stays.
+pub(crate) struct Array<M, T> {
+    memory: Option<M>,
+    /// Numbers for which there is room.
+    room: usize,
+    of: PhantomData<T>,
+}
+
+impl<M, T: Pod> Array<M, T> {
+    pub(crate) const fn new() -> Self {
+        Self { memory: None, room: 0, of: PhantomData }
+    }
+
+    /// Makes room for some numbers, whose values are lost if there was less. Returns where they are.
+    pub(crate) fn resize(
+        &mut self,
+        device: &impl Device<Memory = M>,
+        count: usize,
+    ) -> Result<Address, GpuError> {
+        if self.memory.is_none() || count > self.room {
+            // The old memory is free before the new one is taken.
+            (self.memory, self.room) = (None, 0);
+            let bytes = count.max(1).checked_mul(size_of::<T>());
+            let bytes = bytes.ok_or(GpuError::OutOfMemory { bytes: usize::MAX })?;
+            self.memory = Some(device.allocate(bytes)?);
+            self.room = count;
+        }
+        Ok(self.address(device))
+    }
+
+    /// Where the numbers are; 0 if there are none.
+    pub(crate) fn address(&self, device: &impl Device<Memory = M>) -> Address {
+        self.memory.as_ref().map_or(0, |memory| device.address(memory))
+    }
+
+    /// Copies numbers to the device.
+    pub(crate) fn write(
+        &mut self,
+        device: &impl Device<Memory = M>,
+        numbers: &[T],
+    ) -> Result<Address, GpuError> {
+        let address = self.resize(device, numbers.len())?;
+        if let Some(memory) = &mut self.memory {
+            device.write(memory, bytemuck::cast_slice(numbers))?;
+        }
+        Ok(address)
+    }
+
+    /// Copies numbers from a place of the array.
+    pub(crate) fn read(
+        &self,
+        device: &impl Device<Memory = M>,
+        first: usize,
+        numbers: &mut [T],
+    ) -> Result<(), GpuError> {
+        let memory = self.memory.as_ref().filter(|_| first + numbers.len() <= self.room);
+        let memory = memory.expect("the array has these numbers");
+        device.read(memory, first * size_of::<T>(), bytemuck::cast_slice_mut(numbers))
+    }
+}

@@ -1,0 +1,254 @@
+//! Graphics processors of NVIDIA, by the driver's interface.
+
+#![allow(unsafe_code, reason = "the driver is a library in C")]
+
+use std::ffi::{CString, c_void};
+
+use cudarc::driver::result::{self, DriverError};
+use cudarc::driver::sys;
+use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
+
+use crate::device::Device;
+use crate::error::GpuError;
+use crate::kernels::{Kernel, THREADS, source};
+
+/// A device that the driver has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Number of the device.
+    pub number: usize,
+    /// Its name, such as "NVIDIA H200".
+    pub name: String,
+    /// Memory of the device, bytes.
+    pub memory: usize,
+    /// Its architecture as the compiler has it: 90 for compute capability 9.0.
+    pub architecture: u32,
+}
+
+/// The devices that the driver has.
+///
+/// # Errors
+/// [`GpuError::NoDriver`], [`GpuError::Driver`].
+pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
+    (0..device_count()?).map(info).collect()
+}
+
+/// A graphics processor.
+#[derive(Debug)]
+pub struct Cuda {
+    info: DeviceInfo,
+    device: sys::CUdevice,
+    context: sys::CUcontext,
+    module: sys::CUmodule,
+    /// In the order of [`Kernel::ALL`].
+    functions: Vec<sys::CUfunction>,
+}
+
+impl Cuda {
+    /// Takes a device by its number, and compiles the kernels for it: some seconds.
+    ///
+    /// # Errors
+    /// [`GpuError::NoDriver`], [`GpuError::NoDevice`], [`GpuError::NoCompiler`], [`GpuError::Compiler`],
+    /// [`GpuError::OldDriver`], [`GpuError::Driver`].
+    pub fn new(number: usize) -> Result<Self, GpuError> {
+        let count = device_count()?;
+        if number >= count {
+            return Err(GpuError::NoDevice { number, count });
+        }
+        let info = info(number)?;
+        let text = compile(info.architecture, false)?;
+        let text = text_for_c(text)?;
+        let device = device(number)?;
+        // SAFETY: the driver has given the device. `drop` releases the context.
+        let context =
+            unsafe { result::primary_ctx::retain(device) }.map_err(driver("cuDevicePrimaryCtxRetain"))?;
+        let mut this = Self { info, device, context, module: std::ptr::null_mut(), functions: Vec::new() };
+        this.enter()?;
+        // SAFETY: the text ends with a zero.
+        this.module = unsafe { result::module::load_data(text.as_ptr().cast()) }.map_err(|error| {
+            if error.0 == sys::CUresult::CUDA_ERROR_UNSUPPORTED_PTX_VERSION {
+                GpuError::OldDriver
+            } else {
+                driver("cuModuleLoadData")(error)
+            }
+        })?;
+        for kernel in Kernel::ALL {
+            let name = text_for_c(kernel.name())?;
+            // SAFETY: the module is loaded.
+            let function = unsafe { result::module::get_function(this.module, name) };
+            this.functions.push(function.map_err(driver("cuModuleGetFunction"))?);
+        }
+        Ok(this)
+    }
+
+    /// Name and size of the device.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    /// Makes the context of the device that of this thread.
+    fn enter(&self) -> Result<(), GpuError> {
+        // SAFETY: the context is retained until this is dropped.
+        unsafe { result::ctx::set_current(self.context) }.map_err(driver("cuCtxSetCurrent"))
+    }
+}
+
+// SAFETY: the driver's handles may be used by all threads, each of which enters the context before.
+unsafe impl Send for Cuda {}
+// SAFETY: the same.
+unsafe impl Sync for Cuda {}
+
+impl Drop for Cuda {
+    fn drop(&mut self) {
+        // SAFETY: `new` has retained the context.
+        let _ = unsafe { result::primary_ctx::release(self.device) };
+    }
+}
+
+/// Memory of a device.
+#[derive(Debug)]
+pub struct CudaMemory {
+    pointer: sys::CUdeviceptr,
+    bytes: usize,
+    context: sys::CUcontext,
+}
+
+impl Drop for CudaMemory {
+    fn drop(&mut self) {
+        // SAFETY: `allocate` has taken the memory, and kernels that use it are done before it is free. If the
+        // context is gone, the driver says so.
+        let _ =
+            unsafe { result::ctx::set_current(self.context).and_then(|()| result::free_sync(self.pointer)) };
+    }
+}
+
+impl Device for Cuda {
+    type Memory = CudaMemory;
+
+    fn allocate(&self, bytes: usize) -> Result<CudaMemory, GpuError> {
+        self.enter()?;
+        // SAFETY: every array is written before it is read, as on the host, where tests see to it.
+        let pointer = unsafe { result::malloc_sync(bytes) }.map_err(|error| {
+            if error.0 == sys::CUresult::CUDA_ERROR_OUT_OF_MEMORY {
+                GpuError::OutOfMemory { bytes }
+            } else {
+                driver("cuMemAlloc")(error)
+            }
+        })?;
+        Ok(CudaMemory { pointer, bytes, context: self.context })
+    }
+
+    fn address(&self, memory: &CudaMemory) -> u64 {
+        memory.pointer
+    }
+
+    fn write(&self, to: &mut CudaMemory, bytes: &[u8]) -> Result<(), GpuError> {
+        assert!(bytes.len() <= to.bytes, "the memory is long enough");
+        self.enter()?;
+        // SAFETY: the memory has these bytes.
+        unsafe { result::memcpy_htod_sync(to.pointer, bytes) }.map_err(driver("cuMemcpyHtoD"))
+    }
+
+    fn read(&self, from: &CudaMemory, offset: usize, bytes: &mut [u8]) -> Result<(), GpuError> {
+        assert!(offset + bytes.len() <= from.bytes, "the memory has these bytes");
+        self.enter()?;
+        // SAFETY: the memory has these bytes. The copy waits for the kernels before, which run in its stream.
+        unsafe { result::memcpy_dtoh_sync(bytes, from.pointer + offset as u64) }
+            .map_err(driver("cuMemcpyDtoH"))
+    }
+
+    fn launch(&self, kernel: Kernel, blocks: u32, arguments: &[u8]) -> Result<(), GpuError> {
+        if blocks == 0 {
+            return Ok(());
+        }
+        self.enter()?;
+        let mut aligned = vec![0_u64; arguments.len().div_ceil(8)];
+        bytemuck::cast_slice_mut::<_, u8>(&mut aligned)[..arguments.len()].copy_from_slice(arguments);
+        let mut parameters = [aligned.as_mut_ptr().cast::<c_void>()];
+        let function = self.functions[kernel as usize];
+        let null = std::ptr::null_mut();
+        // SAFETY: callers of this crate give each kernel its one argument, whose addresses are those of
+        // arrays that they hold until the kernel is done.
+        unsafe {
+            result::launch_kernel(function, (blocks, 1, 1), (THREADS as u32, 1, 1), 0, null, &mut parameters)
+        }
+        .map_err(driver(kernel.name()))
+    }
+}
+
+/// Compiles the kernels into PTX for an architecture, 90 for compute capability 9.0. `contracted`: whether a
+/// product and a sum may round once, as nothing but a test asks for.
+///
+/// # Errors
+/// [`GpuError::NoCompiler`], [`GpuError::Compiler`].
+pub fn compile(architecture: u32, contracted: bool) -> Result<String, GpuError> {
+    // SAFETY: loading the library runs its initialisers only.
+    if !unsafe { cudarc::nvrtc::sys::is_culib_present() } {
+        return Err(GpuError::NoCompiler);
+    }
+    let options = CompileOptions {
+        fmad: Some(contracted),
+        prec_div: Some(true),
+        prec_sqrt: Some(true),
+        ftz: Some(false),
+        options: vec![format!("--gpu-architecture=compute_{architecture}"), "--std=c++17".to_owned()],
+        ..CompileOptions::default()
+    };
+    let text = compile_ptx_with_opts(source(), options).map_err(|error| {
+        let message = match error {
+            CompileError::CompileError { log, .. } => log.to_string_lossy().into_owned(),
+            other => format!("{other:?}"),
+        };
+        GpuError::Compiler { message }
+    })?;
+    Ok(text.to_src())
+}
+
+fn device_count() -> Result<usize, GpuError> {
+    // cudarc panics without the library.
+    // SAFETY: loading the library runs its initialisers only.
+    if !unsafe { sys::is_culib_present() } {
+        return Err(GpuError::NoDriver);
+    }
+    match result::init() {
+        Err(error) if error.0 == sys::CUresult::CUDA_ERROR_NO_DEVICE => return Ok(0),
+        done => done.map_err(driver("cuInit"))?,
+    }
+    Ok(result::device::get_count().map_err(driver("cuDeviceGetCount"))? as usize)
+}
+
+/// A text that ends with a zero.
+fn text_for_c(text: impl Into<Vec<u8>>) -> Result<CString, GpuError> {
+    CString::new(text).map_err(|error| GpuError::Compiler { message: error.to_string() })
+}
+
+/// The driver's device with a number, which it has.
+fn device(number: usize) -> Result<sys::CUdevice, GpuError> {
+    let number = i32::try_from(number).unwrap_or(i32::MAX);
+    result::device::get(number).map_err(driver("cuDeviceGet"))
+}
+
+fn info(number: usize) -> Result<DeviceInfo, GpuError> {
+    use sys::CUdevice_attribute_enum::{
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR as MAJOR,
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR as MINOR,
+    };
+    let device = device(number)?;
+    let name = result::device::get_name(device).map_err(driver("cuDeviceGetName"))?;
+    // SAFETY: the driver has given the device.
+    let (memory, [major, minor]) = unsafe {
+        let memory = result::device::total_mem(device).map_err(driver("cuDeviceTotalMem"))?;
+        let attribute =
+            |of| result::device::get_attribute(device, of).map_err(driver("cuDeviceGetAttribute"));
+        (memory, [attribute(MAJOR)?, attribute(MINOR)?])
+    };
+    Ok(DeviceInfo { number, name, memory, architecture: (10 * major + minor) as u32 })
+}
+
+/// The error of a call of the driver.
+fn driver(call: &'static str) -> impl Fn(DriverError) -> GpuError {
+    move |error| {
+        let words = error.error_string().map(|words| words.to_string_lossy().into_owned());
+        GpuError::Driver { call, message: words.unwrap_or_else(|_| format!("{:?}", error.0)) }
+    }
+}

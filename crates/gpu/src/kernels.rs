@@ -1,0 +1,244 @@
+//! The kernels and their arguments, as `kernels/*.h` have them.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Threads of a block.
+pub const THREADS: usize = 256;
+
+/// Numbers that a thread adds up.
+pub(crate) const SCANNED: usize = 16;
+
+/// Bits of a digit of a key, and keys that a thread moves.
+pub(crate) const DIGIT_BITS: u32 = 4;
+pub(crate) const SORTED: usize = 8;
+
+/// The kernels, and a macro that calls another one with their names.
+macro_rules! kernels {
+    ($($kernel:ident = $name:ident,)*) => {
+        /// A kernel.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Kernel {
+            $(
+                #[doc = concat!("`", stringify!($name), "`")]
+                $kernel,
+            )*
+        }
+
+        impl Kernel {
+            /// All kernels.
+            pub const ALL: &[Self] = &[$(Self::$kernel),*];
+
+            /// The name of the kernel in the text.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kernel => stringify!($name),)*
+                }
+            }
+        }
+    };
+}
+
+kernels! {
+    ScanBlocks = scan_blocks,
+    ScanSums = scan_sums,
+    Scan = scan,
+    SortCount = sort_count,
+    SortMove = sort_move,
+    RowKeys = row_keys,
+    RowRanks = row_ranks,
+    RowGather = row_gather,
+    RowStarts = row_starts,
+    RowNeighbours = row_neighbours,
+    CountPairs2 = count_pairs_2,
+    CountPairs3 = count_pairs_3,
+    ListPairs2 = list_pairs_2,
+    ListPairs3 = list_pairs_3,
+    DeformTriangles = deform_triangles,
+    DeformTetrahedra = deform_tetrahedra,
+    SolidDeform2 = solid_deform_2,
+    SolidDeform3 = solid_deform_3,
+    SolidMove2 = solid_move_2,
+    SolidMove3 = solid_move_3,
+}
+
+/// The text of all kernels, for the compiler of a device.
+pub fn source() -> String {
+    let files = [
+        include_str!("../kernels/platform.h"),
+        include_str!("../kernels/scan.h"),
+        include_str!("../kernels/sort.h"),
+        include_str!("../kernels/rows.h"),
+        include_str!("../kernels/laws.h"),
+        include_str!("../kernels/step.h"),
+    ];
+    let lines = files.iter().flat_map(|file| file.lines());
+    let own = |line: &&str| !line.starts_with("#include \"") && !line.starts_with("#pragma once");
+    lines.filter(own).flat_map(|line| [line, "\n"]).collect()
+}
+
+/// The place of an array in the memory of a device.
+pub(crate) type Address = u64;
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ScanArguments {
+    pub(crate) numbers: Address,
+    pub(crate) sums: Address,
+    pub(crate) before: Address,
+    pub(crate) count: u64,
+    pub(crate) blocks: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SortArguments {
+    pub(crate) keys: Address,
+    pub(crate) ids: Address,
+    pub(crate) sorted_keys: Address,
+    pub(crate) sorted_ids: Address,
+    pub(crate) counts: Address,
+    pub(crate) before: Address,
+    pub(crate) count: u64,
+    pub(crate) blocks: u32,
+    pub(crate) shift: u32,
+}
+
+/// The numbers of [`RowsInput`](fdem_contact::RowsInput).
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Cells {
+    pub(crate) origin: [f64; 3],
+    pub(crate) inverse: f64,
+    pub(crate) axes: [u32; 3],
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct KeyArguments {
+    pub(crate) points: Address,
+    pub(crate) keys: Address,
+    pub(crate) ids: Address,
+    pub(crate) cells: Cells,
+    pub(crate) kind: u32,
+    pub(crate) first: u32,
+    pub(crate) place_bits: u32,
+    pub(crate) dimensions: u32,
+    pub(crate) second: u64,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct RankArguments {
+    pub(crate) points: Address,
+    pub(crate) keys: Address,
+    pub(crate) ids: Address,
+    pub(crate) ranked: Address,
+    pub(crate) crowded: Address,
+    pub(crate) count: u64,
+    pub(crate) dimensions: u32,
+    pub(crate) axis: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GatherArguments {
+    pub(crate) points: Address,
+    pub(crate) radii: Address,
+    pub(crate) ids: Address,
+    pub(crate) coordinates: Address,
+    pub(crate) sorted_radii: Address,
+    pub(crate) heads: Address,
+    pub(crate) cells: Cells,
+    pub(crate) count: u64,
+    pub(crate) dimensions: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct StartArguments {
+    pub(crate) coordinates: Address,
+    pub(crate) heads: Address,
+    pub(crate) before: Address,
+    pub(crate) row_of: Address,
+    pub(crate) starts: Address,
+    pub(crate) rows: Address,
+    pub(crate) cells: Cells,
+    pub(crate) count: u64,
+    pub(crate) dimensions: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct NeighbourArguments {
+    pub(crate) rows: Address,
+    pub(crate) neighbours: Address,
+    pub(crate) count: u64,
+    pub(crate) mask: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct DeformArguments {
+    pub(crate) states: Address,
+    pub(crate) forces: Address,
+    pub(crate) count: u64,
+    pub(crate) has_initial: u32,
+    pub(crate) is_viscous: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SolidElementArguments {
+    pub(crate) positions: Address,
+    pub(crate) velocities: Address,
+    pub(crate) corners: Address,
+    pub(crate) gradients: Address,
+    pub(crate) volumes: Address,
+    pub(crate) materials: Address,
+    pub(crate) moduli: Address,
+    pub(crate) viscosities: Address,
+    pub(crate) viscous: Address,
+    pub(crate) forces: Address,
+    pub(crate) inverted: Address,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SolidNodeArguments {
+    pub(crate) positions: Address,
+    pub(crate) velocities: Address,
+    pub(crate) masses: Address,
+    pub(crate) starts: Address,
+    pub(crate) corners: Address,
+    pub(crate) forces: Address,
+    pub(crate) gravity: [f64; 3],
+    pub(crate) step: f64,
+    pub(crate) local_damping: f64,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PairArguments {
+    pub(crate) coordinates: Address,
+    pub(crate) radii: Address,
+    pub(crate) ids: Address,
+    pub(crate) row_of: Address,
+    pub(crate) starts: Address,
+    pub(crate) neighbours: Address,
+    pub(crate) counts: Address,
+    pub(crate) before: Address,
+    pub(crate) couples: Address,
+    pub(crate) count: u64,
+    pub(crate) reach: f64,
+    pub(crate) reach_squared: f64,
+    pub(crate) tolerance: f64,
+    pub(crate) mask: u32,
+    pub(crate) axis: u32,
+}

@@ -1,0 +1,54 @@
+//! Contact detection on graphics processors, with the couples and the order of the processor.
+//!
+//! A search on a device finds exactly the couples of [`Rows`](fdem_contact::Rows), in the same order: the
+//! order is defined by the input alone ([`RowsInput`](fdem_contact::RowsInput)), arithmetic rounds after each
+//! operation on both, and no result depends on the order in which threads run.
+//!
+//! - [`Device`] is the door to a device: memory, copies, kernels. `Cuda` is a graphics processor of NVIDIA
+//!   (feature `cuda`). Nothing is linked: libraries are loaded when they are used. `Host` runs the same
+//!   text of the kernels on the processor (feature `host`), for tests.
+//! - `kernels/*.h` are the kernels. They hold no atomic operation on floats, and nothing that only one maker
+//!   of devices has.
+//! - [`DeviceRows`] is the search. [`DeviceSolid`] moves elastic bodies as fdem-simulation does; contacts,
+//!   joints and supports are to come. [`deform`] computes single elements.
+//!
+//! # Twins
+//!
+//! A law is written twice, in C++ and in Rust. A test compares the two to the bit, so that neither changes
+//! alone, and fails where a product and a sum round once.
+//!
+//! | kernels | fdem-contact, fdem-simulation | test |
+//! |---|---|---|
+//! | `rows.h`: cells, order, `touch` | `search/rows/input.rs`, `grid.rs`, `geometry.rs` | `kernels.rs` |
+//! | `laws.h`: vectors and tensors | `vector.rs` | `laws.rs` |
+//! | `laws.h`: `stress`, `cube_root` | `simplex/triangle/elastic.rs`, `simplex/tetrahedron/elastic.rs` | `laws.rs` |
+//! | `laws.h`: `viscous_stress` | `solid/viscous.rs` | `laws.rs` |
+//! | `laws.h`: `deform`, `forces_of` | `solid/batch.rs` | `laws.rs` |
+//! | `step.h`: `solid_deform` | `solid.rs`, `Solid::deform` | `steps.rs` |
+//! | `step.h`: `solid_move`, `local_damping` | `motion/nodes.rs` | `steps.rs` |
+//!
+//! The cube root in Rust is that of `libm`, which rounds it correctly. The kernels have one of their own that
+//! does, too: by Newton's method, and then by whole numbers.
+
+mod array;
+#[cfg(feature = "cuda")]
+mod cuda;
+mod device;
+mod elements;
+mod error;
+#[cfg(feature = "host")]
+mod host;
+pub mod kernels;
+mod primitives;
+mod rows;
+mod solid;
+
+#[cfg(feature = "cuda")]
+pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices};
+pub use device::Device;
+pub use elements::{ElementKind, deform};
+pub use error::GpuError;
+#[cfg(feature = "host")]
+pub use host::{Host, HostBuild};
+pub use rows::DeviceRows;
+pub use solid::{DeviceSolid, SolidColumns, SolidStep};

@@ -1,0 +1,44 @@
+//! The compiler of NVIDIA takes all kernels, and rounds after each operation.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
+
+use fdem_gpu::kernels::Kernel;
+use fdem_gpu::{Cuda, GpuError, compile, devices};
+
+/// Needs the library libnvrtc, and no device.
+#[test]
+fn kernels_are_compiled_without_contraction() {
+    for architecture in [70, 75, 80, 86, 89, 90, 100, 120] {
+        let text = compile(architecture, false).unwrap_or_else(|error| panic!("{architecture}: {error}"));
+        for kernel in Kernel::ALL {
+            assert!(
+                text.contains(&format!(".entry {}(", kernel.name())),
+                "{architecture}: {}",
+                kernel.name()
+            );
+        }
+        // The driver fuses no operation whose rounding is stated.
+        assert!(!text.contains("fma."), "{architecture}: fused");
+        for operation in ["mul.f64", "add.f64", "sub.f64"] {
+            assert!(!text.contains(operation), "{architecture}: {operation} without its rounding");
+        }
+        assert!(text.contains("mul.rn.f64") && text.contains("add.rn.f64"));
+        let contracted = compile(architecture, true).unwrap();
+        assert!(contracted.contains("fma.rn.f64"), "{architecture}: this test would find it");
+    }
+}
+
+/// Without a driver there is an error, and no panic.
+#[test]
+fn a_device_that_is_not_there_is_an_error() {
+    match devices() {
+        Ok(devices) => {
+            let count = devices.len();
+            assert_eq!(Cuda::new(count).unwrap_err(), GpuError::NoDevice { number: count, count });
+        }
+        Err(error) => {
+            assert_eq!(error, GpuError::NoDriver);
+            assert_eq!(Cuda::new(0).unwrap_err(), GpuError::NoDriver);
+        }
+    }
+}
