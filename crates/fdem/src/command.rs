@@ -13,6 +13,8 @@ mod contacts;
 mod couples;
 mod cut_elements;
 mod cutoff;
+mod device;
+mod device_name;
 mod drawings;
 mod explain;
 mod failure;
@@ -108,6 +110,7 @@ fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
         Task::Resume(arguments) => run::resume(&arguments, ranks.communicator()),
         Task::Sweep(arguments) => sweep::run(&arguments),
         Task::Validate(arguments) => validate::run(&arguments),
+        Task::Devices => device::list(),
     });
     match done {
         Ok(()) => 0,
@@ -128,6 +131,7 @@ fn refuse_several(task: &Task, ranks: &Ranks) -> Result<(), Failure> {
         Task::Check(_) => "check",
         Task::Sweep(_) => "sweep",
         Task::Validate(_) => "validate",
+        Task::Devices => "devices",
     };
     ranks.refuse_several(name)
 }

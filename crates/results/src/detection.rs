@@ -3,14 +3,18 @@
 //! They are compiled in this crate for the plane and for space: a run over all couples must be optimised, and
 //! the crate of the command is not.
 
+mod device;
 mod request;
 mod verify;
 
 use std::any::Any;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use fdem_contact::{Detector, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search};
+use fdem_contact::{
+    Couple, Detector, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
+};
 
+pub use crate::detection::device::DeviceSearch;
 pub use crate::detection::request::DetectionRequest;
 use crate::network::{Couples, Sizes, Space, unshifted};
 
@@ -207,8 +211,11 @@ fn detect_open<const D: usize>(
     let mut detector = Detector::new().with_engine(request.engine).with_threads(request.threads)?;
     let plan = detector.plan(elements)?;
     let mut couples = Vec::new();
-    if request.keep {
-        detector.couples(elements, &mut couples)?;
+    if request.keep || request.device.is_some() {
+        match request.device {
+            None => detector.couples(elements, &mut couples)?,
+            Some(device) => couples = on_device(space, device, request)?,
+        }
         if let Sizes::Pairs(_) = request.sizes {
             couples.retain(|couple| request.keeps(space, unshifted(*couple)));
         }
@@ -225,6 +232,19 @@ fn detect_open<const D: usize>(
     Ok((Couples::Plain(couples), plan))
 }
 
+/// The couples that a device finds.
+fn on_device<const D: usize>(
+    space: &Space<'_, D>,
+    device: &dyn DeviceSearch,
+    request: &DetectionRequest<'_>,
+) -> Result<Vec<Couple>, Error> {
+    match D {
+        2 => device.plane(&request.elements(of_dimension::<D, 2>(space).centres)?),
+        3 => device.space(&request.elements(of_dimension::<D, 3>(space).centres)?),
+        _ => Err(Error::Device { message: "a device searches in two and three dimensions".to_owned() }),
+    }
+}
+
 fn detect_periodic<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
@@ -232,6 +252,9 @@ fn detect_periodic<const D: usize>(
     request: &DetectionRequest<'_>,
     mut add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
+    if request.device.is_some() {
+        return Err(Error::Device { message: "a device does not search periodic boxes".to_owned() });
+    }
     let mut search = PeriodicSearch::new().with_engine(request.engine).with_threads(request.threads)?;
     let mut couples = Vec::new();
     if request.keep {

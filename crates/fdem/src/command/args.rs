@@ -12,6 +12,7 @@ use fdem_io::{Columns, CoupleColumns, PackingFormat};
 use fdem_scenes::Sizes;
 
 use crate::command::cutoff::{Cutoff, PairCutoff};
+use crate::command::device_name::DeviceName;
 use crate::command::frames::Frames;
 use crate::command::lengths::{length, number};
 use crate::command::ranks::version;
@@ -41,6 +42,8 @@ pub(crate) enum Task {
     Resume(ResumeArguments),
     Sweep(SweepArguments),
     Validate(ValidateArguments),
+    /// List the processor and the graphics processors on which `fdem contacts` can search.
+    Devices,
 }
 
 /// Find which elements of a packing, or of meshes, touch.
@@ -90,6 +93,11 @@ pub(crate) struct ContactsArguments {
     /// Engine of the search; all engines find the same couples.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
+
+    /// Where the search runs: `cpu`, `gpu`, or `gpu:N` with a number of `fdem devices`. A graphics processor
+    /// of NVIDIA finds the couples of the engine rows, of packings in a box that is not periodic.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub(crate) device: DeviceName,
 
     /// Number of threads of the engines rows and multilevel, and of --labels; 0 is one per processor. Couples
     /// and their order do not depend on it.

@@ -61,6 +61,7 @@ fn measure<const D: usize>(
         bodies: None,
         tolerance: arguments.input.tolerance,
         engine: None,
+        device: None,
         threads: 1,
         keep: true,
     };

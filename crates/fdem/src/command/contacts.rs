@@ -2,6 +2,8 @@
 
 use crate::command::args::ContactsArguments;
 use crate::command::couples::CoupleFile;
+use crate::command::device;
+use crate::command::device_name::DeviceName;
 use crate::command::failure::Failure;
 use crate::command::frames::Selection;
 use crate::command::input;
@@ -18,6 +20,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         return labels::run(arguments);
     }
     refuse_types(arguments)?;
+    device::refuse(arguments)?;
     let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
     if inputs().filter(|file| is_stdout(file)).count() > 1 {
         return Err(Failure::Unusable("standard input can only be read once".to_owned()));
@@ -40,6 +43,12 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         input::open(&arguments.input.file, arguments.input.format, arguments.input.max_memory, &progress)?;
     if arguments.couples.couples.is_some() && opened.is_mesh() {
         return Err(Failure::Unusable(format!("{}: --couples is for packings, this is a mesh", opened.name)));
+    }
+    if opened.is_mesh() && arguments.device != DeviceName::Cpu {
+        return Err(Failure::Unusable(format!(
+            "{}: --device gpu is for packings, this is a mesh",
+            opened.name
+        )));
     }
     if opened.is_mesh() || !arguments.more.is_empty() {
         return meshes::run(arguments, opened, &progress, outputs);

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use fdem_contact::Engine;
 use fdem_io::Centres;
 use fdem_results::detection::{DetectionRequest, Statistics, check, detect};
 use fdem_results::network::{Network, Space};
@@ -9,6 +10,8 @@ use fdem_results::network::{Network, Space};
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
 use crate::command::couples::{CoupleFile, Joined};
+use crate::command::device;
+use crate::command::device_name::DeviceName;
 use crate::command::explain::Estimate;
 use crate::command::failure::Failure;
 use crate::command::input::{Input, id, refused, sizes};
@@ -71,13 +74,22 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Detect
         sizes: sizes(&arguments.input, input)?,
         tolerance: arguments.input.tolerance,
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
-        engine: arguments.engine.engine(),
+        engine: engine_of(arguments),
+        device: device::of(arguments)?,
         threads: arguments.threads,
         keep: !arguments.count
             || arguments.drawings.any()
             || arguments.verify.is_some()
             || arguments.analysis.analyse,
     })
+}
+
+/// The engine; a device has but one.
+fn engine_of(arguments: &ContactsArguments) -> Option<Engine> {
+    match arguments.device {
+        DeviceName::Cpu => arguments.engine.engine(),
+        DeviceName::Gpu(_) => Some(Engine::Rows),
+    }
 }
 
 /// Notes elements that are listed together with a periodic image of themselves, even with `--quiet`.

@@ -14,6 +14,7 @@ use fdem_results::network::{Couples, Network, Sizes, Space};
 
 use crate::command::args::ContactsArguments;
 use crate::command::cutoff::Cutoff;
+use crate::command::device_name::DeviceName;
 use crate::command::failure::{Failure, display_name};
 use crate::command::input::{self, Input, unreadable};
 use crate::command::output::{Output, TableFormat, is_stdout, refuse_to_overwrite};
@@ -78,6 +79,7 @@ fn refuse(arguments: &ContactsArguments, ranks: usize) -> Result<(), Failure> {
         ("--couples", arguments.couples.couples.is_some()),
         ("--cutoff by pairs of types", arguments.pairs().is_some()),
         ("--explain", arguments.explain),
+        ("--device", arguments.device != DeviceName::Cpu),
         ("--verify", arguments.verify.is_some()),
         ("--analyse", arguments.analysis.analyse),
         ("--json", arguments.json.is_some()),

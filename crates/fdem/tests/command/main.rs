@@ -12,6 +12,7 @@
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `rigid`: rigid bodies in model files.
+//! - `devices`: graphics processors.
 //! - `mesh`: meshes, several files, spheres against walls.
 //! - `model`: new models, and models checked without a run.
 //! - `conditions`: runs and stages that end on a condition; servos.
@@ -38,6 +39,7 @@ mod bodies;
 mod conditions;
 mod contacts;
 mod couples;
+mod devices;
 mod drawings;
 mod earlier;
 mod flat;

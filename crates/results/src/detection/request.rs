@@ -2,6 +2,7 @@
 
 use fdem_contact::{Elements, Engine, Error, Filter, PeriodicCouple};
 
+use crate::detection::device::DeviceSearch;
 use crate::network::{Sizes, Space};
 
 /// Elements and options of a detection.
@@ -15,6 +16,8 @@ pub struct DetectionRequest<'a> {
     pub bodies: Option<&'a [u32]>,
     /// The engine; `None` to choose one.
     pub engine: Option<Engine>,
+    /// A device that searches in place of the processor.
+    pub device: Option<&'a dyn DeviceSearch>,
     /// Number of threads; 0 is one per processor.
     pub threads: usize,
     /// Whether the couples are kept; otherwise only their statistics are.

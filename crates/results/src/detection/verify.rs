@@ -227,6 +227,7 @@ mod tests {
             tolerance: 0.0,
             bodies: None,
             engine: None,
+            device: None,
             threads: 1,
             keep: true,
         };

@@ -1,0 +1,119 @@
+//! Where a search runs: on the processor or on a graphics processor.
+
+use fdem_contact::Simd;
+use fdem_results::detection::DeviceSearch;
+
+use crate::command::args::ContactsArguments;
+use crate::command::device_name::DeviceName;
+use crate::command::failure::Failure;
+use crate::command::output::print;
+
+/// The device of a search for contacts; `None` for the processor.
+pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<&'static dyn DeviceSearch>, Failure> {
+    let DeviceName::Gpu(number) = arguments.device else { return Ok(None) };
+    opened(number).map(Some).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
+}
+
+/// Refuses options that do not go with a device, and a device that is not there.
+pub(crate) fn refuse(arguments: &ContactsArguments) -> Result<(), Failure> {
+    if arguments.device == DeviceName::Cpu {
+        return Ok(());
+    }
+    for (option, given) in [
+        ("--labels", arguments.labels.labels),
+        ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
+        ("--bodies", arguments.bodies.is_some()),
+        ("--cutoff by pairs of types", arguments.pairs().is_some()),
+        ("--explain", arguments.explain),
+        ("--couples", arguments.couples.couples.is_some()),
+        ("more than one file", !arguments.more.is_empty()),
+    ] {
+        if given {
+            return Err(Failure::Unusable(format!("--device gpu does not go with {option}")));
+        }
+    }
+    if !matches!(arguments.engine.engine(), None | Some(fdem_contact::Engine::Rows)) {
+        return Err(Failure::Unusable("--device gpu has the engine rows only".to_owned()));
+    }
+    of(arguments).map(|_| ())
+}
+
+/// `fdem devices`.
+pub(crate) fn list() -> Result<(), Failure> {
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut lines = vec![format!("cpu    {processors} processors, {}", Simd::best())];
+    match graphics_processors() {
+        Ok(found) if found.is_empty() => lines.push("No graphics processor: the driver has none.".to_owned()),
+        Ok(found) => lines.extend(found),
+        Err(reason) => lines.push(format!("No graphics processor: {reason}.")),
+    }
+    print(&(lines.join("\n") + "\n"))
+}
+
+#[cfg(not(feature = "gpu"))]
+mod without {
+    use fdem_results::detection::DeviceSearch;
+
+    const WITHOUT: &str =
+        "this fdem is built without graphics processors (cargo install --path crates/fdem --features gpu)";
+
+    pub(super) fn opened(_: usize) -> Result<&'static dyn DeviceSearch, String> {
+        Err(WITHOUT.to_owned())
+    }
+
+    pub(super) fn graphics_processors() -> Result<Vec<String>, String> {
+        Err(WITHOUT.to_owned())
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+use without::{graphics_processors, opened};
+
+#[cfg(feature = "gpu")]
+mod with {
+    use std::sync::OnceLock;
+
+    use fdem_contact::{Couple, Elements, Error, Search};
+    use fdem_gpu::{Cuda, DeviceRows, GpuError, devices};
+    use fdem_results::detection::DeviceSearch;
+
+    #[derive(Debug)]
+    struct Opened(Cuda);
+
+    impl DeviceSearch for Opened {
+        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
+            let mut couples = Vec::new();
+            DeviceRows::new(&self.0).couples(elements, &mut couples).map(|()| couples)
+        }
+
+        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
+            let mut couples = Vec::new();
+            DeviceRows::new(&self.0).couples(elements, &mut couples).map(|()| couples)
+        }
+    }
+
+    /// The device, which is opened once: its kernels take seconds to compile.
+    pub(super) fn opened(number: usize) -> Result<&'static dyn DeviceSearch, String> {
+        static DEVICE: OnceLock<Result<Opened, GpuError>> = OnceLock::new();
+        match DEVICE.get_or_init(|| Cuda::new(number).map(Opened)) {
+            Ok(device) => Ok(device),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    pub(super) fn graphics_processors() -> Result<Vec<String>, String> {
+        let found = devices().map_err(|error| error.to_string())?;
+        let line = |device: &fdem_gpu::DeviceInfo| {
+            let memory = device.memory as f64 / f64::from(1 << 30);
+            let [major, minor] = [device.architecture / 10, device.architecture % 10];
+            format!(
+                "gpu:{}  {}, {memory:.1} GiB, compute capability {major}.{minor}",
+                device.number, device.name
+            )
+        };
+        Ok(found.iter().map(line).collect())
+    }
+}
+
+#[cfg(feature = "gpu")]
+use with::{graphics_processors, opened};
