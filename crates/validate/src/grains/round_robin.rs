@@ -230,19 +230,22 @@ fn drum(all: &[[f64; 4]], size: Size) -> Result<Vec<Outcome>, String> {
     let (coarse, fine) = (turn(2e-5)?, turn(1e-5)?);
     let before = rows.iter().map(|of| of[3]).sum::<f64>() / rows.len() as f64;
     let of = format!("after {time} s, {} spheres", rows.len());
+    // Spheres that roll down go other ways for any other rounding: at the full size six steps from 1.1e-5 to
+    // 2e-5 s have descents that differ by up to 4 %, and ways aside by up to 0.004.
+    let [descent, aside] = size.choose([0.02, 1e-3], [0.06, 6e-3]);
     Ok(vec![
         Outcome::relative(
             format!("drum: descent {of}, two steps"),
             before - fine[1],
             before - coarse[1],
-            0.02,
+            descent,
             "m",
         ),
         Outcome::absolute(
             format!("drum: way aside {of}, two steps, over the radius of the drum"),
             fine[0] / 0.1,
             coarse[0] / 0.1,
-            1e-3,
+            aside,
             "",
         ),
     ])
