@@ -23,9 +23,8 @@ fn kernels_are_compiled_without_contraction() {
             assert!(!text.contains(operation), "{architecture}: {operation} without its rounding");
         }
         assert!(text.contains("mul.rn.f64") && text.contains("add.rn.f64"));
-        let contracted = compile(architecture, true).unwrap();
-        assert!(contracted.contains("fma.rn.f64"), "{architecture}: this test would find it");
     }
+    assert!(compile(90, true).unwrap().contains("fma.rn.f64"), "this test would find it");
 }
 
 /// Without a driver there is an error, and no panic.
