@@ -6,6 +6,8 @@ use fdem_contact::{
     Real, Search, Simd,
 };
 
+use crate::ENGINES;
+
 /// The couples of one set, of two sets and in a periodic box, in the order of each engine, with these vector
 /// instructions and number of threads.
 type Found<const D: usize> = (Vec<Vec<Couple>>, Vec<CrossCouple>, Vec<PeriodicCouple<D>>);
@@ -17,14 +19,6 @@ fn found<T: Real, const D: usize>(
     width: T,
 ) -> Found<D> {
     let detector = Detector::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
-    let engines = [
-        None,
-        Some(Engine::Direct),
-        Some(Engine::Nbs),
-        Some(Engine::Rows),
-        Some(Engine::Multilevel),
-        Some(Engine::CGrid),
-    ];
     let of_engine = |engine: Option<Engine>| {
         let mut couples = Vec::new();
         detector.clone().with_engine(engine).couples(elements, &mut couples).unwrap();
@@ -39,7 +33,7 @@ fn found<T: Real, const D: usize>(
     let cell = PeriodicBox::triclinic([T::ZERO; D], edges, [true; D]).unwrap();
     let mut search = PeriodicSearch::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
     search.couples(elements, &cell, &mut periodic).unwrap();
-    (engines.map(of_engine).to_vec(), cross, periodic)
+    (ENGINES.map(of_engine).to_vec(), cross, periodic)
 }
 
 /// Compares with spheres of which the last has the next larger radius, so that each has one of its own.
