@@ -71,10 +71,10 @@ use without::{graphics_processors, opened};
 
 #[cfg(feature = "gpu")]
 mod with {
-    use std::sync::OnceLock;
+    use std::sync::{Mutex, PoisonError};
 
     use fdem_contact::{Couple, Elements, Error, Search};
-    use fdem_gpu::{Cuda, DeviceRows, GpuError, devices};
+    use fdem_gpu::{Cuda, DeviceRows, devices};
     use fdem_results::detection::DeviceSearch;
 
     #[derive(Debug)]
@@ -92,13 +92,17 @@ mod with {
         }
     }
 
-    /// The device, which is opened once: its kernels take seconds to compile.
+    /// The device with a number. Each is opened once in a process: its kernels take seconds to compile.
     pub(super) fn opened(number: usize) -> Result<&'static dyn DeviceSearch, String> {
-        static DEVICE: OnceLock<Result<Opened, GpuError>> = OnceLock::new();
-        match DEVICE.get_or_init(|| Cuda::new(number).map(Opened)) {
-            Ok(device) => Ok(device),
-            Err(error) => Err(error.to_string()),
+        static DEVICES: Mutex<Vec<(usize, &'static Opened)>> = Mutex::new(Vec::new());
+        let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, device)) = devices.iter().find(|(of, _)| *of == number) {
+            return Ok(*device);
         }
+        let device = Cuda::new(number).map_err(|error| error.to_string())?;
+        let device: &'static Opened = Box::leak(Box::new(Opened(device)));
+        devices.push((number, device));
+        Ok(device)
     }
 
     pub(super) fn graphics_processors() -> Result<Vec<String>, String> {
