@@ -266,12 +266,9 @@ struct Deform {
 };
 
 template <int D> INLINE void deform_block(const Deform &a, u32 block) {
-    EACH_THREAD(t) {
-        const u64 element = (u64)block * THREADS + t;
-        if (element < a.count) {
-            deform(((const ElementState<D> *)a.states)[element], a.has_initial, a.is_viscous,
-                   ((ElementForces<D> *)a.forces)[element]);
-        }
+    EACH(element, a.count) {
+        deform(((const ElementState<D> *)a.states)[element], a.has_initial, a.is_viscous,
+               ((ElementForces<D> *)a.forces)[element]);
     }
 }
 

@@ -1,8 +1,8 @@
-// What differs between a device and the host, where tests run the same kernels.
+// The differences between a device and the host, on which tests run the same kernels.
 //
 // A kernel is a function of the number of its block. It consists of phases, each a loop over the threads of
 // the block: EACH_THREAD. On a device all threads run at once and wait for each other at the end of a phase.
-// On the host they run one after the other. What a later phase needs is in shared arrays, so both have the
+// On the host they run one after the other. Numbers that a later phase needs are in shared arrays, so both have the
 // same results. A phase has no `return`, `break` out of it or `continue` of it.
 //
 // Arithmetic rounds after each operation on both: kernels are compiled without contraction.
@@ -41,14 +41,23 @@ INLINE void set_flag(u32 *flag) { atomicOr(flag, 1u); }
 #else
 #define EACH_THREAD(t) for (u32 t = 0; t < THREADS; ++t)
 #endif
-// Several builds are linked into one program, so names begin with that of the build.
-#define JOINED(build, name) build##_##name
-#define NAME(build, name) JOINED(build, name)
+// A kernel enters itself into a list, in which it is found by its name.
+typedef void (*HostKernel)(u32 blocks, const void *arguments);
+struct Entry {
+    const char *name;
+    HostKernel kernel;
+    const Entry *next;
+    Entry(const char *name, HostKernel kernel, const Entry **first) : name(name), kernel(kernel), next(*first) {
+        *first = this;
+    }
+};
+static const Entry *first_entry = nullptr;
 #define KERNEL(name, Arguments) \
     static void name##_of_block([[maybe_unused]] u32 block, const Arguments &a); \
-    extern "C" void NAME(BUILD, name)(u32 blocks, const void *arguments) { \
+    static void name(u32 blocks, const void *arguments) { \
         for (u32 block = 0; block < blocks; ++block) name##_of_block(block, *(const Arguments *)arguments); \
     } \
+    static const Entry name##_entry(#name, name, &first_entry); \
     static void name##_of_block([[maybe_unused]] u32 block, const Arguments &a)
 
 INLINE u64 bits_of(double x) {
@@ -71,3 +80,7 @@ INLINE u64 high_product(u64 a, u64 b) {
 INLINE void set_flag(u32 *flag) { *flag |= 1u; }
 
 #endif
+
+// A phase in which each thread of all blocks has a number of its own, up to a count.
+#define EACH(number, count) \
+    EACH_THREAD(t) if (const u64 number = (u64)block * THREADS + t; number < (count))

@@ -45,27 +45,24 @@ INLINE u64 ascending(double x) {
 
 // The key of each element.
 KERNEL(row_keys, Keys) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count) {
-            const u32 id = a.first ? (u32)place : a.ids[place];
-            const double *point = a.points + (u64)id * a.dimensions;
-            const u32 *axes = a.cells.axes;
-            u64 key;
-            if (a.kind == 0) {
-                key = cell_of(a.cells, axes[1], point[axes[1]]);
-                if (a.dimensions == 3) key += cell_of(a.cells, axes[2], point[axes[2]]) * a.second;
-                // Quarters of a cell.
-                const double along = (point[axes[0]] - a.cells.origin[axes[0]]) * a.cells.inverse * 4.0;
-                key = key << a.place_bits | (u64)along;
-            } else if (a.kind == 1) {
-                key = ascending(point[axes[0]]);
-            } else {
-                key = cell_of(a.cells, axes[a.kind - 1], point[axes[a.kind - 1]]);
-            }
-            a.keys[place] = key;
-            if (a.first) a.ids[place] = id;
+    EACH(place, a.count) {
+        const u32 id = a.first ? (u32)place : a.ids[place];
+        const double *point = a.points + (u64)id * a.dimensions;
+        const u32 *axes = a.cells.axes;
+        u64 key;
+        if (a.kind == 0) {
+            key = cell_of(a.cells, axes[1], point[axes[1]]);
+            if (a.dimensions == 3) key += cell_of(a.cells, axes[2], point[axes[2]]) * a.second;
+            // Quarters of a cell.
+            const double along = (point[axes[0]] - a.cells.origin[axes[0]]) * a.cells.inverse * 4.0;
+            key = key << a.place_bits | (u64)along;
+        } else if (a.kind == 1) {
+            key = ascending(point[axes[0]]);
+        } else {
+            key = cell_of(a.cells, axes[a.kind - 1], point[axes[a.kind - 1]]);
         }
+        a.keys[place] = key;
+        if (a.first) a.ids[place] = id;
     }
 }
 
@@ -86,24 +83,21 @@ const u64 FEW = 64;
 
 // Sorts elements with one key along the row, then by number, in which order they already are.
 KERNEL(row_ranks, Ranks) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count) {
-            const u64 key = a.keys[place];
-            u64 from = place, to = place + 1;
-            while (from > 0 && place - from < FEW && a.keys[from - 1] == key) --from;
-            while (to < a.count && to - place < FEW && a.keys[to] == key) ++to;
-            if (to - from > FEW) {
-                set_flag(a.crowded);
-            } else {
-                const double x = a.points[(u64)a.ids[place] * a.dimensions + a.axis];
-                u64 rank = from;
-                for (u64 k = from; k < to; ++k) {
-                    const double other = a.points[(u64)a.ids[k] * a.dimensions + a.axis];
-                    rank += other < x || (other == x && k < place);
-                }
-                a.ranked[rank] = a.ids[place];
+    EACH(place, a.count) {
+        const u64 key = a.keys[place];
+        u64 from = place, to = place + 1;
+        while (from > 0 && place - from < FEW && a.keys[from - 1] == key) --from;
+        while (to < a.count && to - place < FEW && a.keys[to] == key) ++to;
+        if (to - from > FEW) {
+            set_flag(a.crowded);
+        } else {
+            const double x = a.points[(u64)a.ids[place] * a.dimensions + a.axis];
+            u64 rank = from;
+            for (u64 k = from; k < to; ++k) {
+                const double other = a.points[(u64)a.ids[k] * a.dimensions + a.axis];
+                rank += other < x || (other == x && k < place);
             }
+            a.ranked[rank] = a.ids[place];
         }
     }
 }
@@ -126,22 +120,19 @@ struct Gather {
 
 // Copies the elements in their order, and finds those that begin a row.
 KERNEL(row_gather, Gather) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count) {
-            const u32 id = a.ids[place];
-            const double *point = a.points + (u64)id * a.dimensions;
-            const double *last = place > 0 ? a.points + (u64)a.ids[place - 1] * a.dimensions : point;
-            u32 head = place == 0;
-            for (u32 axis = 0; axis < a.dimensions; ++axis) {
-                a.coordinates[(u64)axis * a.count + place] = point[axis];
-                if (axis != a.cells.axes[0]) {
-                    head |= cell_of(a.cells, axis, point[axis]) != cell_of(a.cells, axis, last[axis]);
-                }
+    EACH(place, a.count) {
+        const u32 id = a.ids[place];
+        const double *point = a.points + (u64)id * a.dimensions;
+        const double *last = place > 0 ? a.points + (u64)a.ids[place - 1] * a.dimensions : point;
+        u32 head = place == 0;
+        for (u32 axis = 0; axis < a.dimensions; ++axis) {
+            a.coordinates[(u64)axis * a.count + place] = point[axis];
+            if (axis != a.cells.axes[0]) {
+                head |= cell_of(a.cells, axis, point[axis]) != cell_of(a.cells, axis, last[axis]);
             }
-            if (a.radii) a.sorted_radii[place] = a.radii[id];
-            a.heads[place] = head;
         }
+        if (a.radii) a.sorted_radii[place] = a.radii[id];
+        a.heads[place] = head;
     }
 }
 
@@ -161,22 +152,19 @@ struct Starts {
 
 // The rows: where each begins, and its cells.
 KERNEL(row_starts, Starts) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count) {
-            const u32 head = a.heads[place];
-            const u32 row = (u32)a.before[place] + head - 1;
-            a.row_of[place] = row;
-            if (head) {
-                const u32 *axes = a.cells.axes;
-                a.starts[row] = (u32)place;
-                a.rows[2 * (u64)row] = a.dimensions == 3
-                    ? cell_of(a.cells, axes[2], a.coordinates[(u64)axes[2] * a.count + place])
-                    : 0;
-                a.rows[2 * (u64)row + 1] = cell_of(a.cells, axes[1], a.coordinates[(u64)axes[1] * a.count + place]);
-            }
-            if (place + 1 == a.count) a.starts[row + 1] = (u32)a.count;
+    EACH(place, a.count) {
+        const u32 head = a.heads[place];
+        const u32 row = (u32)a.before[place] + head - 1;
+        a.row_of[place] = row;
+        if (head) {
+            const u32 *axes = a.cells.axes;
+            a.starts[row] = (u32)place;
+            a.rows[2 * (u64)row] = a.dimensions == 3
+                ? cell_of(a.cells, axes[2], a.coordinates[(u64)axes[2] * a.count + place])
+                : 0;
+            a.rows[2 * (u64)row + 1] = cell_of(a.cells, axes[1], a.coordinates[(u64)axes[1] * a.count + place]);
         }
+        if (place + 1 == a.count) a.starts[row + 1] = (u32)a.count;
     }
 }
 
@@ -202,27 +190,24 @@ INLINE void offset_of(u32 mask, u32 k, i64 *third, i64 *second) {
 
 // Finds the rows of the mask around each row.
 KERNEL(row_neighbours, Neighbours) {
-    EACH_THREAD(t) {
-        const u64 index = (u64)block * THREADS + t;
-        if (index < a.count * a.mask) {
-            const u64 row = index / a.mask;
-            i64 third, second;
-            offset_of(a.mask, (u32)(index % a.mask), &third, &second);
-            third += (i64)a.rows[2 * row];
-            second += (i64)a.rows[2 * row + 1];
-            u64 low = 0, high = row;
-            while (low < high) {
-                const u64 middle = low + (high - low) / 2;
-                const i64 one = (i64)a.rows[2 * middle], two = (i64)a.rows[2 * middle + 1];
-                if (one < third || (one == third && two < second)) {
-                    low = middle + 1;
-                } else {
-                    high = middle;
-                }
+    EACH(index, a.count * a.mask) {
+        const u64 row = index / a.mask;
+        i64 third, second;
+        offset_of(a.mask, (u32)(index % a.mask), &third, &second);
+        third += (i64)a.rows[2 * row];
+        second += (i64)a.rows[2 * row + 1];
+        u64 low = 0, high = row;
+        while (low < high) {
+            const u64 middle = low + (high - low) / 2;
+            const i64 one = (i64)a.rows[2 * middle], two = (i64)a.rows[2 * middle + 1];
+            if (one < third || (one == third && two < second)) {
+                low = middle + 1;
+            } else {
+                high = middle;
             }
-            const bool found = low < row && (i64)a.rows[2 * low] == third && (i64)a.rows[2 * low + 1] == second;
-            a.neighbours[index] = found ? (u32)low : NONE;
         }
+        const bool found = low < row && (i64)a.rows[2 * low] == third && (i64)a.rows[2 * low + 1] == second;
+        a.neighbours[index] = found ? (u32)low : NONE;
     }
 }
 
@@ -301,16 +286,14 @@ template <int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
 }
 
 template <int D> INLINE void count_pairs(const Pairs &a, u32 block) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count) a.counts[place] = partners<D>(a, place, 0);
+    EACH(place, a.count) {
+        a.counts[place] = partners<D>(a, place, 0);
     }
 }
 
 template <int D> INLINE void list_pairs(const Pairs &a, u32 block) {
-    EACH_THREAD(t) {
-        const u64 place = (u64)block * THREADS + t;
-        if (place < a.count && a.counts[place] > 0) partners<D>(a, place, a.couples + 2 * a.before[place]);
+    EACH(place, a.count) {
+        if (a.counts[place] > 0) partners<D>(a, place, a.couples + 2 * a.before[place]);
     }
 }
 

@@ -31,18 +31,23 @@ INLINE void scan_block(u64 *numbers) {
     // The number of steps is even, so the result is in the first half again.
 }
 
-INLINE u64 sum_of_thread(const Scan &a, u64 begin) {
-    u64 sum = 0;
-    for (u64 k = begin; k < begin + SCANNED && k < a.count; ++k) sum += a.numbers[k];
-    return sum;
+// The first number of a thread.
+INLINE u64 begin_of(u32 block, u32 t) { return ((u64)block * THREADS + t) * SCANNED; }
+
+// Adds up the numbers of each thread and those of the threads before it.
+INLINE void scan_threads(const Scan &a, u32 block, u64 *sums) {
+    EACH_THREAD(t) {
+        u64 sum = 0;
+        const u64 begin = begin_of(block, t);
+        for (u64 k = begin; k < begin + SCANNED && k < a.count; ++k) sum += a.numbers[k];
+        sums[t] = sum;
+    }
+    scan_block(sums);
 }
 
 KERNEL(scan_blocks, Scan) {
     SHARED u64 numbers[2 * THREADS];
-    EACH_THREAD(t) {
-        numbers[t] = sum_of_thread(a, ((u64)block * THREADS + t) * SCANNED);
-    }
-    scan_block(numbers);
+    scan_threads(a, block, numbers);
     EACH_THREAD(t) {
         if (t == 0) a.sums[block] = numbers[THREADS - 1];
     }
@@ -74,13 +79,10 @@ KERNEL(scan_sums, Scan) {
 
 KERNEL(scan, Scan) {
     SHARED u64 numbers[2 * THREADS];
-    EACH_THREAD(t) {
-        numbers[t] = sum_of_thread(a, ((u64)block * THREADS + t) * SCANNED);
-    }
-    scan_block(numbers);
+    scan_threads(a, block, numbers);
     EACH_THREAD(t) {
         u64 sum = a.sums[block] + (t > 0 ? numbers[t - 1] : 0);
-        const u64 begin = ((u64)block * THREADS + t) * SCANNED;
+        const u64 begin = begin_of(block, t);
         for (u64 k = begin; k < begin + SCANNED && k < a.count; ++k) {
             a.before[k] = sum;
             sum += a.numbers[k];

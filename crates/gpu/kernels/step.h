@@ -41,31 +41,28 @@ template <int D> INLINE Matrix<D> tensor_of(const double *values, u64 number) {
 
 // Twin of `Solid::deform` in `solid.rs`.
 template <int D> INLINE void solid_deform(const SolidElements &a, u32 block) {
-    EACH_THREAD(t) {
-        const u64 element = (u64)block * THREADS + t;
-        if (element < a.count) {
-            const u32 *corners = a.corners + element * (D + 1);
-            ElementState<D> state;
-            ElementForces<D> found;
-            state.gradients = tensor_of<D>(a.gradients, element);
-            state.edges = edges_of<D>(a.positions, corners);
-            state.volume = a.volumes[element];
-            state.shear = a.moduli[2 * (u64)a.materials[element]];
-            state.bulk = a.moduli[2 * (u64)a.materials[element] + 1];
-            if (a.viscosities) {
-                state.rates = edges_of<D>(a.velocities, corners);
-                state.viscosity = a.viscosities[element];
-                state.viscous = tensor_of<D>(a.viscous, element);
-            }
-            deform(state, false, a.viscosities != 0, found);
-            if (a.viscosities) {
-                for (int k = 0; k < D * D; ++k) a.viscous[element * D * D + k] = found.viscous.a[k / D][k % D];
-            }
-            const bool is_sound = found.ratio > 0.0;
-            if (!is_sound) set_flag(a.inverted);
-            for (int k = 0; k < (D + 1) * D; ++k) {
-                a.forces[element * (D + 1) * D + k] = is_sound ? found.forces[k / D][k % D] : 0.0;
-            }
+    EACH(element, a.count) {
+        const u32 *corners = a.corners + element * (D + 1);
+        ElementState<D> state;
+        ElementForces<D> found;
+        state.gradients = tensor_of<D>(a.gradients, element);
+        state.edges = edges_of<D>(a.positions, corners);
+        state.volume = a.volumes[element];
+        state.shear = a.moduli[2 * (u64)a.materials[element]];
+        state.bulk = a.moduli[2 * (u64)a.materials[element] + 1];
+        if (a.viscosities) {
+            state.rates = edges_of<D>(a.velocities, corners);
+            state.viscosity = a.viscosities[element];
+            state.viscous = tensor_of<D>(a.viscous, element);
+        }
+        deform(state, false, a.viscosities != 0, found);
+        if (a.viscosities) {
+            for (int k = 0; k < D * D; ++k) a.viscous[element * D * D + k] = found.viscous.a[k / D][k % D];
+        }
+        const bool is_sound = found.ratio > 0.0;
+        if (!is_sound) set_flag(a.inverted);
+        for (int k = 0; k < (D + 1) * D; ++k) {
+            a.forces[element * (D + 1) * D + k] = is_sound ? found.forces[k / D][k % D] : 0.0;
         }
     }
 }
@@ -93,22 +90,19 @@ INLINE double local_damping(double damping, double force, double velocity) {
 
 // Twin of `force_on` and `move_node` in `motion/nodes.rs`, for nodes that nothing holds.
 template <int D> INLINE void solid_move(const SolidNodes &a, u32 block) {
-    EACH_THREAD(t) {
-        const u64 node = (u64)block * THREADS + t;
-        if (node < a.count) {
-            double force[D];
-            for (int axis = 0; axis < D; ++axis) force[axis] = 0.0;
-            for (u32 k = a.starts[node]; k < a.starts[node + 1]; ++k) {
-                for (int axis = 0; axis < D; ++axis) force[axis] += a.forces[(u64)a.corners[k] * D + axis];
-            }
-            const double mass = a.masses[node], over = a.step / mass;
-            for (int axis = 0; axis < D; ++axis) {
-                const double before = a.velocities[node * D + axis];
-                const double all = force[axis] + mass * a.gravity[axis];
-                const double after = before + over * (all - local_damping(a.local_damping, all, before));
-                a.velocities[node * D + axis] = after;
-                a.positions[node * D + axis] = a.positions[node * D + axis] + a.step * after;
-            }
+    EACH(node, a.count) {
+        double force[D];
+        for (int axis = 0; axis < D; ++axis) force[axis] = 0.0;
+        for (u32 k = a.starts[node]; k < a.starts[node + 1]; ++k) {
+            for (int axis = 0; axis < D; ++axis) force[axis] += a.forces[(u64)a.corners[k] * D + axis];
+        }
+        const double mass = a.masses[node], over = a.step / mass;
+        for (int axis = 0; axis < D; ++axis) {
+            const double before = a.velocities[node * D + axis];
+            const double all = force[axis] + mass * a.gravity[axis];
+            const double after = before + over * (all - local_damping(a.local_damping, all, before));
+            a.velocities[node * D + axis] = after;
+            a.positions[node * D + axis] = a.positions[node * D + axis] + a.step * after;
         }
     }
 }

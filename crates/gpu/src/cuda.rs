@@ -17,11 +17,11 @@ use crate::kernels::{Kernel, THREADS, source};
 pub struct DeviceInfo {
     /// Number of the device.
     pub number: usize,
-    /// Its name, such as "NVIDIA H200".
+    /// Name of the device, such as "NVIDIA H200".
     pub name: String,
     /// Memory of the device, bytes.
     pub memory: usize,
-    /// Its architecture as the compiler has it: 90 for compute capability 9.0.
+    /// Architecture as the compiler has it: 90 for compute capability 9.0.
     pub architecture: u32,
 }
 
@@ -157,14 +157,13 @@ impl Device for Cuda {
             .map_err(driver("cuMemcpyDtoH"))
     }
 
-    fn launch(&self, kernel: Kernel, blocks: u32, arguments: &[u8]) -> Result<(), GpuError> {
+    fn launch(&self, kernel: Kernel, blocks: u32, arguments: &[u64]) -> Result<(), GpuError> {
         if blocks == 0 {
             return Ok(());
         }
         self.enter()?;
-        let mut aligned = vec![0_u64; arguments.len().div_ceil(8)];
-        bytemuck::cast_slice_mut::<_, u8>(&mut aligned)[..arguments.len()].copy_from_slice(arguments);
-        let mut parameters = [aligned.as_mut_ptr().cast::<c_void>()];
+        // The driver reads the structure, and does not change it.
+        let mut parameters = [arguments.as_ptr().cast_mut().cast::<c_void>()];
         let function = self.functions[kernel as usize];
         let null = std::ptr::null_mut();
         // SAFETY: callers of this crate give each kernel its one argument, whose addresses are those of

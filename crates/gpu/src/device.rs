@@ -35,9 +35,9 @@ pub trait Device {
     /// If the memory ends before.
     fn read(&self, from: &Self::Memory, offset: usize, bytes: &mut [u8]) -> Result<(), GpuError>;
 
-    /// Starts a kernel on a number of blocks.
+    /// Starts a kernel on a number of blocks. The arguments are one structure, in words of eight bytes.
     ///
     /// # Errors
     /// [`GpuError::Driver`].
-    fn launch(&self, kernel: Kernel, blocks: u32, arguments: &[u8]) -> Result<(), GpuError>;
+    fn launch(&self, kernel: Kernel, blocks: u32, arguments: &[u64]) -> Result<(), GpuError>;
 }

@@ -1,11 +1,10 @@
 //! Laws of elements on a device.
 
-use bytemuck::bytes_of;
-
 use crate::array::Array;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::kernels::{DeformArguments, Kernel, THREADS};
+use crate::kernels::{DeformArguments, Kernel};
+use crate::primitives::launch;
 
 /// Elements by the numbers that a kernel reads and writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +59,7 @@ pub fn deform(
         has_initial: u32::from(has_initial),
         is_viscous: u32::from(is_viscous),
     };
-    device.launch(kind.kernel(), count.div_ceil(THREADS) as u32, bytes_of(&arguments))?;
+    launch(device, kind.kernel(), count, &arguments)?;
     found.read(device, 0, &mut forces)?;
     Ok(forces)
 }

@@ -22,7 +22,7 @@ pub enum GpuError {
     NoDevice {
         /// The number asked for.
         number: usize,
-        /// How many devices the driver has.
+        /// Number of devices that the driver has.
         count: usize,
     },
     /// The device has too little memory.

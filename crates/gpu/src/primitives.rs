@@ -1,6 +1,6 @@
 //! Sums and sorts on a device.
 
-use bytemuck::{Pod, bytes_of};
+use bytemuck::{Pod, bytes_of, cast_slice};
 
 use crate::array::Array;
 use crate::device::Device;
@@ -14,7 +14,23 @@ pub(crate) fn launch(
     count: usize,
     arguments: &impl Pod,
 ) -> Result<(), GpuError> {
-    device.launch(kernel, count.div_ceil(THREADS) as u32, bytes_of(arguments))
+    launch_blocks(device, kernel, count.div_ceil(THREADS), arguments)
+}
+
+/// Starts a kernel on a number of blocks.
+fn launch_blocks(
+    device: &impl Device,
+    kernel: Kernel,
+    blocks: usize,
+    arguments: &impl Pod,
+) -> Result<(), GpuError> {
+    // Structures of arguments have addresses, so they consist of whole words.
+    device.launch(kernel, blocks as u32, cast_slice(bytes_of(arguments)))
+}
+
+/// Blocks that add up this count of numbers.
+fn blocks_of_sums(count: usize) -> usize {
+    count.div_ceil(THREADS * SCANNED)
 }
 
 /// Sums of all numbers before each.
@@ -35,7 +51,7 @@ impl<M> Sums<M> {
         numbers: Address,
         count: usize,
     ) -> Result<Address, GpuError> {
-        let blocks = count.div_ceil(THREADS * SCANNED);
+        let blocks = blocks_of_sums(count);
         let arguments = ScanArguments {
             numbers,
             sums: self.sums.resize(device, blocks + 1)?,
@@ -45,7 +61,7 @@ impl<M> Sums<M> {
         };
         for (kernel, blocks) in [(Kernel::ScanBlocks, blocks), (Kernel::ScanSums, 1), (Kernel::Scan, blocks)]
         {
-            device.launch(kernel, blocks as u32, bytes_of(&arguments))?;
+            launch_blocks(device, kernel, blocks, &arguments)?;
         }
         Ok(arguments.before)
     }
@@ -53,7 +69,7 @@ impl<M> Sums<M> {
     /// The sum of all numbers that were added up.
     pub(crate) fn total(&self, device: &impl Device<Memory = M>, count: usize) -> Result<u64, GpuError> {
         let mut total = [0];
-        self.sums.read(device, count.div_ceil(THREADS * SCANNED), &mut total)?;
+        self.sums.read(device, blocks_of_sums(count), &mut total)?;
         Ok(total[0])
     }
 }
@@ -132,9 +148,9 @@ impl<M> Sort<M> {
                 blocks: blocks as u32,
                 shift,
             };
-            device.launch(Kernel::SortCount, blocks as u32, bytes_of(&arguments))?;
+            launch_blocks(device, Kernel::SortCount, blocks, &arguments)?;
             arguments.before = self.sums.add_up(device, counts, all)?;
-            device.launch(Kernel::SortMove, blocks as u32, bytes_of(&arguments))?;
+            launch_blocks(device, Kernel::SortMove, blocks, &arguments)?;
             self.now = 1 - self.now;
         }
         Ok(())

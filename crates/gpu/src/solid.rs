@@ -21,7 +21,7 @@ pub struct SolidColumns<const D: usize, const N: usize> {
     pub masses: Vec<f64>,
     /// Nodes of each element.
     pub elements: Vec<[u32; N]>,
-    /// Of each element the inverse of the matrix whose columns are the edges from corner 0, 1/m.
+    /// Inverse of the matrix whose columns are the edges from corner 0, for each element, 1/m.
     pub gradients: Vec<[[f64; D]; D]>,
     /// Volumes of the undeformed elements, m³.
     pub volumes: Vec<f64>,

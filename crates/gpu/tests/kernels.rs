@@ -5,19 +5,11 @@
 use fdem_contact::{Couple, Elements, Error, Filter, Rows, Search};
 use fdem_gpu::kernels::{Kernel, source};
 use fdem_gpu::{DeviceRows, Host, HostBuild};
+use fdem_scenes::random::Random;
 
-/// Numbers from 0 to 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn points<const D: usize>(&mut self, n: usize, width: f64) -> Vec<[f64; D]> {
-        (0..n).map(|_| std::array::from_fn(|_| self.next() * width)).collect()
-    }
+/// Points from 0 to `width` on each axis.
+fn gas<const D: usize>(random: &mut Random, n: usize, width: f64) -> Vec<[f64; D]> {
+    (0..n).map(|_| std::array::from_fn(|_| random.between(0.0, width))).collect()
 }
 
 /// The couples on the device, which are compared with those of `Rows`.
@@ -39,15 +31,15 @@ fn same<const D: usize>(what: &str, elements: &Elements<'_, f64, D>) -> usize {
 }
 
 fn gases<const D: usize>() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut couples = 0;
     for n in [1, 2, 3, 17, 255, 256, 257, 4_097, 20_000] {
         // From crowded to sparse.
         for density in [8.0, 1.0, 0.1, 0.001] {
             let width = (n as f64 / density).powf(1.0 / D as f64);
-            let points = random.points::<D>(n, width);
+            let points = gas::<D>(&mut random, n, width);
             couples += same(&format!("{n} points, {density}"), &Elements::points(&points, 1.0).unwrap());
-            let radii: Vec<f64> = (0..n).map(|_| 0.2 + 0.3 * random.next()).collect();
+            let radii: Vec<f64> = (0..n).map(|_| 0.2 + 0.3 * random.uniform()).collect();
             let spheres = Elements::spheres_with_radii(&points, &radii).unwrap();
             couples += same(&format!("{n} spheres, {density}"), &spheres);
             couples += same(&format!("{n} apart, {density}"), &spheres.with_tolerance(0.05).unwrap());
@@ -91,14 +83,14 @@ fn elements_in_one_place_and_on_lattices() {
 /// Keys of row and place do not fit into one number.
 #[test]
 fn domains_that_are_far_wider_than_the_elements() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for width in [1e6, 1e9, 1e12] {
-        let mut points = random.points::<3>(3000, 14.0);
+        let mut points = gas::<3>(&mut random, 3000, 14.0);
         for k in 0..20 {
-            points[k * 100] = std::array::from_fn(|_| (random.next() - 0.5) * width);
+            points[k * 100] = std::array::from_fn(|_| (random.uniform() - 0.5) * width);
         }
         assert!(same(&format!("{width} wide"), &Elements::points(&points, 1.0).unwrap()) > 1000);
-        let mut plane = random.points::<2>(3000, 50.0);
+        let mut plane = gas::<2>(&mut random, 3000, 50.0);
         plane[77] = [-width, 3.0 * width];
         assert!(same(&format!("{width} wide plane"), &Elements::points(&plane, 1.0).unwrap()) > 1000);
     }
@@ -106,11 +98,11 @@ fn domains_that_are_far_wider_than_the_elements() {
 
 /// Distances at the cut-off and next to it.
 fn at_the_limit() -> Vec<[f64; 3]> {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut points = Vec::new();
     for k in 0..4000_u32 {
-        let centre = [k % 16, k / 16 % 16, k / 256].map(|i| f64::from(i) + 0.1 * random.next());
-        let direction: [f64; 3] = std::array::from_fn(|_| random.next() - 0.5);
+        let centre = [k % 16, k / 16 % 16, k / 256].map(|i| f64::from(i) + 0.1 * random.uniform());
+        let direction: [f64; 3] = std::array::from_fn(|_| random.uniform() - 0.5);
         let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
         points.push(centre);
         points.push(std::array::from_fn(|axis| centre[axis] + 0.3 * direction[axis] / size));

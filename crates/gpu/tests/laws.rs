@@ -4,23 +4,18 @@
 #![allow(clippy::needless_range_loop, reason = "an axis is a place in several rows")]
 
 use fdem_gpu::{ElementKind, Host, HostBuild, deform};
+use fdem_scenes::random::Random;
 use fdem_simulation::{ElementForces, ElementState, deform_tetrahedra, deform_triangles};
 
 /// Elements of each kind.
 const COUNT: u64 = 250_000;
 
-/// A number from -1 to 1.
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
-
 /// An element that is turned and strained: by 1e-9 up to a half, so that small and large strains are among
 /// them, and some at the limit between the two.
 fn element<const D: usize>(seed: u64) -> ElementState<D> {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(77);
+    let mut random = Random::new(seed);
     let mut any = |size: f64| -> [[f64; D]; D] {
-        std::array::from_fn(|_| std::array::from_fn(|_| size * uniform(&mut state)))
+        std::array::from_fn(|_| std::array::from_fn(|_| size * random.between(-1.0, 1.0)))
     };
     let strain = 0.5 * 10.0_f64.powi(-((seed % 28) as i32) / 3);
     let (mut edges, mut gradients, off) = (any(0.2), any(0.0), any(strain));
@@ -91,7 +86,7 @@ fn results<const D: usize, const N: usize>(of: &ElementForces<D, N>) -> Vec<f64>
     rows.chain([of.energy, of.ratio, of.power]).collect()
 }
 
-/// How many elements have other bits on the device. The stress below the diagonal does not count.
+/// Number of elements with other bits on the device. The stress below the diagonal does not count.
 fn unlike<const D: usize, const N: usize>(
     build: HostBuild,
     kind: ElementKind,

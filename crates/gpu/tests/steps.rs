@@ -4,24 +4,19 @@
 #![allow(clippy::needless_range_loop, reason = "an axis is a place in several rows")]
 
 use fdem_gpu::{DeviceSolid, Host, HostBuild, SolidColumns, SolidStep};
+use fdem_scenes::random::Random;
 use fdem_simulation::{Element, Material, MaterialLaw, Mesh, Model, Simulation, TimeOptions};
-
-/// A number from -1 to 1.
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
 
 /// A grid of cells whose inner nodes are off their places, each of the simplices along the ways through it,
 /// and two materials by turns.
 fn grid<const D: usize, const N: usize>(cells: usize) -> Mesh<D, N> {
     let side = cells + 1;
-    let mut state = 3;
+    let mut random = Random::new(3);
     let nodes: Vec<[f64; D]> = (0..side.pow(D as u32))
         .map(|k| {
             std::array::from_fn(|axis| {
                 let at = k / side.pow(axis as u32) % side;
-                let off = if at > 0 && at < cells { 0.15 * uniform(&mut state) } else { 0.0 };
+                let off = if at > 0 && at < cells { 0.15 * random.between(-1.0, 1.0) } else { 0.0 };
                 (at as f64 + off) / cells as f64
             })
         })
@@ -61,8 +56,9 @@ fn grid<const D: usize, const N: usize>(cells: usize) -> Mesh<D, N> {
 
 fn model<const D: usize, const N: usize>(damping: f64, gravity: [f64; D]) -> Model<D, N> {
     let mesh = grid::<D, N>(if D == 2 { 20 } else { 8 });
-    let mut state = 11;
-    let velocities = mesh.nodes.iter().map(|_| std::array::from_fn(|_| 3.0 * uniform(&mut state))).collect();
+    let mut random = Random::new(11);
+    let velocities =
+        mesh.nodes.iter().map(|_| std::array::from_fn(|_| 3.0 * random.between(-1.0, 1.0))).collect();
     let material = |youngs_modulus: f64, poissons_ratio: f64| Material {
         name: format!("{youngs_modulus}"),
         density: 2000.0,
