@@ -255,6 +255,18 @@ impl<V> Csr<V> {
         }
     }
 
+    /// Rows from their arrays, as another device computes them.
+    ///
+    /// # Panics
+    /// If `offsets` do not begin with 0, descend, or do not end with the number of entries, or if there are
+    /// values and not one for each entry.
+    pub fn from_arrays(offsets: Vec<usize>, neighbours: Vec<u32>, values: Vec<V>) -> Self {
+        assert!(offsets.first() == Some(&0) && offsets.is_sorted(), "offsets ascend from 0");
+        assert_eq!(offsets.last(), Some(&neighbours.len()), "the last row ends with the entries");
+        assert!(values.is_empty() || values.len() == neighbours.len(), "one value for each entry");
+        Self { offsets, neighbours, values, ..Self::new() }
+    }
+
     /// Fills as [`Csr::fill_half`], with a value for each entry. `value(i, j)`, `i < j`, is called in the
     /// order of the entries.
     ///

@@ -11,6 +11,7 @@
 typedef unsigned int u32;
 typedef unsigned long long u64;
 typedef long long i64;
+typedef float f32;
 
 // Threads of a block.
 const u32 THREADS = 256;
@@ -32,6 +33,7 @@ INLINE void set_flag(u32 *flag) { atomicOr(flag, 1u); }
 
 #else
 
+#include <math.h>
 #include <string.h>
 
 #define INLINE static inline

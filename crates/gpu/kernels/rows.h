@@ -20,8 +20,23 @@ INLINE u64 cell_of(const Cells &cells, u32 axis, double x) {
     return bits_of(quotient + NO_FRACTION) & ((1ull << 52) - 1);
 }
 
+// Coordinates and radii of elements are in `f32` or in `double`, which `single` says. Cells and keys are
+// computed from them in `double`, and only the comparison is in their own type.
+INLINE double number_at(const void *numbers, u32 single, u64 index) {
+    return single ? (double)((const f32 *)numbers)[index] : ((const double *)numbers)[index];
+}
+
+// Copies a number.
+INLINE void copy_number(void *to, u64 place, const void *from, u64 index, u32 single) {
+    if (single) {
+        ((f32 *)to)[place] = ((const f32 *)from)[index];
+    } else {
+        ((double *)to)[place] = ((const double *)from)[index];
+    }
+}
+
 struct Keys {
-    const double *points;
+    const void *points;
     u64 *keys;
     u32 *ids;
     Cells cells;
@@ -35,6 +50,8 @@ struct Keys {
     // Number of cells along the second axis.
     u64 second;
     u64 count;
+    u32 single;
+    u32 unused;
 };
 
 // An integer that ascends with the coordinate.
@@ -47,7 +64,10 @@ INLINE u64 ascending(double x) {
 KERNEL(row_keys, Keys) {
     EACH(place, a.count) {
         const u32 id = a.first ? (u32)place : a.ids[place];
-        const double *point = a.points + (u64)id * a.dimensions;
+        double point[3];
+        for (u32 axis = 0; axis < a.dimensions; ++axis) {
+            point[axis] = number_at(a.points, a.single, (u64)id * a.dimensions + axis);
+        }
         const u32 *axes = a.cells.axes;
         u64 key;
         if (a.kind == 0) {
@@ -67,7 +87,7 @@ KERNEL(row_keys, Keys) {
 }
 
 struct Ranks {
-    const double *points;
+    const void *points;
     const u64 *keys;
     const u32 *ids;
     u32 *ranked;
@@ -76,6 +96,8 @@ struct Ranks {
     u64 count;
     u32 dimensions;
     u32 axis;
+    u32 single;
+    u32 unused;
 };
 
 // Elements that have one key, beyond which they are sorted by their coordinates instead.
@@ -91,10 +113,10 @@ KERNEL(row_ranks, Ranks) {
         if (to - from > FEW) {
             set_flag(a.crowded);
         } else {
-            const double x = a.points[(u64)a.ids[place] * a.dimensions + a.axis];
+            const double x = number_at(a.points, a.single, (u64)a.ids[place] * a.dimensions + a.axis);
             u64 rank = from;
             for (u64 k = from; k < to; ++k) {
-                const double other = a.points[(u64)a.ids[k] * a.dimensions + a.axis];
+                const double other = number_at(a.points, a.single, (u64)a.ids[k] * a.dimensions + a.axis);
                 rank += other < x || (other == x && k < place);
             }
             a.ranked[rank] = a.ids[place];
@@ -103,41 +125,41 @@ KERNEL(row_ranks, Ranks) {
 }
 
 struct Gather {
-    const double *points;
+    const void *points;
     // Empty for one radius.
-    const double *radii;
+    const void *radii;
     const u32 *ids;
     // Coordinates axis by axis.
-    double *coordinates;
-    double *sorted_radii;
+    void *coordinates;
+    void *sorted_radii;
     // 1 for the first element of a row.
     u32 *heads;
     Cells cells;
     u64 count;
     u32 dimensions;
-    u32 unused;
+    u32 single;
 };
 
 // Copies the elements in their order, and finds those that begin a row.
 KERNEL(row_gather, Gather) {
     EACH(place, a.count) {
-        const u32 id = a.ids[place];
-        const double *point = a.points + (u64)id * a.dimensions;
-        const double *last = place > 0 ? a.points + (u64)a.ids[place - 1] * a.dimensions : point;
+        const u64 first = (u64)a.ids[place] * a.dimensions;
+        const u64 last = place > 0 ? (u64)a.ids[place - 1] * a.dimensions : first;
         u32 head = place == 0;
         for (u32 axis = 0; axis < a.dimensions; ++axis) {
-            a.coordinates[(u64)axis * a.count + place] = point[axis];
+            copy_number(a.coordinates, (u64)axis * a.count + place, a.points, first + axis, a.single);
             if (axis != a.cells.axes[0]) {
-                head |= cell_of(a.cells, axis, point[axis]) != cell_of(a.cells, axis, last[axis]);
+                head |= cell_of(a.cells, axis, number_at(a.points, a.single, first + axis)) !=
+                    cell_of(a.cells, axis, number_at(a.points, a.single, last + axis));
             }
         }
-        if (a.radii) a.sorted_radii[place] = a.radii[id];
+        if (a.radii) copy_number(a.sorted_radii, place, a.radii, a.ids[place], a.single);
         a.heads[place] = head;
     }
 }
 
 struct Starts {
-    const double *coordinates;
+    const void *coordinates;
     const u32 *heads;
     const u64 *before;
     u32 *row_of;
@@ -147,8 +169,12 @@ struct Starts {
     Cells cells;
     u64 count;
     u32 dimensions;
-    u32 unused;
+    u32 single;
 };
+
+INLINE u64 sorted_cell(const Starts &a, u32 axis, u64 place) {
+    return cell_of(a.cells, axis, number_at(a.coordinates, a.single, (u64)axis * a.count + place));
+}
 
 // The rows: where each begins, and its cells.
 KERNEL(row_starts, Starts) {
@@ -159,10 +185,8 @@ KERNEL(row_starts, Starts) {
         if (head) {
             const u32 *axes = a.cells.axes;
             a.starts[row] = (u32)place;
-            a.rows[2 * (u64)row] = a.dimensions == 3
-                ? cell_of(a.cells, axes[2], a.coordinates[(u64)axes[2] * a.count + place])
-                : 0;
-            a.rows[2 * (u64)row + 1] = cell_of(a.cells, axes[1], a.coordinates[(u64)axes[1] * a.count + place]);
+            a.rows[2 * (u64)row] = a.dimensions == 3 ? sorted_cell(a, axes[2], place) : 0;
+            a.rows[2 * (u64)row + 1] = sorted_cell(a, axes[1], place);
         }
         if (place + 1 == a.count) a.starts[row + 1] = (u32)a.count;
     }
@@ -212,8 +236,8 @@ KERNEL(row_neighbours, Neighbours) {
 }
 
 struct Pairs {
-    const double *coordinates;
-    const double *radii;
+    const void *coordinates;
+    const void *radii;
     const u32 *ids;
     const u32 *row_of;
     const u32 *starts;
@@ -232,22 +256,23 @@ struct Pairs {
     u32 axis;
 };
 
-// The closed comparison of `Elements`.
-template <int D> INLINE bool touch(const Pairs &a, u64 p, u64 q) {
-    double sum = 0.0;
+// The closed comparison of `Elements`, in the type of the coordinates.
+template <typename T, int D> INLINE bool touch(const Pairs &a, u64 p, u64 q) {
+    const T *coordinates = (const T *)a.coordinates, *radii = (const T *)a.radii;
+    T sum = 0;
     for (int axis = 0; axis < D; ++axis) {
-        const double difference = a.coordinates[axis * a.count + p] - a.coordinates[axis * a.count + q];
+        const T difference = coordinates[axis * a.count + p] - coordinates[axis * a.count + q];
         sum = sum + difference * difference;
     }
-    if (!a.radii) return sum <= a.reach_squared;
-    const double reach = (a.radii[p] + a.radii[q]) + a.tolerance;
+    if (!radii) return sum <= (T)a.reach_squared;
+    const T reach = (radii[p] + radii[q]) + (T)a.tolerance;
     return sum <= reach * reach;
 }
 
 // Counts the partners of an element, and writes its couples if there is a list.
-template <int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
-    const double *along = a.coordinates + a.axis * a.count;
-    const double x = along[p];
+template <typename T, int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
+    const T *along = (const T *)a.coordinates + a.axis * a.count;
+    const T x = along[p], reach = (T)a.reach;
     const u32 id = a.ids[p], row = a.row_of[p];
     u32 found = 0;
     for (u32 k = 0; k <= a.mask; ++k) {
@@ -264,15 +289,15 @@ template <int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
             q = a.starts[other];
             while (q < high) {
                 const u64 middle = q + (high - q) / 2;
-                if (x - along[middle] > a.reach) {
+                if (x - along[middle] > reach) {
                     q = middle + 1;
                 } else {
                     high = middle;
                 }
             }
         }
-        for (; q < end && along[q] - x <= a.reach; ++q) {
-            if (touch<D>(a, p, q)) {
+        for (; q < end && along[q] - x <= reach; ++q) {
+            if (touch<T, D>(a, p, q)) {
                 if (couples) {
                     const u32 other = a.ids[q];
                     couples[2 * (u64)found] = id < other ? id : other;
@@ -285,19 +310,23 @@ template <int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
     return found;
 }
 
-template <int D> INLINE void count_pairs(const Pairs &a, u32 block) {
+template <typename T, int D> INLINE void count_pairs(const Pairs &a, u32 block) {
     EACH(place, a.count) {
-        a.counts[place] = partners<D>(a, place, 0);
+        a.counts[place] = partners<T, D>(a, place, 0);
     }
 }
 
-template <int D> INLINE void list_pairs(const Pairs &a, u32 block) {
+template <typename T, int D> INLINE void list_pairs(const Pairs &a, u32 block) {
     EACH(place, a.count) {
-        if (a.counts[place] > 0) partners<D>(a, place, a.couples + 2 * a.before[place]);
+        if (a.counts[place] > 0) partners<T, D>(a, place, a.couples + 2 * a.before[place]);
     }
 }
 
-KERNEL(count_pairs_2, Pairs) { count_pairs<2>(a, block); }
-KERNEL(count_pairs_3, Pairs) { count_pairs<3>(a, block); }
-KERNEL(list_pairs_2, Pairs) { list_pairs<2>(a, block); }
-KERNEL(list_pairs_3, Pairs) { list_pairs<3>(a, block); }
+KERNEL(count_pairs_2, Pairs) { count_pairs<double, 2>(a, block); }
+KERNEL(count_pairs_3, Pairs) { count_pairs<double, 3>(a, block); }
+KERNEL(list_pairs_2, Pairs) { list_pairs<double, 2>(a, block); }
+KERNEL(list_pairs_3, Pairs) { list_pairs<double, 3>(a, block); }
+KERNEL(count_pairs_2_single, Pairs) { count_pairs<f32, 2>(a, block); }
+KERNEL(count_pairs_3_single, Pairs) { count_pairs<f32, 3>(a, block); }
+KERNEL(list_pairs_2_single, Pairs) { list_pairs<f32, 2>(a, block); }
+KERNEL(list_pairs_3_single, Pairs) { list_pairs<f32, 3>(a, block); }

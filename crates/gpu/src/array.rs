@@ -67,4 +67,18 @@ impl<M, T: Pod> Array<M, T> {
         let memory = memory.expect("the array has these numbers");
         device.read(memory, first * size_of::<T>(), bytemuck::cast_slice_mut(numbers))
     }
+
+    /// The first numbers of the array.
+    pub(crate) fn to_vec(
+        &self,
+        device: &impl Device<Memory = M>,
+        count: usize,
+    ) -> Result<Vec<T>, GpuError> {
+        let mut numbers = Vec::new();
+        let bytes = count.saturating_mul(size_of::<T>());
+        numbers.try_reserve_exact(count).map_err(|_| GpuError::OutOfMemory { bytes })?;
+        numbers.resize(count, T::zeroed());
+        self.read(device, 0, &mut numbers)?;
+        Ok(numbers)
+    }
 }

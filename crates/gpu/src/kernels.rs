@@ -53,6 +53,13 @@ kernels! {
     CountPairs3 = count_pairs_3,
     ListPairs2 = list_pairs_2,
     ListPairs3 = list_pairs_3,
+    CountPairs2Single = count_pairs_2_single,
+    CountPairs3Single = count_pairs_3_single,
+    ListPairs2Single = list_pairs_2_single,
+    ListPairs3Single = list_pairs_3_single,
+    ListKeys = list_keys,
+    ListStarts = list_starts,
+    ListEntries = list_entries,
     DeformTriangles = deform_triangles,
     DeformTetrahedra = deform_tetrahedra,
     SolidDeform2 = solid_deform_2,
@@ -68,6 +75,7 @@ pub fn source() -> String {
         include_str!("../kernels/scan.h"),
         include_str!("../kernels/sort.h"),
         include_str!("../kernels/rows.h"),
+        include_str!("../kernels/lists.h"),
         include_str!("../kernels/laws.h"),
         include_str!("../kernels/step.h"),
     ];
@@ -126,6 +134,8 @@ pub(crate) struct KeyArguments {
     pub(crate) dimensions: u32,
     pub(crate) second: u64,
     pub(crate) count: u64,
+    pub(crate) single: u32,
+    pub(crate) unused: u32,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -139,6 +149,8 @@ pub(crate) struct RankArguments {
     pub(crate) count: u64,
     pub(crate) dimensions: u32,
     pub(crate) axis: u32,
+    pub(crate) single: u32,
+    pub(crate) unused: u32,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -153,7 +165,7 @@ pub(crate) struct GatherArguments {
     pub(crate) cells: Cells,
     pub(crate) count: u64,
     pub(crate) dimensions: u32,
-    pub(crate) unused: u32,
+    pub(crate) single: u32,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -168,7 +180,7 @@ pub(crate) struct StartArguments {
     pub(crate) cells: Cells,
     pub(crate) count: u64,
     pub(crate) dimensions: u32,
-    pub(crate) unused: u32,
+    pub(crate) single: u32,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -178,6 +190,43 @@ pub(crate) struct NeighbourArguments {
     pub(crate) neighbours: Address,
     pub(crate) count: u64,
     pub(crate) mask: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ListKeyArguments {
+    pub(crate) couples: Address,
+    pub(crate) keys: Address,
+    pub(crate) ids: Address,
+    pub(crate) couple_count: u64,
+    pub(crate) count: u64,
+    pub(crate) bits: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ListStartArguments {
+    pub(crate) keys: Address,
+    pub(crate) starts: Address,
+    pub(crate) entries: u64,
+    pub(crate) count: u64,
+    pub(crate) bits: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ListEntryArguments {
+    pub(crate) keys: Address,
+    pub(crate) points: Address,
+    pub(crate) neighbours: Address,
+    pub(crate) distances: Address,
+    pub(crate) count: u64,
+    pub(crate) bits: u32,
+    pub(crate) dimensions: u32,
+    pub(crate) single: u32,
     pub(crate) unused: u32,
 }
 

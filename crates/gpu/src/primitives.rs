@@ -24,6 +24,9 @@ fn launch_blocks(
     blocks: usize,
     arguments: &impl Pod,
 ) -> Result<(), GpuError> {
+    if blocks == 0 {
+        return Ok(());
+    }
     // Structures of arguments have addresses, so they consist of whole words.
     device.launch(kernel, blocks as u32, cast_slice(bytes_of(arguments)))
 }

@@ -1,6 +1,9 @@
 //! Contact detection by sorted rows on a device.
 
-use fdem_contact::{Couple, Elements, Error, Rows, RowsInput, Search};
+mod lists;
+
+use bytemuck::Pod;
+use fdem_contact::{Couple, Elements, Error, Real, Rows, RowsInput, Search};
 
 use crate::array::Array;
 use crate::device::Device;
@@ -16,8 +19,8 @@ const KEY_BITS: u32 = 64;
 
 /// Searches for contacts on a device: the couples of [`Rows`], in its order.
 ///
-/// Spheres of one radius or of many, and points, in the plane and in space, in `f64`. The order is defined at
-/// [`RowsInput`]. It depends neither on the device nor on the number of its threads.
+/// Spheres of one radius or of many, and points, in the plane and in space, in `f64` and `f32`. The order is
+/// defined at [`RowsInput`]. It depends neither on the device nor on the number of its threads.
 ///
 /// # Cost
 /// Time and memory proportional to the number of elements for similar sizes, whatever the domain. Memory of
@@ -31,14 +34,14 @@ const KEY_BITS: u32 = 64;
 /// let mut search = DeviceRows::new(&device);
 /// search.couples(&Elements::points(&centres, 1.0)?, &mut couples)?;
 /// ```
-pub struct DeviceRows<'d, D: Device, const N: usize> {
+pub struct DeviceRows<'d, D: Device, T, const N: usize> {
     device: &'d D,
-    points: Array<D::Memory, f64>,
-    radii: Array<D::Memory, f64>,
+    points: Array<D::Memory, T>,
+    radii: Array<D::Memory, T>,
     sort: Sort<D::Memory>,
     crowded: Array<D::Memory, u32>,
-    coordinates: Array<D::Memory, f64>,
-    sorted_radii: Array<D::Memory, f64>,
+    coordinates: Array<D::Memory, T>,
+    sorted_radii: Array<D::Memory, T>,
     /// Where rows begin, and later how many partners each element has.
     counts: Array<D::Memory, u32>,
     sums: Sums<D::Memory>,
@@ -47,9 +50,15 @@ pub struct DeviceRows<'d, D: Device, const N: usize> {
     rows: Array<D::Memory, u64>,
     neighbours: Array<D::Memory, u32>,
     couples: Array<D::Memory, [u32; 2]>,
+    /// Rows of neighbours, their entries and distances.
+    row_starts: Array<D::Memory, u64>,
+    entries: Array<D::Memory, u32>,
+    distances: Array<D::Memory, T>,
 }
 
-impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
+impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
+    const SINGLE: u32 = if T::IS_F64 { 0 } else { 1 };
+
     /// A search that holds no memory yet.
     pub fn new(device: &'d D) -> Self {
         Self {
@@ -67,28 +76,32 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
             rows: Array::new(),
             neighbours: Array::new(),
             couples: Array::new(),
+            row_starts: Array::new(),
+            entries: Array::new(),
+            distances: Array::new(),
         }
     }
 
     /// The couples as pairs of numbers, the smaller one first.
-    fn list(&mut self, elements: &Elements<'_, f64, N>) -> Result<Vec<[u32; 2]>, GpuError> {
+    fn list(&mut self, elements: &Elements<'_, T, N>) -> Result<Vec<[u32; 2]>, GpuError> {
         let Some(input) = input(elements)? else { return Ok(Vec::new()) };
-        let (arguments, total) = self.counted(&input)?;
+        let total = self.listed(&input)?;
+        self.couples.to_vec(self.device, total)
+    }
+
+    /// Writes the couples on the device. Returns how many there are.
+    fn listed(&mut self, input: &RowsInput<'_, T, N>) -> Result<usize, GpuError> {
+        let (arguments, total) = self.counted(input)?;
         let total = usize::try_from(total).map_err(|_| GpuError::OutOfMemory { bytes: usize::MAX })?;
         let couples = self.couples.resize(self.device, total)?;
-        let kernel = if N == 2 { Kernel::ListPairs2 } else { Kernel::ListPairs3 };
-        launch(self.device, kernel, elements.len(), &PairArguments { couples, ..arguments })?;
-        let mut list = Vec::new();
-        let bytes = total.saturating_mul(size_of::<[u32; 2]>());
-        list.try_reserve_exact(total).map_err(|_| GpuError::OutOfMemory { bytes })?;
-        list.resize(total, [0; 2]);
-        self.couples.read(self.device, 0, &mut list)?;
-        Ok(list)
+        let count = input.points.len();
+        launch(self.device, Self::pair_kernels()[1], count, &PairArguments { couples, ..arguments })?;
+        Ok(total)
     }
 
     /// Sorts the elements and counts the partners of each. Returns the arguments for a list, and the number
     /// of couples.
-    fn counted(&mut self, input: &RowsInput<'_, f64, N>) -> Result<(PairArguments, u64), GpuError> {
+    fn counted(&mut self, input: &RowsInput<'_, T, N>) -> Result<(PairArguments, u64), GpuError> {
         let (device, n) = (self.device, input.points.len());
         let points = self.points.write(device, input.points.as_flattened())?;
         let radii = if input.radii.is_empty() { 0 } else { self.radii.write(device, input.radii)? };
@@ -110,7 +123,7 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
             cells,
             count,
             dimensions,
-            unused: 0,
+            single: Self::SINGLE,
         };
         launch(device, Kernel::RowGather, n, &arguments)?;
 
@@ -129,7 +142,7 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
             cells,
             count,
             dimensions,
-            unused: 0,
+            single: Self::SINGLE,
         };
         launch(device, Kernel::RowStarts, n, &arguments)?;
 
@@ -150,21 +163,31 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
             before: 0,
             couples: 0,
             count,
-            reach: input.reach,
-            reach_squared: input.reach_squared,
-            tolerance: input.tolerance,
+            reach: input.reach.to_f64(),
+            reach_squared: input.reach_squared.to_f64(),
+            tolerance: input.tolerance.to_f64(),
             mask,
             axis: input.axes[0] as u32,
         };
-        launch(device, if N == 2 { Kernel::CountPairs2 } else { Kernel::CountPairs3 }, n, &arguments)?;
+        launch(device, Self::pair_kernels()[0], n, &arguments)?;
         arguments.before = self.sums.add_up(device, heads, n)?;
         Ok((arguments, self.sums.total(device, n)?))
+    }
+
+    /// The kernels that count couples and list them.
+    fn pair_kernels() -> [Kernel; 2] {
+        match (N, T::IS_F64) {
+            (2, true) => [Kernel::CountPairs2, Kernel::ListPairs2],
+            (2, false) => [Kernel::CountPairs2Single, Kernel::ListPairs2Single],
+            (_, true) => [Kernel::CountPairs3, Kernel::ListPairs3],
+            (_, false) => [Kernel::CountPairs3Single, Kernel::ListPairs3Single],
+        }
     }
 
     /// Sorts the numbers of the elements by row, along the row, then by number.
     fn sort_elements(
         &mut self,
-        input: &RowsInput<'_, f64, N>,
+        input: &RowsInput<'_, T, N>,
         points: u64,
         cells: Cells,
     ) -> Result<(), GpuError> {
@@ -182,6 +205,8 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
             dimensions: N as u32,
             second: input.cells[others[0]],
             count: n as u64,
+            single: Self::SINGLE,
+            unused: 0,
         };
         let row_bits = others.iter().map(|&axis| bits(input.cells[axis])).sum::<u32>();
         if row_bits + arguments.place_bits <= KEY_BITS {
@@ -198,6 +223,8 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
                 count: n as u64,
                 dimensions: N as u32,
                 axis: *long as u32,
+                single: Self::SINGLE,
+                unused: 0,
             };
             launch(device, Kernel::RowRanks, n, &ranks)?;
             let mut is_crowded = [0];
@@ -220,17 +247,17 @@ impl<'d, D: Device, const N: usize> DeviceRows<'d, D, N> {
 
 /// Its errors are [`Error::Device`] with the words of a [`GpuError`]: [`GpuError::Unsupported`] for boxes,
 /// filters, and other than two or three dimensions; [`GpuError::OutOfMemory`]; [`GpuError::Driver`].
-impl<D: Device, const N: usize> Search<f64, N> for DeviceRows<'_, D, N> {
+impl<D: Device, T: Real + Pod, const N: usize> Search<T, N> for DeviceRows<'_, D, T, N> {
     fn for_each(
         &mut self,
-        elements: &Elements<'_, f64, N>,
+        elements: &Elements<'_, T, N>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
         self.list(elements)?.into_iter().for_each(|[i, j]| visit(Couple { i, j }));
         Ok(())
     }
 
-    fn count(&mut self, elements: &Elements<'_, f64, N>) -> Result<u64, Error> {
+    fn count(&mut self, elements: &Elements<'_, T, N>) -> Result<u64, Error> {
         match input(elements)? {
             Some(input) => Ok(self.counted(&input)?.1),
             None => Ok(0),
@@ -239,9 +266,9 @@ impl<D: Device, const N: usize> Search<f64, N> for DeviceRows<'_, D, N> {
 }
 
 /// The input of a search; `None` for no elements.
-fn input<'a, const N: usize>(
-    elements: &Elements<'a, f64, N>,
-) -> Result<Option<RowsInput<'a, f64, N>>, GpuError> {
+fn input<'a, T: Real, const N: usize>(
+    elements: &Elements<'a, T, N>,
+) -> Result<Option<RowsInput<'a, T, N>>, GpuError> {
     if elements.is_empty() {
         return Ok(None);
     }
@@ -254,7 +281,7 @@ fn input<'a, const N: usize>(
         .ok_or(GpuError::Unsupported { what: "boxes, and no elements with bodies, groups or masks" })
 }
 
-fn cells_of<const N: usize>(input: &RowsInput<'_, f64, N>) -> Cells {
+fn cells_of<T, const N: usize>(input: &RowsInput<'_, T, N>) -> Cells {
     let (mut origin, mut axes) = ([0.0; 3], [0; 3]);
     origin[..N].copy_from_slice(&input.origin);
     axes.iter_mut().zip(&input.axes).for_each(|(to, &axis)| *to = axis as u32);

@@ -2,7 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
-use fdem_contact::{Couple, Elements, Error, Filter, Rows, Search};
+use bytemuck::Pod;
+use fdem_contact::{Couple, Csr, Elements, Error, Filter, Real, Rows, Search};
 use fdem_gpu::kernels::{Kernel, source};
 use fdem_gpu::{DeviceRows, Host, HostBuild};
 use fdem_scenes::random::Random;
@@ -13,36 +14,62 @@ fn gas<const D: usize>(random: &mut Random, n: usize, width: f64) -> Vec<[f64; D
 }
 
 /// The couples on the device, which are compared with those of `Rows`.
-fn same<const D: usize>(what: &str, elements: &Elements<'_, f64, D>) -> usize {
+fn same<T: Real + Pod, const D: usize>(what: &str, elements: &Elements<'_, T, D>) -> usize {
     let mut expected = Vec::new();
     Rows::new().couples(elements, &mut expected).unwrap();
     for build in [HostBuild::Ascending, HostBuild::Descending] {
         let host = Host(build);
         let mut search = DeviceRows::new(&host);
         // Twice, because the second search finds the memory of the first one.
-        for _ in 0..2 {
+        for round in 0..2 {
             assert_eq!(search.count(elements), Ok(expected.len() as u64), "{what}: {build:?}");
             let mut found = Vec::new();
             search.couples(elements, &mut found).unwrap();
             assert!(found == expected, "{what}: {build:?}, {} couples", expected.len());
+            if round == 1 {
+                same_lists(what, elements, &expected, &mut search);
+            }
         }
     }
     expected.len()
 }
 
-fn gases<const D: usize>() {
+/// Neighbour lists and distances, to the bit.
+fn same_lists<T: Real + Pod, const D: usize>(
+    what: &str,
+    elements: &Elements<'_, T, D>,
+    couples: &[Couple],
+    search: &mut DeviceRows<'_, Host, T, D>,
+) {
+    let distance = |i, j| T::nearest(elements.distance_squared(i, j).to_f64().sqrt());
+    let mut expected = Csr::new();
+    expected.fill_half_with(elements.len(), couples, distance).unwrap();
+    assert_same_rows(what, &search.find_half(elements).unwrap(), &expected);
+    expected.fill_full_with(elements.len(), couples, distance).unwrap();
+    assert_same_rows(what, &search.find_full(elements).unwrap(), &expected);
+}
+
+fn assert_same_rows<T: Real + Pod>(what: &str, found: &Csr<T>, expected: &Csr<T>) {
+    assert!(found.offsets() == expected.offsets(), "{what}: offsets");
+    assert!(found.neighbours() == expected.neighbours(), "{what}: neighbours");
+    let bytes = |csr: &Csr<T>| bytemuck::cast_slice::<T, u8>(csr.values()).to_vec();
+    assert!(bytes(found) == bytes(expected), "{what}: distances");
+}
+
+fn gases<T: Real + Pod, const D: usize>() {
     let mut random = Random::new(1);
     let mut couples = 0;
+    let of = T::nearest;
     for n in [1, 2, 3, 17, 255, 256, 257, 4_097, 20_000] {
         // From crowded to sparse.
         for density in [8.0, 1.0, 0.1, 0.001] {
             let width = (n as f64 / density).powf(1.0 / D as f64);
-            let points = gas::<D>(&mut random, n, width);
-            couples += same(&format!("{n} points, {density}"), &Elements::points(&points, 1.0).unwrap());
-            let radii: Vec<f64> = (0..n).map(|_| 0.2 + 0.3 * random.uniform()).collect();
+            let points: Vec<[T; D]> = gas(&mut random, n, width).into_iter().map(|x| x.map(of)).collect();
+            couples += same(&format!("{n} points, {density}"), &Elements::points(&points, of(1.0)).unwrap());
+            let radii: Vec<T> = (0..n).map(|_| of(0.2 + 0.3 * random.uniform())).collect();
             let spheres = Elements::spheres_with_radii(&points, &radii).unwrap();
             couples += same(&format!("{n} spheres, {density}"), &spheres);
-            couples += same(&format!("{n} apart, {density}"), &spheres.with_tolerance(0.05).unwrap());
+            couples += same(&format!("{n} apart, {density}"), &spheres.with_tolerance(of(0.05)).unwrap());
         }
     }
     assert!(couples > 500_000, "{couples}");
@@ -50,12 +77,18 @@ fn gases<const D: usize>() {
 
 #[test]
 fn gases_in_the_plane() {
-    gases::<2>();
+    gases::<f64, 2>();
 }
 
 #[test]
 fn gases_in_space() {
-    gases::<3>();
+    gases::<f64, 3>();
+}
+
+#[test]
+fn gases_in_single_precision() {
+    gases::<f32, 2>();
+    gases::<f32, 3>();
 }
 
 /// Points on a lattice, in lines, in one place, on both sides of zero: many have one coordinate or one key.
@@ -120,6 +153,22 @@ fn a_product_and_a_sum_that_round_once_are_found() {
     DeviceRows::new(&Host(HostBuild::Contracted)).couples(&elements, &mut found).unwrap();
     Rows::new().couples(&elements, &mut expected).unwrap();
     assert!(found != expected, "contraction changes the couples");
+    let mut distances = Csr::new();
+    let distance = |i, j| elements.distance_squared(i, j).sqrt();
+    distances.fill_half_with(points.len(), &found, distance).unwrap();
+    let contracted = DeviceRows::new(&Host(HostBuild::Contracted)).find_half(&elements).unwrap();
+    assert_eq!(contracted.neighbours(), distances.neighbours());
+    assert!(contracted.values() != distances.values(), "contraction changes distances");
+}
+
+#[test]
+fn distances_at_the_limit_in_single_precision() {
+    let points: Vec<[f32; 3]> = at_the_limit().into_iter().map(|x| x.map(|x| x as f32)).collect();
+    let couples = same("at the limit", &Elements::points(&points, 0.3_f32).unwrap());
+    assert!((1000..3000).contains(&couples), "{couples} of 4000");
+    let radii: Vec<f32> = (0..points.len()).map(|k| [0.1, 0.2][k % 2]).collect();
+    let couples = same("of two radii", &Elements::spheres_with_radii(&points, &radii).unwrap());
+    assert!((1000..3000).contains(&couples), "{couples} of 4000");
 }
 
 #[test]
@@ -145,7 +194,8 @@ fn the_text_of_the_kernels_is_whole() {
         assert!(text.contains(&format!("KERNEL({},", kernel.name())), "{}", kernel.name());
     }
     assert!(!text.contains("#include \""));
-    for word in ["__shfl", "__ballot", "__syncwarp", "atomicAdd", "warpSize", "float"] {
+    for word in ["__shfl", "__ballot", "__syncwarp", "atomicAdd", "warpSize"] {
         assert!(!text.contains(word), "{word}");
     }
+    assert_eq!(text.matches("float").count(), 1, "the type f32");
 }
