@@ -367,6 +367,79 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.fold(start, visit)
     }
 
+    /// Calls `visit` with every couple that touches, found by another search, such as one on another device.
+    ///
+    /// The engine of this search has no effect: both parts of [`PeriodicSearch`] are always searched.
+    ///
+    /// # Order
+    /// First the couples of `search` over the wrapped elements. Then those of `search` over the elements near
+    /// the faces, ascending by number, followed by the images, which ascend by element, then by shift, edge 0
+    /// first; of these only the couples of an element and an image of one with a larger number, or a higher
+    /// image of itself. If there are more images than a quarter of the elements, or all elements lie within
+    /// two reaches, there is but one search: over all elements followed by the images. With
+    /// [`Rows`](crate::Rows) it is the order of this search with [`Engine::Rows`].
+    ///
+    /// # Errors
+    /// As [`PeriodicSearch::for_each`], and those of `search`.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, PeriodicBox, PeriodicCouple, PeriodicSearch, Rows};
+    ///
+    /// let discs = [[0.25, 2.0], [3.75, 2.0]];
+    /// let elements = Elements::spheres(&discs, 0.5)?;
+    /// let cell = PeriodicBox::orthogonal([0.0, 0.0], [4.0, 4.0], [true, true])?;
+    /// let mut couples = Vec::new();
+    /// PeriodicSearch::new().for_each_by(&mut Rows::new(), &elements, &cell, |couple| couples.push(couple))?;
+    /// assert_eq!(couples, [PeriodicCouple { i: 0, j: 1, shift: [-1, 0] }]);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn for_each_by(
+        &mut self,
+        search: &mut impl Search<T, D>,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        mut visit: impl FnMut(PeriodicCouple<D>),
+    ) -> Result<(), Error> {
+        self.images.build(elements, cell, self.refuse_outside, true, self.max_images, &self.pool)?;
+        let images = &self.images;
+        let outer = images.with_images(elements)?;
+        if images.apart {
+            search.for_each(&images.wrapped(elements)?, |couple| visit(images.named(couple)))?;
+        }
+        search
+            .for_each(&outer, |couple| {
+                if let Some(couple) = images.named_outer(couple) {
+                    visit(couple);
+                }
+            })
+            .map_err(|error| images.named_error(error))
+    }
+
+    /// Writes the couples of [`PeriodicSearch::for_each_by`] into `couples`, which is cleared first.
+    ///
+    /// # Errors
+    /// As [`PeriodicSearch::for_each_by`], and [`Error::OutOfMemory`]. `couples` is empty after an error.
+    pub fn couples_by(
+        &mut self,
+        search: &mut impl Search<T, D>,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        couples: &mut Vec<PeriodicCouple<D>>,
+    ) -> Result<(), Error> {
+        couples.clear();
+        let mut room = Ok(());
+        let found = self.for_each_by(search, elements, cell, |couple| {
+            if room.is_ok() {
+                room = grow(couples, 1);
+            }
+            if room.is_ok() {
+                couples.push(couple);
+            }
+        });
+        found.and(room).inspect_err(|_| couples.clear())
+    }
+
     /// Wraps the elements, makes the images, and checks that all can be searched.
     fn prepare<'s>(
         &'s mut self,

@@ -69,11 +69,7 @@ impl<M, T: Pod> Array<M, T> {
     }
 
     /// The first numbers of the array.
-    pub(crate) fn to_vec(
-        &self,
-        device: &impl Device<Memory = M>,
-        count: usize,
-    ) -> Result<Vec<T>, GpuError> {
+    pub(crate) fn to_vec(&self, device: &impl Device<Memory = M>, count: usize) -> Result<Vec<T>, GpuError> {
         let mut numbers = Vec::new();
         let bytes = count.saturating_mul(size_of::<T>());
         numbers.try_reserve_exact(count).map_err(|_| GpuError::OutOfMemory { bytes })?;

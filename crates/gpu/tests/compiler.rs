@@ -19,7 +19,8 @@ fn kernels_are_compiled_without_contraction() {
         }
         // The driver fuses no operation whose rounding is stated.
         assert!(!text.contains("fma."), "{architecture}: fused");
-        for operation in ["mul.f64", "add.f64", "sub.f64", "mul.f32", "add.f32", "sub.f32", ".ftz", ".approx"] {
+        for operation in ["mul.f64", "add.f64", "sub.f64", "mul.f32", "add.f32", "sub.f32", ".ftz", ".approx"]
+        {
             assert!(!text.contains(operation), "{architecture}: {operation} without its rounding");
         }
         assert!(text.contains("mul.rn.f64") && text.contains("add.rn.f64"));

@@ -9,7 +9,7 @@ mod lattices;
 mod laws;
 
 use fdem_contact::{
-    Couple, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Simd,
+    Couple, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Rows, Simd,
 };
 use fdem_scenes::random::Random;
 
@@ -157,12 +157,17 @@ fn found<T: Real, const D: usize>(
     elements: &Elements<'_, T, D>,
     cell: &PeriodicBox<T, D>,
 ) -> Vec<PeriodicCouple<D>> {
+    let engine = engine.into();
     let mut search = PeriodicSearch::new().with_engine(engine);
     let (mut couples, mut again) = (Vec::new(), Vec::new());
     search.couples(elements, cell, &mut couples).unwrap();
     assert_eq!(search.count(elements, cell).unwrap(), couples.len() as u64);
     search.for_each(elements, cell, |couple| again.push(couple)).unwrap();
     assert_eq!(couples, again, "the order is a function of the input");
+    if engine == Some(Engine::Rows) {
+        PeriodicSearch::new().couples_by(&mut Rows::new(), elements, cell, &mut again).unwrap();
+        assert_eq!(couples, again, "another search gives its order");
+    }
 
     let (mut unshifted, mut shifted) = (vec![Couple::new(7, 8)], couples.clone());
     search.couples_by_shift(elements, cell, &mut unshifted, &mut shifted).unwrap();
