@@ -179,6 +179,21 @@ impl<'a> Filter<'a> {
         }
     }
 
+    /// What another filter must have to be like this one.
+    pub(crate) fn kind(&self) -> Result<FilterKind, Error> {
+        let masks = matches!(self.sight, Sight::Masks { .. });
+        let matrix = self.matrix().map(GroupMatrix::copy).transpose()?;
+        Ok(FilterKind { bodies: self.bodies.is_some(), masks, matrix })
+    }
+
+    /// The numbers by which another device filters couples.
+    pub fn numbers(&self) -> FilterNumbers<'a> {
+        let [bodies, firsts, seconds] = self.arrays();
+        let (matrix, words): (&[u32], _) =
+            self.matrix().map_or((&[], 0), |matrix| (&matrix.bits, matrix.words()));
+        FilterNumbers { bodies, firsts, seconds, matrix, words }
+    }
+
     /// The matrix of groups, if the filter has one.
     pub(crate) fn matrix(&self) -> Option<&'a GroupMatrix> {
         if let Sight::Groups { matrix, .. } = self.sight { Some(matrix) } else { None }
@@ -192,6 +207,42 @@ impl<'a> Filter<'a> {
             Sight::Groups { groups, .. } => [groups, &[]],
         };
         [self.bodies.unwrap_or_default(), firsts, seconds]
+    }
+}
+
+/// The numbers of a [`Filter`]; arrays of kinds that it lacks are empty.
+///
+/// Elements `i` and `j` may form a couple if `bodies` differ, and, with a matrix, if bit `firsts[j] % 32` of
+/// `matrix[firsts[i] * words + firsts[j] / 32]` is 1, or, without one, if `firsts[i] & seconds[j]` and
+/// `firsts[j] & seconds[i]` are not 0.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterNumbers<'a> {
+    /// The body of each element.
+    pub bodies: &'a [u32],
+    /// The categories, or the groups, of each element.
+    pub firsts: &'a [u32],
+    /// The mask of each element.
+    pub seconds: &'a [u32],
+    /// The rows of the matrix of groups.
+    pub matrix: &'a [u32],
+    /// Words of a row of the matrix.
+    pub words: usize,
+}
+
+/// The kinds of numbers of a filter, and its matrix.
+#[derive(Clone, Debug)]
+pub(crate) struct FilterKind {
+    bodies: bool,
+    masks: bool,
+    matrix: Option<GroupMatrix>,
+}
+
+impl FilterKind {
+    /// Whether `filter` [is like](Filter::is_like) the one of this kind.
+    pub(crate) fn is_of(&self, filter: &Filter<'_>) -> bool {
+        self.bodies == filter.bodies.is_some()
+            && self.masks == matches!(filter.sight, Sight::Masks { .. })
+            && self.matrix.as_ref() == filter.matrix()
     }
 }
 

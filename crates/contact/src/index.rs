@@ -1,6 +1,7 @@
 //! Elements that are sorted once and searched many times: against another set, around points, for nearest
 //! neighbours.
 
+pub(crate) mod input;
 mod nearest;
 mod part;
 mod rows;
@@ -14,7 +15,6 @@ use crate::csr::Csr;
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
-use crate::grid::{Grid, edge_for};
 use crate::memory::{grow, reserve, resize};
 use crate::pool::Pool;
 use crate::real::Real;
@@ -24,6 +24,7 @@ use crate::simd::task::Arrays;
 use crate::simd::{Available, Simd};
 use crate::stop::Stop;
 
+use input::{CrossReach, IndexSizes};
 use part::PointsPart;
 
 /// Elements that are sorted once and searched many times: for example a fixed boundary that moving elements
@@ -97,12 +98,10 @@ pub struct Index<T, const D: usize> {
     /// Centres in the order of the layout; filled once a search needs distances.
     centres: Vec<[T; D]>,
     bounds: Bounds<D>,
-    tolerance: T,
+    sizes: IndexSizes<T>,
     /// The filter of the elements, by number.
     labels: Labels,
     matrix: Option<GroupMatrix>,
-    largest: f64,
-    magnitude: f64,
     /// The other set, sorted as the index is.
     moving: Layout<T, D>,
     /// The one radius of the other set, repeated for each of its elements.
@@ -125,16 +124,6 @@ enum IndexKind<T> {
     Boxes,
 }
 
-/// Allowed average number of elements per occupied cell. With fewer, rows are too short for vectors; with
-/// more, too much is compared.
-const CELL_LOAD: std::ops::RangeInclusive<f64> = 1.5..=16.0;
-
-/// Number of elements per cell if they are spread evenly.
-const EVEN_LOAD: f64 = 3.0;
-
-/// Largest number of cell edges that are tried.
-const MAX_BUILDS: usize = 6;
-
 impl<T: Real, const D: usize> Default for Index<T, D> {
     fn default() -> Self {
         Self::new()
@@ -152,11 +141,9 @@ impl<T: Real, const D: usize> Index<T, D> {
             far_tolerance: None,
             centres: Vec::new(),
             bounds: Bounds { min: [0.0; D], max: [0.0; D] },
-            tolerance: T::ZERO,
+            sizes: IndexSizes { radius: None, tolerance: T::ZERO, largest: 0.0, magnitude: 0.0 },
             labels: Labels::default(),
             matrix: None,
-            largest: 0.0,
-            magnitude: 0.0,
             moving: Layout::new(),
             radii: Vec::new(),
             places: Vec::new(),
@@ -238,8 +225,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.far.clear();
         self.far_tolerance = None;
         self.centres.clear();
-        (self.bounds, self.tolerance) = (elements.bounds(), elements.tolerance());
-        (self.largest, self.magnitude) = (elements.largest(), elements.magnitude());
+        (self.bounds, self.sizes) = (elements.bounds(), IndexSizes::new(elements));
         let (kind, points, radii): (_, _, &[T]) = match elements.shape {
             Shape::Equal(equal) => (IndexKind::Equal { radius: equal.radius() }, equal.points(), &[]),
             Shape::Spheres(spheres) => (IndexKind::Spheres, spheres.points(), spheres.radii()),
@@ -265,34 +251,11 @@ impl<T: Real, const D: usize> Index<T, D> {
     }
 
     /// Sorts the elements into cells with a suitable number of elements each.
-    ///
-    /// The size of the elements is the first estimate of the edge, unless an even spread over the whole
-    /// domain needs a larger one. If cells hold too few or too many elements, edges between the largest that
-    /// is too small and the smallest that is too large are tried.
     fn sort(&mut self, elements: &Elements<'_, T, D>, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
-        let natural = Grid::unbounded(elements);
-        let even = edge_for(&self.bounds, points.len() as f64 / EVEN_LOAD);
-        let mut edge = even.map_or(natural.cell_size(), |even| even.min(natural.cell_size()));
-        edge = edge.max(T::MIN_RESOLVED);
-        let (mut too_small, mut too_large) = (0.0, even.unwrap_or(edge).max(edge));
-        for _ in 0..MAX_BUILDS {
-            let grid = Grid::with_cell_size(self.bounds.min, self.bounds.max, edge);
+        input::fit(elements, |grid| {
             self.layout.build(points, radii, grid, &self.pool)?;
-            let load = self.load();
-            if CELL_LOAD.contains(&load) || even.is_none() {
-                break;
-            }
-            if load < *CELL_LOAD.start() {
-                too_small = edge;
-            } else {
-                too_large = edge;
-            }
-            if too_large < 2.0 * too_small || too_large <= T::MIN_RESOLVED {
-                break;
-            }
-            edge = if too_small > 0.0 { (too_small * too_large).sqrt() } else { 0.125 * too_large };
-            edge = edge.max(T::MIN_RESOLVED);
-        }
+            Ok::<_, Error>(self.load())
+        })?;
         Ok(())
     }
 
@@ -313,7 +276,7 @@ impl<T: Real, const D: usize> Index<T, D> {
     ///
     /// # Shapes
     /// `m` couples, each once: `i` belongs to `elements`, `j` to the index. Their order is a function of the
-    /// input alone.
+    /// input alone; [`CrossInput`](crate::CrossInput) defines it for spheres and points.
     ///
     /// # Errors
     /// [`Error::UnlikeShapes`], and those of [`Index`].
@@ -407,21 +370,13 @@ impl<T: Real, const D: usize> Index<T, D> {
             (Some(theirs), Some(ours)) if theirs.is_like(&ours) => [Some(theirs), Some(ours)],
             _ => return Err(Error::UnlikeFilters),
         };
-        let tolerance =
-            if self.tolerance > elements.tolerance() { self.tolerance } else { elements.tolerance() };
-        let reach = elements.reach_to(self.largest, self.magnitude, tolerance);
-        let mut reach_squared = T::ZERO;
-
+        let CrossReach { tolerance, reach, reach_squared } = self.sizes.reach_with(elements);
         let Self { layout, moving, radii, pool, .. } = self;
         let n = elements.len();
         let (points, their_radii): (_, &[T]) = match (elements.shape, kind) {
             (Shape::Boxes(boxes), _) => (boxes.points(), &[]),
             (Shape::Spheres(spheres), _) => (spheres.points(), spheres.radii()),
-            (Shape::Equal(equal), IndexKind::Equal { radius }) => {
-                let reach = (equal.radius() + radius) + tolerance;
-                reach_squared = reach * reach;
-                (equal.points(), &[])
-            }
+            (Shape::Equal(equal), IndexKind::Equal { .. }) => (equal.points(), &[]),
             (Shape::Equal(equal), _) => {
                 radii.clear();
                 resize(radii, n, equal.radius())?;
@@ -452,7 +407,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             layout: moving,
             against: Some(layout),
             arrays,
-            reach: T::at_least(reach.max(T::MIN_RESOLVED)),
+            reach,
             reach_squared,
             tolerance,
             largest: 0.5 * elements.largest(),

@@ -135,7 +135,7 @@
 //! | size of cells | `src/grid.rs`, `src/search/rows/sparse.rs` |
 //! | the published algorithm | `src/search/nbs.rs`, `src/lists.rs`, `src/mask.rs` |
 //! | the default engine: sorting, windows | `src/search/rows.rs`, `src/search/rows/layout.rs` |
-//! | its input and order, for other devices | `src/search/rows/input.rs` |
+//! | its input and order, for other devices | `src/search/rows/input.rs`, of two sets `src/index/input.rs` |
 //! | levels for unlike sizes | `src/search/multilevel/levels.rs` |
 //! | bodies that span cells: cells covered, order of lists | `src/search/cgrid.rs`, `src/search/cgrid/lists.rs` |
 //! | running and joining the parts of a search | `src/search/rows/scan.rs`, `src/ordered.rs`, `src/pool.rs` |
@@ -209,9 +209,10 @@ pub use elements::Elements;
 pub use engine::{Engine, Plan};
 pub use error::Error;
 pub use explain::Explanation;
-pub use filter::{Filter, GroupMatrix};
+pub use filter::{Filter, FilterNumbers, GroupMatrix};
 pub use grid::Grid;
 pub use index::Index;
+pub use index::input::{CrossInput, IndexInput};
 pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};
 pub use periodic::buffered::PeriodicBuffered;
@@ -226,7 +227,7 @@ pub use search::level::Level;
 pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
-pub use search::rows::input::RowsInput;
+pub use search::rows::input::{RowCells, RowsInput};
 pub use simd::Simd;
 #[doc(hidden)] // For `fdem-simulation`.
 pub use simd::prefetch::value as prefetch;

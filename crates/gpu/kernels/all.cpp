@@ -3,6 +3,7 @@
 #include "scan.h"
 #include "sort.h"
 #include "rows.h"
+#include "pairs.h"
 #include "lists.h"
 #include "laws.h"
 #include "step.h"

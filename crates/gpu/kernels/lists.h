@@ -1,6 +1,6 @@
 // Neighbour lists in compressed sparse rows, from a list of couples.
 #pragma once
-#include "rows.h"
+#include "pairs.h"
 
 INLINE double root(double x) { return sqrt(x); }
 INLINE f32 root(f32 x) { return sqrtf(x); }

@@ -1,8 +1,8 @@
-// Contact detection by sorted rows, in the order of `RowsInput` of fdem-contact.
+// Elements sorted into rows, in the order of `RowCells` of fdem-contact.
 #pragma once
 #include "platform.h"
 
-// The numbers of `RowsInput`.
+// The numbers of `RowCells`.
 struct Cells {
     double origin[3];
     double inverse;
@@ -192,6 +192,45 @@ KERNEL(row_starts, Starts) {
     }
 }
 
+struct CellHeads {
+    const void *coordinates;
+    // 1 for the first element of a row.
+    const u32 *heads;
+    u32 *cell_heads;
+    Cells cells;
+    u64 count;
+    u32 single;
+    u32 unused;
+};
+
+// 1 for each element that is in another cell than the one before it.
+KERNEL(cell_heads, CellHeads) {
+    EACH(place, a.count) {
+        const u32 axis = a.cells.axes[0];
+        const u64 index = (u64)axis * a.count + place;
+        u32 head = a.heads[place];
+        if (!head) {
+            head = cell_of(a.cells, axis, number_at(a.coordinates, a.single, index)) !=
+                cell_of(a.cells, axis, number_at(a.coordinates, a.single, index - 1));
+        }
+        a.cell_heads[place] = head;
+    }
+}
+
+struct GatherWords {
+    const u32 *words;
+    const u32 *ids;
+    u32 *sorted;
+    u64 count;
+};
+
+// Copies a number of each element in their order.
+KERNEL(gather_words, GatherWords) {
+    EACH(place, a.count) {
+        a.sorted[place] = a.words[a.ids[place]];
+    }
+}
+
 struct Neighbours {
     const u64 *rows;
     // For each row and each offset of the mask a row, or NONE.
@@ -234,99 +273,3 @@ KERNEL(row_neighbours, Neighbours) {
         a.neighbours[index] = found ? (u32)low : NONE;
     }
 }
-
-struct Pairs {
-    const void *coordinates;
-    const void *radii;
-    const u32 *ids;
-    const u32 *row_of;
-    const u32 *starts;
-    const u32 *neighbours;
-    // How many couples each element has.
-    u32 *counts;
-    // Couples of the elements before.
-    const u64 *before;
-    // Two numbers of each couple, the smaller one first.
-    u32 *couples;
-    u64 count;
-    double reach;
-    double reach_squared;
-    double tolerance;
-    u32 mask;
-    u32 axis;
-};
-
-// The closed comparison of `Elements`, in the type of the coordinates.
-template <typename T, int D> INLINE bool touch(const Pairs &a, u64 p, u64 q) {
-    const T *coordinates = (const T *)a.coordinates, *radii = (const T *)a.radii;
-    T sum = 0;
-    for (int axis = 0; axis < D; ++axis) {
-        const T difference = coordinates[axis * a.count + p] - coordinates[axis * a.count + q];
-        sum = sum + difference * difference;
-    }
-    if (!radii) return sum <= (T)a.reach_squared;
-    const T reach = (radii[p] + radii[q]) + (T)a.tolerance;
-    return sum <= reach * reach;
-}
-
-// Counts the partners of an element, and writes its couples if there is a list.
-template <typename T, int D> INLINE u32 partners(const Pairs &a, u64 p, u32 *couples) {
-    const T *along = (const T *)a.coordinates + a.axis * a.count;
-    const T x = along[p], reach = (T)a.reach;
-    const u32 id = a.ids[p], row = a.row_of[p];
-    u32 found = 0;
-    for (u32 k = 0; k <= a.mask; ++k) {
-        u64 q, end;
-        if (k == 0) {
-            q = p + 1;
-            end = a.starts[row + 1];
-        } else {
-            const u32 other = a.neighbours[(u64)row * a.mask + k - 1];
-            if (other == NONE) continue;
-            end = a.starts[other + 1];
-            // The first that is not too far behind.
-            u64 high = end;
-            q = a.starts[other];
-            while (q < high) {
-                const u64 middle = q + (high - q) / 2;
-                if (x - along[middle] > reach) {
-                    q = middle + 1;
-                } else {
-                    high = middle;
-                }
-            }
-        }
-        for (; q < end && along[q] - x <= reach; ++q) {
-            if (touch<T, D>(a, p, q)) {
-                if (couples) {
-                    const u32 other = a.ids[q];
-                    couples[2 * (u64)found] = id < other ? id : other;
-                    couples[2 * (u64)found + 1] = id < other ? other : id;
-                }
-                ++found;
-            }
-        }
-    }
-    return found;
-}
-
-template <typename T, int D> INLINE void count_pairs(const Pairs &a, u32 block) {
-    EACH(place, a.count) {
-        a.counts[place] = partners<T, D>(a, place, 0);
-    }
-}
-
-template <typename T, int D> INLINE void list_pairs(const Pairs &a, u32 block) {
-    EACH(place, a.count) {
-        if (a.counts[place] > 0) partners<T, D>(a, place, a.couples + 2 * a.before[place]);
-    }
-}
-
-KERNEL(count_pairs_2, Pairs) { count_pairs<double, 2>(a, block); }
-KERNEL(count_pairs_3, Pairs) { count_pairs<double, 3>(a, block); }
-KERNEL(list_pairs_2, Pairs) { list_pairs<double, 2>(a, block); }
-KERNEL(list_pairs_3, Pairs) { list_pairs<double, 3>(a, block); }
-KERNEL(count_pairs_2_single, Pairs) { count_pairs<f32, 2>(a, block); }
-KERNEL(count_pairs_3_single, Pairs) { count_pairs<f32, 3>(a, block); }
-KERNEL(list_pairs_2_single, Pairs) { list_pairs<f32, 2>(a, block); }
-KERNEL(list_pairs_3_single, Pairs) { list_pairs<f32, 3>(a, block); }

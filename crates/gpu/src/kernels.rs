@@ -49,6 +49,8 @@ kernels! {
     RowGather = row_gather,
     RowStarts = row_starts,
     RowNeighbours = row_neighbours,
+    CellHeads = cell_heads,
+    GatherWords = gather_words,
     CountPairs2 = count_pairs_2,
     CountPairs3 = count_pairs_3,
     ListPairs2 = list_pairs_2,
@@ -57,6 +59,14 @@ kernels! {
     CountPairs3Single = count_pairs_3_single,
     ListPairs2Single = list_pairs_2_single,
     ListPairs3Single = list_pairs_3_single,
+    CountCrosses2 = count_crosses_2,
+    CountCrosses3 = count_crosses_3,
+    ListCrosses2 = list_crosses_2,
+    ListCrosses3 = list_crosses_3,
+    CountCrosses2Single = count_crosses_2_single,
+    CountCrosses3Single = count_crosses_3_single,
+    ListCrosses2Single = list_crosses_2_single,
+    ListCrosses3Single = list_crosses_3_single,
     ListKeys = list_keys,
     ListStarts = list_starts,
     ListEntries = list_entries,
@@ -75,6 +85,7 @@ pub fn source() -> String {
         include_str!("../kernels/scan.h"),
         include_str!("../kernels/sort.h"),
         include_str!("../kernels/rows.h"),
+        include_str!("../kernels/pairs.h"),
         include_str!("../kernels/lists.h"),
         include_str!("../kernels/laws.h"),
         include_str!("../kernels/step.h"),
@@ -111,7 +122,7 @@ pub(crate) struct SortArguments {
     pub(crate) shift: u32,
 }
 
-/// The numbers of [`RowsInput`](fdem_contact::RowsInput).
+/// The numbers of [`RowCells`](fdem_contact::RowCells).
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Cells {
@@ -274,20 +285,70 @@ pub(crate) struct SolidNodeArguments {
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct PairArguments {
+pub(crate) struct CellHeadArguments {
+    pub(crate) coordinates: Address,
+    pub(crate) heads: Address,
+    pub(crate) cell_heads: Address,
+    pub(crate) cells: Cells,
+    pub(crate) count: u64,
+    pub(crate) single: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GatherWordArguments {
+    pub(crate) words: Address,
+    pub(crate) ids: Address,
+    pub(crate) sorted: Address,
+    pub(crate) count: u64,
+}
+
+/// Elements in their order.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SetArguments {
     pub(crate) coordinates: Address,
     pub(crate) radii: Address,
     pub(crate) ids: Address,
-    pub(crate) row_of: Address,
-    pub(crate) starts: Address,
-    pub(crate) neighbours: Address,
+    /// Bodies, firsts, seconds of [`FilterNumbers`](fdem_contact::FilterNumbers).
+    pub(crate) labels: [Address; 3],
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PairArguments {
+    pub(crate) own: SetArguments,
+    pub(crate) other: SetArguments,
+    pub(crate) matrix: Address,
+    pub(crate) words: u64,
     pub(crate) counts: Address,
     pub(crate) before: Address,
     pub(crate) couples: Address,
-    pub(crate) count: u64,
     pub(crate) reach: f64,
     pub(crate) reach_squared: f64,
     pub(crate) tolerance: f64,
-    pub(crate) mask: u32,
-    pub(crate) axis: u32,
+    pub(crate) axis: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct OneSetArguments {
+    pub(crate) pairs: PairArguments,
+    pub(crate) row_of: Address,
+    pub(crate) starts: Address,
+    pub(crate) neighbours: Address,
+    pub(crate) mask: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct TwoSetArguments {
+    pub(crate) pairs: PairArguments,
+    pub(crate) starts: Address,
+    pub(crate) rows: Address,
+    pub(crate) row_count: u64,
+    pub(crate) cells: Cells,
+    pub(crate) last: [f64; 3],
 }

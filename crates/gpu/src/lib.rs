@@ -38,10 +38,12 @@ mod elements;
 mod error;
 #[cfg(feature = "host")]
 mod host;
+mod index;
 pub mod kernels;
 mod primitives;
 mod rows;
 mod solid;
+mod sorted;
 
 #[cfg(feature = "cuda")]
 pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices};
@@ -50,5 +52,6 @@ pub use elements::{ElementKind, deform};
 pub use error::GpuError;
 #[cfg(feature = "host")]
 pub use host::{Host, HostBuild};
+pub use index::DeviceIndex;
 pub use rows::DeviceRows;
 pub use solid::{DeviceSolid, SolidColumns, SolidStep};

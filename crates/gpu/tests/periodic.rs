@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
 use bytemuck::Pod;
-use fdem_contact::{Elements, Engine, Error, PeriodicBox, PeriodicSearch, Real};
+use fdem_contact::{Elements, Engine, Error, Filter, PeriodicBox, PeriodicSearch, Real};
 use fdem_gpu::{DeviceRows, Host, HostBuild};
 use fdem_scenes::random::Random;
 
@@ -84,6 +84,9 @@ fn elements_in_boxes<T: Real + Pod, const D: usize>() {
                 let what = format!("{shape}, {periodic:?}, {size} wide, {outside}, {n} elements");
                 let elements = Elements::points(&points, of(1.0)).unwrap();
                 let found = same(&what, &elements, &cell);
+                let bodies: Vec<u32> = (0..n).map(|_| random.below(5) as u32).collect();
+                let filtered = elements.with_filter(Filter::bodies(&bodies)).unwrap();
+                assert!(same(&what, &filtered, &cell)[0] <= found[0]);
                 let radii: Vec<T> = (0..n).map(|_| of(random.between(0.1, 0.5))).collect();
                 let spheres = Elements::spheres_with_radii(&points, &radii).unwrap();
                 let with_radii = same(&what, &spheres.with_tolerance(of(0.01)).unwrap(), &cell);

@@ -7,7 +7,8 @@ use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernels::{Kernel, ListEntryArguments, ListKeyArguments, ListStartArguments};
 use crate::primitives::launch;
-use crate::rows::{DeviceRows, bits, input};
+use crate::rows::{DeviceRows, input};
+use crate::sorted::{Places, SortedRows, bits};
 
 impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// The neighbours of each element that have a larger number, ascending, and their distances: the arrays
@@ -33,36 +34,35 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// The rows with a number of entries for each couple.
     fn neighbours(&mut self, elements: &Elements<'_, T, N>, each: usize) -> Result<Csr<T>, GpuError> {
         let (device, n) = (self.device, elements.len());
-        let couple_count = match input(elements)? {
-            Some(input) => self.listed(&input)?,
-            None => 0,
-        };
+        let none = || Csr::from_arrays(vec![0; n + 1], Vec::new(), Vec::new());
+        let Some(input) = input(elements)? else { return Ok(none()) };
+        let (Places { points, .. }, couple_count) = self.listed(&input)?;
         if couple_count == 0 {
-            return Ok(Csr::from_arrays(vec![0; n + 1], Vec::new(), Vec::new()));
+            return Ok(none());
         }
         let entries = couple_count.checked_mul(each).ok_or(GpuError::OutOfMemory { bytes: usize::MAX })?;
         let bits = bits(n as u64);
-        let (keys, ids) = self.sort.resize(device, entries)?;
+        let (keys, ids) = self.elements.sort.resize(device, entries)?;
         let couples = self.couples.address(device);
         let (couple_count, count) = (couple_count as u64, entries as u64);
         let arguments = ListKeyArguments { couples, keys, ids, couple_count, count, bits, unused: 0 };
         launch(device, Kernel::ListKeys, entries, &arguments)?;
-        self.sort.sort(device, entries, 2 * bits)?;
+        self.elements.sort.sort(device, entries, 2 * bits)?;
 
-        let keys = self.sort.arrays(device).0;
+        let keys = self.elements.sort.arrays(device).0;
         let starts = self.row_starts.resize(device, n + 1)?;
         let arguments =
             ListStartArguments { keys, starts, entries: count, count: n as u64 + 1, bits, unused: 0 };
         launch(device, Kernel::ListStarts, n + 1, &arguments)?;
         let arguments = ListEntryArguments {
             keys,
-            points: self.points.address(device),
+            points,
             neighbours: self.entries.resize(device, entries)?,
             distances: self.distances.resize(device, entries)?,
             count,
             bits,
             dimensions: N as u32,
-            single: Self::SINGLE,
+            single: SortedRows::<D::Memory, T, N>::SINGLE,
             unused: 0,
         };
         launch(device, Kernel::ListEntries, entries, &arguments)?;
