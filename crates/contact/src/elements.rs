@@ -529,7 +529,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     }
 }
 
-fn check_count(elements: usize) -> Result<(), Error> {
+pub(crate) fn check_count(elements: usize) -> Result<(), Error> {
     if elements > MAX_ELEMENTS {
         return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
     }

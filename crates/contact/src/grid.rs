@@ -59,7 +59,7 @@ impl<const D: usize> Grid<D> {
             min = domain.map(|[low, _]| low);
             max = domain.map(|[_, high]| high);
         }
-        let cell_size = cell_size(elements, &min, &max);
+        let cell_size = cell_size::<T, D>(elements.reach(), elements.len(), &Bounds { min, max });
         let mut grid = Self { origin: min, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
 
         let counts: [f64; D] = std::array::from_fn(|axis| grid.quotient(axis, max[axis]).floor() + 1.0);
@@ -81,8 +81,12 @@ impl<const D: usize> Grid<D> {
     /// A grid that covers the elements however wide their domain is, for searches that store nothing per
     /// cell.
     pub(crate) fn unbounded<T: Real>(elements: &Elements<'_, T, D>) -> Self {
-        let bounds = elements.bounds();
-        Self::countless(bounds, cell_size(elements, &bounds.min, &bounds.max))
+        Self::unbounded_of::<T>(elements.reach(), elements.len(), elements.bounds())
+    }
+
+    /// The same for a number of elements that are not here, with their [reach](Elements::reach).
+    pub(crate) fn unbounded_of<T: Real>(reach: f64, elements: usize, bounds: Bounds<D>) -> Self {
+        Self::countless(bounds, cell_size::<T, D>(reach, elements, &bounds))
     }
 
     /// The same for elements that touch nothing farther away than `reach`; the edge of a cell is at least
@@ -273,11 +277,10 @@ pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option
 
 /// The edge of a cell: the largest element plus tolerance, widened. If all elements have size 0, there is
 /// about one cell per element.
-fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64; D], max: &[f64; D]) -> f64 {
-    let mut reach = elements.reach();
+fn cell_size<T: Real, const D: usize>(mut reach: f64, elements: usize, bounds: &Bounds<D>) -> f64 {
     if reach == 0.0 {
-        let widest = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
-        reach = widest / integer_root(elements.len(), D) as f64;
+        let widest = (0..D).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
+        reach = widest / integer_root(elements, D) as f64;
         if reach == 0.0 {
             reach = 1.0;
         }

@@ -227,7 +227,7 @@ pub use search::level::Level;
 pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
-pub use search::rows::input::{RowCells, RowsInput};
+pub use search::rows::input::{RowCells, RowsExtremes, RowsInput};
 pub use simd::Simd;
 #[doc(hidden)] // For `fdem-simulation`.
 pub use simd::prefetch::value as prefetch;

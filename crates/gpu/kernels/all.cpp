@@ -5,6 +5,7 @@
 #include "rows.h"
 #include "pairs.h"
 #include "lists.h"
+#include "extremes.h"
 #include "laws.h"
 #include "step.h"
 

@@ -43,6 +43,11 @@ impl<M, T: Pod> Array<M, T> {
         self.memory.as_ref().map_or(0, |memory| device.address(memory))
     }
 
+    /// The memory; `None` if there are no numbers.
+    pub(crate) fn memory(&self) -> Option<&M> {
+        self.memory.as_ref()
+    }
+
     /// Copies numbers to the device.
     pub(crate) fn write(
         &mut self,

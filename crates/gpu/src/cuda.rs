@@ -86,6 +86,17 @@ impl Cuda {
         &self.info
     }
 
+    /// Memory of the device that somebody else has taken, such as an array of another library, to be searched
+    /// where it is. It is not freed when this is dropped.
+    ///
+    /// # Safety
+    /// The memory at `address` has these bytes in the primary context of the device, is there until this is
+    /// dropped, and nobody writes to it while a kernel reads it. What was written to it is done: kernels run
+    /// in the default stream.
+    pub unsafe fn borrow(&self, address: u64, bytes: usize) -> CudaMemory {
+        CudaMemory { pointer: address, bytes, context: self.context, is_borrowed: true }
+    }
+
     /// Makes the context of the device that of this thread.
     fn enter(&self) -> Result<(), GpuError> {
         // SAFETY: the context is retained until this is dropped.
@@ -111,10 +122,15 @@ pub struct CudaMemory {
     pointer: sys::CUdeviceptr,
     bytes: usize,
     context: sys::CUcontext,
+    /// Whether it is somebody else's, and not freed.
+    is_borrowed: bool,
 }
 
 impl Drop for CudaMemory {
     fn drop(&mut self) {
+        if self.is_borrowed {
+            return;
+        }
         // SAFETY: `allocate` has taken the memory, and kernels that use it are done before it is free. If the
         // context is gone, the driver says so.
         let _ =
@@ -135,11 +151,15 @@ impl Device for Cuda {
                 driver("cuMemAlloc")(error)
             }
         })?;
-        Ok(CudaMemory { pointer, bytes, context: self.context })
+        Ok(CudaMemory { pointer, bytes, context: self.context, is_borrowed: false })
     }
 
     fn address(&self, memory: &CudaMemory) -> u64 {
         memory.pointer
+    }
+
+    fn bytes(&self, memory: &CudaMemory) -> usize {
+        memory.bytes
     }
 
     fn write(&self, to: &mut CudaMemory, bytes: &[u8]) -> Result<(), GpuError> {

@@ -17,6 +17,9 @@ pub trait Device {
     /// The address by which kernels know the memory.
     fn address(&self, memory: &Self::Memory) -> u64;
 
+    /// Bytes that the memory has.
+    fn bytes(&self, memory: &Self::Memory) -> usize;
+
     /// Copies bytes to the beginning of the memory.
     ///
     /// # Errors

@@ -45,6 +45,16 @@ pub enum GpuError {
         /// Words of the driver.
         message: String,
     },
+    /// Memory of the device that was given is too short for the elements.
+    #[error("the memory for {what} has {bytes} bytes, and {needed} are needed")]
+    ShortMemory {
+        /// Points or radii.
+        what: &'static str,
+        /// The bytes that it has.
+        bytes: usize,
+        /// The bytes that the elements have.
+        needed: usize,
+    },
     /// The device does not search this.
     #[error("a device does not search {what}")]
     Unsupported {

@@ -49,6 +49,10 @@ impl Device for Host {
         memory.as_ptr() as u64
     }
 
+    fn bytes(&self, memory: &Self::Memory) -> usize {
+        size_of_val(&**memory)
+    }
+
     fn write(&self, to: &mut Self::Memory, bytes: &[u8]) -> Result<(), GpuError> {
         for (cell, bytes) in to[..bytes.len().div_ceil(8)].iter().zip(bytes.chunks(8)) {
             let mut word = cell.get().to_ne_bytes();

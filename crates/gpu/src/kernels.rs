@@ -70,6 +70,9 @@ kernels! {
     ListKeys = list_keys,
     ListStarts = list_starts,
     ListEntries = list_entries,
+    ExtremesOfBlocks = extremes_of_blocks,
+    ExtremesOfAll = extremes_of_all,
+    SamplePoints = sample_points,
     DeformTriangles = deform_triangles,
     DeformTetrahedra = deform_tetrahedra,
     SolidDeform2 = solid_deform_2,
@@ -87,6 +90,7 @@ pub fn source() -> String {
         include_str!("../kernels/rows.h"),
         include_str!("../kernels/pairs.h"),
         include_str!("../kernels/lists.h"),
+        include_str!("../kernels/extremes.h"),
         include_str!("../kernels/laws.h"),
         include_str!("../kernels/step.h"),
     ];
@@ -351,4 +355,39 @@ pub(crate) struct TwoSetArguments {
     pub(crate) row_count: u64,
     pub(crate) cells: Cells,
     pub(crate) last: [f64; 3],
+}
+
+/// Extremes of elements, and the first number that is refused.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Extremes {
+    pub(crate) min: [f64; 3],
+    pub(crate) max: [f64; 3],
+    pub(crate) radii: [f64; 2],
+    pub(crate) wrong_number: u64,
+    pub(crate) wrong_radius: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ExtremesArguments {
+    pub(crate) points: Address,
+    pub(crate) radii: Address,
+    pub(crate) extremes: Address,
+    pub(crate) count: u64,
+    pub(crate) blocks: u64,
+    pub(crate) limit: f64,
+    pub(crate) dimensions: u32,
+    pub(crate) single: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SampleArguments {
+    pub(crate) points: Address,
+    pub(crate) sample: Address,
+    pub(crate) count: u64,
+    pub(crate) step: u64,
+    pub(crate) dimensions: u32,
+    pub(crate) single: u32,
 }

@@ -54,4 +54,5 @@ pub use error::GpuError;
 pub use host::{Host, HostBuild};
 pub use index::DeviceIndex;
 pub use rows::DeviceRows;
+pub use rows::placed::{PlacedCouples, PlacedElements, PlacedRadii};
 pub use solid::{DeviceSolid, SolidColumns, SolidStep};

@@ -18,7 +18,7 @@ pub(crate) fn launch(
 }
 
 /// Starts a kernel on a number of blocks.
-fn launch_blocks(
+pub(crate) fn launch_blocks(
     device: &impl Device,
     kernel: Kernel,
     blocks: usize,

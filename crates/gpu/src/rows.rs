@@ -1,6 +1,7 @@
 //! Contact detection by sorted rows on a device.
 
 mod lists;
+pub(crate) mod placed;
 
 use bytemuck::Pod;
 use fdem_contact::{Couple, Elements, Error, Real, Rows, RowsInput, Search};
@@ -8,7 +9,7 @@ use fdem_contact::{Couple, Elements, Error, Real, Rows, RowsInput, Search};
 use crate::array::Array;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::kernels::{Kernel, NeighbourArguments, OneSetArguments, PairArguments};
+use crate::kernels::{Extremes, Kernel, NeighbourArguments, OneSetArguments, PairArguments};
 use crate::primitives::launch;
 use crate::sorted::{Places, SortedRows};
 
@@ -44,13 +45,9 @@ pub struct DeviceRows<'d, D: Device, T, const N: usize> {
     row_starts: Array<D::Memory, u64>,
     entries: Array<D::Memory, u32>,
     distances: Array<D::Memory, T>,
-}
-
-/// Couples that are counted and not listed yet.
-struct Counted {
-    arguments: OneSetArguments,
-    elements: Places,
-    couples: u64,
+    /// Extremes and a sample of elements that were on the device.
+    extremes: Array<D::Memory, Extremes>,
+    sample: Array<D::Memory, T>,
 }
 
 impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
@@ -65,28 +62,35 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
             row_starts: Array::new(),
             entries: Array::new(),
             distances: Array::new(),
+            extremes: Array::new(),
+            sample: Array::new(),
         }
     }
 
     /// The couples as pairs of numbers, the smaller one first.
     fn list(&mut self, elements: &Elements<'_, T, N>) -> Result<Vec<[u32; 2]>, GpuError> {
         let Some(input) = input(elements)? else { return Ok(Vec::new()) };
-        let (_, total) = self.listed(&input)?;
+        let places = self.elements.give(self.device, input.points, input.radii)?;
+        let total = self.listed(places, &input)?;
         self.couples.to_vec(self.device, total)
     }
 
-    /// Writes the couples on the device. Returns where the elements are, and the number of couples.
-    fn listed(&mut self, input: &RowsInput<'_, T, N>) -> Result<(Places, usize), GpuError> {
-        let Counted { mut arguments, elements, couples } = self.counted(input)?;
+    /// Writes the couples on the device. Returns their number.
+    fn listed(&mut self, places: Places, input: &RowsInput<'_, T, N>) -> Result<usize, GpuError> {
+        let (mut arguments, couples) = self.counted(places, input)?;
         let total = usize::try_from(couples).map_err(|_| GpuError::OutOfMemory { bytes: usize::MAX })?;
         arguments.pairs.couples = self.couples.resize(self.device, total)?;
-        launch(self.device, kernels::<T, N>()[1], elements.count, &arguments)?;
-        Ok((elements, total))
+        launch(self.device, kernels::<T, N>()[1], places.count, &arguments)?;
+        Ok(total)
     }
 
-    /// Sorts the elements and counts the partners of each.
-    fn counted(&mut self, input: &RowsInput<'_, T, N>) -> Result<Counted, GpuError> {
-        let places = self.elements.give(self.device, input.points, input.radii)?;
+    /// Sorts the elements and counts the partners of each. Returns the arguments for a list, and the number
+    /// of couples.
+    fn counted(
+        &mut self,
+        places: Places,
+        input: &RowsInput<'_, T, N>,
+    ) -> Result<(OneSetArguments, u64), GpuError> {
         self.elements.build(self.device, places, &input.cells)?;
         let (device, n) = (self.device, places.count);
         let (mut matrix, mut words) = (0, 0);
@@ -123,7 +127,7 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
         let mut arguments = OneSetArguments { pairs, row_of, starts, neighbours, mask: u64::from(mask) };
         launch(device, kernels::<T, N>()[0], n, &arguments)?;
         arguments.pairs.before = self.elements.sums.add_up(device, counts, n)?;
-        Ok(Counted { arguments, elements: places, couples: self.elements.sums.total(device, n)? })
+        Ok((arguments, self.elements.sums.total(device, n)?))
     }
 }
 
@@ -150,10 +154,9 @@ impl<D: Device, T: Real + Pod, const N: usize> Search<T, N> for DeviceRows<'_, D
     }
 
     fn count(&mut self, elements: &Elements<'_, T, N>) -> Result<u64, Error> {
-        match input(elements)? {
-            Some(input) => Ok(self.counted(&input)?.couples),
-            None => Ok(0),
-        }
+        let Some(input) = input(elements)? else { return Ok(0) };
+        let places = self.elements.give(self.device, input.points, input.radii)?;
+        Ok(self.counted(places, &input)?.1)
     }
 }
 

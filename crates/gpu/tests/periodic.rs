@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
+use std::cmp::Ordering;
+
 use bytemuck::Pod;
 use fdem_contact::{Elements, Engine, Error, Filter, PeriodicBox, PeriodicSearch, Real};
 use fdem_gpu::{DeviceRows, Host, HostBuild};
@@ -32,14 +34,10 @@ fn same<T: Real + Pod, const D: usize>(
 fn boxes<const D: usize>() -> Vec<(&'static str, [[f64; D]; D])> {
     let sheared = |tilt: f64| -> [[f64; D]; D] {
         std::array::from_fn(|a| {
-            std::array::from_fn(|b| {
-                if a == b {
-                    1.0 + 0.3 * a as f64
-                } else if a > b {
-                    tilt
-                } else {
-                    0.0
-                }
+            std::array::from_fn(|b| match a.cmp(&b) {
+                Ordering::Equal => 1.0 + 0.3 * a as f64,
+                Ordering::Greater => tilt,
+                Ordering::Less => 0.0,
             })
         })
     };

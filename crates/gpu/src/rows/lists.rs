@@ -8,7 +8,7 @@ use crate::error::GpuError;
 use crate::kernels::{Kernel, ListEntryArguments, ListKeyArguments, ListStartArguments};
 use crate::primitives::launch;
 use crate::rows::{DeviceRows, input};
-use crate::sorted::{Places, SortedRows, bits};
+use crate::sorted::{SortedRows, bits};
 
 impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// The neighbours of each element that have a larger number, ascending, and their distances: the arrays
@@ -36,7 +36,8 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
         let (device, n) = (self.device, elements.len());
         let none = || Csr::from_arrays(vec![0; n + 1], Vec::new(), Vec::new());
         let Some(input) = input(elements)? else { return Ok(none()) };
-        let (Places { points, .. }, couple_count) = self.listed(&input)?;
+        let places = self.elements.give(device, input.points, input.radii)?;
+        let couple_count = self.listed(places, &input)?;
         if couple_count == 0 {
             return Ok(none());
         }
@@ -56,7 +57,7 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
         launch(device, Kernel::ListStarts, n + 1, &arguments)?;
         let arguments = ListEntryArguments {
             keys,
-            points,
+            points: places.points,
             neighbours: self.entries.resize(device, entries)?,
             distances: self.distances.resize(device, entries)?,
             count,

@@ -1,11 +1,13 @@
 //! The input of a search over sorted rows, for a search on another device.
 
-use crate::elements::{Elements, Shape};
+use crate::elements::{Elements, Shape, check_count};
+use crate::error::{Error, check_lengths};
 use crate::filter::Filter;
 use crate::grid::Grid;
 use crate::real::Real;
 use crate::search::rows::Rows;
 use crate::search::rows::layout::axes_of;
+use crate::search::rows::sparse;
 
 /// The cells by which elements are sorted into rows.
 ///
@@ -50,9 +52,9 @@ impl<const D: usize> RowCells<D> {
 /// [`PeriodicSearch::for_each_by`](crate::PeriodicSearch::for_each_by) documents their order.
 #[derive(Clone, Copy, Debug)]
 pub struct RowsInput<'a, T, const D: usize> {
-    /// The centres.
+    /// The centres; empty if they are elsewhere.
     pub points: &'a [[T; D]],
-    /// The radii; empty if there is only one.
+    /// The radii; empty if there is only one, or if they are elsewhere.
     pub radii: &'a [T],
     /// The filter, if there is one.
     pub filter: Option<Filter<'a>>,
@@ -66,7 +68,63 @@ pub struct RowsInput<'a, T, const D: usize> {
     pub tolerance: T,
 }
 
+/// Spheres or points that are elsewhere, such as on another device: the extremes of their numbers, which must
+/// be those that [`Elements`] takes.
+#[derive(Clone, Copy, Debug)]
+pub struct RowsExtremes<T, const D: usize> {
+    /// Number of elements.
+    pub elements: usize,
+    /// The smallest coordinates of the centres, axis by axis.
+    pub min: [T; D],
+    /// The largest coordinates.
+    pub max: [T; D],
+    /// The largest radius.
+    pub radius: T,
+    /// The gap that still counts as contact.
+    pub tolerance: T,
+}
+
 impl<T: Real, const D: usize> Rows<T, D> {
+    /// The size of the sample that [`Rows::input_elsewhere`] looks at, and the difference of the numbers of
+    /// its elements, of which 0 is the first. Few elements have none.
+    pub fn sample(elements: usize) -> [usize; 2] {
+        <[usize; 2]>::from(sparse::sample_of(elements))
+    }
+
+    /// The numbers of a search over elements that are elsewhere: those of [`Rows::input`], without points,
+    /// radii and filter. `sample` has the centres of their [sample](Rows::sample); `reach_squared` is that
+    /// of two of the largest radius.
+    ///
+    /// # Errors
+    /// [`Error::TooManyElements`], [`Error::InvalidRadius`], [`Error::InvalidTolerance`], and
+    /// [`Error::LengthMismatch`] for a sample of another size.
+    pub fn input_elsewhere(
+        extremes: &RowsExtremes<T, D>,
+        sample: &[[T; D]],
+    ) -> Result<RowsInput<'static, T, D>, Error> {
+        let n = extremes.elements;
+        check_count(n)?;
+        check_lengths("points of the sample", sparse::sample_of(n).0, sample.len())?;
+        // Two elements with the extremes of all.
+        let corners = [extremes.min, extremes.max];
+        let largest = Elements::spheres(&corners, extremes.radius)?.with_tolerance(extremes.tolerance)?;
+        let grid = Grid::unbounded_of::<T>(largest.reach(), n, largest.bounds());
+        let grid = sparse::grid_of(grid, n, |k, axis| sample[k][axis].to_f64());
+        Ok(RowsInput {
+            points: &[],
+            radii: &[],
+            filter: None,
+            cells: RowCells::new(&grid, axes_of(&grid)),
+            reach: largest.rows_reach(),
+            reach_squared: if let Shape::Equal(equal) = largest.shape {
+                equal.reach_squared()
+            } else {
+                T::ZERO
+            },
+            tolerance: extremes.tolerance,
+        })
+    }
+
     /// The numbers of a search over `elements`; `None` for boxes and no elements.
     ///
     /// # Cost

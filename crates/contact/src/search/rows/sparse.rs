@@ -31,13 +31,22 @@ const MOST: usize = 4096;
 /// elements. The density where the elements are, which may be in clusters, is estimated from pairs of a
 /// sample that share a cell.
 pub(crate) fn grid<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Grid<D> {
-    let grid = Grid::unbounded(elements);
-    let n = elements.len();
+    let (_, step) = sample_of(elements.len());
+    grid_of(Grid::unbounded(elements), elements.len(), |k, axis| elements.anchor(k * step, axis))
+}
+
+/// The same for `n` elements, by the cells as wide as their reach and the elements of their
+/// [sample](sample_of).
+pub(crate) fn grid_of<const D: usize>(
+    grid: Grid<D>,
+    n: usize,
+    anchor: impl Fn(usize, usize) -> f64,
+) -> Grid<D> {
     let cells = grid.cells().iter().map(|&cells| cells as f64).product::<f64>();
     if D == 1 || n < FEW || n as f64 >= DENSE * cells {
         return grid;
     }
-    let density = density(elements, &grid).max(n as f64 / cells);
+    let density = density(n, &grid, anchor).max(n as f64 / cells);
     if density >= DENSE {
         return grid;
     }
@@ -50,15 +59,23 @@ pub(crate) fn grid<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Gr
     grid.wider(factor)
 }
 
-/// Mean number of elements per cell of `grid` where the elements are.
-fn density<T: Real, const D: usize>(elements: &Elements<'_, T, D>, grid: &Grid<D>) -> f64 {
-    let n = elements.len();
+/// The size of a sample of `n` elements, and the difference of the numbers of its elements, from 0 on. Few
+/// elements have none.
+pub(crate) fn sample_of(n: usize) -> (usize, usize) {
+    if n < FEW {
+        return (0, 0);
+    }
     let sample = (n / ONE_IN).min(MOST);
+    (sample, n / sample)
+}
+
+/// Mean number of elements per cell of `grid` where the elements are.
+fn density<const D: usize>(n: usize, grid: &Grid<D>, anchor: impl Fn(usize, usize) -> f64) -> f64 {
+    let (sample, _) = sample_of(n);
     let mut keys: Vec<u64> = (0..sample)
         .map(|k| {
-            let index = k * (n / sample);
             (0..D).fold(0, |key: u64, axis| {
-                let cell = (grid.quotient(axis, elements.anchor(index, axis)) / EDGE) as u64;
+                let cell = (grid.quotient(axis, anchor(k, axis)) / EDGE) as u64;
                 (key ^ cell).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
             })
         })
