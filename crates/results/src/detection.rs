@@ -241,8 +241,40 @@ fn on_device<const D: usize>(
     match D {
         2 => device.plane(&request.elements(of_dimension::<D, 2>(space).centres)?),
         3 => device.space(&request.elements(of_dimension::<D, 3>(space).centres)?),
-        _ => Err(Error::Device { message: "a device searches in two and three dimensions".to_owned() }),
+        _ => Err(other_dimensions()),
     }
+}
+
+/// The couples that a device finds in a periodic box.
+fn on_device_in_box<const D: usize>(
+    space: &Space<'_, D>,
+    device: &dyn DeviceSearch,
+    request: &DetectionRequest<'_>,
+) -> Result<Vec<PeriodicCouple<D>>, Error> {
+    fn boxed<'a, const E: usize>(
+        space: &Space<'a, E>,
+        request: &DetectionRequest<'a>,
+    ) -> Result<(Elements<'a, f64, E>, PeriodicBox<f64, E>, PeriodicSearch<f64, E>), Error> {
+        let cell = space.cell.expect("the box is periodic");
+        let images = PeriodicSearch::new().with_threads(request.threads)?;
+        Ok((request.elements(space.centres)?, cell, images))
+    }
+
+    match D {
+        2 => {
+            let (elements, cell, images) = boxed::<2>(&of_dimension(space), request)?;
+            device.plane_in_box(&elements, &cell, images).map(same)
+        }
+        3 => {
+            let (elements, cell, images) = boxed::<3>(&of_dimension(space), request)?;
+            device.space_in_box(&elements, &cell, images).map(same)
+        }
+        _ => Err(other_dimensions()),
+    }
+}
+
+fn other_dimensions() -> Error {
+    Error::Device { message: "a device searches in two and three dimensions".to_owned() }
 }
 
 fn detect_periodic<const D: usize>(
@@ -252,13 +284,13 @@ fn detect_periodic<const D: usize>(
     request: &DetectionRequest<'_>,
     mut add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
-    if request.device.is_some() {
-        return Err(Error::Device { message: "a device does not search periodic boxes".to_owned() });
-    }
     let mut search = PeriodicSearch::new().with_engine(request.engine).with_threads(request.threads)?;
     let mut couples = Vec::new();
-    if request.keep {
-        search.couples(elements, cell, &mut couples)?;
+    if request.keep || request.device.is_some() {
+        match request.device {
+            None => search.couples(elements, cell, &mut couples)?,
+            Some(device) => couples = on_device_in_box(space, device, request)?,
+        }
         if let Sizes::Pairs(_) = request.sizes {
             couples.retain(|couple| request.keeps(space, *couple));
         }
@@ -349,7 +381,92 @@ fn check_wrapped<const D: usize>(centres: &[[f64; D]], cell: &PeriodicBox<f64, D
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fdem_contact::Couple;
+    use fdem_contact::{Couple, Engine, Rows};
+
+    /// A device that searches as one does: with another search, and images from the processor.
+    #[derive(Debug)]
+    struct OtherRows;
+
+    impl OtherRows {
+        fn open<const D: usize>(elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
+            let mut couples = Vec::new();
+            Rows::new().couples(elements, &mut couples).map(|()| couples)
+        }
+
+        fn in_box<const D: usize>(
+            elements: &Elements<'_, f64, D>,
+            cell: &PeriodicBox<f64, D>,
+            mut images: PeriodicSearch<f64, D>,
+        ) -> Result<Vec<PeriodicCouple<D>>, Error> {
+            let mut couples = Vec::new();
+            images.couples_by(&mut Rows::new(), elements, cell, &mut couples).map(|()| couples)
+        }
+    }
+
+    impl DeviceSearch for OtherRows {
+        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
+            Self::open(elements)
+        }
+
+        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
+            Self::open(elements)
+        }
+
+        fn plane_in_box(
+            &self,
+            elements: &Elements<'_, f64, 2>,
+            cell: &PeriodicBox<f64, 2>,
+            images: PeriodicSearch<f64, 2>,
+        ) -> Result<Vec<PeriodicCouple<2>>, Error> {
+            Self::in_box(elements, cell, images)
+        }
+
+        fn space_in_box(
+            &self,
+            elements: &Elements<'_, f64, 3>,
+            cell: &PeriodicBox<f64, 3>,
+            images: PeriodicSearch<f64, 3>,
+        ) -> Result<Vec<PeriodicCouple<3>>, Error> {
+            Self::in_box(elements, cell, images)
+        }
+    }
+
+    /// With and without a box and bodies, and if couples are not kept, a device has the same detection.
+    #[test]
+    fn a_device_has_the_detection_of_the_processor() {
+        fn compare<const D: usize>(periodic: [bool; D]) -> u64 {
+            let place = |k: usize| (k * k * 7 + k * 31) as f64 % 50.0 * 0.2;
+            let centres: Vec<[f64; D]> =
+                (0..400).map(|k| std::array::from_fn(|axis| place(k + 11 * axis) - 0.5)).collect();
+            let radii: Vec<f64> = (0..400).map(|k| 0.2 + 0.01 * (k % 30) as f64).collect();
+            let bodies: Vec<u32> = (0..400).map(|k| k % 3).collect();
+            let cell = PeriodicBox::orthogonal([0.0; D], [10.0; D], periodic).unwrap();
+            let mut couples = 0;
+            for (cell, bodies, keep) in
+                [(None, None, true), (Some(cell), None, true), (Some(cell), Some(&bodies[..]), false)]
+            {
+                let space = Space { centres: &centres, cell };
+                let on_processor = DetectionRequest {
+                    sizes: Sizes::Each(&radii),
+                    tolerance: 0.05,
+                    bodies,
+                    engine: Some(Engine::Rows),
+                    device: None,
+                    threads: 1,
+                    keep: true,
+                };
+                let on_device = DetectionRequest { device: Some(&OtherRows), keep, ..on_processor };
+                let [expected, found] = [on_processor, on_device]
+                    .map(|request| detect(&space, &request, &AtomicU64::new(0)).unwrap());
+                assert_eq!(found.statistics, expected.statistics);
+                assert_eq!(found.couples, expected.couples);
+                couples += found.statistics.couples;
+            }
+            couples
+        }
+        assert!(compare([true, true]) > 1000);
+        assert!(compare([true, false, true]) > 100);
+    }
 
     /// The largest overlap does not depend on the order of the couples.
     #[test]

@@ -95,7 +95,7 @@ pub(crate) struct ContactsArguments {
     pub(crate) engine: EngineName,
 
     /// Where the search runs: `cpu`, `gpu`, or `gpu:N` with a number of `fdem devices`. A graphics processor
-    /// of NVIDIA finds the couples of the engine rows, of packings in a box that is not periodic.
+    /// of NVIDIA finds the couples of the engine rows, of packings.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub(crate) device: DeviceName,
 

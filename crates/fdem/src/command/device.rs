@@ -21,9 +21,6 @@ pub(crate) fn refuse(arguments: &ContactsArguments) -> Result<(), Failure> {
     }
     for (option, given) in [
         ("--labels", arguments.labels.labels),
-        ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
-        ("--bodies", arguments.bodies.is_some()),
-        ("--cutoff by pairs of types", arguments.pairs().is_some()),
         ("--explain", arguments.explain),
         ("--couples", arguments.couples.couples.is_some()),
         ("more than one file", !arguments.more.is_empty()),
@@ -73,22 +70,56 @@ use without::{graphics_processors, opened};
 mod with {
     use std::sync::{Mutex, PoisonError};
 
-    use fdem_contact::{Couple, Elements, Error, Search};
+    use fdem_contact::{Couple, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search};
     use fdem_gpu::{Cuda, DeviceRows, devices};
     use fdem_results::detection::DeviceSearch;
 
     #[derive(Debug)]
     struct Opened(Cuda);
 
-    impl DeviceSearch for Opened {
-        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
+    impl Opened {
+        fn open<const D: usize>(&self, elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
             let mut couples = Vec::new();
             DeviceRows::new(&self.0).couples(elements, &mut couples).map(|()| couples)
         }
 
-        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
+        fn in_box<const D: usize>(
+            &self,
+            elements: &Elements<'_, f64, D>,
+            cell: &PeriodicBox<f64, D>,
+            mut images: PeriodicSearch<f64, D>,
+        ) -> Result<Vec<PeriodicCouple<D>>, Error> {
             let mut couples = Vec::new();
-            DeviceRows::new(&self.0).couples(elements, &mut couples).map(|()| couples)
+            let mut search = DeviceRows::new(&self.0);
+            images.couples_by(&mut search, elements, cell, &mut couples).map(|()| couples)
+        }
+    }
+
+    impl DeviceSearch for Opened {
+        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
+            self.open(elements)
+        }
+
+        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
+            self.open(elements)
+        }
+
+        fn plane_in_box(
+            &self,
+            elements: &Elements<'_, f64, 2>,
+            cell: &PeriodicBox<f64, 2>,
+            images: PeriodicSearch<f64, 2>,
+        ) -> Result<Vec<PeriodicCouple<2>>, Error> {
+            self.in_box(elements, cell, images)
+        }
+
+        fn space_in_box(
+            &self,
+            elements: &Elements<'_, f64, 3>,
+            cell: &PeriodicBox<f64, 3>,
+            images: PeriodicSearch<f64, 3>,
+        ) -> Result<Vec<PeriodicCouple<3>>, Error> {
+            self.in_box(elements, cell, images)
         }
     }
 

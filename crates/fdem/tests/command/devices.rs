@@ -1,5 +1,7 @@
 //! Graphics processors: the list of them, and searches that are refused.
 
+use std::fmt::Write;
+
 use crate::Bench;
 
 /// Whether there is a graphics processor, and fdem was built for it.
@@ -16,18 +18,43 @@ fn has_device(bench: &Bench) -> bool {
 fn a_device_has_the_couples_of_the_processor_or_says_why_not() {
     let bench = Bench::new();
     bench.run(&["generate", "gas", "-n", "2000", "--seed", "1", "--output", "gas.csv"]).succeeds();
-    let with = |device: &str, output: &str| {
-        bench.run(&["contacts", "gas.csv", "--device", device, "--output", output, "--verify", "20"])
-    };
-    with("cpu", "cpu.csv").succeeds();
-    if has_device(&bench) {
-        with("gpu", "gpu.csv").succeeds();
-        assert_eq!(bench.read("cpu.csv"), bench.read("gpu.csv"));
-    } else {
-        with("gpu", "gpu.csv").refused_with(&["--device gpu: "]);
-        assert_eq!(bench.files(), ["cpu.csv", "gas.csv"]);
+    bench.write("grains.csv", &grains());
+    let periodic = ["--periodic", "xz", "--box", "0,10,0,10,0,10"];
+    let bodies = ["--bodies", "body"];
+    let cutoffs = ["--cutoff", "A-A=0.9,A-B=0.7"];
+    let has_device = has_device(&bench);
+    for (file, options) in [
+        ("gas.csv", vec![]),
+        ("grains.csv", periodic.to_vec()),
+        ("grains.csv", [&periodic[..], &bodies].concat()),
+        ("grains.csv", [&bodies[..], &cutoffs].concat()),
+    ] {
+        let with = |device: &str, output: &str| {
+            let places = ["contacts", file, "--device", device, "--output", output, "--verify", "20"];
+            bench.run(&[&places[..], &options].concat())
+        };
+        with("cpu", "cpu.csv").succeeds();
+        assert!(bench.read("cpu.csv").lines().count() > 100, "{file}: {options:?}");
+        if has_device {
+            with("gpu", "gpu.csv").succeeds();
+            assert_eq!(bench.read("cpu.csv"), bench.read("gpu.csv"), "{file}: {options:?}");
+        } else {
+            with("gpu", "gpu.csv").refused_with(&["--device gpu: "]);
+            assert_eq!(bench.files(), ["cpu.csv", "gas.csv", "grains.csv"]);
+        }
+        with("gpu:1000", "gpu.csv").refused_with(&["--device gpu: "]);
     }
-    with("gpu:1000", "gpu.csv").refused_with(&["--device gpu: "]);
+}
+
+/// Spheres from 0 to 10 on each axis, with bodies and types.
+fn grains() -> String {
+    let mut text = "x,y,z,radius,body,type\n".to_owned();
+    for k in 0..1000_u32 {
+        let [x, y, z] =
+            [k % 10, k / 10 % 10, k / 100].map(|i| f64::from(i) + f64::from(k * 37 % 100) * 0.005);
+        writeln!(text, "{x},{y},{z},0.45,{},{}", k % 3, ["A", "B"][k as usize % 2]).unwrap();
+    }
+    text
 }
 
 #[test]
@@ -39,10 +66,6 @@ fn options_that_do_not_go_with_a_device_are_refused() {
     };
     refused(&["--device", "tpu"], "give cpu, gpu, or gpu:N");
     refused(&["--device", "gpu:"], "give cpu, gpu, or gpu:N");
-    refused(
-        &["--device", "gpu", "--periodic", "x", "--box", "0,9,0,9"],
-        "--device gpu does not go with --periodic",
-    );
     refused(&["--device", "gpu", "--explain"], "--device gpu does not go with --explain");
     refused(&["--device", "gpu", "--engine", "nbs"], "--device gpu has the engine rows only");
     refused(&["--device", "gpu", "packing.csv"], "--device gpu does not go with more than one file");
