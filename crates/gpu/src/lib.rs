@@ -2,14 +2,19 @@
 //!
 //! A search on a device finds exactly the couples of [`Rows`](fdem_contact::Rows), in the same order: the
 //! order is defined by the input alone ([`RowsInput`](fdem_contact::RowsInput)), arithmetic rounds after each
-//! operation on both, and no result depends on the order in which threads run.
+//! operation on both, and no result depends on the order in which threads run. The same holds for periodic
+//! boxes, two sets, filters, and lists of neighbours with distances, in `f64` and in `f32`.
 //!
 //! - [`Device`] is the door to a device: memory, copies, kernels. `Cuda` is a graphics processor of NVIDIA
 //!   (feature `cuda`). Nothing is linked: libraries are loaded when they are used. `Host` runs the same
 //!   text of the kernels on the processor (feature `host`), for tests.
 //! - `kernels/*.h` are the kernels. They hold no atomic operation on floats, and nothing that only one maker
 //!   of devices has.
-//! - [`DeviceRows`] is the search. [`DeviceSolid`] moves elastic bodies as fdem-simulation does; contacts,
+//! - [`DeviceRows`] is the search in one set: couples, counts, lists of neighbours, and elements that are on the
+//!   device already ([`PlacedElements`]). [`DeviceIndex`] searches in two sets. Images of periodic boxes are
+//!   made on the processor, and [`PeriodicSearch`](fdem_contact::PeriodicSearch::couples_by) searches them by
+//!   any search. Both sort by one part of the crate, `sorted.rs`.
+//! - [`DeviceSolid`] moves elastic bodies as fdem-simulation does; contacts,
 //!   joints and supports are to come. [`deform`] computes single elements.
 //!
 //! # Twins
@@ -19,7 +24,11 @@
 //!
 //! | kernels | fdem-contact, fdem-simulation | test |
 //! |---|---|---|
-//! | `rows.h`: cells, order, `touch` | `search/rows/input.rs`, `grid.rs`, `geometry.rs` | `kernels.rs` |
+//! | `rows.h`: cells, order | `search/rows/input.rs`, `grid.rs` | `kernels.rs` |
+//! | `pairs.h`: `touch`, `admits` | `geometry.rs`, `filter.rs` | `kernels.rs` |
+//! | `pairs.h`: two sets | `index/input.rs`, `grid.rs` | `two_sets.rs` |
+//! | `lists.h`: `distance` | `elements.rs`, `csr.rs` | `kernels.rs` |
+//! | `extremes.h`: extremes, refused numbers | `elements.rs` | `placed.rs` |
 //! | `laws.h`: vectors and tensors | `vector.rs` | `laws.rs` |
 //! | `laws.h`: `stress`, `cube_root` | `simplex/triangle/elastic.rs`, `simplex/tetrahedron/elastic.rs` | `laws.rs` |
 //! | `laws.h`: `viscous_stress` | `solid/viscous.rs` | `laws.rs` |
