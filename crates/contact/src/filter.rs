@@ -179,7 +179,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// What another filter must have to be like this one.
+    /// The kinds of numbers that a filter needs to be like this one, and the matrix.
     pub(crate) fn kind(&self) -> Result<FilterKind, Error> {
         let masks = matches!(self.sight, Sight::Masks { .. });
         let matrix = self.matrix().map(GroupMatrix::copy).transpose()?;

@@ -18,7 +18,8 @@ struct ListKeys {
     u32 unused;
 };
 
-// The row and the neighbour of each entry as one key. Entries beyond the couples are those of the larger number.
+// The row and the neighbour of each entry as one key. Entries beyond the couples are those of the larger
+// number.
 KERNEL(list_keys, ListKeys) {
     EACH(entry, a.count) {
         const bool is_larger = entry >= a.couple_count;

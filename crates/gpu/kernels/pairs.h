@@ -15,7 +15,7 @@ struct Set {
     u64 count;
 };
 
-// What couples of two sets, or of one set twice, have in common.
+// The comparison of two sets, or of one set with itself.
 struct Pairs {
     Set own;
     Set other;
@@ -72,8 +72,8 @@ template <typename T> INLINE u64 first_near(const T *along, u64 from, u64 end, T
     return from;
 }
 
-// The couples of an element with those of a row from `q` on: adds how many there are, and writes them if there is
-// a list. Of one set, the smaller number comes first.
+// The couples of an element with those of a row from `q` on: adds how many there are, and writes them if
+// there is a list. Of one set, the smaller number comes first.
 template <typename T, int D, bool ONE_SET>
 INLINE void window(const Pairs &a, u64 p, u64 q, u64 end, u32 *found, u32 *couples) {
     const T *along = (const T *)a.other.coordinates + a.axis * a.other.count;
@@ -141,8 +141,8 @@ INLINE u64 row_from(const u64 *rows, u64 row, u64 end, u64 third, u64 second) {
     return row;
 }
 
-// The first and the last cell along an axis that have points within the reach of `x`; false if there are none. The
-// quotient ascends with the coordinate, whatever the rounding, so no cell is missed.
+// The first and the last cell along an axis that have points within the reach of `x`; false if there are
+// none. The quotient ascends with the coordinate, whatever the rounding, so no cell is missed.
 INLINE bool cells_near(const TwoSets &a, u32 axis, double x, u64 *first, u64 *last) {
     const double origin = a.cells.origin[axis], inverse = a.cells.inverse, end = a.last[axis];
     const double low = ((x - a.pairs.reach) - origin) * inverse, high = ((x + a.pairs.reach) - origin) * inverse;

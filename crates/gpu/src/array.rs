@@ -55,7 +55,7 @@ impl<M, T: Pod> Array<M, T> {
         numbers: &[T],
     ) -> Result<Address, GpuError> {
         let address = self.resize(device, numbers.len())?;
-        if let Some(memory) = &mut self.memory {
+        if let Some(memory) = self.memory.as_mut().filter(|_| !numbers.is_empty()) {
             device.write(memory, bytemuck::cast_slice(numbers))?;
         }
         Ok(address)
@@ -68,6 +68,9 @@ impl<M, T: Pod> Array<M, T> {
         first: usize,
         numbers: &mut [T],
     ) -> Result<(), GpuError> {
+        if numbers.is_empty() {
+            return Ok(());
+        }
         let memory = self.memory.as_ref().filter(|_| first + numbers.len() <= self.room);
         let memory = memory.expect("the array has these numbers");
         device.read(memory, first * size_of::<T>(), bytemuck::cast_slice_mut(numbers))

@@ -26,7 +26,7 @@ use crate::sorted::{SortedRows, cells_of};
 /// ```
 pub struct DeviceIndex<'d, D: Device, T, const N: usize> {
     device: &'d D,
-    state: State<T, N>,
+    state: IndexState<T, N>,
     fixed: SortedRows<D::Memory, T, N>,
     moving: SortedRows<D::Memory, T, N>,
     /// Which groups see each other, and words of a row.
@@ -35,8 +35,8 @@ pub struct DeviceIndex<'d, D: Device, T, const N: usize> {
     couples: Array<D::Memory, [u32; 2]>,
 }
 
-/// What an index holds.
-enum State<T, const N: usize> {
+/// Whether there is an index, and its numbers.
+enum IndexState<T, const N: usize> {
     NotBuilt,
     Empty,
     Built(IndexInput<T, N>),
@@ -47,7 +47,7 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
     pub fn new(device: &'d D) -> Self {
         Self {
             device,
-            state: State::NotBuilt,
+            state: IndexState::NotBuilt,
             fixed: SortedRows::new(),
             moving: SortedRows::new(),
             matrix: Array::new(),
@@ -63,10 +63,10 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
     /// than two or three dimensions; [`GpuError::OutOfMemory`]; [`GpuError::Driver`]. The index is then not
     /// built.
     pub fn build(&mut self, elements: &Elements<'_, T, N>) -> Result<(), Error> {
-        self.state = State::NotBuilt;
+        self.state = IndexState::NotBuilt;
         check_dimensions(N)?;
         if elements.is_empty() {
-            self.state = State::Empty;
+            self.state = IndexState::Empty;
             return Ok(());
         }
         let (device, fixed) = (self.device, &mut self.fixed);
@@ -87,7 +87,7 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
             self.matrix.write(device, numbers.matrix)?;
             self.words = numbers.words as u64;
         }
-        self.state = State::Built(input);
+        self.state = IndexState::Built(input);
         Ok(())
     }
 
@@ -124,9 +124,9 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
     /// The input of a search; `None` if one of the sets is empty.
     fn input<'a>(&self, elements: &Elements<'a, T, N>) -> Result<Option<CrossInput<'a, T, N>>, Error> {
         match &self.state {
-            State::NotBuilt => Err(Error::IndexNotBuilt),
-            State::Empty => Ok(None),
-            State::Built(input) => input.with(elements),
+            IndexState::NotBuilt => Err(Error::IndexNotBuilt),
+            IndexState::Empty => Ok(None),
+            IndexState::Built(input) => input.with(elements),
         }
     }
 

@@ -10,8 +10,8 @@
 //!   text of the kernels on the processor (feature `host`), for tests.
 //! - `kernels/*.h` are the kernels. They hold no atomic operation on floats, and nothing that only one maker
 //!   of devices has.
-//! - [`DeviceRows`] is the search in one set: couples, counts, lists of neighbours, and elements that are on the
-//!   device already ([`PlacedElements`]). [`DeviceIndex`] searches in two sets. Images of periodic boxes are
+//! - [`DeviceRows`] is the search in one set: couples, counts, lists of neighbours, and elements that are on
+//!   the device already ([`PlacedElements`]). [`DeviceIndex`] searches in two sets. Images of periodic boxes are
 //!   made on the processor, and [`PeriodicSearch`](fdem_contact::PeriodicSearch::couples_by) searches them by
 //!   any search. Both sort by one part of the crate, `sorted.rs`.
 //! - [`DeviceSolid`] moves elastic bodies as fdem-simulation does; contacts,

@@ -1,4 +1,4 @@
-//! Periodic boxes on a device: the couples and shifts of `PeriodicSearch` with the engine `Rows`, in its order.
+//! Periodic boxes on a device: couples and shifts of `PeriodicSearch` with the engine `Rows`, in its order.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 

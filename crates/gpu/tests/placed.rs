@@ -1,5 +1,5 @@
-//! Elements that are on a device already: the couples, the order and the errors of elements that come from the
-//! host.
+//! Elements that are on a device already: the couples, the order and the errors of elements that come from
+//! the host.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
@@ -14,8 +14,8 @@ fn placed<T: Pod>(host: &Host, numbers: &[T]) -> <Host as Device>::Memory {
     memory
 }
 
-/// The couples of points on the device, or the error, which are compared with those of the processor. `Err` is a
-/// radius of all.
+/// The couples of points on the device, or the error, which are compared with those of the processor. `Err`
+/// is a radius of all.
 fn same<T: Real + Pod, const D: usize>(
     what: &str,
     points: &[[T; D]],

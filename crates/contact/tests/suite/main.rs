@@ -6,6 +6,7 @@
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance,
 //!   no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
+//! - `order`: the order of the couples that the documentation states, for other devices.
 //! - `multilevel`: unlike sizes, from points to bodies that cover everything: every choice of levels equals
 //!   all-against-all, in one order.
 //! - `reuse`: a search that is used again gives the list of a new one, whatever it searched before.
@@ -77,6 +78,7 @@ mod multilevel;
 mod narrow;
 mod numbers;
 mod oracle;
+mod order;
 mod periodic;
 mod properties;
 mod queries;

@@ -66,9 +66,6 @@ impl<'s, D: Device> PlacedCouples<'s, D> {
     /// # Errors
     /// [`Error::Device`] with the words of [`GpuError::OutOfMemory`] or [`GpuError::Driver`].
     pub fn read(&self) -> Result<Vec<Couple>, Error> {
-        if self.is_empty() {
-            return Ok(Vec::new());
-        }
         let list = self.list.to_vec(self.device, self.count)?;
         Ok(list.into_iter().map(|[i, j]| Couple { i, j }).collect())
     }

@@ -68,8 +68,8 @@ pub struct RowsInput<'a, T, const D: usize> {
     pub tolerance: T,
 }
 
-/// Spheres or points that are elsewhere, such as on another device: the extremes of their numbers, which must
-/// be those that [`Elements`] takes.
+/// Spheres or points that are elsewhere, such as on another device: the extremes of their numbers, which
+/// must be those that [`Elements`] takes.
 #[derive(Clone, Copy, Debug)]
 pub struct RowsExtremes<T, const D: usize> {
     /// Number of elements.
