@@ -186,6 +186,8 @@ mod search;
 mod simd;
 mod stop;
 mod pool;
+#[cfg(feature = "rayon")]
+mod awake;
 mod ordered;
 mod engine;
 mod explain;
@@ -201,6 +203,9 @@ pub mod discretised;
 pub mod image;
 mod error;
 
+#[cfg(feature = "rayon")]
+#[doc(hidden)]
+pub use awake::keep_awake;
 pub use buffer::{Buffered, Reason, Update};
 pub use couple::{Couple, CrossCouple};
 pub use csr::Csr;

@@ -41,7 +41,7 @@ pub(crate) mod state;
 
 use std::sync::Arc;
 
-use fdem_contact::{Detector, PeriodicSearch, Simd};
+use fdem_contact::{Detector, PeriodicSearch, Simd, keep_awake};
 
 use crate::columns::{GrainContact, GrainPartner, SphereColumns};
 use crate::error::GrainError;
@@ -404,7 +404,7 @@ impl GrainRun {
     /// box, [`GrainError::UnknownSurfaces`] if two materials touch whose surfaces are not known.
     pub fn advance(&mut self, steps: u64) -> Result<(), GrainError> {
         let pool = Arc::clone(&self.pool);
-        pool.install(|| (0..steps).try_for_each(|_| self.take_step(None)))
+        keep_awake(&pool, || (0..steps).try_for_each(|_| self.take_step(None)))
     }
 
     /// Takes one step in which the spheres touch this surface of bodies, too.

@@ -2,12 +2,10 @@
 //!
 //! Items are divided into chunks of a fixed size. The sums of the chunks are added in their order.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
+use fdem_contact::keep_awake;
 use rayon::prelude::*;
-use rayon::{Scope, Yield};
 
 use crate::error::ModelError;
 
@@ -17,33 +15,6 @@ pub(crate) const CHUNK: usize = 512;
 
 /// Number of items below which one thread does the work. A pass takes about 1 µs more on several threads.
 const WORTH_IT: usize = 2 * CHUNK;
-
-/// Time for which a thread without work looks for some without a pause. Then it leaves the processor to other
-/// threads between two looks.
-const IMPATIENT: Duration = Duration::from_micros(100);
-
-/// Notes the end of work, also when it panics.
-struct End<'a>(&'a AtomicBool);
-
-impl Drop for End<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
-    }
-}
-
-/// Does work of the pool until all of it has ended.
-fn wait(ended: &AtomicBool) {
-    let mut idle = Instant::now();
-    while !ended.load(Ordering::Acquire) {
-        if rayon::yield_now() == Some(Yield::Executed) {
-            idle = Instant::now();
-        } else if idle.elapsed() < IMPATIENT {
-            std::hint::spin_loop();
-        } else {
-            std::thread::yield_now();
-        }
-    }
-}
 
 /// The threads of a simulation.
 #[derive(Clone, Debug)]
@@ -76,25 +47,10 @@ impl Team {
     /// Calls `work` on a thread of the team, and keeps the others awake until it ends: most passes of a step
     /// are shorter than it takes to wake a thread.
     pub(crate) fn keep_awake<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        let Some(pool) = &self.pool else { return work() };
-        let (awake, ended) = (AtomicUsize::new(1), AtomicBool::new(false));
-        pool.scope(|scope: &Scope<'_>| {
-            let caller = pool.current_thread_index();
-            let (awake, ended) = (&awake, &ended);
-            scope.spawn_broadcast(move |_, context| {
-                if Some(context.index()) != caller {
-                    awake.fetch_add(1, Ordering::Relaxed);
-                    wait(ended);
-                }
-            });
-            // Until all wait, no work may begin: a thread that waited for a part of it could otherwise begin
-            // to wait for its end.
-            while awake.load(Ordering::Relaxed) < pool.current_num_threads() {
-                std::thread::yield_now();
-            }
-            let _end = End(ended);
-            work()
-        })
+        match &self.pool {
+            Some(pool) => keep_awake(pool, work),
+            None => work(),
+        }
     }
 
     /// The pool of these threads. The search for contacts works on it too.
