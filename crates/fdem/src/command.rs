@@ -14,7 +14,7 @@ mod couples;
 mod cut_elements;
 mod cutoff;
 mod device;
-mod device_name;
+pub mod device_name;
 mod drawings;
 mod explain;
 mod failure;

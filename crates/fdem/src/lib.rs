@@ -64,6 +64,7 @@
 pub mod command;
 mod state_hash;
 
+pub use command::device_name::DeviceName;
 pub use command::{pieces, session, sweep};
 pub use fdem_contact as contact;
 pub use fdem_distributed as distributed;

@@ -3,6 +3,7 @@
 #![allow(unsafe_code, reason = "the driver is a library in C")]
 
 use std::ffi::{CString, c_void};
+use std::sync::{Mutex, PoisonError};
 
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys;
@@ -31,6 +32,21 @@ pub struct DeviceInfo {
 /// [`GpuError::NoDriver`], [`GpuError::Driver`].
 pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
     (0..device_count()?).map(info).collect()
+}
+
+/// The device with a number. Each is opened once in a process: its kernels take seconds to compile.
+///
+/// # Errors
+/// Those of [`Cuda::new`].
+pub fn opened(number: usize) -> Result<&'static Cuda, GpuError> {
+    static DEVICES: Mutex<Vec<&'static Cuda>> = Mutex::new(Vec::new());
+    let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(device) = devices.iter().find(|device| device.info.number == number) {
+        return Ok(device);
+    }
+    let device: &'static Cuda = Box::leak(Box::new(Cuda::new(number)?));
+    devices.push(device);
+    Ok(device)
 }
 
 /// A graphics processor.

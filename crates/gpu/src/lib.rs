@@ -55,7 +55,7 @@ mod solid;
 mod sorted;
 
 #[cfg(feature = "cuda")]
-pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices};
+pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices, opened};
 pub use device::Device;
 pub use elements::{ElementKind, deform};
 pub use error::GpuError;

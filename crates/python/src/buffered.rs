@@ -10,7 +10,8 @@ use crate::elements::Elements;
 use crate::interrupt::{self, Stop};
 use crate::number::{NumberKind, with_kind};
 use crate::problem::Problem;
-use crate::search::{FoundPairs, by_shift, engine_of, into_pairs, is_long, threads_for};
+use crate::search::{FoundPairs, engine_of, into_pairs, is_long, threads_for};
+use crate::shifted::by_shift;
 
 /// Memory and candidates that are kept between searches.
 #[pyclass(module = "fdem._fdem")]

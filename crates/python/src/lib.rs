@@ -50,8 +50,10 @@ mod number;
 mod problem;
 mod tasks;
 
+mod device;
 mod elements;
 mod search;
+mod shifted;
 mod measure;
 mod neighbors;
 mod network;

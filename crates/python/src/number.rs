@@ -1,12 +1,13 @@
 //! The types of coordinates, and the choice among them.
 
+use bytemuck::Pod;
 use fdem_contact::Real;
 use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 /// A coordinate type that NumPy has too.
-pub(crate) trait Number: Real + Element + Default {
+pub(crate) trait Number: Real + Element + Default + Pod {
     fn sqrt(self) -> Self;
 }
 

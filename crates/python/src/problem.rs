@@ -44,7 +44,9 @@ impl From<Problem> for PyErr {
     fn from(problem: Problem) -> Self {
         match problem {
             Problem::Search(error @ Error::OutOfMemory { .. }) => PyMemoryError::new_err(error.to_string()),
-            Problem::Search(error @ Error::Stopped) => PyRuntimeError::new_err(error.to_string()),
+            Problem::Search(error @ (Error::Stopped | Error::Device { .. })) => {
+                PyRuntimeError::new_err(error.to_string())
+            }
             Problem::Search(error) => PyValueError::new_err(error.to_string()),
             Problem::Mesh(error) => PyValueError::new_err(error.to_string()),
             Problem::Arguments(text) => PyValueError::new_err(text),

@@ -1,16 +1,16 @@
 //! The search over all elements, its check, and its explanation.
 
-use fdem_contact::{
-    Couple, Detector, Engine, PeriodicBox, PeriodicCouple, PeriodicSearch, Search, verify as verify_couples,
-};
+use fdem_contact::{Couple, Detector, Engine, PeriodicBox, PeriodicSearch, Search, verify as verify_couples};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use crate::device::{device_of, search_on};
 use crate::elements::{Elements, Set};
 use crate::interrupt::{self, Stop};
 use crate::last_search;
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
+use crate::shifted::{ShiftedCouples, joined};
 
 /// Elements that are searched in less time than it takes to start threads and to join them.
 const FEW_FOR_THREADS: usize = 1 << 15;
@@ -87,7 +87,7 @@ pub(crate) fn search_periodic<T: Number, const D: usize>(
     engine: Option<Engine>,
     threads: usize,
     stop: &Stop,
-) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+) -> Result<ShiftedCouples<D>, Problem> {
     let elements = set.checked()?;
     let search = if engine.is_none() { last_search::take() } else { None };
     let search = search.unwrap_or_else(|| PeriodicSearch::new().with_engine(engine));
@@ -101,24 +101,6 @@ pub(crate) fn search_periodic<T: Number, const D: usize>(
     joined(couples, shifted)
 }
 
-/// Couples without shift, then the others; and the shifts of these.
-pub(crate) fn by_shift<const D: usize>(
-    couples: Vec<PeriodicCouple<D>>,
-) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
-    let (unshifted, shifted): (Vec<_>, Vec<_>) =
-        couples.into_iter().partition(|couple| couple.shift == [0; D]);
-    joined(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }).collect(), shifted)
-}
-
-fn joined<const D: usize>(
-    mut couples: Vec<Couple>,
-    shifted: Vec<PeriodicCouple<D>>,
-) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
-    couples.try_reserve(shifted.len()).map_err(|_| Problem::out_of_memory::<Couple>(shifted.len()))?;
-    couples.extend(shifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
-    Ok((couples, shifted.iter().map(|couple| couple.shift).collect()))
-}
-
 /// All couples that touch.
 #[pyfunction]
 pub(crate) fn contacts<'py>(
@@ -126,7 +108,9 @@ pub(crate) fn contacts<'py>(
     elements: &Elements,
     engine: &str,
     threads: usize,
+    device: &str,
 ) -> PyResult<FoundPairs<'py>> {
+    let device = device_of(device, engine)?;
     let engine = engine_of(engine)?;
     let stop = Stop::default();
     with_kind!(elements.kind, T, D => {
@@ -134,17 +118,15 @@ pub(crate) fn contacts<'py>(
         let set = held.set::<D>(elements)?;
         let n = set.points.len();
         let threads = threads_for(threads, n);
-        let (couples, shifts) = match elements.cell::<T, D>()? {
-            None => {
-                let search = || search_open(set, engine, threads, &stop);
-                (interrupt::run(py, is_long(n), &stop, search)?, Vec::new())
-            }
-            Some(cell) => {
-                let search = || search_periodic(set, &cell, engine, threads, &stop);
-                // A small box may have very many images.
-                interrupt::run(py, true, &stop, search)?
-            }
+        let cell = elements.cell::<T, D>()?;
+        // A device opens for seconds, and a small box may have very many images.
+        let is_long = is_long(n) || device.is_some() || cell.is_some();
+        let search = || match (device, &cell) {
+            (Some(device), cell) => search_on(device, set, cell.as_ref(), threads, &stop),
+            (None, None) => Ok((search_open(set, engine, threads, &stop)?, Vec::new())),
+            (None, Some(cell)) => search_periodic(set, cell, engine, threads, &stop),
         };
+        let (couples, shifts) = interrupt::run(py, is_long, &stop, search)?;
         let rows = shifts.len();
         let shifts = shifts.into_flattened().into_pyarray(py).reshape([rows, D])?;
         Ok((into_pairs(py, couples)?, shifts))

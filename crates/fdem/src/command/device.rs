@@ -9,7 +9,7 @@ use crate::command::failure::Failure;
 use crate::command::output::print;
 
 /// The device of a search for contacts; `None` for the processor.
-pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<&'static dyn DeviceSearch>, Failure> {
+pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<Box<dyn DeviceSearch>>, Failure> {
     let DeviceName::Gpu(number) = arguments.device else { return Ok(None) };
     opened(number).map(Some).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
 }
@@ -54,7 +54,7 @@ mod without {
     const WITHOUT: &str =
         "this fdem is built without graphics processors (cargo install --path crates/fdem --features gpu)";
 
-    pub(super) fn opened(_: usize) -> Result<&'static dyn DeviceSearch, String> {
+    pub(super) fn opened(_: usize) -> Result<Box<dyn DeviceSearch>, String> {
         Err(WITHOUT.to_owned())
     }
 
@@ -68,19 +68,17 @@ use without::{graphics_processors, opened};
 
 #[cfg(feature = "gpu")]
 mod with {
-    use std::sync::{Mutex, PoisonError};
-
     use fdem_contact::{Couple, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search};
     use fdem_gpu::{Cuda, DeviceRows, devices};
     use fdem_results::detection::DeviceSearch;
 
     #[derive(Debug)]
-    struct Opened(Cuda);
+    struct Opened(&'static Cuda);
 
     impl Opened {
         fn open<const D: usize>(&self, elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
             let mut couples = Vec::new();
-            DeviceRows::new(&self.0).couples(elements, &mut couples).map(|()| couples)
+            DeviceRows::new(self.0).couples(elements, &mut couples).map(|()| couples)
         }
 
         fn in_box<const D: usize>(
@@ -90,7 +88,7 @@ mod with {
             mut images: PeriodicSearch<f64, D>,
         ) -> Result<Vec<PeriodicCouple<D>>, Error> {
             let mut couples = Vec::new();
-            let mut search = DeviceRows::new(&self.0);
+            let mut search = DeviceRows::new(self.0);
             images.couples_by(&mut search, elements, cell, &mut couples).map(|()| couples)
         }
     }
@@ -123,17 +121,11 @@ mod with {
         }
     }
 
-    /// The device with a number. Each is opened once in a process: its kernels take seconds to compile.
-    pub(super) fn opened(number: usize) -> Result<&'static dyn DeviceSearch, String> {
-        static DEVICES: Mutex<Vec<(usize, &'static Opened)>> = Mutex::new(Vec::new());
-        let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, device)) = devices.iter().find(|(of, _)| *of == number) {
-            return Ok(*device);
+    pub(super) fn opened(number: usize) -> Result<Box<dyn DeviceSearch>, String> {
+        match fdem_gpu::opened(number) {
+            Ok(device) => Ok(Box::new(Opened(device))),
+            Err(error) => Err(error.to_string()),
         }
-        let device = Cuda::new(number).map_err(|error| error.to_string())?;
-        let device: &'static Opened = Box::leak(Box::new(Opened(device)));
-        devices.push((number, device));
-        Ok(device)
     }
 
     pub(super) fn graphics_processors() -> Result<Vec<String>, String> {

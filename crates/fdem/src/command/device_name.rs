@@ -2,9 +2,10 @@
 
 use std::str::FromStr;
 
-/// A device by its name on the command line.
+/// A device by its name: `cpu`, `gpu`, or `gpu:N`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DeviceName {
+pub enum DeviceName {
+    /// The processor.
     Cpu,
     /// The graphics processor with this number.
     Gpu(usize),

@@ -75,7 +75,7 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Detect
         tolerance: arguments.input.tolerance,
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
         engine: engine_of(arguments),
-        device: device::of(arguments)?,
+        device: None,
         threads: arguments.threads,
         keep: !arguments.count
             || arguments.drawings.any()
@@ -123,7 +123,8 @@ fn find<const D: usize>(
     let Input { name, packing, .. } = input;
     let read = input.seconds + file.map_or(0.0, |file| file.seconds);
     let mut seconds = Seconds { read, ..Seconds::default() };
-    let request = request(arguments, input)?;
+    let device = device::of(arguments)?;
+    let request = DetectionRequest { device: device.as_deref(), ..request(arguments, input)? };
     let space =
         Space { centres, cell: periodic_box(&arguments.periodic, &input.name, input.packing.cell.as_ref())? };
     let (found, detection) = progress.step("detecting, couples", None, |position| match file {

@@ -79,9 +79,10 @@ class Contacts:
         engine: Engine,
         threads: Optional[int],
         cutoffs: Optional[list[tuple[int, int, float]]] = None,
+        device: str = "cpu",
     ) -> Contacts:
         count = threads_of(threads)
-        pairs, shifts = _fdem.contacts(elements, engine, count)
+        pairs, shifts = _fdem.contacts(elements, engine, count, device)
         if cutoffs is not None:
             pairs, shifts = _fdem.within_cutoffs(elements, pairs, shifts)
         arguments = (elements, positions, kind, size, others, box, groups, tolerance, cell, engine, count)

@@ -111,7 +111,7 @@ def _within_images(elements: Floats, asking: Floats, r: float, cell: Cell, threa
     both = np.concatenate([asking, elements])
     groups = np.repeat(np.array([0, 1], np.uint32), [q, len(elements)])
     searched = _fdem.Elements(both, "cutoff", r, None, 0.0, groups, cell)
-    pairs, shifts = _fdem.ascending(*_fdem.contacts(searched, "auto", threads))
+    pairs, shifts = _fdem.ascending(*_fdem.contacts(searched, "auto", threads, "cpu"))
     distances = _fdem.measure(searched, pairs, shifts, False, threads)
     all_shifts = np.zeros((len(pairs), both.shape[1]), np.int32)
     all_shifts[len(pairs) - len(shifts) :] = shifts

@@ -29,6 +29,7 @@ def contacts(
     tolerance: float = 0.0,
     engine: Engine = "auto",
     threads: Optional[int] = None,
+    device: str = "cpu",
 ) -> Contacts:
     """Finds all couples of spheres (discs in 2D) that touch, or of points that are at most `cutoff` apart.
 
@@ -59,6 +60,9 @@ def contacts(
     threads : int, optional
         Number of threads. The default is one for each processor, or one thread if there are too few elements for more to be of use. Neither the couples nor their order
         depend on it.
+    device : str, default "cpu"
+        Where the search runs: "cpu", "gpu", or "gpu:N" with a number of ``fdem devices``. A graphics processor of NVIDIA finds the couples of the engine
+        "rows", in its order.
 
     Returns
     -------
@@ -74,6 +78,8 @@ def contacts(
         For arguments that are not numbers, and unless exactly one of `radii` and `cutoff` is given.
     MemoryError
         If the couples do not fit.
+    RuntimeError
+        If the device cannot be had: the message says whether the driver, the compiler of kernels or the card is missing. Nothing runs elsewhere instead.
 
     Notes
     -----
@@ -133,7 +139,7 @@ def contacts(
     cell_box, cell = cell_of(box, periodic, centres.shape[1])
     bodies = None if groups is None else numbers(groups, "groups", len(centres))
     elements = _fdem.Elements(centres, kind, size, others, number(tolerance, "tolerance"), bodies, cell, cutoffs=cutoffs)
-    found = Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads, cutoffs)
+    found = Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads, cutoffs, device)
     if kind not in ("cutoff", "pairs") and (own := found._own_images()):
         warnings.warn(f"{own} couples are of an element with its own image: it touches itself across the whole box", stacklevel=2)
     return found
