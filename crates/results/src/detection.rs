@@ -251,27 +251,24 @@ fn on_device_in_box<const D: usize>(
     device: &dyn DeviceSearch,
     request: &DetectionRequest<'_>,
 ) -> Result<Vec<PeriodicCouple<D>>, Error> {
-    fn boxed<'a, const E: usize>(
-        space: &Space<'a, E>,
-        request: &DetectionRequest<'a>,
-    ) -> Result<(Elements<'a, f64, E>, PeriodicBox<f64, E>, PeriodicSearch<f64, E>), Error> {
-        let cell = space.cell.expect("the box is periodic");
-        let images = PeriodicSearch::new().with_threads(request.threads)?;
-        Ok((request.elements(space.centres)?, cell, images))
-    }
-
     match D {
         2 => {
-            let (elements, cell, images) = boxed::<2>(&of_dimension(space), request)?;
+            let space = of_dimension::<D, 2>(space);
+            let (elements, cell) = (request.elements(space.centres)?, space.cell.expect(PERIODIC));
+            let images = PeriodicSearch::new().with_threads(request.threads)?;
             device.plane_in_box(&elements, &cell, images).map(same)
         }
         3 => {
-            let (elements, cell, images) = boxed::<3>(&of_dimension(space), request)?;
+            let space = of_dimension::<D, 3>(space);
+            let (elements, cell) = (request.elements(space.centres)?, space.cell.expect(PERIODIC));
+            let images = PeriodicSearch::new().with_threads(request.threads)?;
             device.space_in_box(&elements, &cell, images).map(same)
         }
         _ => Err(other_dimensions()),
     }
 }
+
+const PERIODIC: &str = "the box is periodic";
 
 fn other_dimensions() -> Error {
     Error::Device { message: "a device searches in two and three dimensions".to_owned() }
