@@ -48,6 +48,10 @@ bench-grains:
 bench-distributed:
     cargo run --release -p fdem-bench --features mpi --bin distributed -- --write bench/DISTRIBUTED.md
 
+# Steps of the flow in cracks; rewrites bench/FLUID.md.
+bench-fluid:
+    cargo run --release -p fdem-bench --bin fluid -- --write bench/FLUID.md
+
 # What many ranks would hold and send, and a model of larger runs. Minutes, and 8 GB of memory.
 bench-scaling:
     cargo run --release -p fdem-bench --bin scaling -- --write bench/SCALING.md

@@ -12,6 +12,11 @@ fn quick(program: &str) {
 }
 
 #[test]
+fn fluid() {
+    quick(env!("CARGO_BIN_EXE_fluid"));
+}
+
+#[test]
 fn paper() {
     quick(env!("CARGO_BIN_EXE_paper"));
 }
