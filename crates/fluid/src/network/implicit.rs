@@ -225,22 +225,26 @@ impl<const D: usize> Network<D> {
     fn slopes(&self, iterate: &Iterate, balances: &Balances) -> Slopes {
         let is_unknown = |k: usize| iterate.is_unknown(balances, k);
         let slope = |k: usize| if is_unknown(k) { self.residual(iterate, balances, k)[1] } else { 1.0 };
+        let storage: Vec<f64> = (0..iterate.pressure.len()).map(slope).collect();
         let mut slopes = Slopes {
-            diagonal: (0..iterate.pressure.len()).map(slope).collect(),
+            diagonal: storage.clone(),
+            sums: storage,
             entries: vec![0.0; self.topology.entries.len()],
         };
         for ((link, weight), drop) in self.topology.links.iter().zip(&balances.weight).zip(&iterate.drops) {
             let [from, to] = link.ends.map(|end| end as usize);
             let above = link.along(*drop)[0] as usize;
             let mut slope = weight * iterate.parts[above];
-            if !iterate.is_full[above] {
+            if !iterate.is_full[above] && slope > 0.0 {
                 // Its saturation rises as less of it flows off.
                 slope *= 1.0 - weight * drop.abs() / (balances.full[above] + iterate.full_out[above]);
             }
+            let is_inside = is_unknown(from) && is_unknown(to);
             for k in [from, to].into_iter().filter(|k| is_unknown(*k)) {
                 slopes.diagonal[k] += slope;
+                slopes.sums[k] += if is_inside { 0.0 } else { slope };
             }
-            if is_unknown(from) && is_unknown(to) {
+            if is_inside {
                 slopes.entries[link.entry as usize] -= slope;
             }
         }
@@ -257,16 +261,18 @@ impl<const D: usize> Network<D> {
     ) -> Result<(), FluidError> {
         let held: Vec<f64> = (0..change.len()).map(|k| if is_free[k] { 0.0 } else { change[k] }).collect();
         let rest = self.product(slopes, &held);
-        let mut entries = slopes.entries.clone();
+        let (mut entries, mut sums) = (slopes.entries.clone(), slopes.sums.clone());
         for (entry, [a, b]) in entries.iter_mut().zip(&self.topology.entries) {
             if !(is_free[*a as usize] && is_free[*b as usize]) {
-                *entry = 0.0;
+                let slope = -std::mem::take(entry);
+                sums[*a as usize] += slope;
+                sums[*b as usize] += slope;
             }
         }
         for (k, change) in change.iter_mut().enumerate() {
             *change = if is_free[k] { -(errors[k] + rest[k]) } else { 0.0 };
         }
-        self.solver.factor(&slopes.diagonal, &entries).map_err(|k| {
+        self.solver.factor(&slopes.diagonal, &entries, &sums).map_err(|k| {
             let (what, key) = self.name(self.topology.members(k)[0] as usize);
             FluidError::Pivot { what, key }
         })?;
@@ -290,6 +296,8 @@ impl<const D: usize> Network<D> {
 /// The matrix of a linear system.
 struct Slopes {
     diagonal: Vec<f64>,
+    /// Sums of the rows.
+    sums: Vec<f64>,
     /// By the entries of the topology.
     entries: Vec<f64>,
 }
