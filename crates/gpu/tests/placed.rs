@@ -8,7 +8,7 @@ use fdem_contact::{Elements, Error, Real, Rows, Search};
 use fdem_gpu::{Device, DeviceRows, Host, HostBuild, PlacedElements, PlacedRadii};
 use fdem_scenes::random::Random;
 
-fn placed<T: Pod>(host: &Host, numbers: &[T]) -> <Host as Device>::Memory {
+fn placed<T: Pod>(host: Host, numbers: &[T]) -> <Host as Device>::Memory {
     let mut memory = host.allocate(size_of_val(numbers)).unwrap();
     host.write(&mut memory, cast_slice(numbers)).unwrap();
     memory
@@ -32,8 +32,8 @@ fn same<T: Real + Pod, const D: usize>(
     });
     for build in [HostBuild::Ascending, HostBuild::Descending] {
         let host = Host(build);
-        let memory = placed(&host, points.as_flattened());
-        let of_radii = placed(&host, radii.unwrap_or_default());
+        let memory = placed(host, points.as_flattened());
+        let of_radii = placed(host, radii.unwrap_or_default());
         let elements = PlacedElements {
             count: points.len(),
             points: &memory,
@@ -147,7 +147,7 @@ fn numbers_that_are_refused_are_named() {
 #[test]
 fn memory_that_is_too_short_is_refused() {
     let host = Host(HostBuild::Ascending);
-    let (points, radii) = (placed(&host, &[0.0_f64; 12]), placed(&host, &[1.0_f64; 3]));
+    let (points, radii) = (placed(host, &[0.0_f64; 12]), placed(host, &[1.0_f64; 3]));
     let mut search = DeviceRows::<_, f64, 3>::new(&host);
     let mut message = |count, radii| {
         let elements = PlacedElements { count, points: &points, radii, tolerance: 0.0 };

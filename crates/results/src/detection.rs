@@ -253,22 +253,20 @@ fn on_device_in_box<const D: usize>(
 ) -> Result<Vec<PeriodicCouple<D>>, Error> {
     match D {
         2 => {
-            let space = of_dimension::<D, 2>(space);
-            let (elements, cell) = (request.elements(space.centres)?, space.cell.expect(PERIODIC));
+            let Space { centres, cell } = of_dimension::<D, 2>(space);
             let images = PeriodicSearch::new().with_threads(request.threads)?;
-            device.plane_in_box(&elements, &cell, images).map(same)
+            device.plane_in_box(&request.elements(centres)?, &cell.expect(IN_BOX), images).map(same)
         }
         3 => {
-            let space = of_dimension::<D, 3>(space);
-            let (elements, cell) = (request.elements(space.centres)?, space.cell.expect(PERIODIC));
+            let Space { centres, cell } = of_dimension::<D, 3>(space);
             let images = PeriodicSearch::new().with_threads(request.threads)?;
-            device.space_in_box(&elements, &cell, images).map(same)
+            device.space_in_box(&request.elements(centres)?, &cell.expect(IN_BOX), images).map(same)
         }
         _ => Err(other_dimensions()),
     }
 }
 
-const PERIODIC: &str = "the box is periodic";
+const IN_BOX: &str = "the elements are in a periodic box";
 
 fn other_dimensions() -> Error {
     Error::Device { message: "a device searches in two and three dimensions".to_owned() }
@@ -435,7 +433,7 @@ mod tests {
             let place = |k: usize| (k * k * 7 + k * 31) as f64 % 50.0 * 0.2;
             let centres: Vec<[f64; D]> =
                 (0..400).map(|k| std::array::from_fn(|axis| place(k + 11 * axis) - 0.5)).collect();
-            let radii: Vec<f64> = (0..400).map(|k| 0.2 + 0.01 * (k % 30) as f64).collect();
+            let radii: Vec<f64> = (0..400).map(|k| 0.2 + 0.01 * f64::from(k % 30)).collect();
             let bodies: Vec<u32> = (0..400).map(|k| k % 3).collect();
             let cell = PeriodicBox::orthogonal([0.0; D], [10.0; D], periodic).unwrap();
             let mut couples = 0;

@@ -18,7 +18,7 @@ fn has_device(bench: &Bench) -> bool {
 fn a_device_has_the_couples_of_the_processor_or_says_why_not() {
     let bench = Bench::new();
     bench.run(&["generate", "gas", "-n", "2000", "--seed", "1", "--output", "gas.csv"]).succeeds();
-    bench.write("grains.csv", &grains());
+    bench.write("grains.csv", grains());
     let periodic = ["--periodic", "xz", "--box", "0,10,0,10,0,10"];
     let bodies = ["--bodies", "body"];
     let cutoffs = ["--cutoff", "A-A=0.9,A-B=0.7"];
