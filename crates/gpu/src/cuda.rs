@@ -3,7 +3,7 @@
 #![allow(unsafe_code, reason = "the driver is a library in C")]
 
 use std::ffi::{CString, c_void};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys;
@@ -38,14 +38,14 @@ pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
 ///
 /// # Errors
 /// Those of [`Cuda::new`].
-pub fn opened(number: usize) -> Result<&'static Cuda, GpuError> {
-    static DEVICES: Mutex<Vec<&'static Cuda>> = Mutex::new(Vec::new());
+pub fn opened(number: usize) -> Result<Arc<Cuda>, GpuError> {
+    static DEVICES: Mutex<Vec<Arc<Cuda>>> = Mutex::new(Vec::new());
     let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(device) = devices.iter().find(|device| device.info.number == number) {
-        return Ok(device);
+        return Ok(Arc::clone(device));
     }
-    let device: &'static Cuda = Box::leak(Box::new(Cuda::new(number)?));
-    devices.push(device);
+    let device = Arc::new(Cuda::new(number)?);
+    devices.push(Arc::clone(&device));
     Ok(device)
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn search_on<T: Number, const D: usize>(
 
     let elements = set.checked()?;
     let device = fdem_gpu::opened(number).map_err(|error| Problem::System(format!("device: {error}")))?;
-    let mut search = fdem_gpu::DeviceRows::new(device);
+    let mut search = fdem_gpu::DeviceRows::new(&*device);
     let Some(cell) = cell else {
         let mut couples = Vec::new();
         search.couples(&elements, &mut couples)?;

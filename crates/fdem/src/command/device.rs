@@ -68,17 +68,19 @@ use without::{graphics_processors, opened};
 
 #[cfg(feature = "gpu")]
 mod with {
+    use std::sync::Arc;
+
     use fdem_contact::{Couple, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search};
     use fdem_gpu::{Cuda, DeviceRows, devices};
     use fdem_results::detection::DeviceSearch;
 
     #[derive(Debug)]
-    struct Opened(&'static Cuda);
+    struct Opened(Arc<Cuda>);
 
     impl Opened {
         fn open<const D: usize>(&self, elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
             let mut couples = Vec::new();
-            DeviceRows::new(self.0).couples(elements, &mut couples).map(|()| couples)
+            DeviceRows::new(&*self.0).couples(elements, &mut couples).map(|()| couples)
         }
 
         fn in_box<const D: usize>(
@@ -88,7 +90,7 @@ mod with {
             mut images: PeriodicSearch<f64, D>,
         ) -> Result<Vec<PeriodicCouple<D>>, Error> {
             let mut couples = Vec::new();
-            let mut search = DeviceRows::new(self.0);
+            let mut search = DeviceRows::new(&*self.0);
             images.couples_by(&mut search, elements, cell, &mut couples).map(|()| couples)
         }
     }
