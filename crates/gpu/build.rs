@@ -5,8 +5,7 @@ fn main() {
     #[cfg(feature = "host")]
     {
         // Threads in both orders: a phase that reads a number which another thread writes in it has two
-        // results. And
-        // with contraction, to see that the tests would find it.
+        // results. And with contraction, to see that the tests would find it.
         host("ascending", &["-ffp-contract=off"]);
         host("descending", &["-ffp-contract=off", "-DDESCENDING"]);
         let fused = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|name| name == "x86_64");

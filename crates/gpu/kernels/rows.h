@@ -60,26 +60,30 @@ INLINE u64 ascending(double x) {
     return bits >> 63 ? ~bits : bits | 1ull << 63;
 }
 
+// The coordinate of an element along the k-th of the axes, largest number of cells first, and its cell.
+INLINE double coordinate(const Keys &a, u32 id, u32 k) {
+    return number_at(a.points, a.single, (u64)id * a.dimensions + a.cells.axes[k]);
+}
+
+INLINE u64 cell_along(const Keys &a, u32 id, u32 k) {
+    return cell_of(a.cells, a.cells.axes[k], coordinate(a, id, k));
+}
+
 // The key of each element.
 KERNEL(row_keys, Keys) {
     EACH(place, a.count) {
         const u32 id = a.first ? (u32)place : a.ids[place];
-        double point[3];
-        for (u32 axis = 0; axis < a.dimensions; ++axis) {
-            point[axis] = number_at(a.points, a.single, (u64)id * a.dimensions + axis);
-        }
-        const u32 *axes = a.cells.axes;
         u64 key;
         if (a.kind == 0) {
-            key = cell_of(a.cells, axes[1], point[axes[1]]);
-            if (a.dimensions == 3) key += cell_of(a.cells, axes[2], point[axes[2]]) * a.second;
+            key = cell_along(a, id, 1);
+            if (a.dimensions == 3) key += cell_along(a, id, 2) * a.second;
             // Quarters of a cell.
-            const double along = (point[axes[0]] - a.cells.origin[axes[0]]) * a.cells.inverse * 4.0;
+            const double along = (coordinate(a, id, 0) - a.cells.origin[a.cells.axes[0]]) * a.cells.inverse * 4.0;
             key = key << a.place_bits | (u64)along;
         } else if (a.kind == 1) {
-            key = ascending(point[axes[0]]);
+            key = ascending(coordinate(a, id, 0));
         } else {
-            key = cell_of(a.cells, axes[a.kind - 1], point[axes[a.kind - 1]]);
+            key = cell_along(a, id, a.kind - 1);
         }
         a.keys[place] = key;
         if (a.first) a.ids[place] = id;
