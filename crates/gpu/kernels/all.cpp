@@ -6,7 +6,9 @@
 #include "pairs.h"
 #include "lists.h"
 #include "extremes.h"
+#include "sums.h"
 #include "laws.h"
+#include "joints.h"
 #include "step.h"
 
 // Several builds are linked into one program, so the name begins with that of the build.

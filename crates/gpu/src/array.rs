@@ -61,6 +61,19 @@ impl<M, T: Pod> Array<M, T> {
         Ok(address)
     }
 
+    /// Copies numbers to the device; none leave no array, whose address is 0.
+    pub(crate) fn write_some(
+        &mut self,
+        device: &impl Device<Memory = M>,
+        numbers: &[T],
+    ) -> Result<(), GpuError> {
+        if numbers.is_empty() {
+            *self = Self::new();
+            return Ok(());
+        }
+        self.write(device, numbers).map(|_| ())
+    }
+
     /// Copies numbers from a place of the array.
     pub(crate) fn read(
         &self,

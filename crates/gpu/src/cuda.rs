@@ -142,6 +142,9 @@ pub struct CudaMemory {
     is_borrowed: bool,
 }
 
+// SAFETY: all threads may use and release memory of a context, which they enter before.
+unsafe impl Send for CudaMemory {}
+
 impl Drop for CudaMemory {
     fn drop(&mut self) {
         if self.is_borrowed {

@@ -6,7 +6,7 @@ use crate::kernels::Kernel;
 /// A device with a memory of its own, whose kernels run one after the other.
 pub trait Device {
     /// Some memory of the device, which is free again when this is dropped.
-    type Memory;
+    type Memory: Send;
 
     /// Takes memory. Its content is unspecified.
     ///

@@ -73,10 +73,21 @@ kernels! {
     ExtremesOfBlocks = extremes_of_blocks,
     ExtremesOfAll = extremes_of_all,
     SamplePoints = sample_points,
+    ExactSums = exact_sums,
+    LargestNumbers = largest_numbers,
     DeformTriangles = deform_triangles,
     DeformTetrahedra = deform_tetrahedra,
+    SoftenEnds2 = soften_ends_2,
+    SoftenEnds3 = soften_ends_3,
+    Exponentials = exponentials,
+    PullJoints2 = pull_joints_2,
+    PullJoints3 = pull_joints_3,
     SolidDeform2 = solid_deform_2,
     SolidDeform3 = solid_deform_3,
+    AddForces2 = add_forces_2,
+    AddForces3 = add_forces_3,
+    GatherRows2 = gather_rows_2,
+    GatherRows3 = gather_rows_3,
     SolidMove2 = solid_move_2,
     SolidMove3 = solid_move_3,
 }
@@ -91,7 +102,9 @@ pub fn source() -> String {
         include_str!("../kernels/pairs.h"),
         include_str!("../kernels/lists.h"),
         include_str!("../kernels/extremes.h"),
+        include_str!("../kernels/sums.h"),
         include_str!("../kernels/laws.h"),
+        include_str!("../kernels/joints.h"),
         include_str!("../kernels/step.h"),
     ];
     let lines = files.iter().flat_map(|file| file.lines());
@@ -257,6 +270,24 @@ pub(crate) struct DeformArguments {
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
+pub(crate) struct ExactSumArguments {
+    pub(crate) numbers: Address,
+    pub(crate) parts: Address,
+    pub(crate) count: u64,
+    pub(crate) pieces: u32,
+    pub(crate) unused: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LargestArguments {
+    pub(crate) numbers: Address,
+    pub(crate) largest: Address,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct SolidElementArguments {
     pub(crate) positions: Address,
     pub(crate) velocities: Address,
@@ -265,10 +296,35 @@ pub(crate) struct SolidElementArguments {
     pub(crate) volumes: Address,
     pub(crate) materials: Address,
     pub(crate) moduli: Address,
+    pub(crate) initial: Address,
+    pub(crate) stored: Address,
     pub(crate) viscosities: Address,
     pub(crate) viscous: Address,
+    pub(crate) dissipated: Address,
     pub(crate) forces: Address,
+    pub(crate) stresses: Address,
+    pub(crate) energies: Address,
     pub(crate) inverted: Address,
+    pub(crate) step: f64,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GatheredArguments {
+    pub(crate) values: Address,
+    pub(crate) numbers: Address,
+    pub(crate) gathered: Address,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CornerForceArguments {
+    pub(crate) corners: Address,
+    pub(crate) starts: Address,
+    pub(crate) added: Address,
+    pub(crate) forces: Address,
     pub(crate) count: u64,
 }
 
@@ -278,13 +334,56 @@ pub(crate) struct SolidNodeArguments {
     pub(crate) positions: Address,
     pub(crate) velocities: Address,
     pub(crate) masses: Address,
-    pub(crate) starts: Address,
+    pub(crate) true_masses: Address,
+    pub(crate) ranges: Address,
     pub(crate) corners: Address,
     pub(crate) forces: Address,
+    pub(crate) ends: Address,
+    pub(crate) of_joints: Address,
+    pub(crate) places: Address,
+    pub(crate) held: Address,
+    pub(crate) drives: Address,
+    pub(crate) reactions: Address,
+    pub(crate) sums: Address,
+    pub(crate) mosts: Address,
+    pub(crate) runaway: Address,
     pub(crate) gravity: [f64; 3],
+    pub(crate) origin: [f64; 3],
+    pub(crate) grains: [f64; 2],
     pub(crate) step: f64,
     pub(crate) local_damping: f64,
+    pub(crate) relaxation: f64,
+    pub(crate) speed_limit: f64,
     pub(crate) count: u64,
+    pub(crate) energy: u32,
+    pub(crate) taken: [u32; 2],
+    pub(crate) blocks: u32,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct NumberArguments {
+    pub(crate) numbers: Address,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct JointArguments {
+    pub(crate) positions: Address,
+    pub(crate) velocities: Address,
+    pub(crate) nodes: Address,
+    pub(crate) marks: Address,
+    pub(crate) laws: Address,
+    pub(crate) memories: Address,
+    pub(crate) forces: Address,
+    pub(crate) left: Address,
+    pub(crate) any_left: Address,
+    pub(crate) sums: Address,
+    pub(crate) grains: [f64; 2],
+    pub(crate) step: f64,
+    pub(crate) count: u64,
+    pub(crate) blocks: u64,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]

@@ -1,4 +1,4 @@
-//! Contact detection on graphics processors, with the couples and the order of the processor.
+//! Contact detection and simulations on graphics processors, with the bits of the processor.
 //!
 //! A search on a device finds exactly the couples of [`Rows`](fdem_contact::Rows), in the same order: the
 //! order is defined by the input alone ([`RowsInput`](fdem_contact::RowsInput)), arithmetic rounds after each
@@ -14,8 +14,19 @@
 //!   the device already ([`PlacedElements`]). [`DeviceIndex`] searches in two sets. Images of periodic boxes are
 //!   made on the processor, and [`PeriodicSearch`](fdem_contact::PeriodicSearch::couples_by) searches them by
 //!   any search. Both sort by one part of the crate, `sorted.rs`.
-//! - [`DeviceSolid`] moves elastic bodies as fdem-simulation does; contacts,
-//!   joints and supports are to come. [`deform`] computes single elements.
+//! - [`deform`] computes single elements.
+//! - [`DeviceSolid`] computes phases of a step for a simulation of fdem-simulation, which
+//!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
+//!   viscosity, joints that are whole or soften, forces on corners, supports and prescribed motions, gravity,
+//!   damping, and all sums of energies and works. The processor computes the rest of such a run: contacts,
+//!   loads, and joints in the step in which they begin to soften, break, or are handed over to contact. The
+//!   run can go back at any step.
+//!
+//! # Sums
+//!
+//! Works are rounded to grains (`Grains` in `sum.rs` of fdem-simulation), so that plain sums over the nodes of
+//! a block are exact. Sums of these and of energies are whole numbers, the parts of a `Sum` there: exact in
+//! any order. The host adds the parts of blocks.
 //!
 //! # Twins
 //!
@@ -34,7 +45,13 @@
 //! | `laws.h`: `viscous_stress` | `solid/viscous.rs` | `laws.rs` |
 //! | `laws.h`: `deform`, `forces_of` | `solid/batch.rs` | `laws.rs` |
 //! | `step.h`: `solid_deform` | `solid.rs`, `Solid::deform` | `steps.rs` |
-//! | `step.h`: `solid_move`, `local_damping` | `motion/nodes.rs` | `steps.rs` |
+//! | `step.h`: `add_forces` | `machine/threads.rs` | `steps.rs` |
+//! | `step.h`: `move_node`, `damping`, `local_damping` | `motion/nodes.rs` | `steps.rs` |
+//! | `step.h`: `held_velocity` | `actions/prescribed.rs` | `steps.rs` |
+//! | `joints.h`: `exp_down`, `softening` | `cohesive/curve.rs` | `laws.rs` |
+//! | `joints.h`: laws and memories | `cohesive/law.rs`, `cohesive/memory.rs` | `laws.rs` |
+//! | `joints.h`: `unit_axes`, `pull_joint` | `simplex/triangle.rs`, `simplex/tetrahedron.rs`, `joints/batch.rs` | `steps.rs` |
+//! | `step.h`: `add_parts`, `sums.h`: `part_of` | `sum.rs` | `steps.rs` |
 //!
 //! The cube root in Rust is that of `libm`, which rounds it correctly. The kernels have one of their own that
 //! does, too: by Newton's method, and then by whole numbers.
@@ -48,6 +65,7 @@ mod error;
 #[cfg(feature = "host")]
 mod host;
 mod index;
+mod joints;
 pub mod kernels;
 mod primitives;
 mod rows;
@@ -62,6 +80,7 @@ pub use error::GpuError;
 #[cfg(feature = "host")]
 pub use host::{Host, HostBuild};
 pub use index::DeviceIndex;
+pub use joints::{exponentials, soften_ends};
 pub use rows::DeviceRows;
 pub use rows::placed::{PlacedCouples, PlacedElements, PlacedRadii};
-pub use solid::{DeviceSolid, SolidColumns, SolidStep};
+pub use solid::DeviceSolid;

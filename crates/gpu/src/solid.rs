@@ -1,202 +1,424 @@
-//! Bodies of a simulation on a device: the elements and the nodes of a step.
-//!
-//! So far these are bodies that nothing touches, breaks or holds: the elastic part of a step of
-//! fdem-simulation, with its bits.
+//! Phases of a step of a simulation on a device: elements, supports, and the motion of nodes.
+
+use std::fmt;
+use std::sync::Arc;
+
+use bytemuck::cast_slice;
+use fdem_simulation::{
+    Accelerator, DeviceSum, FromDevice, HeldNode, JointColumns, JointMemories, NodeMotion, NodeSums, Pulled,
+    SUM_PARTS, SolidColumns, SolidState,
+};
 
 use crate::array::Array;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::kernels::{Kernel, SolidElementArguments, SolidNodeArguments};
-use crate::primitives::launch;
+use crate::joints::DeviceJoints;
+use crate::kernels::{
+    CornerForceArguments, ExactSumArguments, GatheredArguments, Kernel, LargestArguments,
+    SolidElementArguments, SolidNodeArguments, THREADS,
+};
+use crate::primitives::{launch, launch_blocks};
 
-/// The columns of bodies with elements of N corners in D dimensions: a value of each node, element or
-/// corner, without gaps.
-#[derive(Clone, Debug, Default)]
-pub struct SolidColumns<const D: usize, const N: usize> {
-    /// Positions of the nodes, m, and their velocities half a step before, m/s.
-    pub positions: Vec<[f64; D]>,
-    /// See `positions`.
-    pub velocities: Vec<[f64; D]>,
-    /// kg.
-    pub masses: Vec<f64>,
-    /// Nodes of each element.
-    pub elements: Vec<[u32; N]>,
-    /// Inverse of the matrix whose columns are the edges from corner 0, for each element, 1/m.
-    pub gradients: Vec<[[f64; D]; D]>,
-    /// Volumes of the undeformed elements, m³.
-    pub volumes: Vec<f64>,
-    /// Material of each element.
-    pub materials: Vec<u32>,
-    /// Moduli of shear and bulk of each material, Pa.
-    pub moduli: Vec<[f64; 2]>,
-    /// Viscosity of each element, Pa s; empty without viscosity.
-    pub viscosities: Vec<f64>,
+/// Sums over the motion of all nodes, and largest numbers.
+const SUMS: usize = 7;
+const MOSTS: usize = 3;
+
+/// Blocks that add up a row of numbers.
+fn pieces(count: usize) -> usize {
+    count.div_ceil(THREADS).clamp(1, 256)
 }
 
-/// Time step and forces besides those of the elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolidStep<const D: usize> {
-    /// s.
-    pub step: f64,
-    /// m/s².
-    pub gravity: [f64; D],
-    /// Force against the motion of a node, as a share of the force on it.
-    pub local_damping: f64,
-}
-
-/// Bodies on a device.
-pub struct DeviceSolid<'d, V: Device, const D: usize, const N: usize> {
-    device: &'d V,
+/// Bodies of a [`Simulation`](fdem_simulation::Simulation) on a device, for
+/// [`Simulation::put_on`](fdem_simulation::Simulation::put_on).
+pub struct DeviceSolid<V: Device, const D: usize, const N: usize> {
+    device: Arc<V>,
     nodes: usize,
     elements: usize,
+    held: usize,
+    is_viscous: bool,
+    origin: [f64; D],
     positions: Array<V::Memory, f64>,
     velocities: Array<V::Memory, f64>,
     masses: Array<V::Memory, f64>,
-    corners: Array<V::Memory, u32>,
+    true_masses: Array<V::Memory, f64>,
+    places: Array<V::Memory, u32>,
+    holds: Array<V::Memory, u32>,
+    drives: Array<V::Memory, f64>,
+    reactions: Array<V::Memory, f64>,
+    of_elements: Array<V::Memory, u32>,
     gradients: Array<V::Memory, f64>,
     volumes: Array<V::Memory, f64>,
     materials: Array<V::Memory, u32>,
     moduli: Array<V::Memory, f64>,
+    initial: Array<V::Memory, f64>,
+    stored: Array<V::Memory, f64>,
     viscosities: Array<V::Memory, f64>,
     viscous: Array<V::Memory, f64>,
+    dissipated: Array<V::Memory, f64>,
     forces: Array<V::Memory, f64>,
-    inverted: Array<V::Memory, u32>,
+    stresses: Array<V::Memory, f64>,
+    energies: Array<V::Memory, f64>,
+    joints: DeviceJoints<V::Memory, D>,
+    ranges: Array<V::Memory, u32>,
+    corners: Array<V::Memory, u32>,
+    /// Corners on which forces are added, where those of each begin, and the forces.
+    loaded: Array<V::Memory, u32>,
     starts: Array<V::Memory, u32>,
-    of_nodes: Array<V::Memory, u32>,
+    added: Array<V::Memory, f64>,
+    /// Nodes that the host reads, and their values.
+    wanted: Array<V::Memory, u32>,
+    gathered: Array<V::Memory, f64>,
+    /// Sums and largest numbers of the blocks of nodes.
+    sums: Array<V::Memory, f64>,
+    mosts: Array<V::Memory, f64>,
+    /// Whether an element is inverted, and whether a node is too fast.
+    flags: Array<V::Memory, u32>,
+    /// The parts of all sums, then the bits of the largest numbers.
+    report: Array<V::Memory, u64>,
 }
 
-impl<'d, V: Device, const D: usize, const N: usize> DeviceSolid<'d, V, D, N> {
-    /// Copies bodies to a device.
-    ///
-    /// # Errors
-    /// [`GpuError::Unsupported`] for other elements than triangles in the plane and tetrahedra in space;
-    /// [`GpuError::OutOfMemory`]; [`GpuError::Driver`].
-    ///
-    /// # Panics
-    /// If the lengths of the columns do not agree, or an element has a node that there is not.
-    pub fn new(device: &'d V, columns: &SolidColumns<D, N>) -> Result<Self, GpuError> {
-        if (D != 2 && D != 3) || N != D + 1 {
-            return Err(GpuError::Unsupported { what: "elements but triangles and tetrahedra" });
-        }
-        let (nodes, elements) = (columns.positions.len(), columns.elements.len());
-        assert!([columns.velocities.len(), columns.masses.len()] == [nodes; 2], "a value of each node");
-        let of_elements = [columns.gradients.len(), columns.volumes.len(), columns.materials.len()];
-        assert!(of_elements == [elements; 3], "a value of each element");
-        let viscous = columns.viscosities.len();
-        assert!(viscous == 0 || viscous == elements, "a viscosity of each element, or none");
-        assert!(columns.materials.iter().all(|&of| (of as usize) < columns.moduli.len()), "a material");
-        let (starts, of_nodes) = corners_of_nodes(&columns.elements, nodes);
-        let mut solid = Self {
+impl<V: Device, const D: usize, const N: usize> fmt::Debug for DeviceSolid<V, D, N> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { nodes, elements, held, .. } = self;
+        write!(out, "DeviceSolid({nodes} nodes, {elements} elements, {held} held)")
+    }
+}
+
+impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
+    /// A device without bodies.
+    pub fn new(device: Arc<V>) -> Self {
+        Self {
             device,
-            nodes,
-            elements,
+            nodes: 0,
+            elements: 0,
+            held: 0,
+            is_viscous: false,
+            origin: [0.0; D],
             positions: Array::new(),
             velocities: Array::new(),
             masses: Array::new(),
-            corners: Array::new(),
+            true_masses: Array::new(),
+            places: Array::new(),
+            holds: Array::new(),
+            drives: Array::new(),
+            reactions: Array::new(),
+            of_elements: Array::new(),
             gradients: Array::new(),
             volumes: Array::new(),
             materials: Array::new(),
             moduli: Array::new(),
+            initial: Array::new(),
+            stored: Array::new(),
             viscosities: Array::new(),
             viscous: Array::new(),
+            dissipated: Array::new(),
             forces: Array::new(),
-            inverted: Array::new(),
+            stresses: Array::new(),
+            energies: Array::new(),
+            joints: DeviceJoints::new(),
+            ranges: Array::new(),
+            corners: Array::new(),
+            loaded: Array::new(),
             starts: Array::new(),
-            of_nodes: Array::new(),
-        };
-        solid.positions.write(device, columns.positions.as_flattened())?;
-        solid.velocities.write(device, columns.velocities.as_flattened())?;
-        solid.masses.write(device, &columns.masses)?;
-        solid.corners.write(device, columns.elements.as_flattened())?;
-        solid.gradients.write(device, columns.gradients.as_flattened().as_flattened())?;
-        solid.volumes.write(device, &columns.volumes)?;
-        solid.materials.write(device, &columns.materials)?;
-        solid.moduli.write(device, columns.moduli.as_flattened())?;
-        if viscous > 0 {
-            solid.viscosities.write(device, &columns.viscosities)?;
-            solid.viscous.write(device, &vec![0.0; D * D * elements])?;
+            added: Array::new(),
+            wanted: Array::new(),
+            gathered: Array::new(),
+            sums: Array::new(),
+            mosts: Array::new(),
+            flags: Array::new(),
+            report: Array::new(),
         }
-        solid.forces.resize(device, D * N * elements)?;
-        solid.inverted.write(device, &[0])?;
-        solid.starts.write(device, &starts)?;
-        solid.of_nodes.write(device, &of_nodes)?;
-        Ok(solid)
     }
 
-    /// Does some steps. Returns whether all elements still have a volume.
-    ///
-    /// # Errors
-    /// [`GpuError::Driver`].
-    pub fn advance(&mut self, steps: u64, of: SolidStep<D>) -> Result<bool, GpuError> {
-        let device = self.device;
-        let elements = SolidElementArguments {
+    /// The kernel for these dimensions.
+    fn of<T>(plane: T, space: T) -> T {
+        if D == 2 { plane } else { space }
+    }
+
+    /// Makes room for the report.
+    fn make_report(&mut self) -> Result<(), GpuError> {
+        let nodes = 2 * SUMS * pieces(self.nodes.div_ceil(THREADS));
+        let rows = nodes.max(pieces(self.elements)).max(2 * pieces(self.joints.blocks()));
+        self.report.resize(&*self.device, SUM_PARTS * rows + MOSTS)?;
+        Ok(())
+    }
+
+    /// The sums of rows of numbers; successive rows belong to one sum.
+    fn sums<const ROWS: usize, const SUMS: usize>(
+        &self,
+        numbers: u64,
+        count: usize,
+    ) -> Result<[DeviceSum; SUMS], GpuError> {
+        self.add_up(ROWS, numbers, count)?;
+        let mut parts = vec![0; SUM_PARTS * ROWS * pieces(count)];
+        self.report.read(&*self.device, 0, &mut parts)?;
+        Ok(sums_of(&parts))
+    }
+
+    /// Adds up rows of numbers, and puts the parts of the sums into the report.
+    fn add_up(&self, rows: usize, numbers: u64, count: usize) -> Result<(), GpuError> {
+        let pieces = pieces(count);
+        let arguments = ExactSumArguments {
+            numbers,
+            parts: self.report.address(&*self.device),
+            count: count as u64,
+            pieces: pieces as u32,
+            unused: 0,
+        };
+        launch_blocks(&*self.device, Kernel::ExactSums, rows * pieces, &arguments)
+    }
+}
+
+/// The sums of rows whose pieces have these parts.
+fn sums_of<const ROWS: usize>(parts: &[u64]) -> [DeviceSum; ROWS] {
+    let mut sums = [[0; SUM_PARTS]; ROWS];
+    for (sum, pieces) in sums.iter_mut().zip(parts.chunks(parts.len() / ROWS)) {
+        for piece in pieces.chunks(SUM_PARTS) {
+            sum.iter_mut().zip(piece).for_each(|(sum, part)| *sum += part.cast_signed());
+        }
+    }
+    sums
+}
+
+/// A node that is held, in the words of `HeldNode` in the kernels.
+fn words<const D: usize>(of: &HeldNode<D>) -> impl Iterator<Item = u32> {
+    let numbers = of.kinds.map(|kind| kind as u32).into_iter().chain(of.boundaries);
+    let values: Vec<u32> = cast_slice([of.values, of.start].as_flattened()).to_vec();
+    numbers.chain(values)
+}
+
+impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> for DeviceSolid<V, D, N> {
+    fn load(&mut self, solid: &SolidColumns<D, N>) -> FromDevice<()> {
+        if (D != 2 && D != 3) || N != D + 1 {
+            return Err(GpuError::Unsupported { what: "elements but triangles and tetrahedra" }.into());
+        }
+        let device = &*self.device;
+        (self.nodes, self.elements) = (solid.masses.len(), solid.elements.len());
+        (self.held, self.is_viscous) = (solid.held.len(), !solid.viscosities.is_empty());
+        self.origin = solid.origin;
+        self.masses.write(device, &solid.masses)?;
+        self.true_masses.write_some(device, &solid.true_masses)?;
+        self.places.write(device, &solid.places)?;
+        let holds: Vec<u32> = solid.held.iter().flat_map(words).collect();
+        self.holds.write(device, &holds)?;
+        self.reactions.resize(device, 2 * D * self.held)?;
+        self.of_elements.write(device, solid.elements.as_flattened())?;
+        self.gradients.write(device, solid.gradients.as_flattened().as_flattened())?;
+        self.volumes.write(device, &solid.volumes)?;
+        self.materials.write(device, &solid.materials)?;
+        self.moduli.write(device, solid.moduli.as_flattened())?;
+        self.initial.write_some(device, solid.initial.as_flattened().as_flattened())?;
+        self.stored.write_some(device, &solid.stored)?;
+        self.viscosities.write_some(device, &solid.viscosities)?;
+        self.ranges.write(device, solid.ranges.as_flattened())?;
+        self.corners.write(device, &solid.corners)?;
+        let blocks = self.nodes.div_ceil(THREADS);
+        self.sums.resize(device, 2 * SUMS * blocks)?;
+        self.mosts.resize(device, MOSTS * blocks)?;
+        self.make_report()?;
+        Ok(())
+    }
+
+    fn load_joints(&mut self, joints: &JointColumns<D>) -> FromDevice<()> {
+        self.joints.load(&*self.device, joints)?;
+        self.make_report()?;
+        Ok(())
+    }
+
+    fn write_joints(&mut self, joints: &JointMemories<D>) -> FromDevice<()> {
+        Ok(self.joints.write(&*self.device, joints)?)
+    }
+
+    fn write(&mut self, solid: &SolidState<D, N>) -> FromDevice<()> {
+        let device = &*self.device;
+        self.positions.write(device, solid.positions.as_flattened())?;
+        self.velocities.write(device, solid.velocities.as_flattened())?;
+        self.forces.write(device, solid.forces.as_flattened().as_flattened())?;
+        self.stresses.write(device, solid.stresses.as_flattened().as_flattened())?;
+        self.energies.write(device, &solid.energies)?;
+        self.viscous.write_some(device, solid.viscous.as_flattened().as_flattened())?;
+        self.dissipated.write_some(device, &solid.dissipated)?;
+        self.flags.write(device, &[0; 2])?;
+        Ok(())
+    }
+
+    fn read(&self) -> FromDevice<(SolidState<D, N>, JointMemories<D>)> {
+        let device = &*self.device;
+        let (nodes, elements) = (self.nodes, self.elements);
+        let viscous = if self.is_viscous { elements } else { 0 };
+        let mut state = SolidState {
+            positions: vec![[0.0; D]; nodes],
+            velocities: vec![[0.0; D]; nodes],
+            forces: vec![[[0.0; D]; N]; elements],
+            stresses: vec![[[0.0; D]; D]; elements],
+            energies: vec![0.0; elements],
+            viscous: vec![[[0.0; D]; D]; viscous],
+            dissipated: vec![0.0; viscous],
+        };
+        self.positions.read(device, 0, state.positions.as_flattened_mut())?;
+        self.velocities.read(device, 0, state.velocities.as_flattened_mut())?;
+        self.forces.read(device, 0, state.forces.as_flattened_mut().as_flattened_mut())?;
+        self.stresses.read(device, 0, state.stresses.as_flattened_mut().as_flattened_mut())?;
+        self.energies.read(device, 0, &mut state.energies)?;
+        if self.is_viscous {
+            self.viscous.read(device, 0, state.viscous.as_flattened_mut().as_flattened_mut())?;
+            self.dissipated.read(device, 0, &mut state.dissipated)?;
+        }
+        Ok((state, self.joints.read(device)?))
+    }
+
+    fn deform(&mut self, step: f64) -> FromDevice<bool> {
+        let device = &*self.device;
+        let arguments = SolidElementArguments {
             positions: self.positions.address(device),
             velocities: self.velocities.address(device),
-            corners: self.corners.address(device),
+            corners: self.of_elements.address(device),
             gradients: self.gradients.address(device),
             volumes: self.volumes.address(device),
             materials: self.materials.address(device),
             moduli: self.moduli.address(device),
+            initial: self.initial.address(device),
+            stored: self.stored.address(device),
             viscosities: self.viscosities.address(device),
             viscous: self.viscous.address(device),
+            dissipated: self.dissipated.address(device),
             forces: self.forces.address(device),
-            inverted: self.inverted.address(device),
+            stresses: self.stresses.address(device),
+            energies: self.energies.address(device),
+            inverted: self.flags.address(device),
+            step,
             count: self.elements as u64,
         };
-        let mut gravity = [0.0; 3];
-        gravity[..D].copy_from_slice(&of.gravity);
-        let nodes = SolidNodeArguments {
-            positions: elements.positions,
-            velocities: elements.velocities,
-            masses: self.masses.address(device),
-            starts: self.starts.address(device),
-            corners: self.of_nodes.address(device),
-            forces: elements.forces,
-            gravity,
-            step: of.step,
-            local_damping: of.local_damping,
-            count: self.nodes as u64,
-        };
-        let [deform, advance] = match D {
-            2 => [Kernel::SolidDeform2, Kernel::SolidMove2],
-            _ => [Kernel::SolidDeform3, Kernel::SolidMove3],
-        };
-        for _ in 0..steps {
-            launch(device, deform, self.elements, &elements)?;
-            launch(device, advance, self.nodes, &nodes)?;
-        }
+        launch(device, Self::of(Kernel::SolidDeform2, Kernel::SolidDeform3), self.elements, &arguments)?;
         let mut inverted = [0];
-        self.inverted.read(device, 0, &mut inverted)?;
+        self.flags.read(device, 0, &mut inverted)?;
         Ok(inverted == [0])
     }
 
-    /// Positions of the nodes, m, and their velocities half a step before, m/s.
-    ///
-    /// # Errors
-    /// [`GpuError::Driver`].
-    pub fn motion(&self) -> Result<[Vec<[f64; D]>; 2], GpuError> {
-        let read = |column: &Array<V::Memory, f64>| {
-            let mut values = vec![[0.0; D]; self.nodes];
-            column.read(self.device, 0, values.as_flattened_mut()).map(|()| values)
-        };
-        Ok([read(&self.positions)?, read(&self.velocities)?])
+    fn pull(&mut self, step: f64, grains: [f64; 2]) -> FromDevice<Pulled> {
+        let device = &*self.device;
+        let nodes = [&self.positions, &self.velocities].map(|column| column.address(device));
+        let works = self.joints.pull(device, nodes, step, grains)?;
+        let [work] = self.sums::<2, 1>(works, self.joints.blocks())?;
+        Ok(Pulled { work, left: self.joints.left(device)? })
     }
-}
 
-/// The corners of each node, ascending: where those of each begin, and the corners.
-fn corners_of_nodes<const N: usize>(elements: &[[u32; N]], nodes: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0_u32; nodes + 1];
-    for &node in elements.as_flattened() {
-        starts[node as usize + 1] += 1;
+    fn add_forces(&mut self, forces: &[(u32, [f64; D])]) -> FromDevice<()> {
+        let device = &*self.device;
+        let mut forces = forces.to_vec();
+        // Stable: the forces on a corner stay in their order.
+        forces.sort_by_key(|(corner, _)| *corner);
+        let (mut loaded, mut starts) = (Vec::new(), Vec::new());
+        for (place, (corner, _)) in (0..).zip(&forces) {
+            if loaded.last() != Some(corner) {
+                loaded.push(*corner);
+                starts.push(place);
+            }
+        }
+        starts.push(forces.len() as u32);
+        let added: Vec<[f64; D]> = forces.into_iter().map(|(_, force)| force).collect();
+        let arguments = CornerForceArguments {
+            corners: self.loaded.write(device, &loaded)?,
+            starts: self.starts.write(device, &starts)?,
+            added: self.added.write(device, added.as_flattened())?,
+            forces: self.forces.address(device),
+            count: loaded.len() as u64,
+        };
+        launch(device, Self::of(Kernel::AddForces2, Kernel::AddForces3), loaded.len(), &arguments)?;
+        Ok(())
     }
-    for node in 0..nodes {
-        starts[node + 1] += starts[node];
+
+    fn move_nodes(&mut self, motion: &NodeMotion<'_, D>) -> FromDevice<NodeSums<D>> {
+        let device = &*self.device;
+        let drives: Vec<f64> = motion
+            .drives
+            .iter()
+            .flat_map(|of| of.factors.into_iter().chain(of.turn.into_iter().flatten()).chain(of.through))
+            .collect();
+        let in_space = |vector: [f64; D]| std::array::from_fn(|k| vector.get(k).copied().unwrap_or(0.0));
+        let blocks = self.nodes.div_ceil(THREADS);
+        let arguments = SolidNodeArguments {
+            positions: self.positions.address(device),
+            velocities: self.velocities.address(device),
+            masses: self.masses.address(device),
+            true_masses: self.true_masses.address(device),
+            ranges: self.ranges.address(device),
+            corners: self.corners.address(device),
+            forces: self.forces.address(device),
+            ends: self.joints.at_corner.address(device),
+            of_joints: self.joints.forces.address(device),
+            places: self.places.address(device),
+            held: self.holds.address(device),
+            drives: self.drives.write(device, &drives)?,
+            reactions: self.reactions.address(device),
+            sums: self.sums.address(device),
+            mosts: self.mosts.address(device),
+            runaway: self.flags.address(device) + size_of::<u32>() as u64,
+            gravity: in_space(motion.gravity),
+            origin: in_space(self.origin),
+            grains: motion.grains,
+            step: motion.step,
+            local_damping: motion.local_damping,
+            relaxation: motion.relaxation,
+            speed_limit: motion.speed_limit,
+            count: self.nodes as u64,
+            energy: u32::from(motion.energy),
+            taken: motion.taken.map(u32::from),
+            blocks: blocks as u32,
+        };
+        launch(device, Self::of(Kernel::SolidMove2, Kernel::SolidMove3), self.nodes, &arguments)?;
+        self.add_up(2 * SUMS, arguments.sums, blocks)?;
+        let parts = SUM_PARTS * 2 * SUMS * pieces(blocks);
+        let largest = LargestArguments {
+            numbers: arguments.mosts,
+            largest: self.report.address(device) + (size_of::<u64>() * parts) as u64,
+            count: blocks as u64,
+        };
+        launch_blocks(device, Kernel::LargestNumbers, MOSTS, &largest)?;
+        let (mut report, mut runaway) = (vec![0; parts + MOSTS], [0]);
+        let mut held = vec![[[0.0; D]; 2]; self.held];
+        self.report.read(device, 0, &mut report)?;
+        self.flags.read(device, 1, &mut runaway)?;
+        if self.held > 0 {
+            self.reactions.read(device, 0, held.as_flattened_mut().as_flattened_mut())?;
+        }
+        let mosts: [f64; MOSTS] = std::array::from_fn(|k| f64::from_bits(report[parts + k]));
+        // Both parts of the rounded numbers belong to one sum.
+        let sums = sums_of::<SUMS>(&report[..parts]);
+        Ok(NodeSums {
+            sums,
+            fastest: mosts[0],
+            largest: [mosts[1], mosts[2]],
+            runs_away: runaway != [0],
+            held,
+        })
     }
-    let (mut next, mut corners) = (starts.clone(), vec![0; N * elements.len()]);
-    for (corner, &node) in (0..).zip(elements.as_flattened()) {
-        corners[next[node as usize] as usize] = corner;
-        next[node as usize] += 1;
+
+    fn read_nodes(&mut self, nodes: &[u32]) -> FromDevice<[Vec<[f64; D]>; 2]> {
+        let device = &*self.device;
+        let mut found = [(); 2].map(|()| vec![[0.0; D]; nodes.len()]);
+        let columns = [&self.positions, &self.velocities].map(|column| column.address(device));
+        let wanted = self.wanted.write(device, nodes)?;
+        for (values, found) in columns.into_iter().zip(&mut found) {
+            let arguments = GatheredArguments {
+                values,
+                numbers: wanted,
+                gathered: self.gathered.resize(device, D * nodes.len())?,
+                count: nodes.len() as u64,
+            };
+            launch(device, Self::of(Kernel::GatherRows2, Kernel::GatherRows3), nodes.len(), &arguments)?;
+            self.gathered.read(device, 0, found.as_flattened_mut())?;
+        }
+        Ok(found)
     }
-    (starts, corners)
+
+    fn energies(&self) -> FromDevice<[DeviceSum; 2]> {
+        let device = &*self.device;
+        let mut sums = [[0; SUM_PARTS]; 2];
+        let columns = [&self.energies, &self.dissipated];
+        for (sum, column) in sums.iter_mut().zip(columns).take(1 + usize::from(self.is_viscous)) {
+            [*sum] = self.sums::<1, 1>(column.address(device), self.elements)?;
+        }
+        Ok(sums)
+    }
 }

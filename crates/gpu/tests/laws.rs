@@ -3,9 +3,11 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::needless_range_loop, reason = "an axis is a place in several rows")]
 
-use fdem_gpu::{ElementKind, Host, HostBuild, deform};
+use fdem_gpu::{ElementKind, Host, HostBuild, deform, exponentials, soften_ends};
 use fdem_scenes::random::Random;
-use fdem_simulation::{ElementForces, ElementState, deform_tetrahedra, deform_triangles};
+use fdem_simulation::{
+    ElementForces, ElementState, EndMemory, FlatLaw, JointEnd, deform_tetrahedra, deform_triangles,
+};
 
 /// Elements of each kind.
 const COUNT: u64 = 250_000;
@@ -130,4 +132,123 @@ fn a_product_and_a_sum_that_round_once_have_other_bits() {
     assert!(triangles > all * 9 / 10, "{triangles} of {all}");
     let tetrahedra = unlike(HostBuild::Contracted, ElementKind::Tetrahedron, deform_tetrahedra);
     assert!(tetrahedra > all * 9 / 10, "{tetrahedra} of {all}");
+}
+
+/// The exponential function over all of its range, by values and by exponents.
+#[test]
+fn the_exponential_has_the_bits_of_libm() {
+    let mut random = Random::new(17);
+    let some = (0..1_000_000).map(|k| match k % 2 {
+        0 => random.between(-3.8, 0.0),
+        _ => -libm::exp2(random.between(-40.0, 1.9)),
+    });
+    let numbers: Vec<f64> = some.chain([0.0, -0.0, -3.8, -f64::MIN_POSITIVE]).collect();
+    let unlike = |build: HostBuild| {
+        let mut found = numbers.clone();
+        exponentials(&Host(build), &mut found).unwrap();
+        numbers.iter().zip(&found).filter(|(x, found)| libm::exp(**x).to_bits() != found.to_bits()).count()
+    };
+    assert_eq!(unlike(HostBuild::Ascending), 0);
+    let fused = unlike(HostBuild::Contracted);
+    assert!(fused > 100, "{fused}");
+}
+
+/// An end of a joint: near its strength, softened, broken or pressed, and moved in any direction from there.
+fn end<const D: usize>(seed: u64) -> JointEnd<D> {
+    let mut random = Random::new(seed);
+    let mut vector = |size: f64| -> [f64; D] { std::array::from_fn(|_| size * random.between(-1.0, 1.0)) };
+    let mut normal = vector(if seed.is_multiple_of(3) { 0.7 } else { 0.0 });
+    normal[0] = 1.0;
+    let long = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let normal = normal.map(|x| x / long);
+    let (mut gap, origin, rubbed) = (vector(1.0), vector(1e-8), vector(1e-6));
+    let mut random = Random::new(!seed);
+    let (tensile, cohesion) = (random.between(0.3e6, 2e6), random.between(0.3e6, 6e6));
+    let penalty = 1e12 * libm::exp2(random.between(0.0, 6.0));
+    let critical = [random.between(2e-6, 3e-5), random.between(2e-6, 3e-5)];
+    // The bond of the damage, which may be that of another direction.
+    let damage = if seed.is_multiple_of(4) { 0.0 } else { random.uniform() };
+    let share = random.uniform();
+    let strength = tensile + share * (cohesion - tensile);
+    let left = (1.0 - damage) * (1.0 - damage);
+    let softened = strength * left / (strength + penalty * damage * critical[0]);
+    let (damages, stiffness) = match seed % 4 {
+        0 => ([0.0; 2], 1.0),
+        1 => ([share, 1.0 - share], 0.0),
+        _ => ([damage * (1.0 - share), damage * share], softened),
+    };
+    // To the strength, or through the softening range; closed in every third.
+    let size = match seed % 5 {
+        0 | 1 => strength / penalty * (1.0 + 1e-3 * random.between(-1.0, 1.0)),
+        2 => strength / penalty * 2.0 * random.uniform(),
+        _ => strength / penalty + 1.2 * damage.max(0.1) * critical[0] * random.uniform(),
+    };
+    let long = gap.iter().map(|x| x * x).sum::<f64>().sqrt();
+    gap = gap.map(|x| size * x / long);
+    match seed % 7 {
+        0 => gap[0] = 0.0,
+        1 => gap[1..].fill(0.0),
+        2 => gap = origin,
+        3 | 4 => gap[0] = -gap[0].abs(),
+        _ => {}
+    }
+    let at_rest = seed.is_multiple_of(2);
+    JointEnd {
+        law: FlatLaw {
+            normal,
+            penalty,
+            tensile,
+            cohesion,
+            friction: random.between(0.0, 0.8),
+            critical,
+            share: 0.0,
+            length: 0.0,
+            faded: 0.0,
+        },
+        memory: EndMemory {
+            damages,
+            stiffness,
+            origin: if at_rest { [0.0; D] } else { origin },
+            rubbed: if at_rest { [0.0; D] } else { rubbed },
+        },
+        gap,
+        traction: [0.0; D],
+    }
+}
+
+/// The numbers of an end in the order of the kernels.
+fn numbers_of_end<const D: usize>(of: &JointEnd<D>) -> impl Iterator<Item = f64> + use<D> {
+    let FlatLaw { normal, penalty, tensile, cohesion, friction, critical, .. } = of.law;
+    let EndMemory { damages, stiffness, origin, rubbed } = of.memory;
+    let law = normal.into_iter().chain([penalty, tensile, cohesion, friction]).chain(critical);
+    let memory = damages.into_iter().chain([stiffness]).chain(origin).chain(rubbed);
+    law.chain(memory).chain(of.gap).chain(of.traction)
+}
+
+/// Number of ends with other bits on the device. Ends of all kinds soften, rest, slip and stick.
+fn unlike_ends<const D: usize>(build: HostBuild, count: u64) -> usize {
+    let mut ends: Vec<JointEnd<D>> = (0..count).map(end).collect();
+    let mut numbers: Vec<f64> = ends.iter().flat_map(numbers_of_end).collect();
+    let before: Vec<EndMemory<D>> = ends.iter().map(|end| end.memory).collect();
+    fdem_simulation::soften_ends(&mut ends);
+    soften_ends::<D>(&Host(build), &mut numbers).unwrap();
+    let softened = ends.iter().zip(&before).filter(|(end, before)| end.memory.damages != before.damages);
+    let slipped = ends.iter().zip(&before).filter(|(end, before)| end.memory.rubbed != before.rubbed);
+    for count in [softened.count(), slipped.count(), ends.iter().filter(|end| end.traction[0] < 0.0).count()]
+    {
+        assert!((ends.len() / 10..ends.len() * 9 / 10).contains(&count), "{count} of {}", ends.len());
+    }
+    let rows = numbers.chunks(9 + 5 * D).zip(&ends);
+    let bits = |number: f64| number.to_bits();
+    rows.filter(|(found, end)| !numbers_of_end(end).map(bits).eq(found.iter().copied().map(bits))).count()
+}
+
+#[test]
+fn joints_have_the_bits_of_the_processor() {
+    assert_eq!(unlike_ends::<2>(HostBuild::Ascending, 4 * COUNT), 0);
+    assert_eq!(unlike_ends::<3>(HostBuild::Ascending, 4 * COUNT), 0);
+    for unlike in [unlike_ends::<2>, unlike_ends::<3>] {
+        let fused = unlike(HostBuild::Contracted, 50_000);
+        assert!(fused > 1000, "{fused}");
+    }
 }

@@ -170,19 +170,16 @@ where
 
     /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of
     /// absorbing facets, one pair for each force.
-    pub(crate) fn half_works(
-        &self,
-        machine: &dyn Machine<D, N>,
-        step: f64,
-    ) -> impl Iterator<Item = [f64; 2]> {
-        let solid = (!self.applied.is_empty()).then(|| &machine.columns().solid);
-        solid.into_iter().flat_map(move |solid| {
-            self.owned(solid).map(move |applied| {
-                let velocity = solid.velocity_at(applied.corner);
-                let absorbed = 0.5 * step * dot(applied.viscous, velocity);
-                [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
-            })
-        })
+    pub(crate) fn half_works(&self, machine: &dyn Machine<D, N>, step: f64) -> Vec<[f64; 2]> {
+        let corners: Vec<u32> = self.applied.iter().map(|applied| applied.corner).collect();
+        let mut works = Vec::with_capacity(corners.len());
+        let (mut all, share) = (self.applied.iter(), machine.share());
+        machine.read_corners(&corners, &mut |node| {
+            let Some(applied) = all.next().filter(|applied| share.corner(applied.corner)) else { return };
+            let absorbed = 0.5 * step * dot(applied.viscous, node.velocity);
+            works.push([0.5 * step * dot(applied.force, node.velocity) - absorbed, absorbed]);
+        });
+        works
     }
 
     /// The forces that were applied in the last step on corners that this rank owns, each with its boundary,

@@ -120,6 +120,17 @@ where
         }
     }
 
+    /// Whether [`Contacts::detect`] has anything to do.
+    pub(crate) fn is_detection_due(&self) -> bool {
+        let Surface { parted, bared, new, unwatched, .. } = &self.surface;
+        *unwatched || !(parted.is_empty() && bared.is_empty() && new.is_empty()) || self.elements.is_due()
+    }
+
+    /// Whether any couple touches, or is not known to be apart.
+    pub(crate) fn any_near(&self) -> bool {
+        self.elements.any_near()
+    }
+
     /// Adds the distance of the fastest point of a body in a step, m.
     pub(crate) fn note_motion(&mut self, distance: f64) {
         self.elements.note_motion(distance);

@@ -148,6 +148,11 @@ pub enum ModelError {
         /// Message of the detection.
         message: String,
     },
+    /// A run cannot be put on a device.
+    OnDevice {
+        /// The reason.
+        why: String,
+    },
     /// A run cannot be divided among this number of ranks.
     Ranks {
         /// Number of ranks.
@@ -260,6 +265,7 @@ impl fmt::Display for ModelError {
             }
             Self::Threads { message } => write!(out, "no threads: {message}"),
             Self::Detection { message } => write!(out, "contact detection: {message}"),
+            Self::OnDevice { why } => write!(out, "{why}"),
             Self::Ranks { ranks: 0, .. } => write!(out, "a run on 0 ranks computes nothing"),
             Self::Ranks { ranks, elements } => {
                 write!(out, "{ranks} ranks are more than the {elements} elements of the model")
@@ -380,6 +386,8 @@ pub enum Stop {
     ),
     /// A run cannot continue with a body that was rigid until it was overloaded, for this reason.
     Released(String),
+    /// A device has failed, for this reason.
+    Device(String),
     /// A rank of a run of many cannot continue.
     OnRank {
         /// The rank.
@@ -398,7 +406,11 @@ impl Stop {
             | Self::Energy { element, .. }
             | Self::Kinetic { element, .. }
             | Self::Returned { element, .. } => element,
-            Self::Detection(_) | Self::Grains(_) | Self::Released(_) | Self::OnRank { .. } => u32::MAX,
+            Self::Detection(_)
+            | Self::Grains(_)
+            | Self::Released(_)
+            | Self::Device(_)
+            | Self::OnRank { .. } => u32::MAX,
         }
     }
 
@@ -407,7 +419,7 @@ impl Stop {
         match self {
             Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
             Self::Grains(error) => Self::OnRank { rank, reason: error.to_string() },
-            Self::Released(reason) => Self::OnRank { rank, reason },
+            Self::Released(reason) | Self::Device(reason) => Self::OnRank { rank, reason },
             stop => stop,
         }
     }
@@ -431,7 +443,7 @@ impl Wire for Stop {
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::Grains(error) => (5_u8, (0_u64, error.to_string())).put(out),
-            Self::Released(reason) => (5_u8, (0_u64, reason.clone())).put(out),
+            Self::Released(reason) | Self::Device(reason) => (5_u8, (0_u64, reason.clone())).put(out),
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
         }
     }
@@ -488,6 +500,7 @@ impl fmt::Display for Stop {
             Self::Detection(error) => write!(out, "contact detection: {error}"),
             Self::Grains(error) => write!(out, "grains: {error}"),
             Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
+            Self::Device(reason) => write!(out, "the device has failed: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
     }

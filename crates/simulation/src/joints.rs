@@ -16,11 +16,13 @@ mod check;
 mod cut;
 mod failing;
 mod fan;
+mod flat;
 mod insertion;
 mod joint;
 mod pass;
 mod plane;
 pub(crate) mod saved;
+pub(crate) mod single;
 mod slack;
 mod start;
 mod strength;
@@ -474,19 +476,26 @@ impl<const D: usize> Joints<D> {
             });
         let (mut breaks, mut work) = (Vec::new(), Sum::default());
         for (first, found) in found {
-            let of = |(place, modes)| Break { joint: (first + place) as u32, time, modes };
-            breaks.extend(found.broken.into_iter().map(of));
+            breaks.extend(found.broken.into_iter().map(|(place, modes)| (first + place, modes)));
             work.add_pile(found.work);
         }
-        let broken = breaks.iter().map(|broken: &Break| broken.joint).collect();
+        let broken = self.note_breaks(breaks, time);
+        let elastic = energies.then(|| self.elastic(solid, team));
+        Pulling { broken, work, elastic }
+    }
+
+    /// Notes the joints that broke at a time, s, with the modes of their damage. Returns their numbers.
+    fn note_breaks(&mut self, found: Vec<(usize, [f64; 2])>, time: f64) -> Vec<u32> {
+        let of = |(joint, modes): (usize, [f64; 2])| Break { joint: joint as u32, time, modes };
+        let breaks: Vec<Break> = found.into_iter().map(of).collect();
+        let broken = breaks.iter().map(|broken| broken.joint).collect();
         if !breaks.is_empty() {
             let facet = |broken: &Break| self.all[broken.joint as usize].facet;
             self.faces.broken.extend(breaks.iter().map(facet));
             self.breaks.extend(breaks);
             self.breaks.sort_unstable_by_key(|broken| broken.joint);
         }
-        let elastic = energies.then(|| self.elastic(solid, team));
-        Pulling { broken, work, elastic }
+        broken
     }
 
     /// Adds the force of the joints on a corner of an element.

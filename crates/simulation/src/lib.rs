@@ -56,8 +56,9 @@
 //!
 //! The phases of a step are functions of the trait `Machine` (`src/machine.rs`), which has the columns: nodes
 //! and elements (`Solid`), `Joints`, and couples (`Contacts`). All other files reach the columns of a run
-//! through the machine alone. The threads of the processor are one machine (`src/machine/threads.rs`). To add
-//! one, add a file beside it and a place in `src/machine/list.rs`.
+//! through the machine alone. The threads of the processor are one machine (`src/machine/threads.rs`). A
+//! device with a memory of its own is another (`src/machine/on_device.rs`), by the trait `Accelerator`
+//! (`src/accelerator.rs`), which fdem-gpu implements.
 //!
 //! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). Its knowledge of
 //! the rest is in three places: `Share` has the elements that it owns and counts, `Topology` the numbers of
@@ -86,7 +87,7 @@
 //! | the time step of a simulation | `src/simulation.rs`; insertion and splitting: `src/simulation/breaking.rs`; the beginning of a run: `src/simulation/run.rs` |
 //! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; the interface for elements: `src/laws/element_law.rs` |
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
-//! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine` |
+//! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine`; devices: `src/accelerator.rs`, `flat.rs` in `src/solid` and `src/joints`, `src/simulation/placed.rs` |
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive/law.rs`, `memory.rs` and `curve.rs` beside it; of many joints: `src/joints/batch.rs`, `src/joints/pass.rs`; insertion: `src/joints/insertion.rs`, `demand.rs`, `uses.rs`, `fan.rs`, `cut.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
@@ -178,6 +179,7 @@ mod vector;
 mod rotation;
 mod lanes;
 mod simplex;
+mod accelerator;
 mod topology;
 mod laws;
 mod solid;
@@ -205,6 +207,10 @@ mod simulation;
 mod ranks;
 mod error;
 
+pub use accelerator::{
+    Accelerator, DeviceSum, Drive, EndMemory, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns,
+    JointKind, JointMemories, NO_NUMBER, NodeMotion, NodeSums, Pulled, SUM_PARTS, SolidColumns, SolidState,
+};
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;
 pub use critical::{Cause, CriticalStep};
@@ -214,6 +220,8 @@ pub use fdem_contact::Simd;
 pub use fdem_grains as grains;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
+#[doc(hidden)]
+pub use joints::single::{JointEnd, soften_ends};
 pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{

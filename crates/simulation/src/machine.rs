@@ -7,10 +7,10 @@
 //!
 //! The threads of the processor are one machine: `machine/threads.rs`. A machine with a memory of its own
 //! keeps its columns there; it returns them when [`Machine::columns`] asks for them, and takes changed ones
-//! over before the next phase. To add a machine: a file beside `machine/threads.rs`, and a place in the list
-//! of machines, `machine/list.rs`.
+//! over before the next phase: `machine/on_device.rs`.
 
 pub(crate) mod list;
+pub(crate) mod on_device;
 mod threads;
 
 use std::fmt;
@@ -21,6 +21,7 @@ use crate::joints::{Joints, Pulling};
 use crate::model::Model;
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, Selected};
+use crate::share::Share;
 use crate::solid::{Node, Solid};
 use crate::sum::Sum;
 use crate::topology::Topology;
@@ -72,6 +73,12 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// Calls `each` with the present positions and velocities of some nodes, in this order.
     fn read_nodes(&self, nodes: &[u32], each: &mut dyn FnMut(Node<D>));
 
+    /// Calls `each` with the present positions and velocities of the nodes of some corners, in this order.
+    fn read_corners(&self, corners: &[u32], each: &mut dyn FnMut(Node<D>));
+
+    /// The share of this rank.
+    fn share(&self) -> &Share;
+
     /// Sets the positions and velocities of some nodes, in this order, to those that `next` returns.
     fn write_nodes(&mut self, nodes: &[u32], next: &mut dyn FnMut() -> Node<D>);
 
@@ -86,4 +93,10 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
 
     /// The columns after the last phase, to be changed before the next one.
     fn columns_mut(&mut self) -> &mut Columns<D, N>;
+
+    /// Ends a number of steps. Returns the reason if the machine has failed, and the columns are not those of
+    /// the last step.
+    fn settle(&mut self) -> Result<(), Stop> {
+        Ok(())
+    }
 }

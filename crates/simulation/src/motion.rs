@@ -120,7 +120,7 @@ impl<S, const D: usize> MotionSums<S, D> {
     }
 
     /// Notes an element with a point that is too fast.
-    fn note_runaway(&mut self, found: (u32, f64)) {
+    pub(crate) fn note_runaway(&mut self, found: (u32, f64)) {
         if self.runaway.is_none_or(|(element, _)| found.0 < element) {
             self.runaway = Some(found);
         }

@@ -7,6 +7,7 @@ pub(crate) mod advance;
 mod audit;
 mod breaking;
 pub(crate) mod changed;
+mod placed;
 pub(crate) mod program;
 mod relaxation;
 mod release;

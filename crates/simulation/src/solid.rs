@@ -3,6 +3,7 @@
 pub(crate) mod batch;
 mod by_law;
 mod columns;
+mod flat;
 pub(crate) mod single;
 mod viscous;
 pub(crate) mod watch;
@@ -514,7 +515,8 @@ where
     }
 
     /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns
-    /// the first inverted element, with its ratio of deformed to undeformed area or volume.
+    /// the first inverted element, with its ratio of deformed to undeformed area or volume. Twin:
+    /// `solid_deform` in `crates/gpu/kernels/step.h`.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Option<(u32, f64)> {
         match (self.is_prestressed(), !self.heights.is_empty()) {
             (false, false) => self.deform_with::<false, false>(step, team),

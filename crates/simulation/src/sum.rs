@@ -191,6 +191,12 @@ impl Grains {
         Self { large: grain(44), small: grain(88) }
     }
 
+    /// The numbers that are added to a number and taken away again, to round it to the large grain, and the
+    /// rest to the small one.
+    pub(crate) fn shifts(self) -> [f64; 2] {
+        [self.large, self.small]
+    }
+
     /// The two parts of a number.
     #[inline(always)]
     pub(crate) fn parts(self, number: f64) -> [f64; 2] {

@@ -492,6 +492,16 @@ impl<const N: usize> Nodes<N> {
         &self.corners[first as usize..end as usize]
     }
 
+    /// The corners of all nodes, those of a node together.
+    pub(crate) fn list(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Where the corners of a node begin and end in that list.
+    pub(crate) fn range(&self, node: usize) -> [u32; 2] {
+        self.ranges[node]
+    }
+
     /// Returns the node of a corner.
     #[inline]
     pub(crate) fn node_at(&self, corner: u32) -> u32 {

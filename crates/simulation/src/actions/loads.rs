@@ -5,7 +5,6 @@ use crate::error::ModelError;
 use crate::model::{Load, Model, Schedule, Target};
 use crate::outer_side::{OuterSide, outer_side};
 use crate::simplex::Simplex;
-use crate::solid::Solid;
 use crate::topology::Topology;
 use crate::vector::Point;
 
@@ -63,7 +62,13 @@ where
     }
 
     /// Adds the forces at a time, s, to a list.
-    fn collect(&self, solid: &Solid<D, N>, schedules: &[Schedule], time: f64, applied: &mut Vec<Applied<D>>) {
+    fn collect(
+        &self,
+        scene: &Scene<'_, D, N>,
+        schedules: &[Schedule],
+        time: f64,
+        applied: &mut Vec<Applied<D>>,
+    ) {
         for (boundary, force, corners) in &self.forces {
             let factor = schedules[*boundary as usize].factor(time);
             let force = force.map(|f| f * factor);
@@ -72,20 +77,28 @@ where
         }
         for (boundary, load, sides) in &self.sides {
             let factor = schedules[*boundary as usize].factor(time);
-            for side in sides {
-                // Each vertex takes an equal part.
-                let part = solid.thickness / D as f64;
-                let force = match *load {
-                    Load::Traction(traction) => traction.map(|t| t * factor * part * side.measure),
-                    Load::Pressure(pressure) => {
-                        let now = side.corners.map(|corner| solid.position_at(corner));
-                        <[[f64; D]; N]>::facet_normal(&now).map(|n| -(pressure * factor * part * n))
+            // Each vertex takes an equal part.
+            let part = scene.model.thickness / D as f64;
+            let mut push = |side: &OuterSide<D>, force: Point<D>| {
+                let on = |corner: u32| Applied { corner, boundary: *boundary, force, viscous: [0.0; D] };
+                applied.extend(side.corners.map(on));
+            };
+            match *load {
+                Load::Traction(traction) => {
+                    for side in sides {
+                        push(side, traction.map(|t| t * factor * part * side.measure));
                     }
-                    _ => [0.0; D],
-                };
-                for corner in side.corners {
-                    applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; D] });
                 }
+                Load::Pressure(pressure) => {
+                    let corners: Vec<u32> = sides.iter().flat_map(|side| side.corners).collect();
+                    let mut places = Vec::with_capacity(corners.len());
+                    scene.machine.read_corners(&corners, &mut |node| places.push(node.position));
+                    for (side, now) in sides.iter().zip(places.as_chunks::<D>().0) {
+                        let normal = <[[f64; D]; N]>::facet_normal(now);
+                        push(side, normal.map(|n| -(pressure * factor * part * n)));
+                    }
+                }
+                _ => {}
             }
         }
     }
@@ -99,13 +112,13 @@ where
         if self.forces.is_empty() && self.sides.is_empty() {
             return;
         }
-        let (schedules, time, solid) = (acting.schedules, acting.scene.time, acting.solid());
-        acting.apply(|applied| self.collect(solid, schedules, time, applied));
+        let (schedules, scene) = (acting.schedules, acting.scene);
+        acting.apply(|applied| self.collect(&scene, schedules, scene.time, applied));
     }
 
     fn initial_forces(&self, scene: &Scene<'_, D, N>, schedules: &[Schedule]) -> Vec<Point<D>> {
         let mut applied = Vec::new();
-        self.collect(scene.solid(), schedules, 0.0, &mut applied);
+        self.collect(scene, schedules, 0.0, &mut applied);
         let forces = applied.into_iter().map(|Applied { corner, force, .. }| (corner, force));
         on_corners(N * scene.solid().element_count(), forces)
     }

@@ -1,13 +1,14 @@
 //! Prescribed motions of nodes, by velocities or displacements of boundaries. They are no forces: the motion
 //! of the nodes finds the reactions.
 
+use crate::accelerator::{Drive, HeldNode, HoldKind};
 use crate::error::ModelError;
 use crate::model::{Boundary, Load, Model, Schedule};
 use crate::rotation::{UNTURNED, lifted, matrix_of, turned};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::NONE;
-use crate::vector::{Point, applied, cross3, dot, length, minus};
+use crate::vector::{Matrix, Point, applied, cross3, dot, length, minus};
 
 /// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +29,7 @@ enum PrescribedMotion {
 
 impl Hold {
     /// Velocity along an axis in the step that begins at `time`, m/s, of a node at a place that has moved by
-    /// `displacement` along the axis so far, m.
+    /// `displacement` along the axis so far, m. Twin: `held_velocity` in `crates/gpu/kernels/step.h`.
     pub(crate) fn velocity(
         &self,
         axis: usize,
@@ -44,8 +45,7 @@ impl Hold {
                 (goal * schedule.factor(time + step) - displacement) / step
             }
             PrescribedMotion::Rotation { spin, through } => {
-                let angle = step * schedule.factor(time + 0.5 * step);
-                let turn = matrix_of(turned(UNTURNED, spin.map(|x| angle * x)));
+                let turn = turn_by(spin, step * schedule.factor(time + 0.5 * step));
                 let arm = minus(place, through);
                 (applied(&turn, arm)[axis] - arm[axis]) / step
             }
@@ -170,6 +170,36 @@ impl Schedule {
     }
 }
 
+/// The motion of each boundary in the step that begins at `time`, for devices.
+pub(crate) fn drives<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    schedules: &[Schedule],
+    [time, step]: [f64; 2],
+) -> Vec<Drive> {
+    let of = |(boundary, schedule): (&Boundary<D>, &Schedule)| {
+        let factors = [schedule.factor(time + 0.5 * step), schedule.factor(time + step)];
+        let (turn, through) = match rotation_of(boundary.load) {
+            Some((spin, through)) => (turn_by(spin, step * factors[0]), through),
+            None => ([[0.0; 3]; 3], [0.0; 3]),
+        };
+        Drive { factors, turn, through }
+    };
+    model.boundaries.iter().zip(schedules).map(of).collect()
+}
+
+/// Angular velocity of a rotation, rad/s, and a point of its axis, m.
+fn rotation_of<const D: usize>(load: Load<D>) -> Option<(Point<3>, Point<3>)> {
+    let Load::Rotation { spin, through } = load else { return None };
+    // In the plane only the third component counts.
+    let first = 3 - D * (D - 1) / 2;
+    Some((std::array::from_fn(|axis| if axis < first { 0.0 } else { spin[axis] }), lifted(through)))
+}
+
+/// The rotation by an angle times a vector.
+fn turn_by(spin: Point<3>, angle: f64) -> Matrix<3> {
+    matrix_of(turned(UNTURNED, spin.map(|x| angle * x)))
+}
+
 /// All prescribed motions of a model.
 #[derive(Debug, Default)]
 pub(crate) struct Prescribed<const D: usize> {
@@ -178,6 +208,40 @@ pub(crate) struct Prescribed<const D: usize> {
 }
 
 impl<const D: usize> Prescribed<D> {
+    /// The motions for devices, by their numbers. `solid`: the nodes, at any time.
+    pub(crate) fn on_device<const N: usize>(
+        &self,
+        model: &Model<D, N>,
+        solid: &Solid<D, N>,
+    ) -> Vec<HeldNode<D>> {
+        let free = HeldNode {
+            node: NONE,
+            kinds: [HoldKind::Free; D],
+            boundaries: [NONE; D],
+            values: [0.0; D],
+            start: [0.0; D],
+        };
+        let mut all = vec![free; self.holds.len()];
+        for (held, holds) in all.iter_mut().zip(&self.holds) {
+            for (axis, hold) in holds.iter().enumerate() {
+                let Some(Hold { boundary, motion }) = *hold else { continue };
+                held.boundaries[axis] = boundary;
+                (held.kinds[axis], held.values[axis]) = match motion {
+                    PrescribedMotion::Velocity(velocity) => (HoldKind::Velocity, velocity),
+                    PrescribedMotion::Displacement(goal) => (HoldKind::Displacement, goal),
+                    PrescribedMotion::Rotation { .. } => (HoldKind::Rotation, 0.0),
+                };
+            }
+        }
+        // All nodes of a vertex have its hold.
+        for node in 0..solid.node_count() {
+            if let Some(held) = all.get_mut(solid.hold(node) as usize) {
+                held.start = minus(model.mesh.nodes[solid.vertex(node) as usize], solid.origin);
+            }
+        }
+        all
+    }
+
     /// Marks the nodes of a boundary that prescribes their motion. Returns `false` for another boundary.
     pub(crate) fn prescribe<const N: usize>(
         &mut self,
@@ -192,13 +256,10 @@ impl<const D: usize> Prescribed<D> {
         let motion = match of_model.load {
             Load::Velocity(velocity) => velocity.map(|v| v.map(PrescribedMotion::Velocity)),
             Load::Displacement(goal) => goal.map(|u| u.map(PrescribedMotion::Displacement)),
-            Load::Rotation { spin, through } => {
-                // In the plane only the third component counts.
-                let first = 3 - D * (D - 1) / 2;
-                let spin = std::array::from_fn(|axis| if axis < first { 0.0 } else { spin[axis] });
-                [Some(PrescribedMotion::Rotation { spin, through: lifted(through) }); D]
-            }
-            _ => return Ok(false),
+            load => match rotation_of(load) {
+                Some((spin, through)) => [Some(PrescribedMotion::Rotation { spin, through }); D],
+                None => return Ok(false),
+            },
         };
         self.hold(model, solid, boundary, &of_model.target.nodes(), motion)?;
         Ok(true)

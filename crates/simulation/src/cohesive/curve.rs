@@ -8,7 +8,7 @@ const B: f64 = 1.8;
 pub(crate) const AREA: f64 = 0.386_307_294_743_943;
 
 /// Share of the strength that is left at damage `d`: 1 at 0, 0 at 1. There is no branch, so that many joints
-/// can be computed side by side.
+/// can be computed side by side. Twin: `crates/gpu/kernels/joints.h`.
 #[inline(always)]
 pub(crate) fn softening(d: f64) -> f64 {
     let rest = 1.0 - d;

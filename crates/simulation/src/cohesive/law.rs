@@ -1,4 +1,5 @@
-//! Strengths, energies and critical lengths of a joint, in every direction.
+//! Strengths, energies and critical lengths of a joint, in every direction. Twin of the functions without a
+//! branch: `crates/gpu/kernels/joints.h`.
 
 use fdem_distributed::wire;
 

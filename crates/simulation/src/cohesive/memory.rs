@@ -1,4 +1,4 @@
-//! The history of one end of a joint, and its traction.
+//! The history of one end of a joint, and its traction. Twin of common laws: `crates/gpu/kernels/joints.h`.
 
 use fdem_distributed::wire;
 

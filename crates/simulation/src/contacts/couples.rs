@@ -144,10 +144,20 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         self.looked = f64::NEG_INFINITY;
     }
 
+    /// Whether parts may have moved so far that the search must look at them.
+    pub(super) fn is_due(&self) -> bool {
+        // Both parts of a couple may have travelled this far.
+        2.0 * (self.travel - self.looked) > self.slack
+    }
+
+    /// Whether any couple touches, or is not known to be apart.
+    pub(super) fn any_near(&self) -> bool {
+        self.all.iter().any(|couple| couple.touches || couple.apart_until <= self.travel)
+    }
+
     /// Updates the couples as far as motion requires.
     pub(crate) fn detect<S: PairPass<D, Pair = P>>(&mut self, pass: &S, team: &Team) -> Result<(), Stop> {
-        // Both parts of a couple may have travelled this far.
-        if 2.0 * (self.travel - self.looked) > self.slack {
+        if self.is_due() {
             self.look(pass, team)?;
             self.looked = self.travel;
         }

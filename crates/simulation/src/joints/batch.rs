@@ -309,7 +309,8 @@ fn rests_one<const D: usize, L: LawLanes<D>>(
     rests || (at.open.get(lane) == 0.0) || (batch.taken.get(lane) == 0.0)
 }
 
-/// Computes an end of a joint of a batch. `rests`: see [`LawLanes::traction`].
+/// Computes an end of a joint of a batch. `rests`: see [`LawLanes::traction`]. Twin: `pull_joint` in
+/// `crates/gpu/kernels/joints.h`.
 #[inline(always)]
 fn pull_one<const D: usize, L: LawLanes<D>>(
     lane: usize,

@@ -91,7 +91,7 @@ where
     }
 
     /// Computes a joint by itself.
-    fn pull_one(&mut self, place: usize, result: &mut PassResult) {
+    pub(super) fn pull_one(&mut self, place: usize, result: &mut PassResult) {
         let joint = &mut self.joints[place];
         if joint.state == JointState::Removed {
             joint.fading = 0.0;

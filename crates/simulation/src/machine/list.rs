@@ -1,4 +1,4 @@
-//! The machines that a run can have. There is one: threads.
+//! The machine that a new run has: threads.
 
 use crate::machine::threads::Threads;
 use crate::machine::{Columns, Machine};

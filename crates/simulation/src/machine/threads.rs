@@ -7,6 +7,7 @@ use crate::machine::{Columns, Machine};
 use crate::model::Model;
 use crate::motion::nodes::{self, Motion};
 use crate::motion::{MotionSums, Selected, rigid};
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::Node;
 use crate::sum::Sum;
@@ -89,6 +90,17 @@ where
         for &node in nodes {
             each(self.columns.solid.node(node as usize));
         }
+    }
+
+    fn read_corners(&self, corners: &[u32], each: &mut dyn FnMut(Node<D>)) {
+        let solid = &self.columns.solid;
+        for &corner in corners {
+            each(solid.node(solid.node_at(corner) as usize));
+        }
+    }
+
+    fn share(&self) -> &Share {
+        self.columns.solid.share()
     }
 
     fn write_nodes(&mut self, nodes: &[u32], next: &mut dyn FnMut() -> Node<D>) {

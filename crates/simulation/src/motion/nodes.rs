@@ -135,8 +135,8 @@ fn advance_where<const D: usize, const N: usize>(
     all.add_chunks(found);
 }
 
-/// Force on a node, without its weight, N: the sum over its corners in their order, for each that of its
-/// element with its contacts, and its joints.
+/// Force on a node, without its weight, N: the sum over its corners in their order, for each the force of its
+/// element with its contacts, and of its joints. Twin: `move_node` in `crates/gpu/kernels/step.h`.
 #[inline]
 pub(crate) fn force_on<const D: usize, const N: usize>(
     node: usize,
@@ -158,7 +158,7 @@ where
 }
 
 /// Moves a node under the force on it without its weight, and its weight, N. Returns the node at the end of
-/// the step, the reaction of its supports, and the square of its speed. Twin: `solid_move` in
+/// the step, the reaction of its supports, and the square of its speed. Twin: `move_node` in
 /// `crates/gpu/kernels/step.h`.
 #[inline]
 fn move_node<const D: usize, const N: usize>(

@@ -110,6 +110,6 @@ where
             let kinetic = self.kinetic_of_half_step();
             self.account(&kinetic, peers);
         }
-        done
+        done.and_then(|()| self.machine.settle())
     }
 }

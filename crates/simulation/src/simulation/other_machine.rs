@@ -15,6 +15,7 @@ use crate::machine::{Columns, Machine};
 use crate::model::{Boundary, Load, Material, Model, Schedule, Target};
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, Selected};
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::simulation::advance::Concrete;
 use crate::simulation::run::Simulation;
@@ -96,6 +97,14 @@ impl<const D: usize, const N: usize> Machine<D, N> for Device<D, N> {
 
     fn read_nodes(&self, nodes: &[u32], each: &mut dyn FnMut(Node<D>)) {
         self.own.read_nodes(nodes, each);
+    }
+
+    fn read_corners(&self, corners: &[u32], each: &mut dyn FnMut(Node<D>)) {
+        self.own.read_corners(corners, each);
+    }
+
+    fn share(&self) -> &Share {
+        self.own.share()
     }
 
     fn write_nodes(&mut self, nodes: &[u32], next: &mut dyn FnMut() -> Node<D>) {
@@ -268,7 +277,7 @@ where
         }
     }
     assert_eq!(*phases.lock().expect("phases"), STEP.repeat(done));
-    assert!(*copies.lock().expect("copies") > done, "the host reads columns in each step");
+    assert!(*copies.lock().expect("copies") > 5, "the host reads columns where bodies break");
     let counts = run.counts();
     assert!(counts.broken > 5 && most_contacts > 0, "it should have broken and touched: {counts:?}");
 }

@@ -39,7 +39,7 @@ pub(crate) struct Relaxation {
 
 impl Totals {
     /// Adds works of loads, and of the dashpots of absorbing facets.
-    pub(super) fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
+    pub(super) fn add_works(&mut self, works: impl IntoIterator<Item = [f64; 2]>) {
         for [work, absorbed] in works {
             self.external.add(work);
             self.loads.add(work);

@@ -1,0 +1,47 @@
+//! Where a run is computed: on the threads of the processor, or on a device.
+
+use crate::accelerator::Accelerator;
+use crate::error::ModelError;
+use crate::machine::list::Machines;
+use crate::machine::on_device::OnDevice;
+use crate::simulation::run::Simulation;
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Machines<D, N>,
+{
+    /// Puts the run on a device, which computes the elements, the supports and the motion of the nodes from
+    /// the next step on; the processor computes all else. Results are the same to the last bit. A step
+    /// copies all columns where couples of elements are near each other, or joints begin to soften or break.
+    ///
+    /// # Errors
+    /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for runs that no device
+    /// computes: parts of a run on many ranks, materials with bedding, rigid bodies, and joints that are
+    /// inserted. The run stays where it is then.
+    pub fn put_on(&mut self, device: Box<dyn Accelerator<D, N>>) -> Result<(), ModelError> {
+        let refused = |why: &str| Err(ModelError::OnDevice { why: why.to_owned() });
+        let columns = self.machine.columns();
+        if self.part.is_some() {
+            return refused("a device computes whole runs only, and no part of one");
+        }
+        if let Some(part) = columns.solid.not_on_device() {
+            return refused(&format!("a device does not compute {part}"));
+        }
+        if columns.joints.inserts() {
+            return refused("a device does not insert joints where bodies break");
+        }
+        let holds = self.actions.prescribed.on_device(&self.model, &columns.solid);
+        let machine = OnDevice::new(device, columns.clone(), holds, self.team.clone());
+        match machine {
+            Ok(machine) => self.machine = Box::new(machine),
+            Err(error) => return refused(&error.to_string()),
+        }
+        Ok(())
+    }
+
+    /// Takes the run back from a device to the threads of the processor.
+    pub fn take_back(&mut self) {
+        let columns = self.machine.columns().clone();
+        self.machine = <[[f64; D]; N]>::machine(columns, &self.team);
+    }
+}
