@@ -1,4 +1,4 @@
-//! Where a search runs: on the processor or on a graphics processor.
+//! Where a search or a run is computed: on the processor or on a graphics processor.
 
 use fdem_contact::Simd;
 use fdem_results::detection::DeviceSearch;
@@ -12,6 +12,11 @@ use crate::command::output::print;
 pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<Box<dyn DeviceSearch>>, Failure> {
     let DeviceName::Gpu(number) = arguments.device else { return Ok(None) };
     opened(number).map(Some).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
+}
+
+/// Refuses a device that is not there.
+pub(crate) fn check(number: usize) -> Result<(), Failure> {
+    opened(number).map(drop).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
 }
 
 /// Refuses options that do not go with a device, and a device that is not there.
@@ -50,11 +55,18 @@ pub(crate) fn list() -> Result<(), Failure> {
 #[cfg(not(feature = "gpu"))]
 mod without {
     use fdem_results::detection::DeviceSearch;
+    use fdem_simulation::Accelerator;
 
     const WITHOUT: &str =
         "this fdem is built without graphics processors (cargo install --path crates/fdem --features gpu)";
 
     pub(super) fn opened(_: usize) -> Result<Box<dyn DeviceSearch>, String> {
+        Err(WITHOUT.to_owned())
+    }
+
+    pub(crate) fn accelerator<const D: usize, const N: usize>(
+        _: usize,
+    ) -> Result<Box<dyn Accelerator<D, N>>, String> {
         Err(WITHOUT.to_owned())
     }
 
@@ -64,6 +76,8 @@ mod without {
 }
 
 #[cfg(not(feature = "gpu"))]
+pub(crate) use without::accelerator;
+#[cfg(not(feature = "gpu"))]
 use without::{graphics_processors, opened};
 
 #[cfg(feature = "gpu")]
@@ -71,8 +85,9 @@ mod with {
     use std::sync::Arc;
 
     use fdem_contact::{Couple, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search};
-    use fdem_gpu::{Cuda, DeviceRows, devices};
+    use fdem_gpu::{Cuda, DeviceRows, DeviceSolid, devices};
     use fdem_results::detection::DeviceSearch;
+    use fdem_simulation::Accelerator;
 
     #[derive(Debug)]
     struct Opened(Arc<Cuda>);
@@ -130,6 +145,14 @@ mod with {
         }
     }
 
+    /// A device for the phases of a run.
+    pub(crate) fn accelerator<const D: usize, const N: usize>(
+        number: usize,
+    ) -> Result<Box<dyn Accelerator<D, N>>, String> {
+        let device = fdem_gpu::opened(number).map_err(|error| error.to_string())?;
+        Ok(Box::new(DeviceSolid::new(device)))
+    }
+
     pub(super) fn graphics_processors() -> Result<Vec<String>, String> {
         let found = devices().map_err(|error| error.to_string())?;
         let line = |device: &fdem_gpu::DeviceInfo| {
@@ -144,5 +167,7 @@ mod with {
     }
 }
 
+#[cfg(feature = "gpu")]
+pub(crate) use with::accelerator;
 #[cfg(feature = "gpu")]
 use with::{graphics_processors, opened};

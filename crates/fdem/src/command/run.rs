@@ -113,7 +113,7 @@ where
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
     let start = Start::new(prepared, arguments.from.as_deref());
     let mut start = start.map_err(|error| error.of(&display_name(path)))?;
-    lead.check(&start.prepared.model).map_err(unusable)?;
+    lead.check(&start).map_err(unusable)?;
     // The estimates use a separate simulation, which is dropped before the simulation of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&start.prepared)?;
@@ -201,8 +201,8 @@ where
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot continue: {why}"));
     let start = Start::again(prepared, begun, entered).map_err(unusable)?;
+    lead.check(&start).map_err(unusable)?;
     let prepared = &start.prepared;
-    lead.check(&prepared.model).map_err(unusable)?;
     let (simulation, _) = progress.step("preparing the run", None, |_| start.resumed(state, lead.threads));
     let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
     let (_, steps) = steps(prepared, simulation.critical_step().step).map_err(unusable)?;

@@ -1,4 +1,4 @@
-//! Graphics processors: the list of them, and searches that are refused.
+//! Graphics processors: the list of them, searches and runs on them, and those that are refused.
 
 use std::fmt::Write;
 
@@ -69,4 +69,47 @@ fn options_that_do_not_go_with_a_device_are_refused() {
     refused(&["--device", "gpu", "--explain"], "--device gpu does not go with --explain");
     refused(&["--device", "gpu", "--engine", "nbs"], "--device gpu has the engine rows only");
     refused(&["--device", "gpu", "packing.csv"], "--device gpu does not go with more than one file");
+}
+
+/// An elastic bar that is hit at one end.
+const BAR: &str = r#"
+[model]
+end_time = 1e-4
+
+[[body]]
+name = "bar"
+material = "steel"
+rectangle = { min = [0, 0], max = [0.2, 0.02] }
+mesh_size = 0.01
+
+[[material]]
+name = "steel"
+density = 7800
+youngs_modulus = 200e9
+poissons_ratio = 0.3
+
+[[boundary]]
+name = "blow"
+body = "bar"
+side = "left"
+traction = [1e6, 0]
+"#;
+
+#[test]
+fn a_run_on_a_device_has_the_results_of_the_processor_or_says_why_not() {
+    let bench = Bench::new();
+    bench.write("bar.toml", BAR);
+    let with = |device: &str, output: &str| {
+        bench.run(&["run", "bar.toml", "--device", device, "--output", output, "--quiet"])
+    };
+    with("cpu", "on_cpu").succeeds();
+    if has_device(&bench) {
+        with("gpu", "on_gpu").succeeds();
+        assert_eq!(bench.read("on_cpu/history.csv"), bench.read("on_gpu/history.csv"));
+    } else {
+        with("gpu", "on_gpu").refused_with(&["--device gpu: "]);
+        bench.run(&["resume", "on_cpu", "--device", "gpu"]).refused_with(&["--device gpu: "]);
+    }
+    with("gpu:1000", "other").refused_with(&["--device gpu: "]);
+    assert!(!bench.path("other").exists());
 }

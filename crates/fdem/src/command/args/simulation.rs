@@ -8,6 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fdem_results::Field;
 
 use crate::command::args::drawings::drawing;
+use crate::command::device_name::DeviceName;
 use crate::command::templates::TEMPLATES;
 use crate::command::threads;
 use fdem_model::{Setting, library};
@@ -148,6 +149,12 @@ pub(crate) struct RunOptions {
     /// Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: usize,
+
+    /// Where elements, joints and nodes are computed: `cpu`, `gpu`, or `gpu:N` with a number of `fdem devices`.
+    /// Results are the same to the last bit. A graphics processor does not insert joints, and has no rigid
+    /// bodies; contacts and loads stay on the processor.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub(crate) device: DeviceName,
 
     /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first
     /// field of the model.

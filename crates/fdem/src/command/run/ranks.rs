@@ -1,12 +1,16 @@
-//! The ranks of a run: one leads, and the others follow.
+//! Where a run is computed: in this process, on a graphics processor, or on ranks, of which one leads and the
+//! others follow.
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::grouped;
 use fdem_results::{Plot, RankLoad, rank_loads};
-use fdem_simulation::{Leader, Model, ModelError, Simulation, Traffic, dismiss, follow};
+use fdem_simulation::{Leader, ModelError, Simulation, Traffic, dismiss, follow};
 
 use crate::command::args::RunOptions;
+use crate::command::device;
+use crate::command::device_name::DeviceName;
 use crate::command::failure::Failure;
+use crate::command::run::course::Start;
 use crate::command::run::engine::Engine;
 use crate::command::run::results::Results;
 use crate::command::run::watch::Watch;
@@ -15,6 +19,7 @@ use crate::command::run::watch::Watch;
 pub(super) struct RunRanks<'c> {
     ranks: Option<&'c dyn Communicator>,
     pub(super) threads: usize,
+    device: DeviceName,
     /// Whether the others follow a run, and need no message that there is none.
     followed: bool,
 }
@@ -35,12 +40,25 @@ impl<'c> RunRanks<'c> {
             follow(ranks, threads).map_err(|error| Failure::Unusable(error.to_string()))?;
             return Ok(None);
         }
-        Ok(Some(Self { ranks, threads, followed: false }))
+        let this = Self { ranks, threads, device: options.device, followed: false };
+        if let DeviceName::Gpu(number) = this.device {
+            if ranks.is_some() {
+                return Err(Failure::Unusable("--device gpu does not go with ranks".to_owned()));
+            }
+            device::check(number)?;
+        }
+        Ok(Some(this))
     }
 
-    /// Refuses more ranks than a model has elements, and several ranks for spheres alone.
-    pub(super) fn check<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> Result<(), String> {
-        let elements = model.mesh.elements.len();
+    /// Refuses more ranks than a model has elements, several ranks for spheres alone, and stages on a device.
+    pub(super) fn check<const D: usize, const N: usize>(&self, start: &Start<D, N>) -> Result<(), String>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        if self.device != DeviceName::Cpu && start.stages.is_some() {
+            return Err("--device gpu does not go with [[stage]]".to_owned());
+        }
+        let elements = start.prepared.model.mesh.elements.len();
         match self.ranks.map(Communicator::size) {
             Some(ranks) if ranks > 1 && elements == 0 => Err(ModelError::GrainsOnRanks.to_string()),
             _ if elements == 0 => Ok(()),
@@ -49,15 +67,20 @@ impl<'c> RunRanks<'c> {
         }
     }
 
-    /// Distributes a simulation among the ranks.
+    /// Distributes a simulation among the ranks, or puts it on its device.
     pub(super) fn distribute<const D: usize, const N: usize>(
         mut self,
-        run: Simulation<D, N>,
+        mut run: Simulation<D, N>,
     ) -> Result<Box<dyn Engine<D, N> + 'c>, String>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         self.followed = true;
+        if let DeviceName::Gpu(number) = self.device {
+            let wrong = |why: &str| format!("--device gpu: {why}");
+            let device = device::accelerator(number).map_err(|why| wrong(&why))?;
+            run.put_on(device).map_err(|error| wrong(&error.to_string()))?;
+        }
         // Spheres alone have nothing to divide.
         let ranks = self.ranks.filter(|_| !run.model().mesh.elements.is_empty());
         let Some(ranks) = ranks else { return Ok(Box::new(run)) };
