@@ -267,9 +267,9 @@ INLINE void move_node(const SolidNodes &a, u64 node, u32 t, double (*sums)[THREA
         a.velocities[node * D + axis] = after[axis];
         a.positions[node * D + axis] = position[axis] + a.step * after[axis];
         const bool is_free = !held || !held->kinds[axis];
-        if (is_free && a.taken_after) add_parts(a, sums, t, TAKEN, force[axis] * after[axis]);
+        if (is_free && a.taken_after) add_parts(a, sums, t, TAKEN, a.step * force[axis] * after[axis]);
         if (is_free && a.taken_before) {
-            add_parts(a, sums, t, TAKEN, force[axis] * before[axis]);
+            add_parts(a, sums, t, TAKEN, a.step * force[axis] * before[axis]);
             add_parts(a, sums, t, TAKEN + 1, mass * before[axis] * before[axis]);
         }
     }

@@ -226,8 +226,6 @@ fn loaded<const D: usize, const N: usize>(damping: f64, turns: bool) -> Model<D,
     }
     if turns {
         model.time.dynamic_relaxation = true;
-        // Slow, because powers in W are added up with the grains of energies.
-        model.velocities.iter_mut().flatten().for_each(|velocity| *velocity *= 0.01);
     }
     model
 }
@@ -346,6 +344,10 @@ impl Device for Counted {
 
     fn address(&self, memory: &Self::Memory) -> u64 {
         self.0.address(memory)
+    }
+
+    fn bytes(&self, memory: &Self::Memory) -> usize {
+        self.0.bytes(memory)
     }
 
     fn write(&self, to: &mut Self::Memory, bytes: &[u8]) -> Result<(), GpuError> {

@@ -224,7 +224,8 @@ pub struct NodeMotion<'a, const D: usize> {
     pub grains: [f64; 2],
     /// Whether to compute the kinetic energy and the largest forces.
     pub energy: bool,
-    /// Whether to sum up the power of forces after the step, and before the step with the momentum.
+    /// Whether to sum up the works of forces in a step at the speeds after it, and those at the speeds before
+    /// it with the momentum.
     pub taken: [bool; 2],
     /// The motion of each boundary.
     pub drives: &'a [Drive],
@@ -234,7 +235,7 @@ pub struct NodeMotion<'a, const D: usize> {
 #[derive(Clone, Debug)]
 pub struct NodeSums<const D: usize> {
     /// J: kinetic energy; external work in both halves of the step; energy dissipated by damping in both.
-    /// Then for dynamic relaxation: power, W, and mass times the square of the velocity, J.
+    /// Then for dynamic relaxation: the work, J, and mass times the square of the velocity, J.
     pub sums: [DeviceSum; 7],
     /// Square of the speed of the fastest node, (m/s)². No number counts as nothing.
     pub fastest: f64,

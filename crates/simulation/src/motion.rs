@@ -128,22 +128,23 @@ impl<S, const D: usize> MotionSums<S, D> {
 }
 
 impl<const D: usize> MotionSums<Pile, D> {
-    /// Adds the terms of a free axis to the sums for the damping of dynamic relaxation. `velocities`: before
-    /// and after the step; `momentum`: before it.
+    /// Adds the terms of a free axis to the sums for the damping of dynamic relaxation, J: powers times the
+    /// step, because grains are those of works. `impulse`: of the force in a step; `velocities`: before and
+    /// after the step; `momentum`: before it.
     #[inline]
     fn take(
         &mut self,
         taken: RelaxationSums,
-        force: f64,
+        impulse: f64,
         [before, after]: [f64; 2],
         momentum: f64,
         grains: Grains,
     ) {
         match taken {
             RelaxationSums::Nothing => {}
-            RelaxationSums::After => self.taken[0].add(force * after, grains),
+            RelaxationSums::After => self.taken[0].add(impulse * after, grains),
             RelaxationSums::Before => {
-                self.taken[0].add(force * before, grains);
+                self.taken[0].add(impulse * before, grains);
                 self.taken[1].add(momentum * before, grains);
             }
         }

@@ -207,7 +207,7 @@ fn take<const D: usize, const N: usize>(
             continue;
         }
         let (velocities, momentum) = ([before[axis], after[axis]], constants.mass * before[axis]);
-        sum.take(motion.taken, force[axis], velocities, momentum, motion.grains);
+        sum.take(motion.taken, motion.step * force[axis], velocities, momentum, motion.grains);
     }
 }
 

@@ -122,7 +122,7 @@ where
         add_works(&mut sum.damping, damped, [before, after], step, motion.grains);
         for axis in (0..D).filter(|&axis| body.holds[axis].is_none()) {
             let (velocities, momentum) = ([before[axis], after[axis]], mass * before[axis]);
-            sum.take(motion.taken, force[axis], velocities, momentum, motion.grains);
+            sum.take(motion.taken, motion.step * force[axis], velocities, momentum, motion.grains);
         }
         length(after)
     }
@@ -236,6 +236,6 @@ fn turn_body<const D: usize, const N: usize>(
     add_works(&mut sum.damping, damped, [before, after], step, motion.grains);
     for axis in 0..3 {
         let spins = [before[axis], after[axis]];
-        sum.take(motion.taken, moment[axis], spins, momentum[axis], motion.grains);
+        sum.take(motion.taken, motion.step * moment[axis], spins, momentum[axis], motion.grains);
     }
 }

@@ -258,7 +258,7 @@ impl<const D: usize> CarriedState<D> {
         let Totals { first, exchanged, most_dissipated, relaxation, .. } = &self.totals;
         let mut bytes = bytes_of(&self.step);
         first.put(&mut bytes);
-        [*exchanged, *most_dissipated, relaxation.power, relaxation.damping].put(&mut bytes);
+        [*exchanged, *most_dissipated, relaxation.work, relaxation.damping].put(&mut bytes);
         self.energies.put(&mut bytes);
         self.imbalance.put(&mut bytes);
         self.reactions.put(&mut bytes);
@@ -272,8 +272,8 @@ impl<const D: usize> CarriedState<D> {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
         let first = Wire::take(bytes);
-        let [exchanged, most_dissipated, power, damping] = Wire::take(bytes);
-        let relaxation = Relaxation { power, damping };
+        let [exchanged, most_dissipated, work, damping] = Wire::take(bytes);
+        let relaxation = Relaxation { work, damping };
         let energies = Wire::take(bytes);
         let imbalance = f64::take(bytes);
         let (reactions, factors, records) = (Vec::take(bytes), Vec::take(bytes), Vec::take(bytes));

@@ -45,15 +45,15 @@ where
         if taken == RelaxationSums::Nothing {
             return;
         }
-        let [mut power, mut inertia] = moved.taken.clone();
-        peers.add_up(&mut [&mut power, &mut inertia]);
+        let [mut work, mut inertia] = moved.taken.clone();
+        peers.add_up(&mut [&mut work, &mut inertia]);
         let relaxation = &mut self.totals.relaxation;
         if taken == RelaxationSums::After {
-            relaxation.power = power.value();
+            relaxation.work = work.value();
             return;
         }
         let step = self.scales.time_step;
-        let square = (relaxation.power - power.value()) / (step * inertia.value());
+        let square = (relaxation.work - work.value()) / (step * step * inertia.value());
         // It is negative where forces accelerate the motion, and NaN at rest. A stable step follows no mode
         // that is faster than 2/h.
         relaxation.damping =

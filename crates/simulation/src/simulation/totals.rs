@@ -31,8 +31,8 @@ pub(crate) struct Totals {
 /// Dynamic relaxation between two steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Relaxation {
-    /// Power of the forces at the last look, W.
-    pub(crate) power: f64,
+    /// Work of the forces in a step at their speeds after it, at the last look, J.
+    pub(crate) work: f64,
     /// Force on a node over its mass and its velocity, 1/s.
     pub(crate) damping: f64,
 }
