@@ -107,8 +107,8 @@ impl Cuda {
     ///
     /// # Safety
     /// The memory at `address` has these bytes in the primary context of the device, is there until this is
-    /// dropped, and nobody writes to it while a kernel reads it. What was written to it is done: kernels run
-    /// in the default stream.
+    /// dropped, and nobody writes to it while a kernel reads it. All writes to it are done: kernels run in
+    /// the default stream.
     pub unsafe fn borrow(&self, address: u64, bytes: usize) -> CudaMemory {
         CudaMemory { pointer: address, bytes, context: self.context, is_borrowed: true }
     }

@@ -379,7 +379,8 @@ fn quiet_steps_copy_no_columns() {
     let before = device.1.load(Ordering::Relaxed);
     run.advance(60).unwrap();
     let copied = device.1.load(Ordering::Relaxed) - before;
-    // A step copies 10 kB, and all columns have 70 kB: for the energies of the last step, and once it is done.
+    // A step copies 10 kB, and all columns have 70 kB: for the energies of the last step, and once it is
+    // done.
     assert!(copied < 60 * 15_000 + 150_000, "{copied} bytes, {elements} elements");
     assert_eq!(run.counts().broken, 0);
 }

@@ -8,7 +8,7 @@ use crate::cohesive::{JointLaw, Memory};
 pub struct JointEnd<const D: usize> {
     /// Its law. Share, length and faded share do not count.
     pub law: FlatLaw<D>,
-    /// Its history, which the pass changes.
+    /// The history of the end, which the pass changes.
     pub memory: EndMemory<D>,
     /// Opening and sliding, m.
     pub gap: [f64; D],

@@ -44,9 +44,9 @@ impl<const D: usize> RowCells<D> {
 ///
 /// # Order
 /// Elements are in the order of [`RowCells`]. The partners of an element are first those behind it in its
-/// row, then those in the rows whose cells differ by the offsets before zero, in lexicographic order, of -1, 0
-/// and 1; in each row they ascend. Elements touch as [`Elements`] documents. A filter takes couples out of
-/// this order and changes nothing else.
+/// row, then those in the rows whose cells differ by the offsets before zero, in lexicographic order, of
+/// -1, 0 and 1; in each row they ascend. Elements touch as [`Elements`] documents. A filter takes couples out
+/// of this order and changes nothing else.
 ///
 /// In a periodic box there are two searches, and
 /// [`PeriodicSearch::for_each_by`](crate::PeriodicSearch::for_each_by) documents their order.

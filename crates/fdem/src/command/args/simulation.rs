@@ -150,9 +150,9 @@ pub(crate) struct RunOptions {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: usize,
 
-    /// Where elements, joints and nodes are computed: `cpu`, `gpu`, or `gpu:N` with a number of `fdem devices`.
-    /// Results are the same to the last bit. A graphics processor does not insert joints, and has no rigid
-    /// bodies; contacts and loads stay on the processor.
+    /// Where elements, joints and nodes are computed: `cpu`, `gpu`, or `gpu:N` with a number of
+    /// `fdem devices`. Results are the same to the last bit. A graphics processor does not insert joints, and
+    /// has no rigid bodies; contacts and loads stay on the processor.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub(crate) device: DeviceName,
 
