@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{FluidError, check};
 
 /// Hydraulic aperture as a function of the mechanical opening and of the compression of a closed joint.
@@ -15,7 +17,7 @@ use crate::error::{FluidError, check};
 /// N. R. Barton, S. C. Bandis and K. Bakhtar, "Strength, deformation and conductivity coupling of rock
 /// joints", Int. J. Rock Mech. Min. Sci. 22 (1985) 121-140: their hyperbola `σ = k w/(1 - w/w_max)` of the
 /// closure `w`, with the largest closure `w_max = a0` and the stiffness `k = σ_ref/(9 a0)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ApertureLaw {
     /// Aperture `a0` without opening and compression, m.
     pub initial: f64,

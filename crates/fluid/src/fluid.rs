@@ -1,9 +1,11 @@
 //! The fluid: its viscosity, and its density as a function of the pressure.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{FluidError, check};
 
 /// Density of a fluid as a function of its pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StateEquation {
     /// `ρ = ρ0 exp((p - p0)/K)`: a constant bulk modulus. A cell that is not full has the pressure of
     /// cavitation: the gap between the front of the fluid and the tip of a crack, its *lag*.
@@ -107,7 +109,7 @@ impl StateEquation {
 }
 
 /// A fluid.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fluid {
     /// Dynamic viscosity, Pa s.
     pub viscosity: f64,

@@ -9,7 +9,7 @@
 //!
 //! 1. [`Network::renew`], only if joints were inserted or corners have split: all cells, old and new. Cells
 //!    keep their mass by their keys. [`Network::drain`] before it, for cells that are to vanish with their
-//!    fluid.
+//!    fluid; [`Network::set_source_cells`] before it, for new cells at the wall of a hole.
 //! 2. [`Network::update`]: the [`Shape`] of each cell, from the present positions of nodes. Where the solid
 //!    is stiff against the fluid, with the compliance of its walls (below). [`Network::set_source_volume`]:
 //!    the volume of holes.

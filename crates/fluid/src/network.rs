@@ -8,6 +8,8 @@ mod implicit;
 
 use std::collections::BTreeSet;
 
+use serde::{Deserialize, Serialize};
+
 use crate::cell::{Cell, Opened, Place, Shape};
 use crate::error::{FluidError, check};
 use crate::fluid::Fluid;
@@ -21,7 +23,7 @@ use crate::topology::{DRY, Topology};
 const MOST_PARTS: f64 = 1e6;
 
 /// How a step is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scheme {
     /// Backward Euler: stable at any step.
     #[default]
@@ -32,7 +34,7 @@ pub enum Scheme {
 }
 
 /// How cells are connected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Connection {
     /// By the cubic law.
     #[default]
@@ -42,7 +44,8 @@ pub enum Connection {
 }
 
 /// The model of a network: all that does not change during a run, but for cells and sources.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
 pub struct FlowModel<const D: usize> {
     /// The fluid.
     pub fluid: Fluid,
@@ -334,6 +337,17 @@ impl<const D: usize> Network<D> {
             "positive if it was positive, and zero if it was zero"
         })?;
         self.sources[at].volume = volume;
+        Ok(())
+    }
+
+    /// Sets the keys of the cells of a source, such as those of new cracks at the wall of a hole. The next
+    /// [`renew`](Self::renew) connects them.
+    ///
+    /// # Errors
+    /// A source that does not exist.
+    pub fn set_source_cells(&mut self, key: u64, cells: Vec<u64>) -> Result<(), FluidError> {
+        let at = self.source(key)?;
+        self.sources[at].cells = cells;
         Ok(())
     }
 

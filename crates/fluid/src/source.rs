@@ -1,10 +1,12 @@
 //! Sources: places where fluid is injected, at a rate or at a pressure.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{FluidError, check};
 
 /// A quantity that may change with the time: piecewise linear, and constant before its first and after its
 /// last time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     times: Vec<f64>,
     values: Vec<f64>,
@@ -60,7 +62,7 @@ impl Schedule {
 }
 
 /// The quantity that a source prescribes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// Volume that flows in, m³/s at the reference density, exactly integrated over a step. Fluid is taken
     /// out if it is negative, as far as there is some: [`Balance::missed`](crate::Balance::missed).

@@ -7,6 +7,7 @@
 //! their contents.
 
 pub(crate) mod cavity;
+pub(crate) mod fluid;
 pub(crate) mod gravity;
 pub(crate) mod ground;
 pub(crate) mod loads;
@@ -19,6 +20,7 @@ use std::collections::BTreeMap;
 
 use crate::action::{Acting, Action, Applied, Event, Record, Scene, Wide};
 use crate::actions::cavity::Cavities;
+use crate::actions::fluid::FluidAction;
 use crate::actions::gravity::Gravity;
 use crate::actions::ground::Ground;
 use crate::actions::loads::Loads;
@@ -52,6 +54,7 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     pub(crate) ground: Ground<D, N>,
     pub(crate) program: Program<D>,
     pub(crate) cavities: Cavities<D>,
+    pub(crate) fluid: FluidAction<D>,
     gravity: Gravity,
     pub(crate) spheres: SphereAction<D>,
     /// Forces of this step whose work is external work.
@@ -94,6 +97,7 @@ where
             ground,
             program: Program::default(),
             cavities,
+            fluid: FluidAction::default(),
             gravity: Gravity,
             spheres: SphereAction::default(),
             applied: Vec::new(),
@@ -102,15 +106,17 @@ where
     }
 
     /// All kinds of actions, in the order in which their forces are added.
-    fn all(&self) -> [&dyn Action<D, N>; 7] {
-        let Self { seams, loads, ground, program, cavities, gravity, spheres, .. } = self;
-        [seams, loads, ground, program, cavities, gravity, spheres]
+    fn all(&self) -> [&dyn Action<D, N>; 8] {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, .. } = self;
+        [seams, loads, ground, program, cavities, gravity, spheres, fluid]
     }
 
     /// The same list.
-    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 7], &mut Vec<Applied<D>>, &[Schedule]) {
-        let Self { seams, loads, ground, program, cavities, gravity, spheres, applied, schedules, .. } = self;
-        ([seams, loads, ground, program, cavities, gravity, spheres], applied, schedules)
+    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 8], &mut Vec<Applied<D>>, &[Schedule]) {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, .. } = self;
+        let all: [&mut dyn Action<D, N>; 8] =
+            [seams, loads, ground, program, cavities, gravity, spheres, fluid];
+        (all, &mut self.applied, &self.schedules)
     }
 
     /// The forces of all actions on corners of elements, N, in the order in which they are added, and the

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use fdem_distributed::wire::Wire;
+use fdem_fluid::FluidError;
 use fdem_grains::GrainError;
 
 /// Reason why a [`Model`](crate::Model) cannot be simulated.
@@ -18,6 +19,13 @@ pub enum ModelError {
     ),
     /// Spheres are not divided among ranks.
     GrainsOnRanks,
+    /// The fluid cannot be simulated.
+    Fluid(
+        /// The reason.
+        FluidError,
+    ),
+    /// Fluid is not divided among ranks.
+    FluidOnRanks,
     /// A list does not have an entry for each node or element.
     Length {
         /// The list.
@@ -180,9 +188,9 @@ impl fmt::Display for ModelError {
             Self::GrainsOnRanks => {
                 out.write_str("spheres without bodies are not divided among ranks: run them on threads")
             }
-            Self::Length { what, found, expected } => {
-                write!(out, "{found} {what} for {expected}")
-            }
+            Self::Fluid(error) => write!(out, "fluid: {error}"),
+            Self::FluidOnRanks => out.write_str("fluid is not divided among ranks: run it on threads"),
+            Self::Length { what, found, expected } => write!(out, "{found} {what} for {expected}"),
             Self::UntilOverloaded { body, why } => {
                 write!(out, "body {body} cannot be rigid until it is overloaded: {why}")
             }
@@ -279,6 +287,12 @@ impl fmt::Display for ModelError {
 }
 
 impl std::error::Error for ModelError {}
+
+impl From<FluidError> for ModelError {
+    fn from(error: FluidError) -> Self {
+        Self::Fluid(error)
+    }
+}
 
 impl From<GrainError> for ModelError {
     fn from(error: GrainError) -> Self {
@@ -384,6 +398,11 @@ pub enum Stop {
         /// The reason.
         GrainError,
     ),
+    /// The fluid cannot continue.
+    Fluid(
+        /// The reason.
+        FluidError,
+    ),
     /// A run cannot continue with a body that was rigid until it was overloaded, for this reason.
     Released(String),
     /// A device has failed, for this reason.
@@ -408,6 +427,7 @@ impl Stop {
             | Self::Returned { element, .. } => element,
             Self::Detection(_)
             | Self::Grains(_)
+            | Self::Fluid(_)
             | Self::Released(_)
             | Self::Device(_)
             | Self::OnRank { .. } => u32::MAX,
@@ -419,6 +439,7 @@ impl Stop {
         match self {
             Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
             Self::Grains(error) => Self::OnRank { rank, reason: error.to_string() },
+            Self::Fluid(error) => Self::OnRank { rank, reason: error.to_string() },
             Self::Released(reason) | Self::Device(reason) => Self::OnRank { rank, reason },
             stop => stop,
         }
@@ -443,6 +464,7 @@ impl Wire for Stop {
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::Grains(error) => (5_u8, (0_u64, error.to_string())).put(out),
+            Self::Fluid(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::Released(reason) | Self::Device(reason) => (5_u8, (0_u64, reason.clone())).put(out),
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
         }
@@ -499,6 +521,7 @@ impl fmt::Display for Stop {
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
             Self::Grains(error) => write!(out, "grains: {error}"),
+            Self::Fluid(error) => write!(out, "fluid: {error}"),
             Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
             Self::Device(reason) => write!(out, "the device has failed: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),

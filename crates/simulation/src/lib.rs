@@ -100,6 +100,7 @@
 //! | outer facets and faces of cracks | `src/faces.rs` |
 //! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
+//! | flow in cracks | `src/actions/fluid.rs`, its model: `src/model/fluid.rs`, the flow itself: the crate `fdem-fluid` |
 //! | changes by the caller between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | rigid bodies | `src/rigid.rs`, their nodes and supports: `src/rigid/nodes.rs`, their motion: `src/motion/rigid.rs` |
 //! | the longest stable time step | `src/critical.rs` |
@@ -217,6 +218,7 @@ pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
 pub use fdem_contact::Simd;
+pub use fdem_fluid as fluid;
 pub use fdem_grains as grains;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
@@ -225,9 +227,9 @@ pub use joints::single::{JointEnd, soften_ends};
 pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
-    Boundary, ContactOptions, CriticalOpening, FractureOptions, InitialOverlap, Insertion, Interface,
-    JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule, Strength, Target,
-    TimeOptions, UntilOverloaded,
+    Boundary, ContactOptions, CriticalOpening, FluidOptions, FluidSource, FractureOptions, InitialOverlap,
+    Insertion, Interface, JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule,
+    Strength, Target, TimeOptions, UntilOverloaded, WetFrom,
 };
 pub use probe::touching::TouchingSide;
 pub use probe::{MaterialPoint, Probe};

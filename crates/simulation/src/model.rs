@@ -1,6 +1,7 @@
 //! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read
 //! elsewhere.
 
+mod fluid;
 mod load;
 
 use std::collections::BTreeSet;
@@ -10,6 +11,7 @@ use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 use crate::laws::{AnyLaw, MaterialLaw};
+pub use crate::model::fluid::{FluidOptions, FluidSource, WetFrom};
 pub(crate) use crate::model::load::Stored;
 pub use crate::model::load::{Load, LoadEffect, LoadSummary, STORED};
 pub use crate::moduli::Plane;
@@ -68,6 +70,8 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub until_overloaded: Vec<UntilOverloaded>,
     /// Spheres and walls, whose materials are those of this model, number by number; `None` without.
     pub grains: Option<GrainModel>,
+    /// Fluid in holes and cracks; `None` without.
+    pub fluid: Option<FluidOptions<D>>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -156,6 +160,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             rigid: Vec::new(),
             until_overloaded: Vec::new(),
             grains: None,
+            fluid: None,
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),

@@ -20,7 +20,7 @@
 //! Each rank has the faces of its own elements, and knows all joints that have broken anywhere, so that all
 //! ranks find the same connections.
 
-mod face;
+pub(super) mod face;
 mod state;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -115,6 +115,9 @@ where
         communicator.broadcast(&mut bytes);
         let [frame, common, spheres]: [Vec<u8>; 3] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
+        if frame.model.fluid.is_some() {
+            return Err(ModelError::FluidOnRanks);
+        }
         if let Some(of) = frame.model.until_overloaded.first() {
             return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
         }

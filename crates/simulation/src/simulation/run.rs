@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use fdem_contact::Simd;
 use fdem_distributed::wire;
+use fdem_fluid::Network;
 use fdem_grains::GrainRun;
 
 use crate::action::{Record, Scene};
@@ -325,6 +326,18 @@ where
     /// Pressure, volume and work of the cavity of a boundary; `None` if it has none.
     pub fn cavity(&self, boundary: usize) -> Option<CavityState> {
         self.actions.cavities.state(u32::try_from(boundary).ok()?)
+    }
+
+    /// The fluid in the cracks: pressures, apertures and saturations of its cells, what its sources inject,
+    /// and the balance of its mass. Sources have their numbers in the model as keys, cells those of
+    /// [`Simulation::fluid_joints`]. `None` without fluid.
+    pub fn fluid(&self) -> Option<&Network<D>> {
+        self.actions.fluid.network()
+    }
+
+    /// The two elements beside each cell of the fluid, in the order of the columns of [`Simulation::fluid`].
+    pub fn fluid_joints(&self) -> Vec<[u32; 2]> {
+        self.actions.fluid.elements(&self.topology)
     }
 
     /// The model as it was given.

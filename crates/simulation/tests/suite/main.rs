@@ -22,6 +22,8 @@ mod laws;
 mod resume;
 /// Velocities, forces and factors that a caller sets between steps.
 mod actions;
+/// Fluid in holes and cracks.
+mod fluid;
 /// Pressures in holes and cracks.
 mod cavity;
 /// Initial stress: stored energy and equilibrium.
