@@ -261,7 +261,7 @@ fn cracked(cell: f64, [open, near, far]: [f64; 3], strength: Option<Strength>, d
 fn a_line_crack_opens_as_sneddon_says() {
     let (length, pressure) = (0.1, 1e6);
     let areas = [4.0, 8.0].map(|cells| {
-        let mut model = cracked(length / cells, [length, length, 1.6], None, 2700.0);
+        let mut model = cracked(length / cells, [length, length, 1.0], None, 2700.0);
         model.time = TimeOptions { dynamic_relaxation: true, ..TimeOptions::default() };
         let fluid = model.fluid.as_mut().expect("a fluid");
         fluid.flow.fluid.viscosity = 1e-12;
@@ -291,7 +291,7 @@ fn a_line_crack_opens_as_sneddon_says() {
     let expected = 2.0 * std::f64::consts::PI * pressure * length * length / MODULUS;
     // A mesh of triangles makes a crack too short by a share of the size of its elements.
     let found = 2.0 * areas[1] - areas[0];
-    // 2.0 % in these coarse meshes.
+    // It is 2 % in these coarse meshes of a plate of ten lengths.
     assert!((found / expected - 1.0).abs() < 0.03, "{}", found / expected);
 }
 
